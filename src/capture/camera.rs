@@ -1,0 +1,210 @@
+//! A static pinhole camera.
+//!
+//! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.3, the unprojection
+//! `x = ((w·u − w)/rw − w/2)/(fl/a)·d`. With a normalized image plane (`w = h`) that equals
+//! `x = (u_px − cx)/fx · z` for `fx = fl·rw/(a·w)`, `cx = rw/2`. What differs: we use the intrinsics form, pixel
+//! indices start at 0, and pixel centers lie at `+0.5` where the paper samples the corner of a 1-based index.
+
+use glam::{DAffine3, DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// Image size and projection of a pinhole camera, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Intrinsics {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Horizontal focal length, pixels.
+    pub fx: f64,
+    /// Vertical focal length, pixels.
+    pub fy: f64,
+    /// Principal point, pixels from the left edge of the image.
+    pub cx: f64,
+    /// Principal point, pixels from the top edge of the image.
+    pub cy: f64,
+}
+
+impl Intrinsics {
+    /// A camera of `width × height` square pixels with the principal point in the middle and the given horizontal
+    /// angle of view in radians.
+    #[must_use]
+    pub fn from_horizontal_angle(width: u32, height: u32, angle_x_rad: f64) -> Self {
+        let focal_px = f64::from(width) / (2.0 * (angle_x_rad / 2.0).tan());
+        Self {
+            width,
+            height,
+            fx: focal_px,
+            fy: focal_px,
+            cx: f64::from(width) / 2.0,
+            cy: f64::from(height) / 2.0,
+        }
+    }
+
+    /// `(width, height)` as indices.
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        (self.width as usize, self.height as usize)
+    }
+
+    /// Pixels in the image.
+    #[must_use]
+    pub fn pixel_count(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// The ray through image position `pixel` (pixels, centers at +0.5), in camera space, scaled to `z = 1`:
+    /// multiplied with planar depth it is the point.
+    #[must_use]
+    pub fn ray_in_camera(&self, pixel: DVec2) -> DVec3 {
+        DVec3::new((pixel.x - self.cx) / self.fx, (pixel.y - self.cy) / self.fy, 1.0)
+    }
+
+    /// Image position (pixels) of a point in camera space, or `None` where `z ≤ 0`. It may lie outside the image.
+    #[must_use]
+    pub fn project(&self, point_in_camera: DVec3) -> Option<DVec2> {
+        (point_in_camera.z > 0.0).then(|| {
+            DVec2::new(
+                self.cx + self.fx * point_in_camera.x / point_in_camera.z,
+                self.cy + self.fy * point_in_camera.y / point_in_camera.z,
+            )
+        })
+    }
+}
+
+/// A named static camera: x right, y down, z forward; rigid pose in the world, in the capture's unit (meters).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Camera {
+    /// Name, unique in its capture.
+    pub name: String,
+    /// Image size and projection.
+    pub intrinsics: Intrinsics,
+    /// Camera space to world space: a rotation and a translation, no scale.
+    pub world_from_camera: DAffine3,
+}
+
+impl Camera {
+    /// A camera at `eye` that looks at `target`, with `up` pointing up in the picture; all in world space.
+    ///
+    /// Where `up` runs along the line of sight, any perpendicular direction serves instead.
+    #[must_use]
+    pub fn look_at(
+        name: impl Into<String>,
+        intrinsics: Intrinsics,
+        eye: DVec3,
+        target: DVec3,
+        up: DVec3,
+    ) -> Self {
+        let forward = (target - eye).try_normalize().unwrap_or(DVec3::Z);
+        let right = forward.cross(up).try_normalize().unwrap_or_else(|| forward.any_orthonormal_vector());
+        let down = forward.cross(right);
+        Self {
+            name: name.into(),
+            intrinsics,
+            world_from_camera: DAffine3::from_mat3_translation(
+                glam::DMat3::from_cols(right, down, forward),
+                eye,
+            ),
+        }
+    }
+
+    /// World space to camera space.
+    #[must_use]
+    pub fn camera_from_world(&self) -> DAffine3 {
+        self.world_from_camera.inverse()
+    }
+
+    /// The center of projection, in world space.
+    #[must_use]
+    pub fn position_in_world(&self) -> DVec3 {
+        self.world_from_camera.translation
+    }
+
+    /// The look vector (the paper's `cD`): unit length, in world space.
+    #[must_use]
+    pub fn forward_in_world(&self) -> DVec3 {
+        self.world_from_camera.matrix3.z_axis
+    }
+
+    /// The world point at image position `pixel` and planar depth `depth_z`.
+    #[must_use]
+    pub fn unproject(&self, pixel: DVec2, depth_z: f64) -> DVec3 {
+        self.world_from_camera.transform_point3(self.intrinsics.ray_in_camera(pixel) * depth_z)
+    }
+
+    /// Image position and planar depth of a world point, or `None` where it is not in front of the camera.
+    #[must_use]
+    pub fn project(&self, point_in_world: DVec3) -> Option<(DVec2, f64)> {
+        let point_in_camera = self.camera_from_world().transform_point3(point_in_world);
+        Some((self.intrinsics.project(point_in_camera)?, point_in_camera.z))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Camera, Intrinsics};
+    use glam::{DVec2, DVec3};
+    use proptest::prelude::*;
+
+    fn any_camera() -> impl Strategy<Value = Camera> {
+        (
+            prop::array::uniform3(-10.0..10.0_f64),
+            prop::array::uniform3(-10.0..10.0_f64),
+            0.2..2.5_f64,
+            1..2000_u32,
+            1..2000_u32,
+        )
+            .prop_map(|(eye, target, angle, width, height)| {
+                Camera::look_at(
+                    "c",
+                    Intrinsics::from_horizontal_angle(width, height, angle),
+                    DVec3::from(eye),
+                    DVec3::from(target),
+                    DVec3::Z,
+                )
+            })
+    }
+
+    proptest! {
+        #[test]
+        fn projecting_undoes_unprojecting(camera in any_camera(), u in 0.0..2000.0, v in 0.0..2000.0, z in 0.01..1e4) {
+            let (pixel, depth) = camera.project(camera.unproject(DVec2::new(u, v), z)).unwrap();
+            prop_assert!((pixel - DVec2::new(u, v)).length() < 1e-5);
+            prop_assert!((depth - z).abs() < 1e-8 * z.max(1.0));
+        }
+
+        #[test]
+        fn a_camera_is_a_right_handed_rigid_frame(camera in any_camera()) {
+            let m = camera.world_from_camera.matrix3;
+            prop_assert!((m.determinant() - 1.0).abs() < 1e-9);
+            prop_assert!((m.x_axis.cross(m.y_axis) - m.z_axis).length() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_papers_unprojection_is_the_intrinsics_form() {
+        // w = h = 1, aspect a = 1, focal length fl on the normalized plane, rw pixels, 1-based index u.
+        let (fl, rw, d) = (1.2_f64, 640.0_f64, 3.5_f64);
+        let u = 17.0_f64;
+        let paper_x = (((u - 1.0) / rw - 0.5) / fl) * d;
+        let intrinsics =
+            Intrinsics { width: 640, height: 640, fx: fl * rw, fy: fl * rw, cx: rw / 2.0, cy: rw / 2.0 };
+        // The paper's 1-based index marks the left edge of the pixel, hence 0-based index 16 without its half.
+        let ours = intrinsics.ray_in_camera(DVec2::new(16.0, 0.0)).x * d;
+        assert!((paper_x - ours).abs() < 1e-12);
+    }
+
+    #[test]
+    fn up_in_the_world_is_up_in_the_picture() {
+        let camera = Camera::look_at(
+            "c",
+            Intrinsics::from_horizontal_angle(100, 100, 1.0),
+            DVec3::new(0.0, -5.0, 0.0),
+            DVec3::ZERO,
+            DVec3::Z,
+        );
+        let (above, _) = camera.project(DVec3::new(0.0, 0.0, 1.0)).unwrap();
+        let (right, _) = camera.project(DVec3::new(1.0, 0.0, 0.0)).unwrap();
+        assert!(above.y < 50.0 && right.x > 50.0);
+    }
+}

@@ -1,0 +1,180 @@
+//! What was recorded: static cameras and their frames of color, depth and normals.
+//!
+//! ```text
+//! transforms.json ─ manifest ─┐
+//! *.exr ─────────── exr ──────┼─ Capture ─ frame(camera, frame) ─ preprocess
+//! demo scene ────── demo ─────┘     (lazy, decoded in parallel, bounded cache)
+//! ```
+//!
+//! Importers convert to the program's conventions (see the crate page); nothing behind this module does.
+
+pub mod camera;
+pub mod demo;
+pub mod exr;
+pub mod exr_write;
+pub mod frame;
+pub mod sequence;
+pub mod transforms;
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+
+pub use camera::{Camera, Intrinsics};
+pub use frame::{Frame, INVALID_INVERSE_DEPTH};
+pub use sequence::FrameCache;
+
+/// Where the frames of a capture come from: files, or a scene that is rendered when asked.
+pub trait FrameSource: Send + Sync {
+    /// Decodes or renders one frame. Called from many threads at once.
+    ///
+    /// # Errors
+    /// Names the file and the frame, and says what to do.
+    fn load(&self, camera: usize, frame: usize) -> Result<Frame>;
+
+    /// Where the frame comes from, for messages: a path, or the scene's name and frame.
+    fn place(&self, camera: usize, frame: usize) -> String;
+}
+
+/// A capture: cameras, frames, and a bounded cache of decoded frames.
+///
+/// Cloning is cheap; clones share frames and cache.
+#[derive(Clone)]
+pub struct Capture {
+    /// Name for titles: the folder's, or the scene's.
+    pub name: String,
+    /// The cameras, in the order that ties are settled by.
+    pub cameras: Vec<Camera>,
+    /// The number each frame bears in the capture (`time` in the manifest), ascending; as many as there are frames.
+    pub frame_numbers: Vec<i64>,
+    /// Up in world space, unit length.
+    pub up_in_world: DVec3,
+    /// Whether the capture gives normals.
+    pub has_normals: bool,
+    /// Whether color is filtered across silhouettes (depth never is).
+    pub antialiased_color: bool,
+    /// Recoverable trouble met while opening, one line each.
+    pub warnings: Vec<String>,
+    source: Arc<dyn FrameSource>,
+    cache: Arc<FrameCache>,
+    /// Index of each camera in `source`: differs from its own index where cameras are held out.
+    source_cameras: Vec<usize>,
+}
+
+/// What a [`Capture`] is made from: see its fields of the same names.
+pub struct CaptureParts {
+    /// See [`Capture::name`].
+    pub name: String,
+    /// See [`Capture::cameras`].
+    pub cameras: Vec<Camera>,
+    /// See [`Capture::frame_numbers`].
+    pub frame_numbers: Vec<i64>,
+    /// See [`Capture::up_in_world`].
+    pub up_in_world: DVec3,
+    /// See [`Capture::has_normals`].
+    pub has_normals: bool,
+    /// See [`Capture::antialiased_color`].
+    pub antialiased_color: bool,
+    /// See [`Capture::warnings`].
+    pub warnings: Vec<String>,
+    /// Where frames come from.
+    pub source: Arc<dyn FrameSource>,
+}
+
+impl Capture {
+    /// Wraps a source of frames with a cache of at most `cache_bytes` of decoded frames.
+    #[must_use]
+    pub fn new(parts: CaptureParts, cache_bytes: usize) -> Self {
+        let source_cameras = (0..parts.cameras.len()).collect();
+        Self {
+            name: parts.name,
+            cameras: parts.cameras,
+            frame_numbers: parts.frame_numbers,
+            up_in_world: parts.up_in_world,
+            has_normals: parts.has_normals,
+            antialiased_color: parts.antialiased_color,
+            warnings: parts.warnings,
+            source: parts.source,
+            cache: Arc::new(FrameCache::new(cache_bytes)),
+            source_cameras,
+        }
+    }
+
+    /// Frames per camera.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        self.frame_numbers.len()
+    }
+
+    /// Pixels of all frames of all cameras.
+    #[must_use]
+    pub fn pixel_count(&self) -> u64 {
+        let per_frame: usize = self.cameras.iter().map(|c| c.intrinsics.pixel_count()).sum();
+        per_frame as u64 * self.frame_count() as u64
+    }
+
+    /// One frame of one camera, from the cache or its source.
+    ///
+    /// # Errors
+    /// Whatever the source gives (naming file and frame), and [`Error::Invalid`] where the frame's size is not the
+    /// camera's.
+    pub fn frame(&self, camera: usize, frame: usize) -> Result<Arc<Frame>> {
+        let source_camera = self.source_cameras[camera];
+        let loaded =
+            self.cache.get_or_load((source_camera, frame), || self.source.load(source_camera, frame))?;
+        let expected = self.cameras[camera].intrinsics.size();
+        if loaded.size() != expected {
+            let (width, height) = loaded.size();
+            return Err(Error::invalid(
+                self.place(camera, frame),
+                format!(
+                    "the picture is {width}×{height} but camera '{}' is {}×{}; every frame of a camera must have the same size",
+                    self.cameras[camera].name, expected.0, expected.1
+                ),
+            ));
+        }
+        Ok(loaded)
+    }
+
+    /// Where a frame comes from, for messages.
+    #[must_use]
+    pub fn place(&self, camera: usize, frame: usize) -> String {
+        self.source.place(self.source_cameras[camera], frame)
+    }
+
+    /// The index of the frame that bears `number`, or `None`.
+    #[must_use]
+    pub fn frame_index(&self, number: i64) -> Option<usize> {
+        self.frame_numbers.binary_search(&number).ok()
+    }
+
+    /// The same capture with only the cameras for which `keep` is true, sharing frames and cache: for hold-outs.
+    #[must_use]
+    pub fn with_cameras(&self, mut keep: impl FnMut(usize, &Camera) -> bool) -> Self {
+        let kept: Vec<usize> =
+            (0..self.cameras.len()).filter(|&index| keep(index, &self.cameras[index])).collect();
+        Self {
+            cameras: kept.iter().map(|&index| self.cameras[index].clone()).collect(),
+            source_cameras: kept.iter().map(|&index| self.source_cameras[index]).collect(),
+            ..self.clone()
+        }
+    }
+}
+
+/// Loads the true picture of a [`View`].
+pub type TruthLoader = Arc<dyn Fn() -> Result<Frame> + Send + Sync>;
+
+/// A vantage to be rendered, and where it is known what it truly looks like.
+#[derive(Clone)]
+pub struct View {
+    /// Name of the picture, relative, with its extension as the manifest has it.
+    pub file_path: String,
+    /// Where from.
+    pub camera: Camera,
+    /// Number of the frame, as in [`Capture::frame_numbers`].
+    pub frame_number: i64,
+    /// The true picture, where there is one.
+    pub truth: Option<TruthLoader>,
+}

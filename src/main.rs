@@ -1,0 +1,3 @@
+//! The `overlook` command.
+
+fn main() {}

@@ -1,0 +1,370 @@
+//! The one settings struct that drives the command line, the sliders and the store's own record of how it was made.
+//!
+//! In TOML it reads
+//!
+//! ```toml
+//! [pruning]
+//! rate = "footprint"
+//! depth_tolerance = 1.5
+//! ```
+//!
+//! Every field's doc comment is also its help text (`--help`, hover text). A missing field keeps its default; an unknown
+//! one is an error, so that a misspelled threshold never passes in silence.
+
+mod choice;
+mod section;
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use choice::choice;
+use section::section;
+pub use section::{Field, Kind};
+
+choice! {
+    /// Where normals come from.
+    pub enum NormalSource {
+        /// Given normals where the capture has them, estimated ones elsewhere.
+        Auto = "auto",
+        /// Estimated from depth even where normals are given.
+        Estimated = "estimated",
+    }
+}
+
+choice! {
+    /// How normals are estimated from depth.
+    pub enum NormalEstimator {
+        /// Cross product of the two flattest one-sided differences of neighboring points: sharp, sensitive to noise.
+        Cross = "cross",
+        /// Least-squares plane in inverse depth over a 5×5 window cut at depth steps: smooth, robust to noise.
+        Plane = "plane",
+    }
+}
+
+choice! {
+    /// Which spans of frames a sample may live in.
+    pub enum SpanLevels {
+        /// Every frame for itself: nothing is shared over time.
+        Off = "off",
+        /// The paper's split: a pixel is background over all frames, or foreground in each one.
+        Paper = "paper",
+    }
+}
+
+choice! {
+    /// Which of two samples of the same surface point stays.
+    pub enum PruningMethod {
+        /// Every sample stays.
+        Off = "off",
+        /// The first camera that saw the point, whatever its sampling rate: what a layered depth image does.
+        FirstCamera = "first_camera",
+        /// The camera that sampled the point at the highest rate: the paper's rule.
+        HighestRate = "highest_rate",
+    }
+}
+
+choice! {
+    /// How the sampling rate of a pixel is measured.
+    pub enum RateModel {
+        /// The footprint where cameras differ in focal length or resolution, the paper's ratio where they are alike.
+        Auto = "auto",
+        /// The paper's r: planar depth over cosine of incidence. Knows nothing of focal length and resolution.
+        Paper = "paper",
+        /// Surface area of a pixel, z² cos α / (fx fy cos θ).
+        Footprint = "footprint",
+    }
+}
+
+choice! {
+    /// What happens to samples whose color is blended across a silhouette.
+    pub enum MixedPixels {
+        /// They are samples like any other.
+        Keep = "keep",
+        /// They lose against clean samples of the same surface, whatever the rates.
+        Yield = "yield",
+        /// They are removed before anything else.
+        Drop = "drop",
+    }
+}
+
+choice! {
+    /// How a sample is painted into the picture.
+    pub enum Kernel {
+        /// One pixel per sample.
+        Point = "point",
+        /// The paper's coarse blending: a sample is spread over the 2×2 pixels around its position.
+        Block = "block",
+    }
+}
+
+choice! {
+    /// How pixels without any sample are filled.
+    pub enum Fill {
+        /// Holes are shown as holes.
+        None = "none",
+    }
+}
+
+section! {
+    /// Reading the capture.
+    pub struct CaptureSettings in "capture" {
+        /// Memory for decoded frames that may be asked for again.
+        cache: u32 = 1024, "MiB", Kind::Integer { min: 16, max: 65536 };
+    }
+}
+
+section! {
+    /// Surface normals.
+    pub struct NormalSettings in "normals" {
+        /// Where normals come from.
+        source: NormalSource = NormalSource::Auto, "", Kind::Choice(NormalSource::NAMES);
+        /// How normals are estimated where none are given.
+        estimator: NormalEstimator = NormalEstimator::Plane, "", Kind::Choice(NormalEstimator::NAMES);
+        /// Two neighbors belong to one surface while their depths differ by less than this many pixel footprints.
+        edge: f32 = 8.0, "footprints", Kind::Number { min: 1.0, max: 64.0, log: true };
+    }
+}
+
+section! {
+    /// Temporal redundancy: which pixels stay the same, and for how long.
+    pub struct SpanSettings in "spans" {
+        /// Which spans of frames a sample may live in.
+        levels: SpanLevels = SpanLevels::Paper, "", Kind::Choice(SpanLevels::NAMES);
+        /// A pixel is static while its color stays within this range over the span, beyond what noise explains.
+        color_tolerance: f32 = 2.0, "8-bit steps", Kind::Number { min: 0.0, max: 64.0, log: false };
+        /// A pixel is static while its depth stays within this relative range over the span, beyond what noise explains.
+        depth_tolerance: f32 = 0.001, "relative", Kind::Number { min: 0.0, max: 0.1, log: true };
+        /// How many times the measured noise is granted on top of the tolerances; 0 trusts the tolerances alone.
+        noise: f32 = 1.0, "× measured", Kind::Number { min: 0.0, max: 4.0, log: false };
+    }
+}
+
+section! {
+    /// Spatial redundancy: which samples show the same surface point, and which of them stays.
+    pub struct PruningSettings in "pruning" {
+        /// Which of two samples of the same surface point stays.
+        method: PruningMethod = PruningMethod::HighestRate, "", Kind::Choice(PruningMethod::NAMES);
+        /// How the sampling rate of a pixel is measured.
+        rate: RateModel = RateModel::Auto, "", Kind::Choice(RateModel::NAMES);
+        /// Two samples show the same surface while one lies this close to the other's tangent plane.
+        depth_tolerance: f32 = 1.0, "footprints", Kind::Number { min: 0.05, max: 16.0, log: true };
+        /// Two samples show the same surface while their normals differ by less than this.
+        normal_tolerance: f32 = 30.0, "degrees", Kind::Number { min: 1.0, max: 90.0, log: false };
+        /// Two samples show the same surface while their colors differ by less than this.
+        color_tolerance: f32 = 24.0, "8-bit steps", Kind::Number { min: 1.0, max: 255.0, log: true };
+        /// The cosine of incidence never counts as less than this: grazing views and poor normals stay comparable.
+        cosine_floor: f32 = 0.1, "", Kind::Number { min: 0.01, max: 1.0, log: true };
+        /// Whether a foreground sample may be dropped for a background sample that shows the same point.
+        across_spans: bool = true, "", Kind::Switch;
+        /// What happens to samples whose color is blended across a silhouette.
+        mixed_pixels: MixedPixels = MixedPixels::Yield, "", Kind::Choice(MixedPixels::NAMES);
+    }
+}
+
+section! {
+    /// The file that the kept samples are written to.
+    pub struct StoreSettings in "store" {
+        /// Whether normals are stored with the samples.
+        normals: bool = false, "", Kind::Switch;
+    }
+}
+
+section! {
+    /// Painting the kept samples into a vantage.
+    pub struct RenderSettings in "render" {
+        /// How a sample is painted into the picture.
+        kernel: Kernel = Kernel::Block, "", Kind::Choice(Kernel::NAMES);
+        /// How pixels without any sample are filled.
+        fill: Fill = Fill::None, "", Kind::Choice(Fill::NAMES);
+        /// Samples this close behind the nearest one belong to the same surface and are blended with it.
+        depth_tolerance: f32 = 4.0, "footprints", Kind::Number { min: 0.1, max: 64.0, log: true };
+    }
+}
+
+/// Everything that can be set.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// Reading the capture.
+    pub capture: CaptureSettings,
+    /// Surface normals.
+    pub normals: NormalSettings,
+    /// Temporal redundancy.
+    pub spans: SpanSettings,
+    /// Spatial redundancy.
+    pub pruning: PruningSettings,
+    /// The file.
+    pub store: StoreSettings,
+    /// Painting.
+    pub render: RenderSettings,
+}
+
+impl Settings {
+    /// Every setting, section by section.
+    pub fn fields() -> impl Iterator<Item = &'static Field> {
+        CaptureSettings::FIELDS
+            .iter()
+            .chain(NormalSettings::FIELDS)
+            .chain(SpanSettings::FIELDS)
+            .chain(PruningSettings::FIELDS)
+            .chain(StoreSettings::FIELDS)
+            .chain(RenderSettings::FIELDS)
+    }
+
+    /// Reads settings from TOML text; `place` is named in errors.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for broken TOML, an unknown key, or a value out of range.
+    pub fn from_toml(text: &str, place: &str) -> Result<Self> {
+        let settings: Self = toml::from_str(text)
+            .map_err(|error| Error::invalid(place, error.to_string().trim().replace('\n', " ")))?;
+        settings.validate(place)?;
+        Ok(settings)
+    }
+
+    /// Reads settings from a TOML file.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where the file cannot be read, and as [`Settings::from_toml`].
+    pub fn load(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(|error| Error::io(path, error))?;
+        Self::from_toml(&text, &path.display().to_string())
+    }
+
+    /// These settings as TOML.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        toml::to_string_pretty(self).unwrap_or_default()
+    }
+
+    /// The value at `path` (`pruning.rate`), or `None` where there is no such setting.
+    #[must_use]
+    pub fn get(&self, path: &str) -> Option<toml::Value> {
+        let (section, name) = path.split_once('.')?;
+        let table = toml::Table::try_from(self).ok()?;
+        table.get(section)?.get(name).cloned()
+    }
+
+    /// Sets the value at `path` (`pruning.rate`).
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where there is no such setting or it does not take this value; nothing is changed then.
+    pub fn set(&mut self, path: &str, value: toml::Value) -> Result<()> {
+        let place = format!("setting {path}");
+        let field = Self::fields().find(|field| field.path == path).ok_or_else(|| {
+            let names: Vec<_> = Self::fields().map(|field| field.path).collect();
+            Error::invalid(&place, format!("there is no such setting; there are {}", names.join(", ")))
+        })?;
+        let value = match (field.kind, value) {
+            (Kind::Number { .. }, toml::Value::Integer(whole)) => toml::Value::Float(whole as f64),
+            (_, value) => value,
+        };
+        let mut table =
+            toml::Table::try_from(&*self).map_err(|error| Error::invalid(&place, error.to_string()))?;
+        if let Some((section, name)) = path.split_once('.')
+            && let Some(toml::Value::Table(section)) = table.get_mut(section)
+        {
+            section.insert(name.to_owned(), value);
+        }
+        let changed: Self = table
+            .try_into()
+            .map_err(|error: toml::de::Error| Error::invalid(&place, error.message().to_owned()))?;
+        changed.validate(&place)?;
+        *self = changed;
+        Ok(())
+    }
+
+    /// Sets from `key=value` text, as `--set` takes it. A bare word is taken as text.
+    ///
+    /// # Errors
+    /// As [`Settings::set`], and where there is no `=`.
+    pub fn set_text(&mut self, assignment: &str) -> Result<()> {
+        let (path, text) = assignment.split_once('=').ok_or_else(|| {
+            Error::invalid(
+                format!("--set {assignment}"),
+                "write it as key=value, as in pruning.rate=footprint",
+            )
+        })?;
+        let value = text
+            .trim()
+            .parse::<toml::Value>()
+            .unwrap_or_else(|_| toml::Value::String(text.trim().to_owned()));
+        self.set(path.trim(), value)
+    }
+
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the first setting out of range.
+    pub fn validate(&self, place: &str) -> Result<()> {
+        let table = toml::Table::try_from(self).map_err(|error| Error::invalid(place, error.to_string()))?;
+        for field in Self::fields() {
+            let Some((section, name)) = field.path.split_once('.') else { continue };
+            let value = table.get(section).and_then(|section| section.get(name));
+            let (number, min, max) = match (field.kind, value) {
+                (Kind::Number { min, max, .. }, Some(toml::Value::Float(number))) => (*number, min, max),
+                (Kind::Integer { min, max }, Some(toml::Value::Integer(whole))) => {
+                    (*whole as f64, min as f64, max as f64)
+                }
+                _ => continue,
+            };
+            // Tolerances are f32: one unit in the last place either way is the same setting.
+            let slack = 1e-6 * max.abs();
+            if !(min - slack..=max + slack).contains(&number) {
+                return Err(Error::invalid(
+                    place,
+                    format!(
+                        "{} = {number} is out of range; it goes from {min} to {max} {}",
+                        field.path, field.unit
+                    ),
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_survive_toml() {
+        let mut settings = Settings::default();
+        settings.set_text("pruning.rate=footprint").unwrap();
+        settings.set_text("pruning.depth_tolerance = 2").unwrap();
+        settings.set_text("pruning.across_spans=false").unwrap();
+        assert_eq!(settings.pruning.rate, RateModel::Footprint);
+        assert!(!settings.pruning.across_spans);
+        assert_eq!(Settings::from_toml(&settings.to_toml(), "test").unwrap(), settings);
+    }
+
+    #[test]
+    fn a_misspelled_or_absurd_setting_is_refused_and_changes_nothing() {
+        let mut settings = Settings::default();
+        for text in [
+            "pruning.rat=paper",
+            "pruning.rate=papr",
+            "pruning.depth_tolerance=-1",
+            "pruning.depth_tolerance=nan",
+            "nonsense",
+            "capture.cache=1.5",
+        ] {
+            let error = settings.set_text(text).unwrap_err().to_string();
+            assert!(!error.contains('\n'), "{error}");
+        }
+        assert_eq!(settings, Settings::default());
+        assert!(Settings::from_toml("[pruning]\nrat = 1", "s.toml").is_err());
+    }
+
+    #[test]
+    fn every_setting_can_be_read_and_has_help() {
+        let settings = Settings::default();
+        for field in Settings::fields() {
+            assert!(settings.get(field.path).is_some(), "{}", field.path);
+            assert!(field.help.len() > 10);
+        }
+    }
+}

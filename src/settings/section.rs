@@ -1,0 +1,83 @@
+//! One macro that declares a struct of settings whose doc comments are also its help text, and the table that sliders,
+//! `--set` and the README's list are made from.
+
+/// What kind of value a setting takes, and its sensible range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A number; sliders run from `min` to `max`, logarithmically where `log`.
+    Number {
+        /// Smallest value that is accepted.
+        min: f64,
+        /// Largest value that is accepted.
+        max: f64,
+        /// Whether a slider should be logarithmic.
+        log: bool,
+    },
+    /// A whole number from `min` to `max`.
+    Integer {
+        /// Smallest value that is accepted.
+        min: i64,
+        /// Largest value that is accepted.
+        max: i64,
+    },
+    /// Yes or no.
+    Switch,
+    /// One of several names, each with its help text.
+    Choice(&'static [(&'static str, &'static str)]),
+}
+
+/// One setting: where it stands, what it means, what it takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Field {
+    /// Section and name, as in `pruning.rate`.
+    pub path: &'static str,
+    /// Unit of the value; empty where there is none.
+    pub unit: &'static str,
+    /// Help text.
+    pub help: &'static str,
+    /// What it takes.
+    pub kind: Kind,
+}
+
+/// Declares a settings section: each field has a doc comment, a type, a default, a unit and a [`Kind`].
+macro_rules! section {
+    (
+        $(#[$meta:meta])*
+        pub struct $name:ident in $section:literal {
+            $(
+                $(#[doc = $doc:literal])+
+                $field:ident: $type:ty = $default:expr, $unit:literal, $kind:expr;
+            )+
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $name {
+            $(
+                $(#[doc = $doc])+
+                pub $field: $type,
+            )+
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: $default),+ }
+            }
+        }
+
+        impl $name {
+            /// Every setting of this section.
+            pub const FIELDS: &'static [$crate::settings::Field] = &[
+                $($crate::settings::Field {
+                    path: concat!($section, ".", stringify!($field)),
+                    unit: $unit,
+                    help: concat!($($doc),+),
+                    kind: $kind,
+                }),+
+            ];
+        }
+    };
+}
+
+pub(crate) use section;
