@@ -2,9 +2,15 @@
 
 use std::sync::Arc;
 
-use super::SampleSet;
-use crate::capture::Frame;
+use rayon::prelude::*;
+
+use super::layer::Layer;
+use super::pruning::Rig;
+use super::registration::{Outcome, SameSurface};
+use super::{SampleSet, TemporalScan};
+use crate::capture::{Camera, Frame};
 use crate::grid::Grid;
+use crate::settings::Settings;
 
 /// What a pixel is over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -18,8 +24,8 @@ pub enum PixelClass {
     Foreground,
 }
 
-/// Why a sample was kept or dropped. `docs()` gives the sentence for people.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// Why a sample was kept or dropped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Rule {
     /// Not a sample: the pixel has no depth.
@@ -44,6 +50,66 @@ pub enum Rule {
     MixedDropped,
 }
 
+impl Rule {
+    /// Every rule.
+    pub const ALL: [Self; 10] = [
+        Self::NoSample,
+        Self::OnlyWitness,
+        Self::BestRate,
+        Self::Coverage,
+        Self::PruningOff,
+        Self::LowerRate,
+        Self::Tie,
+        Self::LaterCamera,
+        Self::MixedYields,
+        Self::MixedDropped,
+    ];
+
+    /// Name in reports and JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NoSample => "no_sample",
+            Self::OnlyWitness => "only_witness",
+            Self::BestRate => "best_rate",
+            Self::Coverage => "coverage",
+            Self::PruningOff => "pruning_off",
+            Self::LowerRate => "lower_rate",
+            Self::Tie => "tie",
+            Self::LaterCamera => "later_camera",
+            Self::MixedYields => "mixed_yields",
+            Self::MixedDropped => "mixed_dropped",
+        }
+    }
+
+    /// The rule as a sentence for people.
+    #[must_use]
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::NoSample => "No sample: the pixel has no depth.",
+            Self::OnlyWitness => "Kept: no other camera sees this surface point.",
+            Self::BestRate => "Kept: no other camera samples this point more densely.",
+            Self::Coverage => {
+                "Kept: the better sample was itself dropped for one that does not see this point."
+            }
+            Self::PruningOff => "Kept: pruning is off.",
+            Self::LowerRate => "Dropped: the witness samples this point more densely.",
+            Self::Tie => "Dropped: equal rates, and the witness belongs to an earlier camera.",
+            Self::LaterCamera => "Dropped: an earlier camera shows this point.",
+            Self::MixedYields => {
+                "Dropped: its color is blended across a silhouette, and the witness is clean."
+            }
+            Self::MixedDropped => "Dropped: its color is blended across a silhouette.",
+        }
+    }
+
+    /// Whether samples under this rule stay.
+    #[must_use]
+    pub fn keeps(self) -> bool {
+        matches!(self, Self::OnlyWitness | Self::BestRate | Self::Coverage | Self::PruningOff)
+    }
+}
+
 /// The verdict on one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Verdict {
@@ -51,10 +117,27 @@ pub struct Verdict {
     pub rule: Rule,
     /// Whether the witness is a background sample.
     pub witness_is_background: bool,
-    /// Camera of the witness; meaningless for kept samples.
+    /// Camera of the witness; [`Verdict::NO_CAMERA`] where there is none.
     pub witness_camera: u16,
-    /// Pixel of the witness, `y * width + x`; meaningless for kept samples.
+    /// Pixel of the witness, `y * width + x`; 0 where there is none.
     pub witness_pixel: u32,
+}
+
+impl Verdict {
+    /// In place of a witness's camera where there is no witness.
+    pub const NO_CAMERA: u16 = u16::MAX;
+
+    /// A verdict without a witness.
+    #[must_use]
+    pub fn without_witness(rule: Rule) -> Self {
+        Self { rule, witness_is_background: false, witness_camera: Self::NO_CAMERA, witness_pixel: 0 }
+    }
+
+    /// Whether the sample stays.
+    #[must_use]
+    pub fn is_kept(self) -> bool {
+        self.rule.keeps()
+    }
 }
 
 /// One camera at the inspected frame.
@@ -82,14 +165,100 @@ pub struct FrameInspection {
     pub cameras: Vec<CameraInspection>,
     /// The samples kept at this frame (background and foreground), ready to be rendered.
     pub samples: Arc<SampleSet>,
+    pub(super) layers: Arc<Vec<Layer>>,
+    pub(super) settings: Settings,
+}
+
+/// What one camera says about a sample of another: a row of the pixel's argument.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairArgument {
+    /// The camera that was asked.
+    pub camera: usize,
+    /// What it says.
+    pub outcome: Outcome,
+    /// `log₂ r`, negative where the asking sample is denser; NaN unless both show the same surface point.
+    pub log2_ratio: f32,
 }
 
 impl FrameInspection {
+    /// The cameras, in the capture's order.
+    fn rig_cameras(&self) -> &[Camera] {
+        &self.samples.cameras
+    }
+
     /// log₂ r of every pixel of `camera` against camera `against`, or against whichever other camera samples the point
     /// best: negative where `camera` samples more densely; NaN where the other does not see the same surface point.
     #[must_use]
     pub fn log2_sampling_ratio(&self, camera: usize, against: Option<usize>) -> Grid<f32> {
-        let _ = (camera, against);
-        todo!()
+        let rig = Rig::new(self.rig_cameras());
+        let limits = SameSurface::new(&self.settings);
+        let layer = &self.layers[camera];
+        let (width, height) = (layer.width, layer.height());
+        let values = (0..height)
+            .into_par_iter()
+            .flat_map_iter(|y| {
+                let (rig, limits) = (&rig, &limits);
+                (0..width).map(move |x| {
+                    (0..self.layers.len())
+                        .filter(|&other| other != camera && against.is_none_or(|only| only == other))
+                        .map(|other| self.ask(rig, limits, camera, other, x, y).log2_ratio)
+                        // f32::max passes NaN over, so silence counts for nothing.
+                        .fold(f32::NAN, f32::max)
+                })
+            })
+            .collect();
+        Grid::from_vec(width, height, values)
+    }
+
+    /// What every other camera says about the sample at `(x, y)` of `camera`; empty where there is no sample.
+    #[must_use]
+    pub fn argument(&self, camera: usize, x: usize, y: usize) -> Vec<PairArgument> {
+        let layer = &self.layers[camera];
+        if x >= layer.width || y >= layer.height() || layer.inverse_depth[y * layer.width + x] < 0.0 {
+            return Vec::new();
+        }
+        let rig = Rig::new(self.rig_cameras());
+        let limits = SameSurface::new(&self.settings);
+        (0..self.layers.len())
+            .filter(|&other| other != camera)
+            .map(|other| self.ask(&rig, &limits, camera, other, x, y))
+            .collect()
+    }
+
+    fn ask(
+        &self,
+        rig: &Rig<'_>,
+        limits: &SameSurface,
+        camera: usize,
+        other: usize,
+        x: usize,
+        y: usize,
+    ) -> PairArgument {
+        let (layer, target) = (&self.layers[camera], &self.layers[other]);
+        let pixel = y * layer.width + x;
+        let outcome = if layer.inverse_depth[pixel] < 0.0 {
+            Outcome::NoDepth
+        } else {
+            rig.registration(camera, other).test(layer, target, x, y, limits)
+        };
+        let log2_ratio = match outcome {
+            Outcome::Same(found) => (layer.footprint[pixel] / target.footprint[found as usize]).log2(),
+            _ => f32::NAN,
+        };
+        PairArgument { camera: other, outcome, log2_ratio }
+    }
+}
+
+impl TemporalScan {
+    /// Share of each camera's pixels that are background under `settings`, 0 to 1.
+    #[must_use]
+    pub fn background_share(&self, settings: &Settings) -> Vec<f32> {
+        self.cameras
+            .iter()
+            .map(|camera| {
+                let pixels = camera.static_pixels(&settings.spans, self.frames);
+                pixels.iter().filter(|is_static| **is_static).count() as f32 / pixels.len().max(1) as f32
+            })
+            .collect()
     }
 }

@@ -1,18 +1,48 @@
 //! Preprocessing (the paper, §3.2): removes what is said twice, over time and between cameras.
+//!
+//! ```text
+//! frames ─ temporal::scan ─▶ ranges, means, noise ─ split ─▶ background (once)  ─┐
+//!    │                                                                         ├─ pruning ─▶ pack ─▶ SampleSet + Report
+//!    └──────────────────────── overlay ─────────────────────▶ foreground (each frame) ─┘
+//!
+//! a layer = colors, depths ─▶ normals ─▶ sampling rate ─▶ rank;  pruning asks registration who shows the same point
+//! ```
+//!
+//! The steps, in the paper's order: [`normals`] are given or estimated; [`temporal`] redundancy is split off as
+//! background; [`registration`] carries samples between cameras; [`sampling_rate`] tells which of two is better; and
+//! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add.
 
+pub mod background;
+pub mod foreground;
 pub mod inspection;
+pub mod layer;
+pub mod mixed_pixels;
+pub mod noise;
+pub mod normals;
+mod octahedral;
+pub mod pack;
+pub mod pruning;
+pub mod registration;
 pub mod report;
 pub mod samples;
+pub mod sampling_rate;
 pub mod temporal;
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use crate::capture::Capture;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::grid::Grid;
 use crate::job::Job;
 use crate::settings::Settings;
 
-pub use inspection::{CameraInspection, FrameInspection, PixelClass, Rule, Verdict};
+use background::Background;
+use foreground::{PrunedFrame, prune_frame};
+use pruning::Rig;
+use report::Tally;
+
+pub use inspection::{CameraInspection, FrameInspection, PairArgument, PixelClass, Rule, Verdict};
 pub use report::Report;
 pub use samples::{OctNormal, Sample, SampleImage, SampleSet, SampleTile, Span, TILE};
 pub use temporal::TemporalScan;
@@ -26,13 +56,16 @@ pub struct Preprocessed {
     pub report: Report,
 }
 
-/// The whole method: scan over time, split into spans, prune between cameras.
+/// The whole method: scan over time, split into background and foreground, prune between cameras.
 ///
 /// # Errors
 /// Whatever the capture gives (naming file and frame), and `Cancelled`.
 pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<Preprocessed> {
+    let started = Instant::now();
     let scan = scan(capture, settings, job)?;
-    prune(capture, &scan, settings, job)
+    let mut preprocessed = prune(capture, &scan, settings, job)?;
+    preprocessed.report.seconds = started.elapsed().as_secs_f64();
+    Ok(preprocessed)
 }
 
 /// The pass over all frames that depends on no threshold: ranges, means and noise of every pixel over time.
@@ -40,8 +73,8 @@ pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<P
 /// # Errors
 /// As [`preprocess`].
 pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<TemporalScan>> {
-    let _ = (capture, settings, job);
-    todo!()
+    settings.validate("settings")?;
+    Ok(Arc::new(temporal::scan(capture, job)?))
 }
 
 /// Everything after [`scan`]: cheap enough to be repeated whenever a threshold changes.
@@ -49,8 +82,27 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<Tem
 /// # Errors
 /// As [`preprocess`].
 pub fn prune(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &Job) -> Result<Preprocessed> {
-    let _ = (capture, scan, settings, job);
-    todo!()
+    settings.validate("settings")?;
+    let started = Instant::now();
+    let frames = capture.frame_count();
+    job.start("Pruning the background", 1);
+    let background = scan.background(capture, settings, job)?;
+    let rig = Rig::new(&capture.cameras);
+    let mut tally = Tally::new(capture, scan);
+    let mut images = Vec::new();
+    tally.add_background(&background);
+    images.extend(pack_background(&background, frames, settings));
+    job.start("Pruning frames", frames);
+    for frame in 0..frames {
+        let pruned = prune_frame(capture, &rig, &background, settings, frame, job)?;
+        tally.add_foreground(&pruned.decided);
+        images.extend(pack_foreground(&pruned, frame, settings));
+        job.advance(1);
+    }
+    let samples = Arc::new(sample_set(capture, settings, images));
+    let mut report = tally.finish(&samples);
+    report.seconds = started.elapsed().as_secs_f64();
+    Ok(Preprocessed { samples, report })
 }
 
 /// All verdicts of one frame, for the eye: what [`prune`] decides there, with reasons and witnesses.
@@ -58,7 +110,7 @@ pub fn prune(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &
 /// Without a `scan` (still under way) every pixel counts as foreground.
 ///
 /// # Errors
-/// As [`preprocess`].
+/// As [`preprocess`], and `Invalid` where there is no such frame.
 pub fn inspect_frame(
     capture: &Capture,
     scan: Option<&TemporalScan>,
@@ -66,6 +118,81 @@ pub fn inspect_frame(
     frame: usize,
     job: &Job,
 ) -> Result<FrameInspection> {
-    let _ = (capture, scan, settings, frame, job);
-    todo!()
+    settings.validate("settings")?;
+    if frame >= capture.frame_count() {
+        return Err(Error::invalid(
+            &capture.name,
+            format!("there is no frame {frame}; there are {}", capture.frame_count()),
+        ));
+    }
+    let background = match scan {
+        Some(scan) => scan.background(capture, settings, job)?,
+        None => Arc::new(Background::none(capture)),
+    };
+    let rig = Rig::new(&capture.cameras);
+    let pruned = prune_frame(capture, &rig, &background, settings, frame, job)?;
+    let mut images = pack_background(&background, capture.frame_count(), settings);
+    images.extend(pack_foreground(&pruned, frame, settings));
+    let cameras =
+        (0..capture.cameras.len()).map(|camera| inspect_camera(&background, &pruned, camera)).collect();
+    Ok(FrameInspection {
+        frame,
+        cameras,
+        samples: Arc::new(sample_set(capture, settings, images)),
+        layers: Arc::new(pruned.layers),
+        settings: settings.clone(),
+    })
+}
+
+fn inspect_camera(background: &Background, pruned: &PrunedFrame, camera: usize) -> CameraInspection {
+    let layer = &pruned.layers[camera];
+    let (width, height) = (layer.width, layer.height());
+    let mut verdicts = vec![Verdict::without_witness(Rule::NoSample); layer.class.len()];
+    for decided in [&background.decided[camera], &pruned.decided[camera]] {
+        for (&pixel, &verdict) in decided.pixels.iter().zip(&decided.verdicts) {
+            verdicts[pixel as usize] = verdict;
+        }
+    }
+    CameraInspection {
+        frame: pruned.frames[camera].clone(),
+        class: Grid::from_vec(width, height, layer.class.clone()),
+        verdict: Grid::from_vec(width, height, verdicts),
+        normal_in_world: Grid::from_vec(
+            width,
+            height,
+            layer.normal.iter().map(glam::Vec3::to_array).collect(),
+        ),
+        footprint: Grid::from_vec(width, height, layer.footprint.clone()),
+    }
+}
+
+fn pack_background(background: &Background, frames: usize, settings: &Settings) -> Vec<SampleImage> {
+    let span = Span { start: 0, end: frames as u32 };
+    let layers = background.layers.iter().zip(&background.decided).enumerate();
+    layers
+        .filter_map(|(camera, (layer, decided))| {
+            pack::pack(camera, span, layer, decided, settings.store.normals)
+        })
+        .collect()
+}
+
+fn pack_foreground(pruned: &PrunedFrame, frame: usize, settings: &Settings) -> Vec<SampleImage> {
+    let span = Span { start: frame as u32, end: frame as u32 + 1 };
+    let layers = pruned.layers.iter().zip(&pruned.decided).enumerate();
+    layers
+        .filter_map(|(camera, (layer, decided))| {
+            pack::pack(camera, span, layer, decided, settings.store.normals)
+        })
+        .collect()
+}
+
+fn sample_set(capture: &Capture, settings: &Settings, images: Vec<SampleImage>) -> SampleSet {
+    SampleSet {
+        name: capture.name.clone(),
+        cameras: capture.cameras.clone(),
+        frame_numbers: capture.frame_numbers.clone(),
+        up_in_world: capture.up_in_world,
+        settings: settings.clone(),
+        images: images.into_iter().map(Arc::new).collect(),
+    }
 }

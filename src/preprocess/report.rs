@@ -4,7 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::Span;
+use super::background::Background;
+use super::pruning::Decided;
+use super::{SampleSet, Span, TemporalScan, Verdict};
+use crate::capture::Capture;
 
 /// One camera's part of a [`Report`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -61,4 +64,102 @@ pub struct Report {
     pub bytes_memory: u64,
     /// Wall-clock seconds of the whole preprocessing.
     pub seconds: f64,
+}
+
+/// Bytes of one input pixel as 8-bit color and 32-bit depth.
+const RAW_BYTES_PER_PIXEL: u64 = 3 + 4;
+
+/// Name under which [`Report::pruned`] counts repetitions in time.
+pub const STATIC_RULE: &str = "static";
+
+/// Counts verdicts while preprocessing runs.
+pub(super) struct Tally {
+    report: Report,
+    frames: u64,
+}
+
+impl Tally {
+    pub(super) fn new(capture: &Capture, scan: &TemporalScan) -> Self {
+        let frames = capture.frame_count() as u64;
+        let cameras: Vec<CameraReport> = capture
+            .cameras
+            .iter()
+            .zip(&scan.cameras)
+            .map(|(camera, scan)| CameraReport {
+                name: camera.name.clone(),
+                pixels: camera.intrinsics.pixel_count() as u64 * frames,
+                invalid: scan.invalid,
+                color_noise_steps: scan.noise.color_steps_overall,
+                depth_noise_relative: scan.noise.depth_relative,
+                ..CameraReport::default()
+            })
+            .collect();
+        let samples_in = capture.pixel_count();
+        let report = Report {
+            witnesses: vec![vec![0; cameras.len()]; cameras.len()],
+            cameras,
+            samples_in,
+            bytes_raw: samples_in * RAW_BYTES_PER_PIXEL,
+            ..Report::default()
+        };
+        Self { report, frames }
+    }
+
+    pub(super) fn add_background(&mut self, background: &Background) {
+        for (camera, decided) in background.decided.iter().enumerate() {
+            let kept = self.count(camera, decided);
+            let pixels = decided.pixels.len() as u64;
+            *self.report.pruned.entry(STATIC_RULE.to_owned()).or_default() +=
+                pixels * self.frames.saturating_sub(1);
+            let counts = &mut self.report.cameras[camera];
+            counts.background_pixels = pixels;
+            counts.background_kept = kept;
+        }
+    }
+
+    /// Must be called frame by frame, in order.
+    pub(super) fn add_foreground(&mut self, decided: &[Decided]) {
+        let mut kept_in_frame = 0;
+        for (camera, decided) in decided.iter().enumerate() {
+            let kept = self.count(camera, decided);
+            kept_in_frame += kept;
+            let counts = &mut self.report.cameras[camera];
+            counts.foreground_pixels += decided.pixels.len() as u64;
+            counts.foreground_kept += kept;
+        }
+        self.report.foreground_per_frame.push(kept_in_frame);
+    }
+
+    /// Samples kept.
+    fn count(&mut self, camera: usize, decided: &Decided) -> u64 {
+        let mut by_rule = [0_u64; super::Rule::ALL.len()];
+        for verdict in &decided.verdicts {
+            by_rule[verdict.rule as usize] += 1;
+            if !verdict.is_kept() && verdict.witness_camera != Verdict::NO_CAMERA {
+                self.report.witnesses[camera][verdict.witness_camera as usize] += 1;
+            }
+        }
+        let mut kept = 0;
+        for (rule, count) in super::Rule::ALL.into_iter().zip(by_rule) {
+            if rule.keeps() {
+                kept += count;
+            } else if count > 0 {
+                *self.report.pruned.entry(rule.name().to_owned()).or_default() += count;
+            }
+        }
+        kept
+    }
+
+    pub(super) fn finish(mut self, samples: &SampleSet) -> Report {
+        let mut spans = BTreeMap::<_, u64>::new();
+        for image in &samples.images {
+            *spans.entry((std::cmp::Reverse(image.span.len()), image.span)).or_default() +=
+                image.len() as u64;
+        }
+        self.report.spans =
+            spans.into_iter().map(|((_, span), samples)| SpanReport { span, samples }).collect();
+        self.report.samples_kept = samples.sample_count();
+        self.report.bytes_memory = samples.bytes();
+        self.report
+    }
 }

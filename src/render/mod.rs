@@ -1,44 +1,18 @@
 //! Rendering (the paper, §3.3): paints the kept samples into a vantage.
+//!
+//! ```text
+//! SampleSet ─ images at the frame ─ project ─▶ splat (depth, then color) ─▶ Layer (background) ─┐
+//!                                                                          Layer (foreground) ─┴ compose ─▶ resolve ─▶ Picture
+//! ```
+//!
+//! The background layer depends on the vantage alone and is kept while the vantage is still; the foreground of each frame
+//! is painted over it by depth, as the paper does.
 
+mod compose;
 pub mod cpu;
-
-use crate::capture::Camera;
-use crate::grid::Grid;
+mod project;
+mod splat;
+pub mod vantage;
 
 pub use cpu::CpuRenderer;
-
-/// Where from, and when.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Vantage {
-    /// The virtual camera.
-    pub camera: Camera,
-    /// Index of the frame.
-    pub frame: usize,
-}
-
-/// Marks a pixel that no sample reached, in [`Picture::image`].
-pub const NO_IMAGE: u16 = u16::MAX;
-
-/// A rendered vantage.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
-    /// Linear Rec.709; black in holes.
-    pub color: Grid<[f32; 3]>,
-    /// Reciprocal of planar z of the nearest sample; 0 at infinity, negative in holes.
-    pub inverse_depth: Grid<f32>,
-    /// Index in `SampleSet::images` of the image whose sample is nearest; [`NO_IMAGE`] in holes.
-    pub image: Grid<u16>,
-}
-
-/// What it took to render a vantage.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RenderStats {
-    /// Samples that were projected.
-    pub samples: u64,
-    /// Pixels that no sample reached.
-    pub holes: u64,
-    /// Wall-clock milliseconds.
-    pub milliseconds: f64,
-    /// Whether the background was taken from the cache instead of being painted.
-    pub background_reused: bool,
-}
+pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};

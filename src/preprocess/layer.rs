@@ -1,0 +1,129 @@
+//! One camera at one frame, ready to be registered: every pixel's sample with its normal, footprint and rank.
+
+use glam::Vec3;
+use half::f16;
+use rayon::prelude::*;
+
+use super::PixelClass;
+use super::mixed_pixels;
+use super::normals::{DepthView, MIN_CONFIDENCE};
+use super::sampling_rate::{Rate, Rays, footprint, rank};
+use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
+use crate::settings::{MixedPixels, NormalSource, PruningMethod, Settings};
+
+/// Set in the rank of a mixed sample that yields: it loses against every clean one.
+pub const MIXED: u32 = 1 << 31;
+
+/// The samples of one camera, row-major planes of the camera's size.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    /// Columns.
+    pub width: usize,
+    /// Linear color.
+    pub color: Vec<[f16; 3]>,
+    /// 1/z; 0 at infinity, negative where there is no sample.
+    pub inverse_depth: Vec<f32>,
+    /// Unit world-space normals; zero where unknown.
+    pub normal: Vec<Vec3>,
+    /// See [`footprint`]; infinite where there is no sample.
+    pub footprint: Vec<f32>,
+    /// Smaller wins; [`MIXED`] is set where a mixed sample yields.
+    pub rank: Vec<u32>,
+    /// Background, foreground or nothing.
+    pub class: Vec<PixelClass>,
+    /// Standard deviation of the color noise left in foreground and in background samples is looked up here; the
+    /// background's is averaged away.
+    pub noise: super::noise::Noise,
+    /// Relative quantization step of depth.
+    pub depth_step_relative: f32,
+}
+
+/// What is needed to complete layers, decided once per capture and settings.
+pub struct LayerBuilder<'a> {
+    settings: &'a Settings,
+    rate: Rate,
+    antialiased: bool,
+}
+
+impl<'a> LayerBuilder<'a> {
+    /// For a capture with these cameras, whose color is filtered across silhouettes if `antialiased`.
+    #[must_use]
+    pub fn new(settings: &'a Settings, cameras: &[Camera], antialiased: bool) -> Self {
+        Self { settings, rate: Rate::resolve(settings.pruning.rate, cameras), antialiased }
+    }
+
+    /// Fills in normals (where they are not given or not wanted), footprints and ranks of the pixels for which `wanted`
+    /// holds, from colors and depths of the whole layer.
+    pub fn complete(&self, layer: &mut Layer, camera: &Camera, wanted: impl Fn(PixelClass) -> bool + Sync) {
+        let width = layer.width.max(1);
+        let rays = Rays::new(camera);
+        let rotation = camera.world_from_camera.matrix3.as_mat3();
+        let view = DepthView::new(&layer.inverse_depth, camera, &self.settings.normals);
+        let mixed = if self.antialiased && self.settings.pruning.mixed_pixels != MixedPixels::Keep {
+            mixed_pixels::detect(layer, camera, self.settings.normals.edge)
+        } else {
+            Vec::new()
+        };
+        let estimated = self.settings.normals.source == NormalSource::Estimated;
+        let rows = layer
+            .normal
+            .par_chunks_mut(width)
+            .zip(layer.footprint.par_chunks_mut(width))
+            .zip(layer.rank.par_chunks_mut(width));
+        rows.enumerate().for_each(|(y, ((normals, footprints), ranks))| {
+            for x in 0..normals.len() {
+                let pixel = y * width + x;
+                if !wanted(layer.class[pixel]) {
+                    continue;
+                }
+                let inverse_depth = layer.inverse_depth[pixel];
+                if inverse_depth > 0.0 && (estimated || normals[x] == Vec3::ZERO) {
+                    let estimate = view.estimate(self.settings.normals.estimator, x, y);
+                    normals[x] = if estimate.confidence >= MIN_CONFIDENCE {
+                        rotation * estimate.normal_in_camera
+                    } else {
+                        Vec3::ZERO
+                    };
+                }
+                let ray = rays.at(x, y);
+                let pruning = &self.settings.pruning;
+                footprints[x] = footprint(self.rate, &rays, ray, inverse_depth, normals[x], pruning);
+                ranks[x] = if pruning.method == PruningMethod::FirstCamera { 0 } else { rank(footprints[x]) };
+                if mixed.get(pixel).is_some_and(|mixed| *mixed) {
+                    ranks[x] |= MIXED;
+                }
+            }
+        });
+    }
+}
+
+impl Layer {
+    /// A layer of `width × height` pixels without any sample.
+    #[must_use]
+    pub fn empty(width: usize, height: usize) -> Self {
+        let pixels = width * height;
+        Self {
+            width,
+            color: vec![[f16::ZERO; 3]; pixels],
+            inverse_depth: vec![INVALID_INVERSE_DEPTH; pixels],
+            normal: vec![Vec3::ZERO; pixels],
+            footprint: vec![f32::INFINITY; pixels],
+            rank: vec![u32::MAX; pixels],
+            class: vec![PixelClass::Invalid; pixels],
+            noise: super::noise::Noise::default(),
+            depth_step_relative: 0.0,
+        }
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.inverse_depth.len().checked_div(self.width).unwrap_or(0)
+    }
+
+    /// Standard deviation of the color noise left in the sample at `pixel`, 8-bit sRGB steps.
+    #[must_use]
+    pub fn color_noise(&self, pixel: usize, steps: f32) -> f32 {
+        if self.class[pixel] == PixelClass::Foreground { self.noise.color_at(steps) } else { 0.0 }
+    }
+}
