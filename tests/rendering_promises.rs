@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use overlook::capture::{Camera, Capture, Intrinsics};
 use overlook::job::Job;
 use overlook::preprocess::{SampleSet, preprocess};
-use overlook::render::{CpuRenderer, NO_IMAGE, Picture, Vantage};
+use overlook::render::{CpuRenderer, Picture, Vantage};
 use overlook::settings::{Kernel, PruningMethod, RenderSettings, Settings};
 use scene::{SKY, Scene, Sphere, arc, camera};
 
