@@ -66,6 +66,9 @@ pub struct SameSurface {
 /// Two noisy colors of one surface differ by less than this many standard deviations of their difference.
 const COLOR_SIGMAS: f32 = 3.0;
 
+/// A position this close to a pixel's center, in pixels, is that pixel: no neighbor takes part in interpolating there.
+const CENTERED: f32 = 1.0 / 16.0;
+
 impl SameSurface {
     /// The thresholds of `settings`.
     #[must_use]
@@ -142,9 +145,14 @@ impl Registration {
         (column, row): (usize, usize),
         limits: &SameSurface,
     ) -> bool {
+        // Along each axis: nothing where the position is the pixel's center, else the pixel on the other side of it.
         let beside = |at: usize, position: f32, size: u32| {
-            let beside = if position - at as f32 >= 0.5 { at.checked_add(1) } else { at.checked_sub(1) };
-            beside.filter(|&beside| beside < size as usize)
+            let off_center = position - at as f32 - 0.5;
+            let beside = if off_center > 0.0 { at.checked_add(1) } else { at.checked_sub(1) };
+            match beside.filter(|&beside| beside < size as usize) {
+                _ if off_center.abs() <= CENTERED => Some(at),
+                other => other,
+            }
         };
         let (Some(x), Some(y)) = (beside(column, u, self.target_width), beside(row, v, self.target_height))
         else {
