@@ -178,3 +178,13 @@ pub struct View {
     /// The true picture, where there is one.
     pub truth: Option<TruthLoader>,
 }
+
+impl std::fmt::Debug for Capture {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Capture")
+            .field("name", &self.name)
+            .field("cameras", &self.cameras)
+            .field("frames", &self.frame_count())
+            .finish_non_exhaustive()
+    }
+}

@@ -160,8 +160,9 @@ fn range_probability(draws: usize, r: f64) -> f64 {
         let mut sum = 0.0;
         (-500..=1600)
             .map(|i| {
-                sum += density(f64::from(i) * STEP) * STEP;
-                sum
+                let cell = density(f64::from(i) * STEP) * STEP;
+                sum += cell;
+                sum - 0.5 * cell
             })
             .collect()
     };

@@ -32,7 +32,7 @@ const WEIGHT_ONE: f32 = 256.0;
 const COLOR_ONE: f32 = 65_536.0;
 
 /// A pixel that gets less than this share of a sample is not touched by it: keeps silhouettes from growing by a pixel.
-const MIN_WEIGHT: f32 = 0.06;
+const MIN_WEIGHT: f32 = 0.001;
 
 /// One pixel's blended color: red, green, blue, and the sum of weights.
 pub(super) type Sum = [u64; 4];

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Runs every check of the project, fast to slow: formatting, lints, documentation, tests.
+# Installs the Debian packages that building and testing need, and says which. Needs no GPU and no display.
+set -euo pipefail
+cd "$(dirname "$0")"
+. .ci/packages
+
+need_rust
+need_packages gcc libc6-dev \
+    libvulkan1 mesa-vulkan-drivers libegl1 \
+    xvfb libxcursor1 libxi6 libxkbcommon-x11-0 xdotool imagemagick
+
+step() { printf '\n== %s\n' "$*"; }
+
+step "formatting"
+cargo fmt --check
+step "lints"
+cargo clippy --locked --all-targets -- -D warnings
+step "documentation"
+RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --quiet
+step "tests"
+cargo test --locked --no-fail-fast

@@ -1,0 +1,190 @@
+//! The promises that the renderer gives, on scenes whose right answer is known.
+
+mod scene;
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+use overlook::capture::{Camera, Capture, Intrinsics};
+use overlook::job::Job;
+use overlook::preprocess::{SampleSet, preprocess};
+use overlook::render::{CpuRenderer, Picture, Vantage};
+use overlook::settings::{Kernel, PruningMethod, RenderSettings, Settings};
+use scene::{SKY, Scene, Sphere, arc, camera};
+
+fn moving_capture() -> Capture {
+    let mut scene = Scene::still_life();
+    scene.spheres.push(Sphere {
+        center: Arc::new(|frame| Some(DVec3::new(-1.2 + 0.3 * frame as f64, -0.9, 0.3))),
+        radius: 0.3,
+        color: [0.6, 0.6, 0.1],
+    });
+    scene.record(arc(4, 96), 5)
+}
+
+fn samples(capture: &Capture, settings: &Settings) -> Arc<SampleSet> {
+    preprocess(capture, settings, &Job::new()).unwrap().samples
+}
+
+fn paint(samples: &Arc<SampleSet>, camera: &Camera, frame: usize, kernel: Kernel) -> Picture {
+    let settings = RenderSettings { kernel, ..RenderSettings::default() };
+    let vantage = Vantage { camera: camera.clone(), frame };
+    CpuRenderer::new().render(samples, &vantage, &settings, &Job::new()).unwrap().0
+}
+
+#[test]
+fn a_camera_that_kept_everything_is_painted_back_exactly() {
+    let capture = Scene::still_life().record(arc(1, 64), 1);
+    let samples = samples(&capture, &Settings::default());
+    for kernel in Kernel::ALL {
+        let picture = paint(&samples, &capture.cameras[0], 0, *kernel);
+        let frame = capture.frame(0, 0).unwrap();
+        assert_eq!(picture.holes(), 0);
+        for (pixel, (painted, recorded)) in
+            picture.color.as_slice().iter().zip(frame.color.as_slice()).enumerate()
+        {
+            for channel in 0..3 {
+                let difference = (painted[channel] - recorded[channel].to_f32()).abs();
+                assert!(difference < 1e-3, "{kernel}: pixel {pixel} differs by {difference}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_place_where_no_camera_stood_shows_the_true_surfaces() {
+    let scene = Scene::still_life();
+    let capture = scene.record(arc(4, 128), 1);
+    let vantage = camera("novel", DVec3::new(0.4, -4.6, 2.6), DVec3::new(0.3, 0.2, 0.3), 96);
+    let truth = scene.trace(&vantage, 0, 9);
+    let samples = samples(&capture, &Settings::default());
+    for kernel in Kernel::ALL {
+        let picture = paint(&samples, &vantage, 0, *kernel);
+        let mut wrong = 0;
+        for (pixel, &inverse_depth) in picture.inverse_depth.as_slice().iter().enumerate() {
+            if inverse_depth > 0.0 && truth.inverse_depth.as_slice()[pixel] > 0.0 {
+                let center = DVec2::new((pixel % 96) as f64 + 0.5, (pixel / 96) as f64 + 0.5);
+                let found = vantage.unproject(center, f64::from(inverse_depth).recip());
+                let z = f64::from(truth.inverse_depth.as_slice()[pixel]).recip();
+                // Off the true surface, along its normal, by more than three pixels.
+                let normal = truth.normal_in_world.as_ref().unwrap().as_slice()[pixel];
+                let off = DVec3::from(normal.map(f64::from)).dot(found - vantage.unproject(center, z)).abs();
+                wrong += usize::from(off > 3.0 * z / vantage.intrinsics.fx);
+            }
+        }
+        assert!(wrong < 96 * 96 / 50, "{kernel}: {wrong} pixels show another surface");
+        assert!(
+            picture.holes() < if *kernel == Kernel::Point { 900 } else { 250 },
+            "{kernel}: {}",
+            picture.holes()
+        );
+    }
+}
+
+#[test]
+fn painting_over_a_cached_background_gives_the_same_picture() {
+    let capture = moving_capture();
+    let samples = samples(&capture, &Settings::default());
+    let camera = camera("novel", DVec3::new(0.4, -4.6, 2.6), DVec3::new(0.3, 0.2, 0.3), 80);
+    let settings = RenderSettings::default();
+    let mut still = CpuRenderer::new();
+    for frame in [0, 1, 4, 2] {
+        let vantage = Vantage { camera: camera.clone(), frame };
+        let (cached, stats) = still.render(&samples, &vantage, &settings, &Job::new()).unwrap();
+        assert_eq!(stats.background_reused, frame != 0);
+        let (fresh, all) = CpuRenderer::new().render(&samples, &vantage, &settings, &Job::new()).unwrap();
+        assert_eq!(cached, fresh);
+        assert!(!all.background_reused && (frame == 0 || stats.samples * 5 < all.samples));
+    }
+}
+
+#[test]
+fn the_picture_is_the_same_with_one_thread_and_with_many() {
+    let capture = moving_capture();
+    let samples = samples(&capture, &Settings::default());
+    let camera = camera("novel", DVec3::new(-0.6, -4.2, 1.6), DVec3::new(0.3, 0.2, 0.3), 80);
+    for kernel in Kernel::ALL {
+        let with = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| paint(&samples, &camera, 3, *kernel))
+        };
+        assert_eq!(with(1), with(3));
+    }
+}
+
+#[test]
+fn the_sky_turns_with_the_view_and_never_hides_anything() {
+    let capture = Scene::still_life().record(arc(3, 96), 1);
+    let samples = samples(&capture, &Settings::default());
+    let up = camera("up", DVec3::new(0.0, -5.0, 2.0), DVec3::new(0.0, 0.0, 1.8), 64);
+    let picture = paint(&samples, &up, 0, Kernel::Block);
+    let sky =
+        picture.inverse_depth.as_slice().iter().zip(picture.color.as_slice()).filter(|(w, _)| **w == 0.0);
+    let mut count = 0;
+    for (_, color) in sky {
+        count += 1;
+        assert!((0..3).all(|channel| (color[channel] - SKY[channel]).abs() < 1e-2));
+    }
+    assert!(count > 200, "{count}");
+}
+
+#[test]
+fn a_vantage_behind_all_cameras_or_with_no_sample_shows_holes_and_counts_them() {
+    let capture = Scene { ground: false, ..Scene::still_life() }.record(arc(2, 48), 1);
+    let mut samples = (*samples(&capture, &Settings::default())).clone();
+    let away = camera("away", DVec3::new(0.0, -8.0, 1.0), DVec3::new(0.0, -9.0, 1.0), 32);
+    let picture = paint(&Arc::new(samples.clone()), &away, 0, Kernel::Block);
+    assert_eq!(picture.holes(), 32 * 32);
+    assert!(picture.color.as_slice().iter().all(|color| *color == [0.0; 3]));
+    samples.images.clear();
+    assert_eq!(paint(&Arc::new(samples), &capture.cameras[0], 0, Kernel::Point).holes(), 48 * 48);
+}
+
+#[test]
+fn an_absurd_picture_or_frame_is_refused_in_one_line() {
+    let capture = Scene::still_life().record(arc(1, 16), 1);
+    let samples = samples(&capture, &Settings::default());
+    for (width, height, frame) in [(0, 10, 0), (10, 0, 0), (u32::MAX, u32::MAX, 0), (8, 8, 1)] {
+        let mut camera = capture.cameras[0].clone();
+        camera.intrinsics = Intrinsics { width, height, ..camera.intrinsics };
+        let result = CpuRenderer::new().render(
+            &samples,
+            &Vantage { camera, frame },
+            &RenderSettings::default(),
+            &Job::new(),
+        );
+        let message = result.unwrap_err().to_string();
+        assert!(!message.contains('\n') && message.contains("arc0"), "{message}");
+    }
+}
+
+#[test]
+fn pruning_by_rate_keeps_the_picture_and_first_camera_wins_does_not() {
+    let mut scene = Scene::still_life();
+    // Fine detail that only the close-up resolves.
+    scene.ground_light =
+        Some(Arc::new(|_, point| 0.15 * ((point.x * 25.0).sin() * (point.y * 25.0).sin()) as f32));
+    let mut cameras = arc(3, 96);
+    cameras.push(camera("close", DVec3::new(0.2, -2.2, 1.2), DVec3::new(0.3, -0.4, 0.0), 96));
+    let capture = scene.record(cameras, 1);
+    // A vantage as near as the close-up, narrow enough to see only what the close-up saw.
+    let vantage = Camera::look_at(
+        "novel",
+        Intrinsics::from_horizontal_angle(48, 48, 0.45),
+        DVec3::new(0.4, -2.3, 1.25),
+        DVec3::new(0.3, -0.4, 0.0),
+        DVec3::Z,
+    );
+    let truth = scene.trace(&vantage, 0, 9);
+    let error = |method| {
+        let mut settings = Settings::default();
+        settings.pruning.method = method;
+        let picture = paint(&samples(&capture, &settings), &vantage, 0, Kernel::Block);
+        let pairs = picture.color.as_slice().iter().zip(truth.color.as_slice());
+        pairs.map(|(a, b)| (a[0] - b[0].to_f32()).powi(2)).sum::<f32>() / (48.0 * 48.0)
+    };
+    let (off, rate, first) =
+        (error(PruningMethod::Off), error(PruningMethod::HighestRate), error(PruningMethod::FirstCamera));
+    assert!(rate < 1.1 * off, "by rate {rate}, unpruned {off}");
+    assert!(first > 1.3 * rate, "first camera wins {first}, by rate {rate}");
+}

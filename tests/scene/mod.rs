@@ -1,0 +1,195 @@
+//! An analytic scene with known answers: spheres over a textured ground, under a sky at infinity.
+//!
+//! It shares nothing with the built-in demo scenes: what a test believes must not come from the code under test.
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+use half::f16;
+use overlook::capture::{
+    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, Intrinsics,
+};
+use overlook::error::Result;
+use overlook::grid::Grid;
+
+/// A sphere that may move, and be absent.
+#[derive(Clone)]
+pub(crate) struct Sphere {
+    /// Center in world space at a frame; `None` while it is not there.
+    pub(crate) center: Arc<dyn Fn(usize) -> Option<DVec3> + Send + Sync>,
+    pub(crate) radius: f64,
+    pub(crate) color: [f32; 3],
+}
+
+impl Sphere {
+    pub(crate) fn resting(center: DVec3, radius: f64, color: [f32; 3]) -> Self {
+        Self { center: Arc::new(move |_| Some(center)), radius, color }
+    }
+}
+
+#[derive(Clone, Default)]
+pub(crate) struct Scene {
+    pub(crate) spheres: Vec<Sphere>,
+    /// Whether there is a ground at z = 0.
+    pub(crate) ground: bool,
+    /// Relative standard deviation of color noise that differs from frame to frame.
+    pub(crate) color_noise: f32,
+    /// Whether depth is rounded to half floats.
+    pub(crate) half_depth: bool,
+    /// Whether frames carry normals.
+    pub(crate) normals: bool,
+    /// Added to the ground's linear color at a frame.
+    pub(crate) ground_light: Option<Arc<dyn Fn(usize, DVec3) -> f32 + Send + Sync>>,
+}
+
+pub(crate) const SKY: [f32; 3] = [0.2, 0.4, 0.8];
+
+/// Smooth texture of the ground.
+pub(crate) fn ground_color(point: DVec3) -> [f32; 3] {
+    let wave = |a: f64, b: f64| (0.3 + 0.12 * (a * point.x + b * point.y).sin()) as f32;
+    [wave(1.3, 0.4), wave(0.5, 1.7), wave(-0.8, 0.9)]
+}
+
+impl Scene {
+    /// A ground with two resting spheres, with normals.
+    pub(crate) fn still_life() -> Self {
+        Self {
+            spheres: vec![
+                Sphere::resting(DVec3::new(0.0, 0.0, 0.6), 0.6, [0.7, 0.2, 0.1]),
+                Sphere::resting(DVec3::new(1.2, 0.5, 0.4), 0.4, [0.1, 0.5, 0.2]),
+            ],
+            ground: true,
+            normals: true,
+            ..Self::default()
+        }
+    }
+
+    /// Nearest hit: distance factor of `ray`, normal, color.
+    fn hit(&self, frame: usize, eye: DVec3, ray: DVec3) -> Option<(f64, DVec3, [f32; 3])> {
+        let mut best: Option<(f64, DVec3, [f32; 3])> = None;
+        let mut offer = |t: f64, normal: DVec3, color: [f32; 3]| {
+            if t > 1e-6 && best.is_none_or(|(nearest, ..)| t < nearest) {
+                best = Some((t, normal, color));
+            }
+        };
+        if self.ground && ray.z != 0.0 {
+            let t = -eye.z / ray.z;
+            let point = eye + ray * t;
+            let light = self.ground_light.as_ref().map_or(0.0, |light| light(frame, point));
+            offer(t, DVec3::Z * eye.z.signum(), ground_color(point).map(|c| c + light));
+        }
+        for sphere in &self.spheres {
+            let Some(center) = (sphere.center)(frame) else { continue };
+            let (a, b) = (ray.length_squared(), ray.dot(eye - center));
+            let discriminant = b * b - a * ((eye - center).length_squared() - sphere.radius * sphere.radius);
+            if discriminant > 0.0 {
+                for t in [(-b - discriminant.sqrt()) / a, (-b + discriminant.sqrt()) / a] {
+                    let normal = (eye + ray * t - center) / sphere.radius;
+                    let normal = if normal.dot(ray) > 0.0 { -normal } else { normal };
+                    offer(t, normal, sphere.color);
+                }
+            }
+        }
+        best
+    }
+
+    /// What `camera` records; `seed` tells cameras' noise apart.
+    pub(crate) fn trace(&self, camera: &Camera, frame: usize, seed: usize) -> Frame {
+        let (width, height) = camera.intrinsics.size();
+        let mut color = Grid::filled(width, height, [f16::ZERO; 3]);
+        let mut inverse_depth = Grid::filled(width, height, INVALID_INVERSE_DEPTH);
+        let mut normal = Grid::filled(width, height, [0.0; 3]);
+        for y in 0..height {
+            for x in 0..width {
+                let in_camera = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+                let ray = camera.world_from_camera.matrix3 * in_camera;
+                let hit = self.hit(frame, camera.position_in_world(), ray);
+                let noise = 1.0 + self.color_noise * normal_draw((x + 1000 * y, frame, seed));
+                let (w, n, c) = hit.map_or((0.0, DVec3::ZERO, SKY), |(t, n, c)| (1.0 / t, n, c));
+                let w = if self.half_depth { 1.0 / f64::from(f16::from_f64(1.0 / w).to_f32()) } else { w };
+                color[(x, y)] = c.map(|c| f16::from_f32(c * noise));
+                inverse_depth[(x, y)] = if w.is_finite() { w as f32 } else { 0.0 };
+                normal[(x, y)] = n.as_vec3().to_array();
+            }
+        }
+        Frame {
+            color,
+            inverse_depth,
+            normal_in_world: self.normals.then_some(normal),
+            depth_step_relative: if self.half_depth { 1.0 / 2048.0 } else { 0.0 },
+        }
+    }
+
+    /// The scene recorded by `cameras` over `frames` frames.
+    pub(crate) fn record(&self, cameras: Vec<Camera>, frames: usize) -> Capture {
+        Capture::new(
+            CaptureParts {
+                name: "analytic".to_owned(),
+                frame_numbers: (0..frames as i64).collect(),
+                up_in_world: DVec3::Z,
+                has_normals: self.normals,
+                antialiased_color: false,
+                warnings: Vec::new(),
+                source: Arc::new(Recorder { scene: self.clone(), cameras: cameras.clone() }),
+                cameras,
+            },
+            256 << 20,
+        )
+    }
+}
+
+struct Recorder {
+    scene: Scene,
+    cameras: Vec<Camera>,
+}
+
+impl FrameSource for Recorder {
+    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
+        Ok(self.scene.trace(&self.cameras[camera], frame, camera))
+    }
+
+    fn place(&self, camera: usize, frame: usize) -> String {
+        format!("analytic scene, camera {camera}, frame {frame}")
+    }
+}
+
+/// A draw from a normal distribution that depends on nothing but its key.
+pub(crate) fn normal_draw(key: (usize, usize, usize)) -> f32 {
+    let mut state = (key.0 as u64) ^ (key.1 as u64) << 24 ^ (key.2 as u64) << 48 ^ 0x9e37_79b9_7f4a_7c15;
+    let mut uniform = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ z >> 31) >> 40) as f32 / (1 << 24) as f32
+    };
+    let (a, b) = (uniform().max(1e-7), uniform());
+    (-2.0 * a.ln()).sqrt() * (std::f32::consts::TAU * b).cos()
+}
+
+/// A camera of `size` square pixels and an angle of view of 0.9 radians.
+pub(crate) fn camera(name: &str, eye: DVec3, target: DVec3, size: u32) -> Camera {
+    Camera::look_at(name, Intrinsics::from_horizontal_angle(size, size, 0.9), eye, target, DVec3::Z)
+}
+
+/// Cameras on an arc around the origin.
+pub(crate) fn arc(count: usize, size: u32) -> Vec<Camera> {
+    (0..count)
+        .map(|i| {
+            let angle = -0.6 + 1.2 * (i as f64 + 0.5) / count as f64;
+            let eye = DVec3::new(5.0 * angle.sin(), -5.0 * angle.cos(), 2.0 + 0.3 * i as f64);
+            camera(&format!("arc{i}"), eye, DVec3::new(0.3, 0.2, 0.3), size)
+        })
+        .collect()
+}
+
+impl std::fmt::Debug for Scene {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Scene")
+            .field("spheres", &self.spheres.len())
+            .field("color_noise", &self.color_noise)
+            .field("half_depth", &self.half_depth)
+            .field("normals", &self.normals)
+            .finish_non_exhaustive()
+    }
+}
