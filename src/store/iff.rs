@@ -1,0 +1,274 @@
+//! Chunked files of bytes.
+//!
+//! Source: Morrison, *"EA IFF 85": Standard for Interchange Format Files*, Electronic Arts 1985. A file is one `FORM`:
+//!
+//! ```text
+//! "FORM" length "TYPE"  { id length payload [0 where the length is odd] } …
+//!    4     4      4        4    4
+//! ```
+//!
+//! Lengths are 32-bit and big-endian; chunks with an unknown id are skipped. What differs: every payload written here
+//! ends in a checksum, the CRC-32 (IEEE 802.3) of its id and of the payload before it, and the `FORM` must fill the
+//! file exactly, so that a cut or lengthened file is noticed.
+
+use std::io::{self, Read, Seek, SeekFrom, Write};
+
+/// Four characters that say what a chunk holds.
+pub type ChunkId = [u8; 4];
+
+/// Bytes before a payload: id and length.
+pub const CHUNK_HEADER: u64 = 8;
+
+/// Bytes before the first chunk: `FORM`, length, type.
+pub const FORM_HEADER: u64 = 12;
+
+const CHECKSUM: u64 = 4;
+
+/// What can go wrong with a chunked file.
+#[derive(Debug, thiserror::Error)]
+pub enum IffError {
+    /// The operating system refused.
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    /// The file contradicts its format.
+    #[error("at byte {offset}: {what}")]
+    Malformed {
+        /// Where, in bytes from the start of the file.
+        offset: u64,
+        /// What is wrong.
+        what: String,
+    },
+    /// More bytes than 32-bit lengths can count.
+    #[error("more than {limit} bytes")]
+    TooLarge {
+        /// The most that fits.
+        limit: u64,
+    },
+}
+
+fn malformed(offset: u64, what: impl Into<String>) -> IffError {
+    IffError::Malformed { offset, what: what.into() }
+}
+
+fn checksum(id: ChunkId, payload: &[u8]) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&id);
+    hasher.update(payload);
+    hasher.finalize()
+}
+
+/// Writes a `FORM`, chunk by chunk.
+pub struct FormWriter<W> {
+    inner: W,
+    /// Bytes written, always even.
+    position: u64,
+    limit: u64,
+}
+
+impl<W: Write + Seek> FormWriter<W> {
+    /// Starts a `FORM` of the given type at the start of `inner`.
+    ///
+    /// # Errors
+    /// Where `inner` refuses.
+    pub fn new(inner: W, form_type: ChunkId) -> Result<Self, IffError> {
+        Self::with_limit(inner, form_type, u64::from(u32::MAX) & !1)
+    }
+
+    fn with_limit(mut inner: W, form_type: ChunkId, limit: u64) -> Result<Self, IffError> {
+        inner.write_all(b"FORM\0\0\0\0")?;
+        inner.write_all(&form_type)?;
+        Ok(Self { inner, position: FORM_HEADER, limit })
+    }
+
+    /// Appends a chunk; gives the offset of its header from the start of the file.
+    ///
+    /// # Errors
+    /// Where the file would outgrow 32-bit lengths, and where the file refuses.
+    pub fn chunk(&mut self, id: ChunkId, payload: &[u8]) -> Result<u32, IffError> {
+        let offset = self.position;
+        let length = payload.len() as u64 + CHECKSUM;
+        let end = offset + CHUNK_HEADER + length + length % 2;
+        if end > self.limit {
+            return Err(IffError::TooLarge { limit: self.limit });
+        }
+        self.inner.write_all(&id)?;
+        self.inner.write_all(&(length as u32).to_be_bytes())?;
+        self.inner.write_all(payload)?;
+        self.inner.write_all(&checksum(id, payload).to_be_bytes())?;
+        if length % 2 == 1 {
+            self.inner.write_all(&[0])?;
+        }
+        self.position = end;
+        Ok(offset as u32)
+    }
+
+    /// Replaces the chunk at `offset` by one of the same length.
+    ///
+    /// # Errors
+    /// Where the file refuses.
+    pub fn replace(&mut self, offset: u32, id: ChunkId, payload: &[u8]) -> Result<(), IffError> {
+        self.inner.seek(SeekFrom::Start(u64::from(offset) + CHUNK_HEADER))?;
+        self.inner.write_all(payload)?;
+        self.inner.write_all(&checksum(id, payload).to_be_bytes())?;
+        self.inner.seek(SeekFrom::Start(self.position))?;
+        Ok(())
+    }
+
+    /// Writes the length of the `FORM`; gives the file back and its size in bytes.
+    ///
+    /// # Errors
+    /// Where the file refuses.
+    pub fn finish(mut self) -> Result<(W, u64), IffError> {
+        self.inner.seek(SeekFrom::Start(4))?;
+        self.inner.write_all(&((self.position - CHUNK_HEADER) as u32).to_be_bytes())?;
+        self.inner.flush()?;
+        Ok((self.inner, self.position))
+    }
+}
+
+/// Where a chunk stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChunkHeader {
+    /// What it holds.
+    pub id: ChunkId,
+    /// Bytes from the start of the file to its id.
+    pub offset: u64,
+    /// Bytes of its payload, checksum included.
+    pub length: u64,
+}
+
+impl ChunkHeader {
+    /// Where the next chunk begins.
+    #[must_use]
+    pub fn end(&self) -> u64 {
+        self.offset + CHUNK_HEADER + self.length + self.length % 2
+    }
+}
+
+/// Reads a `FORM`, chunk by chunk, in any order.
+#[derive(Debug)]
+pub struct FormReader<R> {
+    inner: R,
+    size: u64,
+}
+
+impl<R: Read + Seek> FormReader<R> {
+    /// Checks that `inner` is exactly one `FORM` of the given type.
+    ///
+    /// # Errors
+    /// Where it is not, and where `inner` refuses.
+    pub fn open(mut inner: R, form_type: ChunkId) -> Result<Self, IffError> {
+        let size = inner.seek(SeekFrom::End(0))?;
+        inner.seek(SeekFrom::Start(0))?;
+        let mut header = [0; FORM_HEADER as usize];
+        if size < FORM_HEADER {
+            return Err(malformed(0, format!("{size} bytes are too few for an IFF file")));
+        }
+        inner.read_exact(&mut header)?;
+        if header[..4] != *b"FORM" || header[8..] != form_type {
+            return Err(malformed(0, format!("not an IFF file of type {}", name(form_type))));
+        }
+        let length = u64::from(u32::from_be_bytes([header[4], header[5], header[6], header[7]]));
+        if length + CHUNK_HEADER != size {
+            let stated = length + CHUNK_HEADER;
+            return Err(malformed(4, format!("the file says it has {stated} bytes but has {size}")));
+        }
+        Ok(Self { inner, size })
+    }
+
+    /// Size of the file, bytes.
+    #[must_use]
+    pub fn size(&self) -> u64 {
+        self.size
+    }
+
+    /// The header of the chunk at `offset`, or `None` at the end of the file.
+    ///
+    /// # Errors
+    /// Where the chunk does not fit into the file.
+    pub fn header_at(&mut self, offset: u64) -> Result<Option<ChunkHeader>, IffError> {
+        if offset == self.size {
+            return Ok(None);
+        }
+        if offset < FORM_HEADER || offset + CHUNK_HEADER > self.size {
+            return Err(malformed(offset, "a chunk is cut short"));
+        }
+        let mut header = [0; CHUNK_HEADER as usize];
+        self.inner.seek(SeekFrom::Start(offset))?;
+        self.inner.read_exact(&mut header)?;
+        let [a, b, c, d, length @ ..] = header;
+        let header = ChunkHeader { id: [a, b, c, d], offset, length: u64::from(u32::from_be_bytes(length)) };
+        if header.end() > self.size {
+            return Err(malformed(
+                offset,
+                format!("chunk {} is longer than the rest of the file", name(header.id)),
+            ));
+        }
+        Ok(Some(header))
+    }
+
+    /// The payload of a chunk that [`FormReader::header_at`] gave, its checksum checked and taken off.
+    ///
+    /// # Errors
+    /// Where the checksum does not match, and where the file refuses.
+    pub fn payload(&mut self, header: &ChunkHeader) -> Result<Vec<u8>, IffError> {
+        // `header_at` has held the length against the size of the file.
+        let mut payload = vec![0; header.length as usize];
+        self.inner.seek(SeekFrom::Start(header.offset + CHUNK_HEADER))?;
+        self.inner.read_exact(&mut payload)?;
+        let damaged = || malformed(header.offset, format!("chunk {} is damaged", name(header.id)));
+        let stated = payload.split_off(payload.len().checked_sub(CHECKSUM as usize).ok_or_else(damaged)?);
+        if stated != checksum(header.id, &payload).to_be_bytes() {
+            return Err(damaged());
+        }
+        Ok(payload)
+    }
+}
+
+fn name(id: ChunkId) -> String {
+    format!("'{}'", id.escape_ascii())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    fn two_chunks() -> Vec<u8> {
+        let mut form = FormWriter::new(Cursor::new(Vec::new()), *b"TEST").unwrap();
+        let first = form.chunk(*b"ONE ", &[0; 3]).unwrap();
+        form.chunk(*b"TWO ", b"even").unwrap();
+        form.replace(first, *b"ONE ", &[1, 2, 3]).unwrap();
+        let (file, size) = form.finish().unwrap();
+        assert_eq!(size, file.get_ref().len() as u64);
+        file.into_inner()
+    }
+
+    #[test]
+    fn chunks_are_padded_to_even_offsets_and_come_back() {
+        let bytes = two_chunks();
+        assert_eq!(bytes.len(), 12 + (8 + 3 + 4 + 1) + (8 + 4 + 4));
+        let mut form = FormReader::open(Cursor::new(&bytes), *b"TEST").unwrap();
+        let one = form.header_at(FORM_HEADER).unwrap().unwrap();
+        let two = form.header_at(one.end()).unwrap().unwrap();
+        assert_eq!((one.id, two.id), (*b"ONE ", *b"TWO "));
+        assert_eq!(form.payload(&two).unwrap(), b"even");
+        assert_eq!(form.payload(&one).unwrap(), [1, 2, 3]);
+        assert_eq!(form.header_at(two.end()).unwrap(), None);
+    }
+
+    #[test]
+    fn a_file_that_would_outgrow_its_lengths_is_refused() {
+        let mut form = FormWriter::with_limit(Cursor::new(Vec::new()), *b"TEST", 40).unwrap();
+        form.chunk(*b"ONE ", &[0; 12]).unwrap();
+        assert!(matches!(form.chunk(*b"TWO ", &[]), Err(IffError::TooLarge { limit: 40 })));
+    }
+
+    #[test]
+    fn another_type_a_cut_and_a_lengthened_file_are_refused() {
+        let bytes = two_chunks();
+        assert!(FormReader::open(Cursor::new(&bytes), *b"ELSE").is_err());
+        assert!(FormReader::open(Cursor::new(&bytes[..bytes.len() - 1]), *b"TEST").is_err());
+        assert!(FormReader::open(Cursor::new([bytes, vec![0]].concat()), *b"TEST").is_err());
+    }
+}
