@@ -148,11 +148,11 @@ impl Registration {
         // Along each axis: nothing where the position is the pixel's center, else the pixel on the other side of it.
         let beside = |at: usize, position: f32, size: u32| {
             let off_center = position - at as f32 - 0.5;
-            let beside = if off_center > 0.0 { at.checked_add(1) } else { at.checked_sub(1) };
-            match beside.filter(|&beside| beside < size as usize) {
-                _ if off_center.abs() <= CENTERED => Some(at),
-                other => other,
+            if off_center.abs() <= CENTERED {
+                return Some(at);
             }
+            let beside = if off_center > 0.0 { at.checked_add(1) } else { at.checked_sub(1) };
+            beside.filter(|&beside| beside < size as usize)
         };
         let (Some(x), Some(y)) = (beside(column, u, self.target_width), beside(row, v, self.target_height))
         else {
