@@ -1,13 +1,38 @@
 //! Overlook: see, prune and explore animated scenes recorded as color and depth by several static cameras.
 //!
-//! The method, one stage a module, each importing only from those before it:
+//! # The method
 //!
-//! 1. [`capture`]: what was recorded.
-//! 2. [`preprocess`]: normals, spans in time, sampling rates, registration, pruning.
-//! 3. [`store`]: the file of what is left.
-//! 4. [`render`]: what is left, seen from anywhere.
-//! 5. [`evaluate`]: how close to the truth that is, and what it costs.
-//! 6. [`cli`] and [`app`]: the command line and the window over these same calls.
+//! *Interactive Dynamic Environments Using Image-Based Modeling and Rendering*, one stage a module; each imports only from
+//! those before it:
+//!
+//! | stage | module | what it does |
+//! |---|---|---|
+//! | collection | [`capture`] | reads what was recorded: cameras, color, depth, normals; or traces a built-in scene |
+//! | normals | [`preprocess::normals`] | takes given normals or estimates them from depth |
+//! | temporal redundancy | [`preprocess::temporal`] | splits off what stays the same over all frames: the background |
+//! | registration | [`preprocess::registration`] | carries samples into the other cameras: who saw the same surface point? |
+//! | sampling rate | [`preprocess::sampling_rate`] | of two samples of one point, which is denser? (the paper's `r`) |
+//! | spatial redundancy | [`preprocess::pruning`] | keeps the denser one, and never loses a point on the way |
+//! | storage | [`store`] | tiles, run lengths, IFF chunks |
+//! | rendering | [`render`] | paints foreground over background into any vantage |
+//! | accuracy | [`evaluate`] | how close to the truth that comes, against no pruning and against first camera wins |
+//!
+//! [`cli`] and [`app`] are the command line and the window over these same calls.
+//!
+//! # Frames and units
+//!
+//! - Camera space: x right, y down, z forward. World space: right-handed, meters unless the capture says otherwise.
+//! - Transforms are named `target_from_source`; points and normals carry their space (`point_in_world`).
+//! - Pixel `(x, y)` is column x, row y; its center lies at `+0.5`. Images are row-major.
+//! - Depth is planar z and is carried as **inverse depth** `1/z`: 0 is at infinity (sky), negative is no sample.
+//! - Color is linear Rec.709; tolerances and metrics count 8-bit steps of its sRGB encoding ([`color`]).
+//!
+//! # Words
+//!
+//! *Sample*: one pixel of one camera over one span of frames. *Span*: a run of frames. *Witness*: the kept sample that stands
+//! for a pruned one. *Footprint*: how much surface a pixel covers; the ratio of two footprints is the paper's `r`.
+//! *Vantage*: a virtual camera at a frame.
+#![warn(clippy::unwrap_used, clippy::expect_used)]
 
 pub mod color;
 pub mod error;

@@ -31,6 +31,8 @@ pub enum Outcome {
     NormalDiffers,
     /// Same depth, but the colors differ.
     ColorDiffers,
+    /// The camera shows the surface only on one side of the point: there it cannot be interpolated.
+    Seam,
     /// The camera saw the same surface point, at this pixel (`y * width + x`).
     Same(u32),
 }
@@ -58,10 +60,14 @@ pub struct SameSurface {
     normal_cosine: f32,
     color_steps: f32,
     noise_sigmas: f32,
+    overlap: bool,
 }
 
 /// Two noisy colors of one surface differ by less than this many standard deviations of their difference.
 const COLOR_SIGMAS: f32 = 3.0;
+
+/// A position this close to a pixel's center, in pixels, is that pixel: no neighbor takes part in interpolating there.
+const CENTERED: f32 = 1.0 / 16.0;
 
 impl SameSurface {
     /// The thresholds of `settings`.
@@ -72,6 +78,7 @@ impl SameSurface {
             normal_cosine: settings.pruning.normal_tolerance.to_radians().cos(),
             color_steps: settings.pruning.color_tolerance,
             noise_sigmas: settings.spans.noise * COLOR_SIGMAS,
+            overlap: settings.pruning.overlap,
         }
     }
 }
@@ -124,8 +131,49 @@ impl Registration {
         let found = row * target.width + column;
         match self.compare_depth(source, target, (pixel, ray, carried.z), (found, column, row), limits) {
             Some(outcome) => outcome,
+            None if limits.overlap && !self.surrounds(target, (u, v), (column, row), limits) => Outcome::Seam,
             None => compare_looks(source, target, pixel, found, limits),
         }
+    }
+
+    /// Whether the target shows the surface at `found` on all four pixels around the position `(u, v)`, so that it can
+    /// be interpolated there.
+    fn surrounds(
+        &self,
+        target: &Layer,
+        (u, v): (f32, f32),
+        (column, row): (usize, usize),
+        limits: &SameSurface,
+    ) -> bool {
+        // Along each axis: nothing where the position is the pixel's center, else the pixel on the other side of it.
+        let beside = |at: usize, position: f32, size: u32| {
+            let off_center = position - at as f32 - 0.5;
+            if off_center.abs() <= CENTERED {
+                return Some(at);
+            }
+            let beside = if off_center > 0.0 { at.checked_add(1) } else { at.checked_sub(1) };
+            beside.filter(|&beside| beside < size as usize)
+        };
+        let (Some(x), Some(y)) = (beside(column, u, self.target_width), beside(row, v, self.target_height))
+        else {
+            return false;
+        };
+        let found = row * target.width + column;
+        [(x, row), (column, y), (x, y)].into_iter().all(|(x, y)| {
+            let (here, there) = (target.inverse_depth[found], target.inverse_depth[y * target.width + x]);
+            if here <= 0.0 || there <= 0.0 {
+                return here == there;
+            }
+            let center = self.target.at(column, row) / here;
+            let point = self.target.at(x, y) / there;
+            let normal = target.normal[found];
+            let distance = if normal == Vec3::ZERO {
+                (here.recip() - there.recip()).abs()
+            } else {
+                normal.dot(point - center).abs()
+            };
+            distance <= limits.depth_footprints * self.target.pixel_side() / here.min(there)
+        })
     }
 
     /// The depth part of the test; `None` where the two samples lie on one surface.

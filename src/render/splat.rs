@@ -8,7 +8,7 @@
 //! whatever the thread count.
 //!
 //! ```text
-//! key of a pixel = [ nearness: 32 bits | u32::MAX − ordinal: 32 bits ]     0: nothing there
+//! key of a pixel = [ core: 1 bit | nearness: 31 bits | u32::MAX − ordinal: 32 bits ]     0: nothing there
 //! ```
 //! Nearness is the bits of the inverse depth plus one (positive floats order like integers); the larger key is the nearer
 //! sample and, of two equally near ones, the one with the smaller ordinal.
@@ -31,8 +31,12 @@ const WEIGHT_ONE: f32 = 256.0;
 /// Colors are summed as multiples of `1 / COLOR_ONE`: finer than a half float's step at 2⁻⁶ and wide enough for 65,504.
 const COLOR_ONE: f32 = 65_536.0;
 
-/// A pixel that gets less than this share of a sample is not touched by it: keeps silhouettes from growing by a pixel.
-const MIN_WEIGHT: f32 = 0.001;
+/// A sample belongs to the core of a pixel that gets at least this share of it, and else to its fringe. The fringe fills
+/// pixels that are no sample's core; everywhere else it stays away, so that silhouettes do not grow by a pixel.
+const CORE_SHARE: f32 = 0.06;
+
+/// The bit of a key that marks a core sample: it wins over every fringe sample. Bits of positive floats leave it free.
+const CORE: u32 = 1 << 31;
 
 /// One pixel's blended color: red, green, blue, and the sum of weights.
 pub(super) type Sum = [u64; 4];
@@ -50,7 +54,7 @@ pub(super) struct Layer {
 
 /// The inverse depth that a key stands for; negative for 0.
 pub(super) fn inverse_depth_of(key: u64) -> f32 {
-    match (key >> 32) as u32 {
+    match (key >> 32) as u32 & !CORE {
         0 => -1.0,
         nearness => f32::from_bits(nearness - 1),
     }
@@ -61,8 +65,8 @@ pub(super) fn ordinal_of(key: u64) -> u32 {
     u32::MAX - key as u32
 }
 
-fn key(inverse_depth: f32, ordinal: u32) -> u64 {
-    u64::from(inverse_depth.to_bits() + 1) << 32 | u64::from(u32::MAX - ordinal)
+fn key(inverse_depth: f32, tier: u32, ordinal: u32) -> u64 {
+    u64::from((inverse_depth.to_bits() + 1) | tier) << 32 | u64::from(u32::MAX - ordinal)
 }
 
 /// The farthest inverse depth that still belongs to the surface whose nearest sample has `inverse_depth`.
@@ -171,7 +175,7 @@ fn block(u: f32, v: f32, (width, height): (usize, usize), mut touch: impl FnMut(
     for (dy, share_y) in [(0.0, 1.0 - down), (1.0, down)] {
         for (dx, share_x) in [(0.0, 1.0 - along), (1.0, along)] {
             let (x, y, weight) = (left + dx, top + dy, share_x * share_y);
-            if weight >= MIN_WEIGHT && x >= 0.0 && y >= 0.0 && x < width as f32 && y < height as f32 {
+            if x >= 0.0 && y >= 0.0 && x < width as f32 && y < height as f32 {
                 touch(y as usize * width + x as usize, weight);
             }
         }
@@ -185,7 +189,7 @@ fn splat_keys(share: &[Piece<'_>], size: (usize, usize), kernel: Kernel, job: &J
         for tile in piece.tiles.clone() {
             job.check()?;
             piece.projector.project_tile(image, tile, |sample| {
-                let key = key(sample.inverse_depth, piece.source.first_ordinal + sample.index as u32);
+                let ordinal = piece.source.first_ordinal + sample.index as u32;
                 match kernel {
                     Kernel::Point => {
                         let inside = sample.u >= 0.0
@@ -194,11 +198,12 @@ fn splat_keys(share: &[Piece<'_>], size: (usize, usize), kernel: Kernel, job: &J
                             && sample.v < size.1 as f32;
                         if inside {
                             let pixel = &mut keys[sample.v as usize * size.0 + sample.u as usize];
-                            *pixel = (*pixel).max(key);
+                            *pixel = (*pixel).max(key(sample.inverse_depth, CORE, ordinal));
                         }
                     }
-                    Kernel::Block => block(sample.u, sample.v, size, |pixel, _| {
-                        keys[pixel] = keys[pixel].max(key);
+                    Kernel::Block => block(sample.u, sample.v, size, |pixel, weight| {
+                        let tier = if weight >= CORE_SHARE { CORE } else { 0 };
+                        keys[pixel] = keys[pixel].max(key(sample.inverse_depth, tier, ordinal));
                     }),
                 }
             });

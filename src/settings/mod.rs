@@ -158,6 +158,9 @@ section! {
         cosine_floor: f32 = 0.1, "", Kind::Number { min: 0.01, max: 1.0, log: true };
         /// Whether a foreground sample may be dropped for a background sample that shows the same point.
         across_spans: bool = true, "", Kind::Switch;
+        /// Whether a sample is dropped only where its witness's camera shows the surface on all four pixels around the
+        /// point: what is left then overlaps by a pixel at seams and silhouettes, and can be interpolated there.
+        overlap: bool = true, "", Kind::Switch;
         /// What happens to samples whose color is blended across a silhouette.
         mixed_pixels: MixedPixels = MixedPixels::Yield, "", Kind::Choice(MixedPixels::NAMES);
     }

@@ -1,0 +1,111 @@
+//! The color of a surface point: sun with soft shadows, skylight dimmed near other solids, a lamp. Diffuse alone, so
+//! that it depends on the point and the time and never on who looks.
+//!
+//! Source: shadows and contact shading follow Inigo Quilez, *Soft shadows in raymarched SDFs* (2010) and *Ambient
+//! occlusion* (2008). What differs: penumbrae are two-sided; shadows are marched solid by solid within the cone of
+//! light instead of through one distance field; and solids are combined by minimum, which no order of visiting
+//! changes: a still place keeps its exact color while things move elsewhere.
+
+use glam::{DVec3, Vec3};
+
+use super::world::{Hit, Light, World};
+
+/// Heights above the surface at which its surroundings are felt, as shares of [`Light::contact`], and their weights.
+const CONTACT_TAPS: [(f64, f32); 4] = [(0.06, 0.2), (0.2, 0.27), (0.5, 0.3), (1.0, 0.33)];
+/// A shadow march starts here, m: past the rounding of hit points, short of anything visible.
+const SHADOW_START_M: f64 = 1e-3;
+/// A shadow march advances by at least this much, m: less than the thinnest bar.
+const SHADOW_STEP_M: f64 = 3e-3;
+const SHADOW_STEPS: usize = 40;
+
+/// Linear color of the sky in a direction.
+pub(super) fn sky(light: &Light, direction: DVec3) -> Vec3 {
+    let up = direction.normalize_or_zero().z as f32;
+    if up >= 0.0 {
+        light.horizon.lerp(light.zenith, up.sqrt())
+    } else {
+        light.horizon.lerp(light.ground, (-4.0 * up).min(1.0))
+    }
+}
+
+/// Linear color that the point sends in every direction.
+pub(super) fn radiance(world: &World, hit: &Hit) -> Vec3 {
+    let light = &world.light;
+    let (color, glow) = world.surface_color(hit);
+    let toward_sun = hit.normal.dot(light.to_sun);
+    let sun = if toward_sun > 0.0 { sunlight(world, hit, toward_sun) * toward_sun as f32 } else { 0.0 };
+    let up = 0.5 + 0.5 * hit.normal.z as f32;
+    let above = light.horizon.lerp(light.zenith, 0.5 + 0.5 * up);
+    let sky = light.ground.lerp(above, up) * contact(world, hit);
+    color * (light.sun * sun + sky + lamp(light, hit) + Vec3::splat(glow))
+}
+
+fn lamp(light: &Light, hit: &Hit) -> Vec3 {
+    let Some(lamp) = light.lamp else { return Vec3::ZERO };
+    let to_lamp = lamp.position - hit.point;
+    let distance = to_lamp.length();
+    if distance >= lamp.reach {
+        return Vec3::ZERO;
+    }
+    let facing = hit.normal.dot(to_lamp / distance.max(1e-6)).max(0.0);
+    let near = 1.0 - distance / lamp.reach;
+    lamp.color * (facing * near * near) as f32
+}
+
+/// Share of the sun's disc that the point sees, 0 to 1.
+fn sunlight(world: &World, hit: &Hit, toward_sun: f64) -> f32 {
+    let light = &world.light;
+    let mut clear: f64 = 1.0;
+    world.bvh.for_each_in_cone(hit.point, light.to_sun, light.sun_spread, |index| {
+        clear = clear.min(if index == hit.solid && world.solids[index].is_convex() {
+            toward_sun / light.sun_spread
+        } else {
+            clearance(world, index, hit.point)
+        });
+        clear > -1.0
+    });
+    let t = (0.5 + 0.5 * clear).clamp(0.0, 1.0);
+    (t * t * (3.0 - 2.0 * t)) as f32
+}
+
+/// By how much the cone of light clears one solid: −1 fully shaded, 0 the cone's axis grazes it, 1 not touched.
+fn clearance(world: &World, index: usize, point: DVec3) -> f64 {
+    let solid = &world.solids[index];
+    let light = &world.light;
+    let (enter, leave) = solid.bounds().cone_span(point, light.to_sun, light.sun_spread);
+    let mut t = enter.max(SHADOW_START_M);
+    let mut clear: f64 = 1.0;
+    for _ in 0..SHADOW_STEPS {
+        if t > leave {
+            break;
+        }
+        let distance = solid.distance(point + light.to_sun * t);
+        clear = clear.min(distance / (light.sun_spread * t));
+        if clear <= -1.0 {
+            return -1.0;
+        }
+        t += distance.abs().max(SHADOW_STEP_M).max(0.3 * light.sun_spread * t);
+    }
+    clear
+}
+
+/// Share of the skylight that reaches the point past its surroundings, 0 to 1.
+fn contact(world: &World, hit: &Hit) -> f32 {
+    let reach = world.light.contact;
+    let mut free = CONTACT_TAPS.map(|(share, _)| share * reach);
+    world.bvh.for_each_near(hit.point + hit.normal * reach, reach, |index| {
+        let solid = &world.solids[index];
+        if index == hit.solid && solid.is_convex() {
+            return;
+        }
+        for (free, (share, _)) in free.iter_mut().zip(CONTACT_TAPS) {
+            *free = free.min(solid.distance(hit.point + hit.normal * (share * reach)));
+        }
+    });
+    let mut open = 1.0;
+    for (free, (share, weight)) in free.into_iter().zip(CONTACT_TAPS) {
+        let missing = 1.0 - free.max(0.0) / (share * reach);
+        open -= weight * missing as f32;
+    }
+    open.max(0.0)
+}

@@ -1,0 +1,181 @@
+//! One moment of a demo scene: placed solids, the light, and the hierarchy over them.
+
+use glam::{DMat3, DVec3, Vec3};
+
+use super::bvh::{Bounds, Bvh};
+use super::shapes::Shape;
+use super::texture::Material;
+
+/// A solid at its place.
+#[derive(Clone, Debug)]
+pub(super) struct Solid {
+    shape: Shape,
+    /// Rotation from the solid's space to world space.
+    world_from_local: DMat3,
+    /// Where the solid's origin lies, in world space, m.
+    position: DVec3,
+    material: Material,
+    bounds: Bounds,
+}
+
+impl Solid {
+    fn to_local(&self, point_in_world: DVec3) -> DVec3 {
+        self.world_from_local.transpose() * (point_in_world - self.position)
+    }
+
+    /// Signed distance of a world point, m.
+    pub(super) fn distance(&self, point_in_world: DVec3) -> f64 {
+        self.shape.distance(self.to_local(point_in_world))
+    }
+
+    /// Whether no part of the solid can shade another part of it.
+    pub(super) fn is_convex(&self) -> bool {
+        !matches!(self.shape, Shape::Torus { .. } | Shape::Ring { .. })
+    }
+
+    pub(super) fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+}
+
+/// The light of a scene. Directions are unit vectors in world space, colors linear.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Light {
+    /// Toward the sun.
+    pub(super) to_sun: DVec3,
+    /// Radiance that a white surface facing the sun sends out.
+    pub(super) sun: Vec3,
+    /// Width of the penumbra in meters per meter behind the edge that casts it.
+    pub(super) sun_spread: f64,
+    /// Sky straight up.
+    pub(super) zenith: Vec3,
+    /// Sky at the horizon.
+    pub(super) horizon: Vec3,
+    /// What the ground sends back up.
+    pub(super) ground: Vec3,
+    /// Solids within this distance darken each other's skylight, m; beyond it nothing changes.
+    pub(super) contact: f64,
+    /// A lamp in the scene.
+    pub(super) lamp: Option<Lamp>,
+}
+
+/// A lamp that lights what lies within its reach, without shadows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lamp {
+    /// Where it hangs, in world space, m.
+    pub(super) position: DVec3,
+    /// Radiance that a white surface facing it from nearby sends out.
+    pub(super) color: Vec3,
+    /// Distance at which its light has faded to nothing, m.
+    pub(super) reach: f64,
+}
+
+/// Where a ray meets a surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hit {
+    /// Index of the solid.
+    pub(super) solid: usize,
+    /// Ray parameter.
+    pub(super) t: f64,
+    /// In world space, m.
+    pub(super) point: DVec3,
+    /// Unit geometric normal in world space, toward the ray's origin.
+    pub(super) normal: DVec3,
+}
+
+/// Collects the solids of one moment, in an order that is the same for every moment.
+pub(super) struct Builder {
+    solids: Vec<Solid>,
+    light: Light,
+}
+
+/// One moment of a scene.
+#[derive(Debug)]
+pub(super) struct World {
+    /// The solids, in the order the scene adds them.
+    pub(super) solids: Vec<Solid>,
+    /// Over the boxes of `solids`.
+    pub(super) bvh: Bvh,
+    /// What lights them.
+    pub(super) light: Light,
+}
+
+impl Builder {
+    pub(super) fn new(light: Light) -> Self {
+        Self { solids: Vec::new(), light }
+    }
+
+    /// Adds an upright solid with its origin at `position`.
+    pub(super) fn add(&mut self, shape: Shape, position: DVec3, material: Material) {
+        self.add_turned(shape, position, DMat3::IDENTITY, material);
+    }
+
+    /// Adds a solid turned by `world_from_local`.
+    pub(super) fn add_turned(
+        &mut self,
+        shape: Shape,
+        position: DVec3,
+        world_from_local: DMat3,
+        material: Material,
+    ) {
+        let half = shape.half_extents();
+        let reach = world_from_local.x_axis.abs() * half.x
+            + world_from_local.y_axis.abs() * half.y
+            + world_from_local.z_axis.abs() * half.z;
+        let bounds = Bounds { low: position - reach, high: position + reach };
+        self.solids.push(Solid { shape, world_from_local, position, material, bounds });
+    }
+
+    /// Adds a round bar between two points.
+    pub(super) fn add_bar(&mut self, ends: (DVec3, DVec3), radii: (f64, f64), material: Material) {
+        let axis = ends.1 - ends.0;
+        let shape = Shape::Cone { bottom: radii.0, top: radii.1, half_height: 0.5 * axis.length() };
+        self.add_turned(shape, 0.5 * (ends.0 + ends.1), upright_to(axis), material);
+    }
+
+    pub(super) fn build(self) -> World {
+        let bounds: Vec<Bounds> = self.solids.iter().map(|solid| solid.bounds).collect();
+        World { bvh: Bvh::new(&bounds), solids: self.solids, light: self.light }
+    }
+}
+
+/// A rotation that takes z to `axis`.
+pub(super) fn upright_to(axis: DVec3) -> DMat3 {
+    let z = axis.try_normalize().unwrap_or(DVec3::Z);
+    let x = z.any_orthonormal_vector();
+    DMat3::from_cols(x, z.cross(x), z)
+}
+
+impl World {
+    /// The first surface along `origin + t · direction`, `t > 0`. With a direction of camera-space `z = 1`, `t` is
+    /// planar depth.
+    pub(super) fn hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        let mut nearest: Option<(usize, f64)> = None;
+        self.bvh.for_each_before(origin, direction, f64::INFINITY, |index, t_max| {
+            let t = self.hit_solid(index, origin, direction, t_max)?;
+            nearest = Some((index, t));
+            Some(t)
+        });
+        let (solid, t) = nearest?;
+        let placed = &self.solids[solid];
+        let point = origin + direction * t;
+        let outward = placed.world_from_local * placed.shape.normal(placed.to_local(point));
+        let normal = if outward.dot(direction) > 0.0 { -outward } else { outward };
+        Some(Hit { solid, t, point, normal })
+    }
+
+    /// Ray parameter at which one solid is met before `t_max`.
+    pub(super) fn hit_solid(&self, index: usize, origin: DVec3, direction: DVec3, t_max: f64) -> Option<f64> {
+        let solid = &self.solids[index];
+        let local_direction = solid.world_from_local.transpose() * direction;
+        solid.shape.hit(solid.to_local(origin), local_direction, 0.0, t_max)
+    }
+
+    /// Linear reflectance and glow at a hit.
+    pub(super) fn surface_color(&self, hit: &Hit) -> (Vec3, f32) {
+        let solid = &self.solids[hit.solid];
+        let normal = solid.world_from_local.transpose() * hit.normal;
+        let color = solid.material.color(solid.to_local(hit.point), normal, hit.solid as u32);
+        (color, solid.material.glow)
+    }
+}
