@@ -1,1 +1,205 @@
-//! evaluate
+//! Evaluation: how close to the truth the pictures are, and what they cost.
+//!
+//! ```text
+//! SampleSet ─ render at each view ─▶ Picture ─┐
+//! View ─────────────────── truth ─▶ Frame ────┴ metrics ─▶ ViewScore … ─▶ Evaluation
+//! ```
+
+pub mod hold_out;
+pub mod metrics;
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use crate::capture::{Capture, View};
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::preprocess::{self, SampleSet};
+use crate::render::{CpuRenderer, Picture, Vantage};
+use crate::settings::{PruningMethod, RenderSettings, Settings};
+use metrics::Scores;
+
+/// What one view cost and, where its truth is known, how close to it the picture came.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ViewScore {
+    /// The view's own name.
+    pub file_path: String,
+    /// Closeness to the truth; `None` where it is not known.
+    #[serde(flatten)]
+    pub scores: Option<Scores>,
+    /// Wall-clock milliseconds of painting.
+    pub milliseconds: f64,
+    /// Samples that were projected.
+    pub samples: u64,
+}
+
+/// Means over views.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct MeanScore {
+    /// See [`Scores::psnr_db`]; `None` where no view has truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub psnr_db: Option<f64>,
+    /// See [`Scores::psnr_covered_db`]; over views of which any pixel is covered.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub psnr_covered_db: Option<f64>,
+    /// See [`Scores::ssim`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ssim: Option<f64>,
+    /// See [`Scores::coverage`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<f64>,
+    /// See [`ViewScore::milliseconds`].
+    pub milliseconds: f64,
+    /// See [`ViewScore::samples`].
+    pub samples: f64,
+}
+
+/// Scores of several views.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// One by one, in the order of the views.
+    pub views: Vec<ViewScore>,
+    /// On average.
+    pub mean: MeanScore,
+}
+
+impl Evaluation {
+    /// Gathers scores.
+    #[must_use]
+    pub fn of(views: Vec<ViewScore>) -> Self {
+        let mean_score = |value: &dyn Fn(&Scores) -> Option<f64>| {
+            mean(views.iter().filter_map(|view| value(view.scores.as_ref()?)))
+        };
+        let mean = MeanScore {
+            psnr_db: mean_score(&|scores| Some(scores.psnr_db)),
+            psnr_covered_db: mean_score(&|scores| scores.psnr_covered_db),
+            ssim: mean_score(&|scores| Some(scores.ssim)),
+            coverage: mean_score(&|scores| Some(scores.coverage)),
+            milliseconds: mean(views.iter().map(|view| view.milliseconds)).unwrap_or_default(),
+            samples: mean(views.iter().map(|view| view.samples as f64)).unwrap_or_default(),
+        };
+        Self { views, mean }
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (count, sum) = values.fold((0_u32, 0.0), |(count, sum), value| (count + 1, sum + value));
+    (count > 0).then(|| sum / f64::from(count))
+}
+
+/// Paints one view and, where its truth is known, scores it.
+///
+/// # Errors
+/// `Invalid` naming the view where the set has no such frame or the truth has another size; whatever the truth's
+/// file gives; `Cancelled`.
+pub fn render_view(
+    renderer: &mut CpuRenderer,
+    samples: &Arc<SampleSet>,
+    view: &View,
+    settings: &RenderSettings,
+    job: &Job,
+) -> Result<(Picture, ViewScore)> {
+    let place = || format!("view '{}'", view.file_path);
+    let frame = samples.frame_index(view.frame_number).ok_or_else(|| {
+        let frames = match samples.frame_numbers.as_slice() {
+            [] => "none".to_owned(),
+            [first, .., last] => format!("{} frames from {first} to {last}", samples.frame_count()),
+            [only] => format!("frame {only} alone"),
+        };
+        Error::invalid(
+            place(),
+            format!("there is no frame {}; '{}' has {frames}", view.frame_number, samples.name),
+        )
+    })?;
+    let vantage = Vantage { camera: view.camera.clone(), frame };
+    let (picture, stats) = renderer.render(samples, &vantage, settings, job)?;
+    let scores = match &view.truth {
+        None => None,
+        Some(truth) => Some(metrics::score(&picture, &truth()?).map_err(|error| match error {
+            Error::Invalid { what, .. } => Error::invalid(place(), what),
+            error => error,
+        })?),
+    };
+    let score = ViewScore {
+        file_path: view.file_path.clone(),
+        scores,
+        milliseconds: stats.milliseconds,
+        samples: stats.samples,
+    };
+    Ok((picture, score))
+}
+
+/// Scores the views whose truth is known.
+///
+/// # Errors
+/// As [`render_view`], and `Invalid` where no view has truth.
+pub fn evaluate(
+    samples: &Arc<SampleSet>,
+    views: &[View],
+    settings: &RenderSettings,
+    job: &Job,
+) -> Result<Evaluation> {
+    let views: Vec<&View> = views.iter().filter(|view| view.truth.is_some()).collect();
+    if views.is_empty() {
+        return Err(Error::invalid(
+            &samples.name,
+            "no view has a true picture to be compared with; name others with --views or hold out a camera",
+        ));
+    }
+    let mut renderer = CpuRenderer::new();
+    job.start("Scoring views", views.len());
+    let mut scores = Vec::with_capacity(views.len());
+    for view in views {
+        job.check()?;
+        scores.push(render_view(&mut renderer, samples, view, settings, job)?.1);
+        job.advance(1);
+    }
+    Ok(Evaluation::of(scores))
+}
+
+/// One way to prune: what it costs and how close to the truth it stays.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Compared {
+    /// Name of the pruning method.
+    pub method: PruningMethod,
+    /// Samples kept.
+    pub samples_kept: u64,
+    /// Bytes of the kept samples in memory.
+    pub bytes_memory: u64,
+    /// How close to the truth.
+    #[serde(flatten)]
+    pub evaluation: Evaluation,
+}
+
+/// The given settings beside the two ends they must be held against.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// As the settings say.
+    pub as_set: Compared,
+    /// Every sample kept: the most accurate, and the largest.
+    pub no_pruning: Compared,
+    /// The first camera that saw a point keeps it, whatever its sampling rate: what a layered depth image does.
+    pub first_camera: Compared,
+}
+
+/// Scores the given settings, no pruning, and first camera wins. The frames are scanned once.
+///
+/// # Errors
+/// As [`preprocess::preprocess`] and [`evaluate`].
+pub fn compare(capture: &Capture, views: &[View], settings: &Settings, job: &Job) -> Result<Comparison> {
+    let scan = preprocess::scan(capture, settings, job)?;
+    let compared = |method| {
+        let mut settings = settings.clone();
+        settings.pruning.method = method;
+        let samples = preprocess::prune(capture, &scan, &settings, job)?.samples;
+        let evaluation = evaluate(&samples, views, &settings.render, job)?;
+        let (samples_kept, bytes_memory) = (samples.sample_count(), samples.bytes());
+        Ok(Compared { method, samples_kept, bytes_memory, evaluation })
+    };
+    Ok(Comparison {
+        as_set: compared(settings.pruning.method)?,
+        no_pruning: compared(PruningMethod::Off)?,
+        first_camera: compared(PruningMethod::FirstCamera)?,
+    })
+}

@@ -1,0 +1,65 @@
+//! Hold-out evaluation: cameras are left out of the preprocessing, and their own frames are the truth it is scored by.
+
+use std::sync::Arc;
+
+use crate::capture::{Capture, View};
+use crate::error::{Error, Result};
+
+/// Most frames of a held-out camera that are scored, evenly spaced over the capture.
+pub const MAX_FRAMES: usize = 5;
+
+/// The capture without the cameras named, and views with truth from their places.
+///
+/// # Errors
+/// [`Error::Invalid`] where a camera does not exist, or where none would be left.
+pub fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, Vec<View>)> {
+    let is_held_out = |name: &str| held_out.iter().any(|held_out| held_out == name);
+    if let Some(unknown) =
+        held_out.iter().find(|name| !capture.cameras.iter().any(|camera| camera.name == **name))
+    {
+        let names: Vec<_> = capture.cameras.iter().map(|camera| camera.name.as_str()).collect();
+        return Err(Error::invalid(
+            format!("hold-out '{unknown}'"),
+            format!("there is no such camera; there are {}", names.join(", ")),
+        ));
+    }
+    let rest = capture.with_cameras(|_, camera| !is_held_out(&camera.name));
+    if rest.cameras.is_empty() {
+        return Err(Error::invalid(&capture.name, "every camera is held out; leave at least one"));
+    }
+    let mut views = Vec::new();
+    for (index, camera) in capture.cameras.iter().enumerate() {
+        if !is_held_out(&camera.name) {
+            continue;
+        }
+        for frame in evenly_spaced(capture.frame_count()) {
+            let truth = capture.clone();
+            let number = capture.frame_numbers[frame];
+            views.push(View {
+                file_path: format!("{}/{number:04}.exr", camera.name),
+                camera: camera.clone(),
+                frame_number: number,
+                truth: Some(Arc::new(move || truth.frame(index, frame).map(|frame| (*frame).clone()))),
+            });
+        }
+    }
+    Ok((rest, views))
+}
+
+/// At most [`MAX_FRAMES`] of `frames`, the first among them.
+fn evenly_spaced(frames: usize) -> impl Iterator<Item = usize> {
+    let count = frames.min(MAX_FRAMES);
+    (0..count).map(move |step| step * frames / count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_frames_are_all_scored_and_many_are_spread() {
+        assert_eq!(evenly_spaced(0).count(), 0);
+        assert_eq!(evenly_spaced(3).collect::<Vec<_>>(), [0, 1, 2]);
+        assert_eq!(evenly_spaced(60).collect::<Vec<_>>(), [0, 12, 24, 36, 48]);
+    }
+}

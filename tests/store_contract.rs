@@ -1,0 +1,422 @@
+//! The store as a contract: what is written comes back exactly; what was damaged is refused; what stood there before
+//! stays until the new store is whole.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::{DAffine3, DQuat, DVec3};
+use half::f16;
+use overlook::capture::{Camera, Intrinsics};
+use overlook::error::Error;
+use overlook::job::Job;
+use overlook::preprocess::{OctNormal, Report, SampleImage, SampleSet, SampleTile, Span, TILE};
+use overlook::settings::Settings;
+use overlook::store::{self, Store};
+use proptest::prelude::*;
+
+/// Bytes from the start of a store to its first chunk.
+const FIRST_CHUNK: usize = 12;
+
+fn camera(name: &str, width: u32, height: u32) -> Camera {
+    Camera {
+        name: name.to_owned(),
+        intrinsics: Intrinsics::from_horizontal_angle(width, height, 0.9),
+        world_from_camera: DAffine3::from_rotation_translation(
+            DQuat::from_rotation_y(0.3),
+            DVec3::new(0.1, -2.0, 1.0 / 3.0),
+        ),
+    }
+}
+
+/// An image whose tiles have the given masks, cut to the picture; `values` seeds its planes.
+fn image(
+    (camera_index, camera): (u32, &Camera),
+    span: Span,
+    masks: &[u16],
+    values: &[u32],
+    normals: bool,
+) -> SampleImage {
+    let (width, height) = camera.intrinsics.size();
+    let mut tiles = Vec::new();
+    let mut first = 0;
+    let mut masks = masks.iter().copied().cycle();
+    for tile_y in 0..height.div_ceil(TILE) {
+        for tile_x in 0..width.div_ceil(TILE) {
+            let columns = (width - tile_x * TILE).min(TILE);
+            let inside = if columns == TILE { u16::MAX } else { (1 << columns) - 1 };
+            let mut mask = || masks.next().unwrap_or(0) & inside;
+            let rows = std::array::from_fn(|row| if tile_y * TILE + row < height { mask() } else { 0 });
+            let tile = SampleTile { tile_x: tile_x as u16, tile_y: tile_y as u16, first, rows };
+            if tile.count() > 0 {
+                first += tile.count() as u32;
+                tiles.push(tile);
+            }
+        }
+    }
+    let count = first as usize;
+    let value = |i: usize| values[i % values.len()].wrapping_add(i as u32 / 7);
+    let half = |bits: u32| f16::from_bits((bits & 0x3FFF) as u16 | (bits >> 1 & 0x8000) as u16);
+    SampleImage {
+        camera: camera_index,
+        span,
+        tiles,
+        color: (0..count).map(|i| [value(i), value(i + 1), value(i + 2) >> 3].map(half)).collect(),
+        // Zero is a sample at infinity.
+        inverse_depth: (0..count)
+            .map(|i| if value(i).is_multiple_of(5) { 0.0 } else { f32::from_bits(value(i) & 0x7F00_FFFF) })
+            .collect(),
+        normal: normals
+            .then(|| (0..count).map(|i| OctNormal([value(i) as i8, (value(i) >> 8) as i8])).collect()),
+    }
+}
+
+fn set_of(cameras: Vec<Camera>, frames: usize, images: Vec<SampleImage>) -> SampleSet {
+    SampleSet {
+        name: "Kristallisation ❄".to_owned(),
+        cameras,
+        frame_numbers: (0..frames as i64).map(|frame| 3 * frame - 4).collect(),
+        up_in_world: DVec3::new(0.0, 0.6, 0.8),
+        settings: Settings::default(),
+        images: images.into_iter().filter(|image| !image.is_empty()).map(Arc::new).collect(),
+    }
+}
+
+fn small_set() -> SampleSet {
+    let cameras = vec![camera("left", 20, 18), camera("right", 17, 5)];
+    let images = vec![
+        image((0, &cameras[0]), Span { start: 0, end: 2 }, &[0xFFFF, 0x00F0, 0], &[7, 0x3C00_1234], true),
+        image((1, &cameras[1]), Span { start: 1, end: 2 }, &[0x1001], &[0x1_0000, 5, 99], false),
+    ];
+    set_of(cameras, 2, images)
+}
+
+fn small_report() -> Report {
+    let mut report = Report { samples_in: 890, seconds: 0.1 + 0.2, ..Report::default() };
+    report.pruned.insert("static".to_owned(), 17);
+    report
+}
+
+fn assert_same(read: &(SampleSet, Report), samples: &SampleSet, report: &Report) {
+    let (set, read_report) = read;
+    assert_eq!(set.name, samples.name);
+    assert_eq!(set.cameras, samples.cameras);
+    assert_eq!(set.frame_numbers, samples.frame_numbers);
+    assert_eq!(set.up_in_world, samples.up_in_world);
+    assert_eq!(set.settings, samples.settings);
+    assert_eq!(set.images, samples.images);
+    assert_eq!(read_report, report);
+}
+
+/// A folder that is removed afterwards, and the path of a store in it.
+fn scratch() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ovl");
+    (folder, path)
+}
+
+fn small_store() -> (tempfile::TempDir, PathBuf, Vec<u8>) {
+    let (folder, path) = scratch();
+    store::write(&path, &small_set(), &small_report(), &Job::new()).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    (folder, path, bytes)
+}
+
+fn read_bytes(path: &Path, bytes: &[u8]) -> Result<(SampleSet, Report), Error> {
+    std::fs::write(path, bytes).unwrap();
+    store::read(path, &Job::new())
+}
+
+fn refusal(path: &Path, bytes: &[u8]) -> String {
+    let message = read_bytes(path, bytes).map(|_| ()).unwrap_err().to_string();
+    assert!(message.contains("scene.ovl") && !message.contains('\n'), "{message}");
+    message
+}
+
+/// Offset and payload length of the first chunk with this id.
+fn chunk(bytes: &[u8], id: &[u8; 4]) -> (usize, usize) {
+    let mut offset = FIRST_CHUNK;
+    loop {
+        let length = u32::from_be_bytes(bytes[offset + 4..offset + 8].try_into().unwrap()) as usize;
+        if bytes[offset..offset + 4] == *id {
+            return (offset, length);
+        }
+        offset += 8 + length + length % 2;
+    }
+}
+
+/// Changes the payload of a chunk and mends its checksum.
+fn tampered(bytes: &[u8], id: &[u8; 4], change: impl FnOnce(&mut [u8])) -> Vec<u8> {
+    let (offset, length) = chunk(bytes, id);
+    let mut bytes = bytes.to_vec();
+    let (start, end) = (offset + 8, offset + 8 + length - 4);
+    change(&mut bytes[start..end]);
+    let checksum = crc32fast::hash(&[id.as_slice(), &bytes[start..end]].concat());
+    bytes[end..end + 4].copy_from_slice(&checksum.to_be_bytes());
+    bytes
+}
+
+fn with_form_length(mut bytes: Vec<u8>) -> Vec<u8> {
+    let length = bytes.len() as u32 - 8;
+    bytes[4..8].copy_from_slice(&length.to_be_bytes());
+    bytes
+}
+
+fn any_set() -> impl Strategy<Value = SampleSet> {
+    let mask = prop_oneof![Just(0_u16), Just(u16::MAX), any::<u16>()];
+    let parts = (
+        (1..40_u32, 1..40_u32, 1..4_usize),
+        prop::collection::vec(prop::collection::vec(mask, 1..40), 0..5),
+        prop::collection::vec(any::<u32>(), 1..20),
+        any::<bool>(),
+    );
+    parts.prop_map(|((width, height, frames), masks, values, normals)| {
+        let cameras = vec![camera("a", width, height), camera("b", height, width)];
+        let images = masks.iter().enumerate().map(|(i, masks)| {
+            let index = (i % 2) as u32;
+            let start = (i % frames) as u32;
+            let span = Span { start, end: start + 1 + (i as u32 % (frames as u32 - start)) };
+            image((index, &cameras[index as usize]), span, masks, &values, normals)
+        });
+        let images = images.collect();
+        set_of(cameras, frames, images)
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn what_is_written_comes_back_exactly(samples in any_set()) {
+        let (_folder, path) = scratch();
+        let size = store::write(&path, &samples, &small_report(), &Job::new()).unwrap();
+        prop_assert_eq!(size, std::fs::metadata(&path).unwrap().len());
+        assert_same(&store::read(&path, &Job::new()).unwrap(), &samples, &small_report());
+    }
+
+    #[test]
+    fn a_store_with_random_damage_never_panics(
+        damage in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+    ) {
+        let (_folder, path, mut bytes) = small_store();
+        for (index, byte) in damage {
+            let index = index.index(bytes.len());
+            bytes[index] = byte;
+        }
+        let _ = read_bytes(&path, &bytes);
+    }
+}
+
+#[test]
+fn one_image_is_read_without_the_others() {
+    let (_folder, path, mut bytes) = small_store();
+    let samples = small_set();
+    // The first image is destroyed; the second is none the worse.
+    let (first, length) = chunk(&bytes, b"IMAG");
+    bytes[first + 8..first + 8 + length].fill(0xEE);
+    std::fs::write(&path, &bytes).unwrap();
+    let store = Store::open(&path).unwrap();
+    assert_eq!(store.info().images.len(), 2);
+    assert_eq!(store.info().sample_count(), samples.sample_count());
+    assert_eq!(store.info().span_count(), 2);
+    assert_eq!(store.info().bytes, bytes.len() as u64);
+    assert_eq!(store.image(1).unwrap(), *samples.images[1]);
+    assert!(store.image(0).unwrap_err().to_string().contains("'IMAG'"));
+    assert!(store.image(2).unwrap_err().to_string().contains("no image 2"));
+}
+
+#[test]
+fn the_same_set_gives_the_same_bytes_with_one_and_with_many_threads() {
+    let (_folder, path) = scratch();
+    let write_with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| store::write(&path, &small_set(), &small_report(), &Job::new())).unwrap();
+        std::fs::read(&path).unwrap()
+    };
+    assert_eq!(write_with(1), write_with(5));
+}
+
+#[test]
+fn a_store_cut_short_anywhere_is_refused() {
+    let (_folder, path, bytes) = small_store();
+    for length in 0..bytes.len() {
+        refusal(&path, &bytes[..length]);
+        if length >= 8 {
+            // The cut is hidden from the check of the whole file's length.
+            refusal(&path, &with_form_length(bytes[..length].to_vec()));
+        }
+    }
+}
+
+#[test]
+fn no_damaged_byte_goes_unnoticed() {
+    let (_folder, path, bytes) = small_store();
+    for position in 0..bytes.len() {
+        for flip in [0x01, 0x80, 0xFF] {
+            let mut damaged = bytes.clone();
+            damaged[position] ^= flip;
+            if let Ok(read) = read_bytes(&path, &damaged) {
+                assert_same(&read, &small_set(), &small_report());
+            }
+        }
+    }
+}
+
+#[test]
+fn trailing_bytes_are_refused() {
+    let (_folder, path, bytes) = small_store();
+    assert!(refusal(&path, &[bytes.as_slice(), b"\0"].concat()).contains("bytes but has"));
+}
+
+#[test]
+fn other_files_are_refused() {
+    let (_folder, path, bytes) = small_store();
+    assert!(refusal(&path, b"").contains("too few"));
+    assert!(refusal(&path, b"FORM").contains("too few"));
+    let image = [b"FORM".as_slice(), &bytes[4..8], b"ILBM", &bytes[12..]].concat();
+    assert!(refusal(&path, &image).contains("type 'OVLK'"));
+    assert!(refusal(&path, &[b"RIFF", &bytes[4..]].concat()).contains("type 'OVLK'"));
+    assert!(!Store::is_store(&path));
+    std::fs::write(&path, &bytes).unwrap();
+    assert!(Store::is_store(&path));
+}
+
+#[test]
+fn a_folder_and_a_missing_file_are_refused() {
+    let (folder, path) = scratch();
+    assert!(store::read(folder.path(), &Job::new()).is_err());
+    assert!(matches!(store::read(&path, &Job::new()), Err(Error::Io { .. })));
+}
+
+#[test]
+fn another_major_version_is_unsupported_and_a_minor_one_is_read() {
+    let (_folder, path, bytes) = small_store();
+    let newer = tampered(&bytes, b"HEAD", |head| head[1] = 2);
+    assert!(matches!(read_bytes(&path, &newer), Err(Error::Unsupported { .. })));
+    assert!(refusal(&path, &newer).contains("version 2.0"));
+    let minor = tampered(&bytes, b"HEAD", |head| head[3] = 9);
+    assert_same(&read_bytes(&path, &minor).unwrap(), &small_set(), &small_report());
+}
+
+#[test]
+fn unknown_chunks_are_skipped() {
+    let (_folder, path, bytes) = small_store();
+    let comment = b"ANNO\0\0\0\x05hello\0";
+    let end = [bytes.as_slice(), comment].concat();
+    assert_same(&read_bytes(&path, &with_form_length(end)).unwrap(), &small_set(), &small_report());
+}
+
+#[test]
+fn missing_doubled_and_misplaced_chunks_are_refused() {
+    let (_folder, path, bytes) = small_store();
+    for id in [b"HEAD", b"SETT", b"REPT", b"INDX"] {
+        let (offset, _) = chunk(&bytes, id);
+        let mut renamed = bytes.clone();
+        renamed[offset..offset + 4].copy_from_slice(b"ANNO");
+        refusal(&path, &renamed);
+    }
+    let (head, length) = chunk(&bytes, b"HEAD");
+    let end = head + 8 + length + length % 2;
+    let doubled = [&bytes[..end], &bytes[head..]].concat();
+    assert!(refusal(&path, &with_form_length(doubled)).contains("two of them"));
+    let comment = [&bytes[..head], b"ANNO\0\0\0\0", &bytes[head..]].concat();
+    assert!(refusal(&path, &with_form_length(comment)).contains("first chunk"));
+}
+
+#[test]
+fn huge_lengths_are_refused_without_being_allocated() {
+    let (_folder, path, bytes) = small_store();
+    for id in [b"HEAD", b"SETT", b"REPT", b"INDX", b"IMAG"] {
+        let (offset, _) = chunk(&bytes, id);
+        for length in [u32::MAX, u32::MAX - 1, 0x8000_0000, bytes.len() as u32, 0, 3] {
+            let mut absurd = bytes.clone();
+            absurd[offset + 4..offset + 8].copy_from_slice(&length.to_be_bytes());
+            refusal(&path, &absurd);
+        }
+    }
+    // Counts inside chunks: cameras' name, images, tiles, samples, first plane.
+    let huge = u32::MAX.to_be_bytes();
+    for (id, position) in [(b"HEAD", 4), (b"INDX", 0), (b"IMAG", 12), (b"IMAG", 16), (b"IMAG", 22)] {
+        refusal(
+            &path,
+            &tampered(&bytes, id, |payload| payload[position..position + 4].copy_from_slice(&huge)),
+        );
+    }
+}
+
+#[test]
+fn a_bomb_is_refused() {
+    let (_folder, path, bytes) = small_store();
+    // A picture of 2^20 × 2^20 pixels would have an occupancy of 512 MiB; the plane in the file is one byte.
+    let name = small_set().name.len();
+    let width = 4 + 4 + name + 24 + 4 + 4 + "left".len();
+    let absurd = tampered(&bytes, b"HEAD", |head| {
+        head[width..width + 8].copy_from_slice(&[0, 16, 0, 0, 0, 16, 0, 0]);
+    });
+    assert!(refusal(&path, &absurd).contains("'IMAG'"));
+    // Both index entries for one chunk.
+    let twice = tampered(&bytes, b"INDX", |index| index.copy_within(4..32, 32));
+    assert!(refusal(&path, &twice).contains("overlap"));
+}
+
+#[test]
+fn values_that_break_the_promises_are_neither_written_nor_read() {
+    let (_folder, path, before) = small_store();
+    let broken = |change: &dyn Fn(&mut SampleImage)| {
+        let mut samples = small_set();
+        let mut image = (*samples.images[0]).clone();
+        change(&mut image);
+        samples.images[0] = Arc::new(image);
+        let error = store::write(&path, &samples, &small_report(), &Job::new()).unwrap_err();
+        assert!(matches!(error, Error::Invalid { .. }), "{error}");
+        assert_eq!(std::fs::read(&path).unwrap(), before);
+    };
+    broken(&|image| image.inverse_depth[0] = f32::NAN);
+    broken(&|image| image.inverse_depth[0] = -1.0);
+    broken(&|image| image.color[0][1] = f16::INFINITY);
+    broken(&|image| image.camera = 2);
+    broken(&|image| image.span.end = 3);
+    broken(&|image| image.tiles.swap(0, 1));
+    broken(&|image| image.tiles[1].rows[0] = 0x8000);
+    broken(&|image| image.color.truncate(1));
+    let report = Report { seconds: f64::NAN, ..Report::default() };
+    assert!(store::write(&path, &small_set(), &report, &Job::new()).is_err());
+}
+
+#[test]
+fn the_old_store_stays_until_the_new_one_is_whole() {
+    let (folder, path, before) = small_store();
+    let job = Job::new();
+    job.cancel();
+    let error = store::write(&path, &small_set(), &Report::default(), &job).unwrap_err();
+    assert!(matches!(error, Error::Cancelled));
+    assert_eq!(std::fs::read(&path).unwrap(), before);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+
+    store::write(&path, &small_set(), &Report::default(), &Job::new()).unwrap();
+    assert_eq!(store::read(&path, &Job::new()).unwrap().1, Report::default());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_store_that_cannot_be_put_there_leaves_nothing_behind() {
+    let (folder, path) = scratch();
+    // A folder stands where the store should go: the last step, the rename, fails.
+    std::fs::create_dir(&path).unwrap();
+    std::fs::write(path.join("precious"), b"1").unwrap();
+    let error = store::write(&path, &small_set(), &small_report(), &Job::new()).unwrap_err();
+    assert!(matches!(error, Error::Io { .. }), "{error}");
+    assert_eq!(std::fs::read(path.join("precious")).unwrap(), b"1");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+
+    let nowhere = folder.path().join("no/such/folder/scene.ovl");
+    let error = store::write(&nowhere, &small_set(), &small_report(), &Job::new()).unwrap_err();
+    assert!(error.to_string().contains("no/such/folder"), "{error}");
+}
+
+#[test]
+fn reading_can_be_cancelled() {
+    let (_folder, path, _) = small_store();
+    let job = Job::new();
+    job.cancel();
+    assert!(matches!(store::read(&path, &job), Err(Error::Cancelled)));
+}
