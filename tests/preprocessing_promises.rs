@@ -113,7 +113,7 @@ fn any_capture() -> impl Strategy<Value = (Scene, Capture)> {
                 radius: 0.5,
                 color: [0.6, 0.6, 0.1],
             };
-            let mut scene = Scene { normals, half_depth, color_noise, ..Scene::still_life() };
+            let mut scene = Scene { color_noise, half_depth, normals, ..Scene::still_life() };
             scene.spheres.push(moving);
             let capture = scene.record(cameras, 3);
             (scene, capture)

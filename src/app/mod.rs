@@ -1,1 +1,262 @@
-//! app
+//! The window: egui panels over the same library calls as the command line.
+//!
+//! ```text
+//!            read-only State
+//!   ui() ◀───────────────────── logic() ◀── Message ── lanes (named threads, one kind of work each)
+//!     │                           ▲  │
+//!     └──────── Command ──────────┘  └──── requests: the latest wins ──▶ lanes
+//! ```
+//!
+//! The UI thread neither computes nor touches files: [`OverlookApp`]'s `logic` takes in answers, carries out commands and
+//! asks the lanes for what is missing; its `ui` only draws.
+
+mod accuracy;
+mod command;
+mod keyboard;
+mod lanes;
+mod memory;
+mod message;
+mod panels;
+mod plan;
+mod scene;
+mod start;
+mod state;
+mod text;
+mod theme;
+mod update;
+mod views;
+mod worker;
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::time::{Duration, Instant};
+
+use crate::capture::demo::DemoSpec;
+use crate::error::Result;
+use crate::preprocess::Report;
+use crate::settings::Settings;
+use command::Command;
+use lanes::Lanes;
+use memory::Memory;
+use message::Message;
+use plan::Plan;
+use state::{Busy, LiveLook, NoticeKind, Sidebar, SourceLook, State, Timeline};
+use worker::Outbox;
+
+pub use start::run;
+
+/// Answers that may wait for the window at once: more than there are lanes, so that none of them waits.
+const MESSAGES: usize = 32;
+
+/// How often progress is looked at while long work is under way.
+const WATCH: Duration = Duration::from_millis(100);
+
+/// How long a message of success stays.
+const DONE_STAYS: Duration = Duration::from_secs(8);
+
+/// What the window shows first.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Start {
+    /// A built-in scene.
+    Demo(DemoSpec),
+    /// A capture folder, a `transforms.json` or a store.
+    Path(PathBuf),
+}
+
+/// The window's contents.
+pub struct OverlookApp {
+    state: State,
+    lanes: Lanes,
+    plan: Plan,
+    inbox: Receiver<Message>,
+    commands: Vec<Command>,
+    /// When the system's dialog was asked for.
+    asked_at: Option<Instant>,
+}
+
+impl OverlookApp {
+    /// A window that opens `start`. `storage` brings back what an earlier run remembered.
+    ///
+    /// # Errors
+    /// `Io` where the operating system gives no threads.
+    pub fn new(ctx: &egui::Context, storage: Option<&dyn eframe::Storage>, start: Start) -> Result<Self> {
+        theme::install(ctx);
+        let (sender, inbox) = sync_channel(MESSAGES);
+        let lanes = Lanes::start(&Outbox::new(sender, ctx.clone()))?;
+        let mut state = fresh_state();
+        Memory::load(storage).restore(&mut state);
+        let mut app =
+            Self { state, lanes, plan: Plan::default(), inbox, commands: Vec::new(), asked_at: None };
+        match start {
+            Start::Demo(spec) => app.open_demo(spec),
+            Start::Path(path) => app.open_path(path),
+        }
+        Ok(app)
+    }
+
+    /// Whether all work that was asked for is done and shown.
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        self.lanes.are_idle() && self.state.opening.is_none() && self.plan.is_settled(&self.state)
+    }
+
+    /// Index of the frame shown.
+    #[must_use]
+    pub fn frame(&self) -> usize {
+        self.state.timeline.frame
+    }
+
+    /// Name of what is open, or `None`.
+    #[must_use]
+    pub fn scene_name(&self) -> Option<&str> {
+        self.state.scene.as_ref().map(|scene| scene.name.as_str())
+    }
+
+    /// The account of the open capture or store, and whether it was made with the settings on the sliders.
+    #[must_use]
+    pub fn report(&self) -> Option<(&Report, bool)> {
+        self.state.report().map(|report| (report, !self.state.is_stale()))
+    }
+
+    /// The settings on the sliders.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        &self.state.settings
+    }
+
+    /// Pixel size of the live picture on screen and the share of it that samples reached; `None` before the first.
+    #[must_use]
+    pub fn live_coverage(&self) -> Option<([usize; 2], f64)> {
+        let shown = self.state.live_shown.as_ref()?;
+        let [width, height] = shown.picture.image.size;
+        Some(([width, height], 1.0 - shown.picture.stats.holes as f64 / (width * height).max(1) as f64))
+    }
+
+    /// Position of the live view in world space; `None` while nothing is open.
+    #[must_use]
+    pub fn live_position(&self) -> Option<[f64; 3]> {
+        self.state.live.rig.as_ref().map(|rig| rig.world_from_camera.translation.to_array())
+    }
+
+    /// Text of every message on screen.
+    #[must_use]
+    pub fn notices(&self) -> Vec<String> {
+        self.state.notices.iter().map(|notice| format!("{}: {}", notice.title, notice.text)).collect()
+    }
+
+    fn advance_time(&mut self, ctx: &egui::Context) {
+        if !self.state.timeline.playing {
+            return;
+        }
+        let timeline = &mut self.state.timeline;
+        let period = 1.0 / timeline.frames_per_second;
+        timeline.elapsed_secs += ctx.input(|input| input.unstable_dt).min(0.5);
+        let frames = (timeline.elapsed_secs / period) as i64;
+        timeline.elapsed_secs -= frames as f32 * period;
+        let wait = (period - timeline.elapsed_secs).max(0.0);
+        if frames > 0 {
+            self.apply(Command::Step(frames));
+        }
+        ctx.request_repaint_after(Duration::from_secs_f32(wait));
+    }
+
+    fn take_dropped_files(&mut self, ctx: &egui::Context) {
+        let dropped =
+            ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
+        if let Some(path) = dropped {
+            self.apply(Command::OpenPath(path));
+        }
+    }
+
+    fn watch_work(&mut self, ctx: &egui::Context) {
+        let lanes = &self.lanes;
+        let watched = [
+            (lanes.open.progress(), true),
+            (lanes.whole.progress(), true),
+            (lanes.file.progress(), true),
+            (lanes.measure.progress(), false),
+        ];
+        self.state.busy = watched
+            .into_iter()
+            .filter_map(|(progress, cancellable)| Some(Busy { progress: progress?, cancellable }))
+            .collect();
+        if !self.state.busy.is_empty() {
+            ctx.request_repaint_after(WATCH);
+        }
+        let before = self.state.notices.len();
+        self.state
+            .notices
+            .retain(|notice| notice.kind != NoticeKind::Done || notice.since.elapsed() < DONE_STAYS);
+        if before > 0 {
+            ctx.request_repaint_after(Duration::from_secs(1));
+        }
+    }
+}
+
+impl eframe::App for OverlookApp {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        while let Ok(message) = self.inbox.try_recv() {
+            self.receive(message, ctx);
+        }
+        for command in std::mem::take(&mut self.commands) {
+            self.apply(command);
+        }
+        self.take_dropped_files(ctx);
+        self.advance_time(ctx);
+        if let Some(wait) = self.plan.ask(&self.state, &self.lanes) {
+            ctx.request_repaint_after(wait);
+        }
+        self.watch_work(ctx);
+        let theme = if self.state.dark { egui::Theme::Dark } else { egui::Theme::Light };
+        if ctx.theme() != theme {
+            ctx.set_theme(theme);
+        }
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        keyboard::commands(ui, &self.state, &mut self.commands);
+        panels::window_ui(ui, &self.state, &mut self.commands);
+        if !self.commands.is_empty() {
+            ui.ctx().request_repaint();
+        }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        Memory::of(&self.state).save(storage);
+    }
+}
+
+fn fresh_state() -> State {
+    State {
+        scene: None,
+        opening: None,
+        settings: Settings::default(),
+        scan: None,
+        whole: None,
+        stopped: false,
+        inspected: None,
+        accuracy: None,
+        timeline: Timeline { frame: 0, playing: false, frames_per_second: 24.0, elapsed_secs: 0.0 },
+        source: SourceLook {
+            camera: 0,
+            overlay: views::source_image::Overlay::Color,
+            against: None,
+            zoom: 1.0,
+            center: egui::Vec2::splat(0.5),
+        },
+        source_shown: None,
+        live: LiveLook {
+            rig: None,
+            color_by: views::live_image::ColorBy::Picture,
+            show_cameras: true,
+            size: [0, 0],
+        },
+        live_shown: None,
+        notices: Vec::new(),
+        sidebar: Sidebar::Settings,
+        typed_path: None,
+        dark: true,
+        recent: Vec::new(),
+        busy: Vec::new(),
+    }
+}

@@ -16,6 +16,7 @@ mod palette;
 mod props;
 mod rig;
 mod shade;
+mod shadow_map;
 mod shapes;
 mod texture;
 mod trace;

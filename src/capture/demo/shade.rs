@@ -10,8 +10,9 @@ use glam::{DVec3, Vec3};
 
 use super::world::{Hit, Light, World};
 
-/// Heights above the surface at which its surroundings are felt, as shares of [`Light::contact`], and their weights.
-const CONTACT_TAPS: [(f64, f32); 4] = [(0.06, 0.2), (0.2, 0.27), (0.5, 0.3), (1.0, 0.33)];
+/// Heights above the surface at which its surroundings are felt, as shares of [`Light::contact`], and their weights, the
+/// highest first.
+const CONTACT_TAPS: [(f64, f32); 3] = [(1.0, 0.38), (0.4, 0.34), (0.1, 0.3)];
 /// A shadow march starts here, m: past the rounding of hit points, short of anything visible.
 const SHADOW_START_M: f64 = 1e-3;
 /// A shadow march advances by at least this much, m: less than the thinnest bar.
@@ -28,16 +29,21 @@ pub(super) fn sky(light: &Light, direction: DVec3) -> Vec3 {
     }
 }
 
-/// Linear color that the point sends in every direction.
-pub(super) fn radiance(world: &World, hit: &Hit) -> Vec3 {
-    let light = &world.light;
+/// Linear color that the point sends in every direction under the given [`irradiance`].
+pub(super) fn reflected(world: &World, hit: &Hit, irradiance: Vec3) -> Vec3 {
     let (color, glow) = world.surface_color(hit);
+    color * (irradiance + Vec3::splat(glow))
+}
+
+/// Light that arrives at the point: the radiance of a white surface there.
+pub(super) fn irradiance(world: &World, hit: &Hit) -> Vec3 {
+    let light = &world.light;
     let toward_sun = hit.normal.dot(light.to_sun);
     let sun = if toward_sun > 0.0 { sunlight(world, hit, toward_sun) * toward_sun as f32 } else { 0.0 };
     let up = 0.5 + 0.5 * hit.normal.z as f32;
     let above = light.horizon.lerp(light.zenith, 0.5 + 0.5 * up);
     let sky = light.ground.lerp(above, up) * contact(world, hit);
-    color * (light.sun * sun + sky + lamp(light, hit) + Vec3::splat(glow))
+    light.sun * sun + sky + lamp(light, hit)
 }
 
 fn lamp(light: &Light, hit: &Hit) -> Vec3 {
@@ -54,13 +60,13 @@ fn lamp(light: &Light, hit: &Hit) -> Vec3 {
 
 /// Share of the sun's disc that the point sees, 0 to 1.
 fn sunlight(world: &World, hit: &Hit, toward_sun: f64) -> f32 {
-    let light = &world.light;
+    let spread = world.light.sun_spread;
     let mut clear: f64 = 1.0;
-    world.bvh.for_each_in_cone(hit.point, light.to_sun, light.sun_spread, |index| {
+    world.shadows.for_each_toward_sun(hit.point, |index, from, to| {
         clear = clear.min(if index == hit.solid && world.solids[index].is_convex() {
-            toward_sun / light.sun_spread
+            toward_sun / spread
         } else {
-            clearance(world, index, hit.point)
+            clearance(world, index, hit.point, (from, to))
         });
         clear > -1.0
     });
@@ -68,23 +74,28 @@ fn sunlight(world: &World, hit: &Hit, toward_sun: f64) -> f32 {
     (t * t * (3.0 - 2.0 * t)) as f32
 }
 
-/// By how much the cone of light clears one solid: −1 fully shaded, 0 the cone's axis grazes it, 1 not touched.
-fn clearance(world: &World, index: usize, point: DVec3) -> f64 {
+/// By how much the cone of light clears one solid between two distances from the point: −1 fully shaded, 0 the cone's
+/// axis grazes it, 1 not touched.
+fn clearance(world: &World, index: usize, point: DVec3, (from, to): (f64, f64)) -> f64 {
     let solid = &world.solids[index];
-    let light = &world.light;
-    let (enter, leave) = solid.bounds().cone_span(point, light.to_sun, light.sun_spread);
-    let mut t = enter.max(SHADOW_START_M);
+    let Light { to_sun, sun_spread, .. } = world.light;
+    let (start, direction) = solid.ray_to_local(point, to_sun);
+    let mut t = from.max(SHADOW_START_M);
     let mut clear: f64 = 1.0;
     for _ in 0..SHADOW_STEPS {
-        if t > leave {
+        if t > to {
             break;
         }
-        let distance = solid.distance(point + light.to_sun * t);
-        clear = clear.min(distance / (light.sun_spread * t));
+        let distance = solid.shape.distance(start + direction * t);
+        clear = clear.min(distance / (sun_spread * t));
         if clear <= -1.0 {
             return -1.0;
         }
-        t += distance.abs().max(SHADOW_STEP_M).max(0.3 * light.sun_spread * t);
+        // Nothing within the rest of the way can come into the cone any more.
+        if distance > (to - t) * (1.0 + sun_spread) + sun_spread * t {
+            break;
+        }
+        t += distance.abs().max(SHADOW_STEP_M).max(0.3 * sun_spread * t);
     }
     clear
 }
@@ -98,8 +109,14 @@ fn contact(world: &World, hit: &Hit) -> f32 {
         if index == hit.solid && solid.is_convex() {
             return;
         }
+        let (foot, up) = solid.ray_to_local(hit.point, hit.normal);
         for (free, (share, _)) in free.iter_mut().zip(CONTACT_TAPS) {
-            *free = free.min(solid.distance(hit.point + hit.normal * (share * reach)));
+            let distance = solid.shape.distance(foot + up * (share * reach));
+            *free = free.min(distance);
+            // A solid that leaves the highest tap free leaves every lower one free: they lie within its clear ball.
+            if share == 1.0 && distance >= reach {
+                break;
+            }
         }
     });
     let mut open = 1.0;

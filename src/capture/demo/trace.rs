@@ -15,7 +15,9 @@ const SUBPIXELS: [(f64, f64); 5] = [(0.1, 0.3), (0.3, 0.9), (0.5, 0.1), (0.7, 0.
 /// Neighbors whose normals differ by more than this cosine lie on two sides of an edge.
 const EDGE_COSINE: f32 = 0.9;
 /// Neighbors whose colors differ by more than this share of the brighter lie on two sides of an edge.
-const EDGE_CONTRAST: f32 = 0.12;
+const EDGE_CONTRAST: f32 = 0.2;
+/// Samples of one pixel whose normals agree to this cosine share their light.
+const SAME_SURFACE_COSINE: f32 = 0.995;
 const SKY: u32 = u32::MAX;
 
 /// What of a picture is wanted.
@@ -33,6 +35,7 @@ pub(super) struct Picture {
 #[derive(Clone, Copy)]
 struct Surfel {
     color: Vec3,
+    irradiance: Vec3,
     inverse_depth: f32,
     normal: [f32; 3],
     solid: u32,
@@ -46,7 +49,7 @@ pub(super) fn picture(world: &World, camera: &Camera, wanted: Picture) -> Frame 
         rows(width, height, |x, y| surfel(world, &view, DVec2::new(x as f64 + 0.5, y as f64 + 0.5)));
     let color = rows(width, height, |x, y| {
         let color = if wanted.antialiased && is_edge(&surfels, x, y) {
-            filtered(world, &view, surfels[(x, y)].color, (x, y))
+            filtered(world, &view, &surfels[(x, y)], (x, y))
         } else {
             surfels[(x, y)].color
         };
@@ -80,14 +83,19 @@ impl<'a> CameraRays<'a> {
 fn surfel(world: &World, view: &CameraRays, pixel: DVec2) -> Surfel {
     let direction = view.direction(pixel);
     match world.hit(view.origin, direction) {
-        Some(hit) => Surfel {
-            color: shade::radiance(world, &hit),
-            inverse_depth: (1.0 / hit.t) as f32,
-            normal: hit.normal.as_vec3().to_array(),
-            solid: hit.solid as u32,
-        },
+        Some(hit) => {
+            let irradiance = shade::irradiance(world, &hit);
+            Surfel {
+                color: shade::reflected(world, &hit, irradiance),
+                irradiance,
+                inverse_depth: (1.0 / hit.t) as f32,
+                normal: hit.normal.as_vec3().to_array(),
+                solid: hit.solid as u32,
+            }
+        }
         None => Surfel {
             color: shade::sky(&world.light, direction),
+            irradiance: Vec3::ZERO,
             inverse_depth: 0.0,
             normal: [0.0; 3],
             solid: SKY,
@@ -95,12 +103,18 @@ fn surfel(world: &World, view: &CameraRays, pixel: DVec2) -> Surfel {
     }
 }
 
-fn filtered(world: &World, view: &CameraRays, center: Vec3, (x, y): (usize, usize)) -> Vec3 {
-    let sum = SUBPIXELS.iter().fold(center, |sum, (dx, dy)| {
+/// The color of a pixel that holds an edge. Within a pixel light hardly changes along a smooth surface, so that the
+/// center's serves every sample of the same surface; texture and silhouettes are sampled.
+fn filtered(world: &World, view: &CameraRays, center: &Surfel, (x, y): (usize, usize)) -> Vec3 {
+    let sum = SUBPIXELS.iter().fold(center.color, |sum, (dx, dy)| {
         let direction = view.direction(DVec2::new(x as f64 + dx, y as f64 + dy));
-        sum + world
-            .hit(view.origin, direction)
-            .map_or_else(|| shade::sky(&world.light, direction), |hit| shade::radiance(world, &hit))
+        let Some(hit) = world.hit(view.origin, direction) else {
+            return sum + shade::sky(&world.light, direction);
+        };
+        let same_surface = hit.solid as u32 == center.solid
+            && hit.normal.as_vec3().dot(center.normal.into()) > SAME_SURFACE_COSINE;
+        let irradiance = if same_surface { center.irradiance } else { shade::irradiance(world, &hit) };
+        sum + shade::reflected(world, &hit, irradiance)
     });
     sum / (SUBPIXELS.len() + 1) as f32
 }

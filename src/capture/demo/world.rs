@@ -3,19 +3,19 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::bvh::{Bounds, Bvh};
+use super::shadow_map::ShadowMap;
 use super::shapes::Shape;
 use super::texture::Material;
 
 /// A solid at its place.
 #[derive(Clone, Debug)]
 pub(super) struct Solid {
-    shape: Shape,
+    pub(super) shape: Shape,
     /// Rotation from the solid's space to world space.
     world_from_local: DMat3,
     /// Where the solid's origin lies, in world space, m.
     position: DVec3,
     material: Material,
-    bounds: Bounds,
 }
 
 impl Solid {
@@ -23,9 +23,9 @@ impl Solid {
         self.world_from_local.transpose() * (point_in_world - self.position)
     }
 
-    /// Signed distance of a world point, m.
-    pub(super) fn distance(&self, point_in_world: DVec3) -> f64 {
-        self.shape.distance(self.to_local(point_in_world))
+    /// Start and direction of a ray in the solid's space.
+    pub(super) fn ray_to_local(&self, origin: DVec3, direction: DVec3) -> (DVec3, DVec3) {
+        (self.to_local(origin), self.world_from_local.transpose() * direction)
     }
 
     /// Whether no part of the solid can shade another part of it.
@@ -33,8 +33,16 @@ impl Solid {
         !matches!(self.shape, Shape::Torus { .. } | Shape::Ring { .. })
     }
 
-    pub(super) fn bounds(&self) -> &Bounds {
-        &self.bounds
+    fn bounds(&self) -> Bounds {
+        let (center, half_axes) = self.outer_box();
+        let reach = half_axes.iter().fold(DVec3::ZERO, |sum, axis| sum + axis.abs());
+        Bounds { low: center - reach, high: center + reach }
+    }
+
+    /// Center and half axes of a box around the solid, in world space.
+    fn outer_box(&self) -> (DVec3, [DVec3; 3]) {
+        let (half, axes) = (self.shape.half_extents(), self.world_from_local);
+        (self.position, [axes.x_axis * half.x, axes.y_axis * half.y, axes.z_axis * half.z])
     }
 }
 
@@ -96,6 +104,8 @@ pub(super) struct World {
     pub(super) solids: Vec<Solid>,
     /// Over the boxes of `solids`.
     pub(super) bvh: Bvh,
+    /// Who may shade whom.
+    pub(super) shadows: ShadowMap,
     /// What lights them.
     pub(super) light: Light,
 }
@@ -118,12 +128,7 @@ impl Builder {
         world_from_local: DMat3,
         material: Material,
     ) {
-        let half = shape.half_extents();
-        let reach = world_from_local.x_axis.abs() * half.x
-            + world_from_local.y_axis.abs() * half.y
-            + world_from_local.z_axis.abs() * half.z;
-        let bounds = Bounds { low: position - reach, high: position + reach };
-        self.solids.push(Solid { shape, world_from_local, position, material, bounds });
+        self.solids.push(Solid { shape, world_from_local, position, material });
     }
 
     /// Adds a round bar between two points.
@@ -134,8 +139,10 @@ impl Builder {
     }
 
     pub(super) fn build(self) -> World {
-        let bounds: Vec<Bounds> = self.solids.iter().map(|solid| solid.bounds).collect();
-        World { bvh: Bvh::new(&bounds), solids: self.solids, light: self.light }
+        let bounds: Vec<Bounds> = self.solids.iter().map(Solid::bounds).collect();
+        let Light { to_sun, sun_spread, .. } = self.light;
+        let shadows = ShadowMap::new(to_sun, sun_spread, self.solids.iter().map(Solid::outer_box));
+        World { bvh: Bvh::new(&bounds), shadows, solids: self.solids, light: self.light }
     }
 }
 
@@ -167,8 +174,8 @@ impl World {
     /// Ray parameter at which one solid is met before `t_max`.
     pub(super) fn hit_solid(&self, index: usize, origin: DVec3, direction: DVec3, t_max: f64) -> Option<f64> {
         let solid = &self.solids[index];
-        let local_direction = solid.world_from_local.transpose() * direction;
-        solid.shape.hit(solid.to_local(origin), local_direction, 0.0, t_max)
+        let (origin, direction) = solid.ray_to_local(origin, direction);
+        solid.shape.hit(origin, direction, 0.0, t_max)
     }
 
     /// Linear reflectance and glow at a hit.

@@ -1,0 +1,280 @@
+//! The work itself: one lane per kind, all of it calls into the engine.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::message::{Message, Purpose};
+use super::scene::{Origin, Scene, median_depth};
+use super::views::live_image::{self, LiveKey};
+use super::views::source_image::{self, SourceKey};
+use super::worker::{Lane, Outbox, Supersede};
+use crate::capture::demo::{Demo, DemoSpec};
+use crate::capture::{Capture, View, transforms};
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::preprocess::{self, Report, SampleSet, TemporalScan};
+use crate::render::CpuRenderer;
+use crate::settings::{CaptureSettings, Settings};
+use crate::store;
+
+/// What to open.
+#[derive(Clone, Debug)]
+pub(super) enum OpenRequest {
+    /// A built-in scene.
+    Demo { spec: DemoSpec, settings: CaptureSettings },
+    /// A file or folder.
+    Path { path: PathBuf, settings: CaptureSettings },
+}
+
+/// Prune the whole capture.
+pub(super) struct WholeRequest {
+    /// The scene, a capture.
+    pub scene: Arc<Scene>,
+    /// The pass over all frames, where it is done.
+    pub scan: Option<Arc<TemporalScan>>,
+    /// With which settings.
+    pub settings: Settings,
+}
+
+/// Prune one frame, with reasons.
+pub(super) struct InspectRequest {
+    /// The scene, a capture.
+    pub scene: Arc<Scene>,
+    /// The pass over all frames, where it is done.
+    pub scan: Option<Arc<TemporalScan>>,
+    /// With which settings.
+    pub settings: Settings,
+    /// Which frame.
+    pub frame: usize,
+}
+
+/// Compare with the truth.
+pub(super) struct MeasureRequest {
+    /// The scene, a capture.
+    pub scene: Arc<Scene>,
+    /// The pass over all frames.
+    pub scan: Arc<TemporalScan>,
+    /// What was kept.
+    pub samples: Arc<SampleSet>,
+    /// With which settings.
+    pub settings: Settings,
+}
+
+/// Read or write a file.
+pub(super) enum FileRequest {
+    /// Write a store.
+    SaveStore { path: PathBuf, samples: Arc<SampleSet>, report: Arc<Report> },
+    /// Write settings.
+    SaveSettings { path: PathBuf, settings: Settings },
+    /// Read settings.
+    LoadSettings { path: PathBuf },
+}
+
+/// Every kind of work the window hands out.
+pub(super) struct Lanes {
+    /// Opening.
+    pub open: Lane<OpenRequest>,
+    /// The whole capture: scan, then prune.
+    pub whole: Lane<WholeRequest>,
+    /// One frame.
+    pub inspect: Lane<InspectRequest>,
+    /// The left picture.
+    pub source: Lane<(Arc<Scene>, SourceKey)>,
+    /// The right picture.
+    pub live: Lane<LiveKey>,
+    /// Accuracy.
+    pub measure: Lane<MeasureRequest>,
+    /// Files.
+    pub file: Lane<FileRequest>,
+    /// The system's dialogs.
+    pub dialog: Lane<Purpose>,
+}
+
+impl Lanes {
+    /// Starts all lanes.
+    ///
+    /// # Errors
+    /// `Io` where the operating system gives no thread.
+    pub(super) fn start(outbox: &Outbox) -> Result<Self> {
+        let pool = background_pool()?;
+        let measure_pool = pool.clone();
+        let progress = outbox.clone();
+        let mut renderer = CpuRenderer::new();
+        Ok(Self {
+            open: Lane::start("Open", Supersede::Always, outbox.clone(), open)?,
+            whole: Lane::start("Prune", Supersede::Always, outbox.clone(), move |request, job| {
+                pool.install(|| prune_whole(request, &progress, job))
+            })?,
+            inspect: Lane::start("Inspect frame", Supersede::Alternate, outbox.clone(), inspect)?,
+            source: Lane::start("Source picture", Supersede::Never, outbox.clone(), paint_source)?,
+            live: Lane::start("Live view", Supersede::Never, outbox.clone(), move |key: LiveKey, job| {
+                let picture = live_image::paint(&mut renderer, &key, job)?;
+                Ok(Message::LivePainted { key, picture: Arc::new(picture) })
+            })?,
+            measure: Lane::start(
+                "Measure accuracy",
+                Supersede::Always,
+                outbox.clone(),
+                move |request, job| measure_pool.install(|| measure(&request, job)),
+            )?,
+            file: Lane::start("File", Supersede::Never, outbox.clone(), file)?,
+            dialog: Lane::start("Dialog", Supersede::Never, outbox.clone(), |purpose, _| {
+                Ok(Message::PathChosen { purpose, path: ask(purpose) })
+            })?,
+        })
+    }
+
+    /// Whether nothing runs or waits.
+    pub(super) fn are_idle(&self) -> bool {
+        self.open.is_idle()
+            && self.whole.is_idle()
+            && self.inspect.is_idle()
+            && self.source.is_idle()
+            && self.live.is_idle()
+            && self.measure.is_idle()
+            && self.file.is_idle()
+    }
+}
+
+/// Threads for whole-capture work: in the pool that the views share, a picture would wait behind minutes of pruning.
+fn background_pool() -> Result<Arc<rayon::ThreadPool>> {
+    rayon::ThreadPoolBuilder::new()
+        .thread_name(|index| format!("prune {index}"))
+        .build()
+        .map(Arc::new)
+        .map_err(|error| Error::invalid("thread pool", error.to_string()))
+}
+
+fn open(request: OpenRequest, job: &Job) -> Result<Message> {
+    match request {
+        OpenRequest::Demo { spec, settings } => {
+            job.start(format!("Opening {}", spec.scene), 0);
+            let demo = Demo::new(&spec)?;
+            let capture = demo.capture(&settings);
+            let truth = demo.truth_views();
+            open_capture(Origin::Demo(spec.scene), capture, Some(demo), truth)
+        }
+        OpenRequest::Path { path, settings } => {
+            job.start(format!("Opening {}", path.display()), 0);
+            open_path(path, &settings, job)
+        }
+    }
+}
+
+fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Message> {
+    if is_store(&path)? {
+        let bytes = std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len();
+        let (samples, report) = store::read(&path, job)?;
+        return Ok(Message::Opened(Arc::new(Scene::of_store(path, samples, report, bytes))));
+    }
+    let capture = transforms::open(&path, settings)?;
+    let folder = if path.is_dir() { path.as_path() } else { path.parent().unwrap_or(Path::new(".")) };
+    let novel = folder.join("novel").join("transforms.json");
+    let truth = if novel.is_file() { transforms::open_views(&novel)? } else { Vec::new() };
+    open_capture(Origin::Path(path), capture, None, truth)
+}
+
+/// A store is told by its first four bytes, not by its name.
+fn is_store(path: &Path) -> Result<bool> {
+    if path.is_dir() {
+        return Ok(false);
+    }
+    let mut id = [0; 4];
+    let mut file = std::fs::File::open(path).map_err(|error| Error::io(path, error))?;
+    Ok(file.read_exact(&mut id).is_ok() && &id == b"FORM")
+}
+
+fn open_capture(origin: Origin, capture: Capture, demo: Option<Demo>, truth: Vec<View>) -> Result<Message> {
+    if capture.cameras.is_empty() || capture.frame_count() == 0 {
+        return Err(Error::invalid(&capture.name, "there is no camera or no frame in it"));
+    }
+    let depth = median_depth(capture.frame(0, 0)?.inverse_depth.as_slice());
+    Ok(Message::Opened(Arc::new(Scene::of_capture(origin, capture, demo, truth, depth))))
+}
+
+fn capture_of(scene: &Scene) -> Result<&Capture> {
+    scene.capture().ok_or_else(|| Error::invalid(&scene.name, "a store holds no source frames"))
+}
+
+fn prune_whole(request: WholeRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
+    let WholeRequest { scene, scan, settings } = request;
+    let capture = capture_of(&scene)?;
+    let scan = if let Some(scan) = scan {
+        scan
+    } else {
+        let scan = preprocess::scan(capture, &settings, job)?;
+        outbox.send(Message::Scanned { scene: scene.id, scan: scan.clone() });
+        scan
+    };
+    let result = preprocess::prune(capture, &scan, &settings, job)?;
+    Ok(Message::Pruned { scene: scene.id, settings, result: Arc::new(result) })
+}
+
+fn inspect(request: InspectRequest, job: &Job) -> Result<Message> {
+    let InspectRequest { scene, scan, settings, frame } = request;
+    let inspection = preprocess::inspect_frame(capture_of(&scene)?, scan.as_deref(), &settings, frame, job)?;
+    Ok(Message::Inspected {
+        scene: scene.id,
+        settings,
+        with_scan: scan.is_some(),
+        inspection: Arc::new(inspection),
+    })
+}
+
+fn paint_source((scene, key): (Arc<Scene>, SourceKey), _job: &Job) -> Result<Message> {
+    let frame = match &key.inspection {
+        Some(inspection) => inspection.cameras[key.camera].frame.clone(),
+        None => capture_of(&scene)?.frame(key.camera, key.frame)?,
+    };
+    let picture = source_image::paint(&key, &frame);
+    Ok(Message::SourcePainted { key, picture: Arc::new(picture) })
+}
+
+fn measure(request: &MeasureRequest, job: &Job) -> Result<Message> {
+    let accuracy = super::accuracy::measure(request, job)?;
+    Ok(Message::Measured { scene: request.scene.id, settings: request.settings.clone(), accuracy })
+}
+
+fn file(request: FileRequest, job: &Job) -> Result<Message> {
+    match request {
+        FileRequest::SaveStore { path, samples, report } => {
+            job.start(format!("Saving {}", path.display()), 0);
+            let bytes = store::write(&path, &samples, &report, job)?;
+            Ok(Message::Saved { path, bytes: Some(bytes) })
+        }
+        FileRequest::SaveSettings { path, settings } => {
+            std::fs::write(&path, settings.to_toml()).map_err(|error| Error::io(&path, error))?;
+            Ok(Message::Saved { path, bytes: None })
+        }
+        FileRequest::LoadSettings { path } => {
+            let settings = Settings::load(&path)?;
+            Ok(Message::SettingsLoaded { path, settings })
+        }
+    }
+}
+
+fn ask(purpose: Purpose) -> Option<PathBuf> {
+    let dialog = rfd::FileDialog::new();
+    match purpose {
+        Purpose::OpenFile => dialog
+            .set_title("Open a store or a transforms.json")
+            .add_filter("Stores and captures", &["ovl", "json"])
+            .add_filter("All files", &["*"])
+            .pick_file(),
+        Purpose::OpenFolder => dialog.set_title("Open a capture folder").pick_folder(),
+        Purpose::SaveStore => dialog
+            .set_title("Save the store")
+            .set_file_name("capture.ovl")
+            .add_filter("Store", &["ovl"])
+            .save_file(),
+        Purpose::SaveSettings => dialog
+            .set_title("Save the settings")
+            .set_file_name("settings.toml")
+            .add_filter("Settings", &["toml"])
+            .save_file(),
+        Purpose::LoadSettings => {
+            dialog.set_title("Load settings").add_filter("Settings", &["toml"]).pick_file()
+        }
+    }
+}

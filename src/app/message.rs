@@ -1,0 +1,63 @@
+//! What lanes send to the window. Heavy results travel as `Arc`.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::scene::Scene;
+use super::views::live_image::{LiveKey, LivePicture};
+use super::views::source_image::{SourceKey, SourcePicture};
+use crate::error::Error;
+use crate::preprocess::{FrameInspection, Preprocessed, TemporalScan};
+use crate::settings::Settings;
+
+/// What a chosen path is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// Open a store or a manifest.
+    OpenFile,
+    /// Open the folder of a capture.
+    OpenFolder,
+    /// Write the store.
+    SaveStore,
+    /// Write the settings as TOML.
+    SaveSettings,
+    /// Read settings from TOML.
+    LoadSettings,
+}
+
+/// How accurate the kept samples are where the truth is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Accuracy {
+    /// Mean PSNR of the kept samples, dB.
+    pub psnr_db: f64,
+    /// Mean PSNR of all samples, nothing pruned, dB.
+    pub unpruned_psnr_db: f64,
+    /// Vantages compared.
+    pub views: usize,
+}
+
+/// An answer of a lane.
+pub(super) enum Message {
+    /// A capture, demo or store is open.
+    Opened(Arc<Scene>),
+    /// The pass over all frames is done.
+    Scanned { scene: u64, scan: Arc<TemporalScan> },
+    /// The whole capture is pruned.
+    Pruned { scene: u64, settings: Settings, result: Arc<Preprocessed> },
+    /// One frame is pruned, with reasons.
+    Inspected { scene: u64, settings: Settings, with_scan: bool, inspection: Arc<FrameInspection> },
+    /// The left picture.
+    SourcePainted { key: SourceKey, picture: Arc<SourcePicture> },
+    /// The right picture.
+    LivePainted { key: LiveKey, picture: Arc<LivePicture> },
+    /// Accuracy at vantages with truth; `None` where there is none.
+    Measured { scene: u64, settings: Settings, accuracy: Option<Accuracy> },
+    /// A file is written; `bytes` where it is a store.
+    Saved { path: PathBuf, bytes: Option<u64> },
+    /// Settings were read from a file.
+    SettingsLoaded { path: PathBuf, settings: Settings },
+    /// A dialog was answered; `None` where it was closed.
+    PathChosen { purpose: Purpose, path: Option<PathBuf> },
+    /// A job failed or was cancelled.
+    Failed { what: &'static str, error: Error },
+}

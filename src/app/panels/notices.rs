@@ -1,0 +1,62 @@
+//! Messages, over the views, until they are dismissed.
+
+use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Stroke};
+use egui_material_icons::icons::{ICON_CHECK_CIRCLE, ICON_CLOSE, ICON_ERROR, ICON_WARNING};
+
+use super::super::command::Command;
+use super::super::state::{Notice, NoticeKind, State};
+use super::super::theme::{Tokens, space};
+use super::icon_button;
+
+/// Messages shown at once; older ones wait.
+const SHOWN: usize = 3;
+
+const WIDTH: f32 = 430.0;
+
+/// The messages.
+pub(super) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+    if state.notices.is_empty() {
+        return;
+    }
+    let offset = egui::vec2(space::LARGE + 4.0, -(space::TIMELINE + space::STATUS + space::LARGE));
+    Area::new(Id::unique("notices")).order(Order::Foreground).anchor(Align2::LEFT_BOTTOM, offset).show(
+        ctx,
+        |ui| {
+            ui.set_width(WIDTH);
+            for notice in state.notices.iter().rev().take(SHOWN).rev() {
+                notice_ui(ui, notice, commands);
+            }
+        },
+    );
+}
+
+fn notice_ui(ui: &mut egui::Ui, notice: &Notice, commands: &mut Vec<Command>) {
+    let tokens = Tokens::in_ui(ui);
+    let (icon, color, fill) = match notice.kind {
+        NoticeKind::Error => (ICON_ERROR, tokens.error, tokens.error_faint),
+        NoticeKind::Warning => (ICON_WARNING, tokens.warning, tokens.raised),
+        NoticeKind::Done => (ICON_CHECK_CIRCLE, tokens.accent, tokens.raised),
+    };
+    Frame::new()
+        .fill(fill)
+        .stroke(Stroke::new(1.0, color))
+        .corner_radius(f32::from(space::RADIUS))
+        .inner_margin(Margin::symmetric(12, 8))
+        .show(ui, |ui| {
+            ui.horizontal_top(|ui| {
+                ui.label(icon.rich_text().size(18.0).color(color));
+                ui.vertical(|ui| {
+                    ui.set_width(WIDTH - 110.0);
+                    ui.label(RichText::new(&notice.title).strong().color(tokens.text));
+                    ui.add(
+                        egui::Label::new(RichText::new(&notice.text).color(tokens.text))
+                            .wrap()
+                            .selectable(true),
+                    );
+                });
+                if icon_button(ui, ICON_CLOSE, "Dismiss", "Dismiss (Esc)").clicked() {
+                    commands.push(Command::Dismiss(notice.id));
+                }
+            });
+        });
+}

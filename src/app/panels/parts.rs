@@ -1,0 +1,74 @@
+//! Small widgets that several areas share.
+
+use egui::{Button, ComboBox, Response, RichText, Sense, Ui, Vec2};
+use egui_material_icons::MaterialIcon;
+
+use super::super::theme::{Tokens, space};
+
+/// A square button with an icon; `name` names it for screen readers, `help` explains it.
+pub(crate) fn icon_button(ui: &mut Ui, icon: MaterialIcon, name: &str, help: &str) -> Response {
+    let button = Button::new(icon.rich_text().size(17.0)).min_size(Vec2::splat(space::CONTROL));
+    ui.add(button).on_hover_text(help).accessible_name(name)
+}
+
+/// A tab above an area.
+pub(crate) fn tab_ui(ui: &mut Ui, selected: bool, name: &str) -> Response {
+    ui.add(Button::selectable(selected, RichText::new(name)).min_size(Vec2::new(96.0, space::CONTROL)))
+}
+
+/// A drop-down list of named choices with their explanations; gives the one that was picked.
+pub(crate) fn choice_ui<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    current: T,
+    choices: &[(T, String, String)],
+    width: f32,
+) -> Option<T> {
+    let shown = choices.iter().find(|(value, ..)| *value == current);
+    let mut picked = None;
+    let response = ComboBox::from_id_salt(name)
+        .width(width)
+        .truncate()
+        .selected_text(shown.map_or("–", |(_, text, _)| text))
+        .show_ui(ui, |ui| {
+            for (value, text, help) in choices {
+                let option = ui.selectable_label(*value == current, text);
+                let option = if help.is_empty() { option } else { option.on_hover_text(help) };
+                if option.clicked() {
+                    picked = Some(*value);
+                }
+            }
+        })
+        .response
+        .accessible_name(name);
+    if let Some((_, text, help)) = shown {
+        let hover = if help.is_empty() { format!("{name}: {text}") } else { format!("{name}: {help}") };
+        response.on_hover_text(hover);
+    }
+    picked
+}
+
+/// What an area shows in place of contents: an icon, a title, a sentence, and ways out.
+pub(crate) fn empty_ui(
+    ui: &mut Ui,
+    icon: MaterialIcon,
+    title: &str,
+    text: &str,
+    ways_out: impl FnOnce(&mut Ui),
+) {
+    let tokens = Tokens::in_ui(ui);
+    let area = ui.available_rect_before_wrap();
+    let width = area.width().min(380.0);
+    let column = egui::Rect::from_center_size(area.center(), Vec2::new(width, 190.0_f32.min(area.height())));
+    ui.scope_builder(egui::UiBuilder::new().max_rect(column), |ui| {
+        ui.vertical_centered(|ui| {
+            ui.label(icon.rich_text().size(34.0).color(tokens.text_weak));
+            ui.add_space(space::SMALL);
+            ui.heading(title);
+            ui.label(RichText::new(text).color(tokens.text_weak));
+            ui.add_space(space::MEDIUM);
+            ui.vertical_centered(ways_out);
+        });
+    });
+    ui.allocate_rect(area, Sense::hover());
+}

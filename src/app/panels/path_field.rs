@@ -1,0 +1,57 @@
+//! A field for typing a path: for people who know it, and for systems without file dialogs.
+
+use egui::{Id, Key, Modal, RichText, TextEdit};
+
+use super::super::command::Command;
+use super::super::message::Purpose;
+use super::super::state::State;
+use super::super::theme::{Tokens, space};
+
+/// The field, while one is asked for.
+pub(super) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+    let Some(typed) = &state.typed_path else { return };
+    let (title, action) = match typed.purpose {
+        Purpose::OpenFile | Purpose::OpenFolder => ("Open a capture or a store", "Open"),
+        Purpose::SaveStore => ("Save the store", "Save"),
+        Purpose::SaveSettings => ("Save the settings", "Save"),
+        Purpose::LoadSettings => ("Load settings", "Load"),
+    };
+    let modal = Modal::new(Id::unique("path field")).show(ctx, |ui| {
+        ui.set_width(480.0);
+        ui.heading(title);
+        if let Some(reason) = typed.reason {
+            ui.label(RichText::new(reason).color(Tokens::in_ui(ui).text_weak));
+        }
+        ui.add_space(space::MEDIUM);
+        let mut text = typed.text.clone();
+        let field = ui
+            .add(
+                TextEdit::singleline(&mut text)
+                    .desired_width(f32::INFINITY)
+                    .margin(egui::vec2(8.0, 6.0))
+                    .hint_text("folder, transforms.json or .ovl file"),
+            )
+            .accessible_name("Path");
+        if field.changed() {
+            commands.push(Command::TypedPath(text));
+        }
+        if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
+            commands.push(Command::TakeTypedPath);
+        } else if ui.memory(|memory| memory.focused().is_none()) {
+            field.request_focus();
+        }
+        ui.add_space(space::MEDIUM);
+        ui.horizontal(|ui| {
+            let take = ui.add_enabled(!typed.text.trim().is_empty(), egui::Button::new(action));
+            if take.accessible_name(format!("{action} this path")).clicked() {
+                commands.push(Command::TakeTypedPath);
+            }
+            if ui.button("Close").clicked() {
+                commands.push(Command::CloseTypedPath);
+            }
+        });
+    });
+    if modal.should_close() {
+        commands.push(Command::CloseTypedPath);
+    }
+}

@@ -1,0 +1,183 @@
+//! What was pruned, by which rule, for which camera, and how noisy the capture is.
+
+use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2, vec2};
+
+use super::super::state::State;
+use super::super::text;
+use super::super::theme::{Tokens, space};
+use super::super::views::colormap;
+use crate::preprocess::Report;
+
+/// The panel.
+pub(super) fn report_ui(ui: &mut Ui, state: &State) {
+    let tokens = Tokens::in_ui(ui);
+    let Some(report) = state.report() else {
+        ui.add_space(space::MEDIUM);
+        ui.label(
+            RichText::new("The report appears here once the whole capture is pruned.")
+                .color(tokens.text_weak),
+        );
+        return;
+    };
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.set_max_width(ui.available_width() - space::MEDIUM);
+        if state.is_stale() {
+            ui.label(
+                RichText::new("Made with other thresholds; being brought up to date.").color(tokens.warning),
+            );
+        }
+        rules_ui(ui, report);
+        ui.add_space(space::LARGE);
+        matrix_ui(ui, report);
+        ui.add_space(space::LARGE);
+        cameras_ui(ui, report);
+        ui.add_space(space::LARGE);
+    });
+}
+
+fn rule_words(rule: &str) -> (String, &'static str) {
+    let (words, help) = match rule {
+        "static" => ("Same over all frames", "Repetitions that a background sample stands for."),
+        "lower_rate" => ("Seen better elsewhere", "Another camera samples the point more densely."),
+        "tie" => ("Seen equally well", "Equal rates: the earlier camera's sample stays."),
+        "later_camera" => ("Seen by an earlier camera", "First camera wins, whatever the sampling rate."),
+        "mixed_yields" => {
+            ("Blended at a silhouette", "The color is blended, and a clean sample shows the point.")
+        }
+        "mixed_dropped" => ("Blended, dropped", "The color is blended and the settings drop such samples."),
+        "no_sample" => ("Without depth", "The pixel has no depth and takes part in nothing."),
+        other => return (text::words(other), ""),
+    };
+    (words.to_owned(), help)
+}
+
+fn rules_ui(ui: &mut Ui, report: &Report) {
+    let tokens = Tokens::in_ui(ui);
+    ui.heading("What was redundant, and why");
+    let mut rules: Vec<_> = report.pruned.iter().filter(|(_, count)| **count > 0).collect();
+    rules.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+    if rules.is_empty() {
+        ui.label(RichText::new("Nothing was pruned.").color(tokens.text_weak));
+    }
+    for (rule, &count) in rules {
+        let (words, help) = rule_words(rule);
+        let figure = format!("{}  {}", text::count(count), text::percent(count, report.samples_in));
+        share_ui(
+            ui,
+            &words,
+            &figure,
+            count as f32 / report.samples_in.max(1) as f32,
+            tokens.static_over_time,
+        )
+        .on_hover_text(help);
+    }
+    let kept = format!(
+        "{}  {}",
+        text::count(report.samples_kept),
+        text::percent(report.samples_kept, report.samples_in)
+    );
+    let share = report.samples_kept as f32 / report.samples_in.max(1) as f32;
+    share_ui(ui, "Kept", &kept, share, tokens.moving).on_hover_text("Samples that stay.");
+}
+
+/// A name, a figure, and a bar of the share below them.
+fn share_ui(ui: &mut Ui, name: &str, figure: &str, share: f32, color: egui::Color32) -> egui::Response {
+    let tokens = Tokens::in_ui(ui);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 28.0), Sense::hover());
+    let painter = ui.painter();
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    painter.text(rect.left_top(), egui::Align2::LEFT_TOP, name, font.clone(), tokens.text);
+    painter.text(rect.right_top(), egui::Align2::RIGHT_TOP, figure, font, tokens.text_weak);
+    let rail = Rect::from_min_max(egui::pos2(rect.left(), rect.bottom() - 7.0), rect.max - vec2(0.0, 2.0));
+    painter.rect_filled(rail, 2.0, tokens.raised);
+    let bar = Rect::from_min_size(rail.min, vec2(rail.width() * share.clamp(0.0, 1.0), rail.height()));
+    painter.rect_filled(bar, 2.0, color);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, format!("{name}: {figure}")));
+    response
+}
+
+fn matrix_ui(ui: &mut Ui, report: &Report) {
+    let tokens = Tokens::in_ui(ui);
+    ui.heading("Who stands for whom");
+    ui.label(
+        RichText::new("Rows lose samples, columns keep the ones that stand for them.")
+            .color(tokens.text_weak),
+    );
+    let cameras = report.cameras.len();
+    if cameras == 0 {
+        return;
+    }
+    let name_width = 66.0;
+    let cell = ((ui.available_width() - name_width) / cameras as f32).clamp(10.0, 44.0);
+    let most = report.witnesses.iter().flatten().copied().max().unwrap_or(0).max(1) as f32;
+    let small = egui::TextStyle::Small.resolve(ui.style());
+    let (area, _) = ui.allocate_exact_size(
+        vec2(ui.available_width(), 18.0 + cell.min(24.0) * cameras as f32),
+        Sense::hover(),
+    );
+    let painter = ui.painter_at(area);
+    let height = cell.min(24.0);
+    for (loser, row) in report.witnesses.iter().enumerate() {
+        let top = area.top() + 18.0 + height * loser as f32;
+        let name = &report.cameras[loser].name;
+        camera_name(&painter, egui::pos2(area.left(), top + height / 2.0), loser, name, &small, tokens);
+        for (winner, &count) in row.iter().enumerate() {
+            let left = area.left() + name_width + cell * winner as f32;
+            let rect = Rect::from_min_size(egui::pos2(left, top), vec2(cell, height)).shrink(1.0);
+            if loser == 0 {
+                let center = egui::pos2(rect.center().x, area.top() + 8.0);
+                painter.circle_filled(center, 4.0, colormap::camera(winner));
+            }
+            // The square root lets small counts be told from none.
+            let strength = (count as f32 / most).sqrt();
+            let color = if count == 0 { tokens.background } else { colormap::sequential(strength) };
+            painter.rect_filled(rect, 2.0, color);
+            let label =
+                format!("{name}: {} samples dropped for {}", text::count(count), report.cameras[winner].name);
+            let response = ui.interact(rect, ui.scope_id().with((loser, winner)), Sense::hover());
+            response.on_hover_text(label);
+        }
+    }
+}
+
+fn camera_name(
+    painter: &egui::Painter,
+    at: egui::Pos2,
+    index: usize,
+    name: &str,
+    font: &egui::FontId,
+    tokens: &Tokens,
+) {
+    painter.circle_filled(at + vec2(5.0, 0.0), 4.0, colormap::camera(index));
+    let short: String = name.chars().take(9).collect();
+    painter.text(at + vec2(14.0, 0.0), egui::Align2::LEFT_CENTER, short, font.clone(), tokens.text);
+}
+
+fn cameras_ui(ui: &mut Ui, report: &Report) {
+    let tokens = Tokens::in_ui(ui);
+    ui.heading("Cameras");
+    Grid::new("cameras").num_columns(4).striped(true).spacing(Vec2::new(12.0, 4.0)).show(ui, |ui| {
+        for (title, help) in [
+            ("Name", "Name of the camera."),
+            ("Kept", "Samples kept of all its pixels."),
+            ("Still", "Share of its pixels that are the same over all frames."),
+            ("Noise", "Measured color noise of still pixels, in 8-bit steps."),
+        ] {
+            ui.label(RichText::new(title).small().color(tokens.text_weak)).on_hover_text(help);
+        }
+        ui.end_row();
+        let frames = report.foreground_per_frame.len().max(1) as u64;
+        for (index, camera) in report.cameras.iter().enumerate() {
+            ui.horizontal(|ui| {
+                let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
+                ui.painter().circle_filled(dot.center(), 4.0, colormap::camera(index));
+                let short: String = camera.name.chars().take(12).collect();
+                ui.label(short).on_hover_text(&camera.name);
+            });
+            ui.label(text::count(camera.background_kept + camera.foreground_kept));
+            ui.label(text::percent(camera.background_pixels, camera.pixels / frames));
+            ui.label(format!("{:.2}", camera.color_noise_steps));
+            ui.end_row();
+        }
+    });
+}

@@ -1,0 +1,157 @@
+//! The thresholds: generated from the one table of settings, so that none is ever missing here.
+
+use egui::{Align, Button, CollapsingHeader, Layout, RichText, ScrollArea, Slider, Ui};
+use egui_material_icons::icons::ICON_RESTART_ALT;
+
+use super::super::command::Command;
+use super::super::state::State;
+use super::super::text;
+use super::super::theme::{Tokens, space};
+use super::choice_ui;
+use crate::settings::{Field, Kind, Settings};
+
+/// Sections in the order of the panel: id, heading, whether it is open at first.
+const SECTIONS: &[(&str, &str, bool)] = &[
+    ("pruning", "Redundancy between cameras", true),
+    ("spans", "Redundancy over time", true),
+    ("render", "Painting the live view", true),
+    ("normals", "Surface normals", false),
+    ("store", "Saved file", false),
+    ("capture", "Reading frames", false),
+];
+
+/// The panel.
+pub(super) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let settings = state.shown_settings();
+    let editable = state.scene.is_none() || state.has_capture();
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        if !editable {
+            let tokens = Tokens::in_ui(ui);
+            let text = "A store keeps the thresholds it was made with; only painting can be changed.";
+            ui.label(RichText::new(text).color(tokens.text_weak));
+        }
+        for (section, heading, open) in SECTIONS {
+            let fields: Vec<_> = fields_of(section).collect();
+            CollapsingHeader::new(RichText::new(*heading).strong())
+                .id_salt(*section)
+                .default_open(*open)
+                .show_unindented(ui, |ui| {
+                    ui.add_enabled_ui(editable || *section == "render", |ui| {
+                        for field in fields {
+                            field_ui(ui, field, &settings, commands);
+                        }
+                    });
+                    ui.add_space(space::MEDIUM);
+                });
+        }
+        let reset = ui.add_enabled(settings != Settings::default() && editable, Button::new("Reset all"));
+        if reset.on_hover_text("Give every setting its default").clicked() {
+            commands.push(Command::ResetAll);
+        }
+        ui.add_space(space::LARGE);
+    });
+}
+
+fn fields_of(section: &str) -> impl Iterator<Item = &'static Field> {
+    Settings::fields().filter(move |field| field.path.split_once('.').is_some_and(|(of, _)| of == section))
+}
+
+fn field_ui(ui: &mut Ui, field: &'static Field, settings: &Settings, commands: &mut Vec<Command>) {
+    let Some(value) = settings.get(field.path) else { return };
+    let tokens = Tokens::in_ui(ui);
+    let name = text::words(field.path.split_once('.').map_or(field.path, |(_, name)| name));
+    let changed = Settings::default().get(field.path).as_ref() != Some(&value);
+    ui.push_id(field.path, |ui| {
+        ui.add_space(2.0);
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(&name)).on_hover_text(field.help);
+            ui.label(RichText::new(field.unit).small().color(tokens.text_weak)).on_hover_text(field.help);
+            if let (Kind::Switch, toml::Value::Boolean(on)) = (field.kind, &value) {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    ui.add_space(space::MEDIUM);
+                    let mut on = *on;
+                    let switch = ui.checkbox(&mut on, "").on_hover_text(field.help).accessible_name(&name);
+                    if switch.changed() {
+                        commands.push(Command::Set { path: field.path, value: on.into() });
+                    }
+                    reset_ui(ui, field, changed, commands);
+                });
+            } else {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    ui.add_space(space::MEDIUM);
+                    reset_ui(ui, field, changed, commands);
+                });
+            }
+        });
+        if let Some(value) = value_ui(ui, field, &name, &value) {
+            commands.push(Command::Set { path: field.path, value });
+        }
+    });
+}
+
+fn reset_ui(ui: &mut Ui, field: &'static Field, changed: bool, commands: &mut Vec<Command>) {
+    if !changed {
+        return;
+    }
+    let icon = ICON_RESTART_ALT.rich_text().size(14.0).color(Tokens::in_ui(ui).accent);
+    let button = ui.add(Button::new(icon).small().frame(false));
+    let button = button.on_hover_text("Back to the default").accessible_name(format!("Reset {}", field.path));
+    if button.clicked() {
+        commands.push(Command::Reset(field.path));
+    }
+}
+
+fn value_ui(ui: &mut Ui, field: &'static Field, name: &str, value: &toml::Value) -> Option<toml::Value> {
+    let width = ui.available_width() - space::MEDIUM;
+    // The number box beside the rail is as wide as a control's least width and its text need.
+    ui.spacing_mut().slider_width = width - 76.0;
+    match (field.kind, value) {
+        (Kind::Number { min, max, log }, toml::Value::Float(number)) => {
+            let mut number = *number;
+            let slider = Slider::new(&mut number, min..=max)
+                .logarithmic(log)
+                .smallest_positive(max * 1e-4)
+                .custom_formatter(|value, _| shown_number(value));
+            let slider = ui.add(slider).on_hover_text(field.help).accessible_name(name);
+            slider.changed().then(|| number.into())
+        }
+        (Kind::Integer { min, max }, toml::Value::Integer(number)) => {
+            let mut number = *number;
+            let slider = Slider::new(&mut number, min..=max).logarithmic(min > 0);
+            let slider = ui.add(slider).on_hover_text(field.help).accessible_name(name);
+            slider.changed().then(|| number.into())
+        }
+        (Kind::Choice(names), toml::Value::String(current)) => {
+            let current = names.iter().position(|(choice, _)| choice == current).unwrap_or(0);
+            let choices: Vec<_> = names
+                .iter()
+                .enumerate()
+                .map(|(index, (choice, help))| (index, text::words(choice), help.trim().to_owned()))
+                .collect();
+            choice_ui(ui, name, current, &choices, width).map(|index| names[index].0.into())
+        }
+        _ => None,
+    }
+}
+
+/// A threshold with as many digits as tell it apart.
+fn shown_number(value: f64) -> String {
+    match value.abs() {
+        v if v >= 9.95 => format!("{value:.1}"),
+        v if v >= 0.1 || v == 0.0 => format!("{value:.2}"),
+        _ => format!("{value:.4}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_setting_has_a_section_in_the_panel() {
+        for field in Settings::fields() {
+            let shown = SECTIONS.iter().any(|(section, ..)| fields_of(section).any(|f| f.path == field.path));
+            assert!(shown, "{}", field.path);
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! What is going on, how far it has come, and how to stop it.
+
+use egui::{Align, Button, Layout, ProgressBar, RichText, Ui};
+use egui_material_icons::icons::{ICON_CANCEL, ICON_REPLAY};
+
+use super::super::command::Command;
+use super::super::state::State;
+use super::super::text;
+use super::super::theme::{Tokens, space};
+
+/// The line at the bottom.
+pub(super) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let tokens = Tokens::in_ui(ui);
+    ui.horizontal_centered(|ui| {
+        if let Some(busy) = state.busy.first() {
+            let progress = &busy.progress;
+            let stage = if progress.stage.is_empty() { "Starting" } else { &progress.stage };
+            ui.label(stage);
+            if progress.total > 0 {
+                let count = format!("{} of {}", progress.done.min(progress.total), progress.total);
+                let bar = ProgressBar::new(progress.fraction())
+                    .desired_width(200.0)
+                    .desired_height(8.0)
+                    .fill(tokens.accent);
+                ui.add(bar).accessible_name("Progress");
+                ui.label(RichText::new(count).color(tokens.text_weak));
+            } else {
+                ui.add(egui::Spinner::new().size(14.0));
+            }
+            if busy.cancellable {
+                let cancel = Button::new((ICON_CANCEL.rich_text(), "Cancel")).small();
+                if ui.add(cancel).on_hover_text("Stop (Esc)").accessible_name("Cancel").clicked() {
+                    commands.push(Command::Cancel);
+                }
+            }
+        } else if state.stopped {
+            ui.label(
+                RichText::new("The whole capture was not pruned with these settings.").color(tokens.warning),
+            );
+            let rerun = Button::new((ICON_REPLAY.rich_text(), "Rerun")).small();
+            if ui.add(rerun).accessible_name("Rerun").clicked() {
+                commands.push(Command::Rerun);
+            }
+        } else {
+            ui.label(RichText::new("Ready").color(tokens.text_weak));
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| frame_facts_ui(ui, state));
+    });
+}
+
+fn frame_facts_ui(ui: &mut Ui, state: &State) {
+    let tokens = Tokens::in_ui(ui);
+    let Some(inspected) = state.inspected.as_ref().filter(|_| state.inspection_here().is_some()) else {
+        return;
+    };
+    let samples = inspected.inspection.samples.sample_count();
+    let pixels: u64 = inspected.inspection.cameras.iter().map(|camera| camera.verdict.len() as u64).sum();
+    let mut facts =
+        format!("This frame: {} pixels, {} samples show it", text::count(pixels), text::count(samples));
+    if !inspected.with_scan {
+        facts.push_str(" (time not looked at yet)");
+    }
+    ui.add_space(space::SMALL);
+    ui.label(RichText::new(facts).color(tokens.text_weak)).on_hover_text(
+        "All pixels of all cameras at this frame, and the kept samples that represent them: those stored once for all \
+         frames and those of this frame.",
+    );
+}

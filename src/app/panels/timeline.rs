@@ -1,0 +1,106 @@
+//! Time: play, scrub, step, and how much moves in each frame.
+
+use egui::{Align, DragValue, Layout, Rect, RichText, Sense, Ui, pos2, vec2};
+use egui_material_icons::icons::{ICON_PAUSE, ICON_PLAY_ARROW, ICON_SKIP_NEXT, ICON_SKIP_PREVIOUS};
+
+use super::super::command::Command;
+use super::super::state::State;
+use super::super::text;
+use super::super::theme::{Tokens, space};
+use super::icon_button;
+
+/// The area.
+pub(super) fn timeline_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    ui.add_enabled_ui(state.scene.is_some(), |ui| {
+        ui.horizontal(|ui| controls_ui(ui, state, commands));
+        strip_ui(ui, state, commands);
+    });
+}
+
+fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let tokens = Tokens::in_ui(ui);
+    let timeline = &state.timeline;
+    if icon_button(ui, ICON_SKIP_PREVIOUS, "Step back", "Step back (,)").clicked() {
+        commands.push(Command::Step(-1));
+    }
+    let (icon, name) = if timeline.playing { (ICON_PAUSE, "Pause") } else { (ICON_PLAY_ARROW, "Play") };
+    if icon_button(ui, icon, name, &format!("{name} (Space)")).clicked() {
+        commands.push(Command::TogglePlay);
+    }
+    if icon_button(ui, ICON_SKIP_NEXT, "Step forward", "Step forward (.)").clicked() {
+        commands.push(Command::Step(1));
+    }
+    ui.add_space(space::SMALL);
+    let number = state.scene.as_ref().and_then(|scene| scene.frame_numbers.get(timeline.frame));
+    let frame = format!("Frame {} of {}", timeline.frame + 1, state.frame_count().max(1));
+    let label = ui.label(RichText::new(frame).strong());
+    if let Some(number) = number {
+        label.on_hover_text(format!("The capture calls it frame {number}."));
+    }
+    ui.add_space(space::LARGE);
+    let mut rate = timeline.frames_per_second;
+    let drag = DragValue::new(&mut rate).range(1.0..=120.0).speed(0.25).max_decimals(0).suffix(" fps");
+    let drag =
+        ui.add(drag).on_hover_text("Frames per second of playback").accessible_name("Frames per second");
+    if drag.changed() {
+        commands.push(Command::FramesPerSecond(rate));
+    }
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let caption = match foreground(state) {
+            Some(counts) => {
+                let here = counts.get(timeline.frame).copied().unwrap_or(0);
+                format!("moving: {} samples kept in this frame alone", text::count(here))
+            }
+            None => "bars show what moves, once the capture is pruned".to_owned(),
+        };
+        ui.label(RichText::new(caption).color(tokens.text_weak));
+    });
+}
+
+fn foreground(state: &State) -> Option<&[u64]> {
+    state.report().map(|report| report.foreground_per_frame.as_slice())
+}
+
+fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let tokens = Tokens::in_ui(ui);
+    let size = vec2(ui.available_width(), ui.available_height() - 2.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    let frames = state.frame_count().max(1);
+    response.widget_info(|| {
+        egui::WidgetInfo::slider(state.scene.is_some(), state.timeline.frame as f64, "Timeline")
+    });
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, f32::from(space::RADIUS), tokens.background);
+    let step = rect.width() / frames as f32;
+    let column = |frame: usize| {
+        let left = rect.left() + frame as f32 * step;
+        Rect::from_min_max(pos2(left, rect.top()), pos2(left + step, rect.bottom()))
+    };
+    let here = column(state.timeline.frame);
+    painter.rect_filled(here.expand2(vec2((1.5 - step / 2.0).max(0.0), 0.0)), 2.0, tokens.accent_faint);
+    if let Some(counts) = foreground(state) {
+        let highest = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
+        let gap = if step > 4.0 { 1.0 } else { 0.0 };
+        for (frame, &count) in counts.iter().enumerate() {
+            let mut bar = column(frame).shrink2(vec2(gap / 2.0, 0.0));
+            bar.min.y = bar.max.y - (rect.height() - 6.0) * count as f32 / highest;
+            let current = frame == state.timeline.frame;
+            let color = if state.is_stale() { tokens.invalid } else { tokens.moving };
+            painter.rect_filled(bar, 0.0, if current { color } else { color.gamma_multiply(0.55) });
+        }
+    }
+    let x = here.center().x;
+    painter.vline(x, rect.y_range(), egui::Stroke::new(2.0, tokens.accent));
+    if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on()) {
+        let frame = ((pointer.x - rect.left()) / step).clamp(0.0, frames as f32 - 1.0) as usize;
+        if frame != state.timeline.frame {
+            commands.push(Command::Frame(frame));
+        }
+    }
+    if let Some(pointer) = response.hover_pos() {
+        let frame = ((pointer.x - rect.left()) / step).clamp(0.0, frames as f32 - 1.0) as usize;
+        let count = foreground(state).and_then(|counts| counts.get(frame));
+        let kept = count.map_or(String::new(), |count| format!(": {} moving samples", text::count(*count)));
+        response.on_hover_text_at_pointer(format!("Frame {}{kept}", frame + 1));
+    }
+}

@@ -1,0 +1,146 @@
+//! What is open, and what can be opened and saved.
+
+use egui::{Align, Button, Layout, RichText, Ui};
+use egui_material_icons::icons::{
+    ICON_DARK_MODE, ICON_FOLDER_OPEN, ICON_KEYBOARD, ICON_LIGHT_MODE, ICON_SAVE, ICON_SCIENCE,
+};
+
+use super::super::command::Command;
+use super::super::keyboard;
+use super::super::message::Purpose;
+use super::super::scene::Origin;
+use super::super::state::State;
+use super::super::text;
+use super::super::theme::{Tokens, space};
+use super::icon_button;
+use crate::capture::demo::SCENES;
+
+/// The bar at the top.
+pub(super) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let tokens = Tokens::in_ui(ui);
+    ui.horizontal_centered(|ui| {
+        ui.label(RichText::new("Overlook").heading().color(tokens.text));
+        ui.add_space(space::MEDIUM);
+        open_menu_ui(ui, state, commands);
+        save_menu_ui(ui, state, commands);
+        demo_menu_ui(ui, commands);
+        ui.add_space(space::MEDIUM);
+        title_ui(ui, state);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let (icon, name) =
+                if state.dark { (ICON_LIGHT_MODE, "Light theme") } else { (ICON_DARK_MODE, "Dark theme") };
+            if icon_button(ui, icon, name, name).clicked() {
+                commands.push(Command::Dark(!state.dark));
+            }
+            keys_ui(ui);
+        });
+    });
+}
+
+fn menu_button<'a>(icon: egui_material_icons::MaterialIcon, name: &'a str) -> Button<'a> {
+    Button::new((icon.rich_text().size(16.0), name))
+}
+
+fn menu_ui(ui: &mut Ui, icon: egui_material_icons::MaterialIcon, name: &str, contents: impl FnOnce(&mut Ui)) {
+    let (response, _) =
+        egui::containers::menu::MenuButton::from_button(menu_button(icon, name)).ui(ui, |ui| {
+            ui.set_min_width(210.0);
+            contents(ui);
+        });
+    response.accessible_name(name);
+}
+
+fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    menu_ui(ui, ICON_FOLDER_OPEN, "Open", |ui| {
+        for (name, keys, command) in [
+            ("Open folder…", "", Command::AskPath(Purpose::OpenFolder)),
+            ("Open file…", "Ctrl+O", Command::AskPath(Purpose::OpenFile)),
+            ("Open path…", "", Command::TypePath(Purpose::OpenFile)),
+            ("Load settings…", "", Command::AskPath(Purpose::LoadSettings)),
+        ] {
+            if ui.add(Button::new(name).shortcut_text(keys)).clicked() {
+                commands.push(command);
+            }
+        }
+        if state.recent.is_empty() {
+            return;
+        }
+        ui.separator();
+        ui.label(RichText::new("Recent").small().color(Tokens::in_ui(ui).text_weak));
+        for path in &state.recent {
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+            if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                commands.push(Command::OpenPath(path.clone()));
+            }
+        }
+        if ui.button("Forget recent files").clicked() {
+            commands.push(Command::ForgetRecent);
+        }
+    });
+}
+
+fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    menu_ui(ui, ICON_SAVE, "Save", |ui| {
+        let ready = state.samples_here().is_some() && !state.is_stale();
+        for (name, keys, enabled, command) in [
+            ("Save store…", "Ctrl+S", ready, Command::AskPath(Purpose::SaveStore)),
+            ("Save store to path…", "", ready, Command::TypePath(Purpose::SaveStore)),
+            ("Save settings…", "", true, Command::AskPath(Purpose::SaveSettings)),
+        ] {
+            let button = ui
+                .add_enabled(enabled, Button::new(name).shortcut_text(keys))
+                .on_disabled_hover_text("The whole capture is not pruned with these settings yet.");
+            if button.clicked() {
+                commands.push(command);
+            }
+        }
+    });
+}
+
+fn demo_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+    menu_ui(ui, ICON_SCIENCE, "Demo", |ui| {
+        for (name, help) in SCENES {
+            if ui.button(text::words(name)).on_hover_text(*help).clicked() {
+                commands.push(Command::OpenDemo((*name).to_owned()));
+            }
+        }
+    });
+}
+
+fn title_ui(ui: &mut Ui, state: &State) {
+    let tokens = Tokens::in_ui(ui);
+    let Some(scene) = &state.scene else { return };
+    let kind = match (&scene.origin, scene.capture().is_some()) {
+        (Origin::Demo(_), _) => "built-in capture",
+        (_, true) => "capture",
+        (_, false) => "store",
+    };
+    let cameras = scene.cameras.len();
+    let (width, height) = scene.cameras.first().map_or((0, 0), |camera| camera.intrinsics.size());
+    ui.label(RichText::new(&scene.name).strong());
+    let facts = format!(
+        "{kind} · {cameras} {} × {} {} · {width}×{height}",
+        if cameras == 1 { "camera" } else { "cameras" },
+        scene.frame_count(),
+        if scene.frame_count() == 1 { "frame" } else { "frames" },
+    );
+    let response = ui.label(RichText::new(facts).color(tokens.text_weak));
+    if let Origin::Path(path) = &scene.origin {
+        response.on_hover_text(path.display().to_string());
+    }
+}
+
+fn keys_ui(ui: &mut Ui) {
+    let button =
+        Button::new(ICON_KEYBOARD.rich_text().size(17.0)).min_size(egui::Vec2::splat(space::CONTROL));
+    let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
+            for (keys, help) in keyboard::HELP {
+                ui.label(RichText::new(*keys).strong());
+                ui.label(*help);
+                ui.end_row();
+            }
+        });
+    });
+    response.on_hover_text("Keys").accessible_name("Keys");
+}

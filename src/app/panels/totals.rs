@@ -1,0 +1,148 @@
+//! The strip that is always in view: what pruning saved, and what it cost.
+
+use egui::{Align, Layout, RichText, Ui};
+
+use super::super::scene::Content;
+use super::super::state::State;
+use super::super::text;
+use super::super::theme::{Tokens, figure_style, space};
+
+struct Figure {
+    name: &'static str,
+    value: String,
+    note: String,
+    help: String,
+    /// Whether it changes with the whole-capture settings, so that it can be out of date.
+    of_whole: bool,
+}
+
+/// The strip.
+pub(super) fn totals_ui(ui: &mut Ui, state: &State) {
+    let figures = figures(state);
+    let width = ui.available_width() / figures.len() as f32;
+    ui.horizontal_centered(|ui| {
+        ui.spacing_mut().item_spacing.x = 0.0;
+        for figure in &figures {
+            ui.allocate_ui_with_layout(
+                egui::vec2(width, space::TOTALS - 10.0),
+                Layout::top_down(Align::Min),
+                |ui| figure_ui(ui, figure, state.is_stale()),
+            );
+        }
+    });
+}
+
+fn figure_ui(ui: &mut Ui, figure: &Figure, stale: bool) {
+    let tokens = Tokens::in_ui(ui);
+    let stale = stale && figure.of_whole;
+    ui.set_min_width(ui.available_width());
+    ui.spacing_mut().item_spacing = egui::vec2(6.0, 1.0);
+    let name = RichText::new(figure.name).small().color(tokens.text_weak);
+    let note = if stale { "out of date" } else { &figure.note };
+    let color = if stale { tokens.text_weak } else { tokens.text };
+    let response = ui
+        .vertical(|ui| {
+            ui.label(name);
+            ui.horizontal(|ui| {
+                ui.label(RichText::new(&figure.value).text_style(figure_style()).color(color));
+                let note_color = if stale { tokens.warning } else { tokens.text_weak };
+                ui.label(RichText::new(note).small().color(note_color));
+            });
+        })
+        .response;
+    let mut help = figure.help.clone();
+    if stale {
+        help.push_str(
+            " A threshold was changed since; the number is out of date until the capture is pruned again.",
+        );
+    }
+    response.on_hover_text(help);
+}
+
+fn figures(state: &State) -> Vec<Figure> {
+    let report = state.report();
+    let of_report =
+        |value: &dyn Fn(&crate::preprocess::Report) -> String| report.map_or_else(|| "–".to_owned(), value);
+    let figure = |name, value: String, note: String, help: &str| Figure {
+        name,
+        value,
+        note,
+        help: help.to_owned(),
+        of_whole: true,
+    };
+    let raw = of_report(&|r| text::bytes(r.bytes_raw));
+    let file = match state.scene.as_ref().map(|scene| &scene.content) {
+        Some(Content::Store { bytes, .. }) => format!("file {}", text::bytes(*bytes)),
+        _ => String::new(),
+    };
+    vec![
+        figure(
+            "Samples",
+            of_report(&|r| format!("{} → {}", text::count(r.samples_in), text::count(r.samples_kept))),
+            String::new(),
+            "Pixels of all frames of all cameras, and the samples kept of them.",
+        ),
+        figure(
+            "Redundant",
+            of_report(&|r| text::percent(r.samples_in.saturating_sub(r.samples_kept), r.samples_in)),
+            "pruned".to_owned(),
+            "Share of all pixels that another kept sample says at least as well.",
+        ),
+        figure(
+            "Memory",
+            of_report(&|r| format!("{raw} → {}", text::bytes(r.bytes_memory))),
+            file,
+            "All pixels as 8-bit color and 32-bit depth, and the kept samples in memory.",
+        ),
+        accuracy_figure(state),
+        figure(
+            "Preprocessing",
+            of_report(&|r| format!("{} s", text::significant(r.seconds))),
+            String::new(),
+            "Seconds that pruning the whole capture took.",
+        ),
+        render_figure(state),
+    ]
+}
+
+fn accuracy_figure(state: &State) -> Figure {
+    let (value, note, help) = match state.accuracy {
+        Some(accuracy) => {
+            let change = accuracy.psnr_db - accuracy.unpruned_psnr_db;
+            (
+                format!("{:.1} dB", accuracy.psnr_db),
+                format!("{change:+.2} dB by pruning"),
+                format!(
+                    "Mean PSNR at {} vantages whose truth is known, over the pixels that samples reached. With nothing \
+                     pruned it is {:.1} dB.",
+                    accuracy.views, accuracy.unpruned_psnr_db
+                ),
+            )
+        }
+        None => (
+            "–".to_owned(),
+            String::new(),
+            "Accuracy is measured at vantages whose truth is known: built-in captures have them, and captures with a \
+             novel/transforms.json. There is none here, or it is not measured yet."
+                .to_owned(),
+        ),
+    };
+    Figure { name: "Accuracy", value, note, help, of_whole: true }
+}
+
+fn render_figure(state: &State) -> Figure {
+    let (value, note) = match &state.live_shown {
+        Some(shown) => {
+            let stats = &shown.picture.stats;
+            let pixels = shown.picture.image.pixels.len().max(1) as u64;
+            (
+                format!("{} ms", text::significant(stats.milliseconds)),
+                format!("{} covered", text::percent(pixels.saturating_sub(stats.holes), pixels)),
+            )
+        }
+        None => ("–".to_owned(), String::new()),
+    };
+    let help =
+        "Milliseconds that painting the picture on the right took, and the share of it that samples reached.";
+    Figure { name: "Live view", value, note, help: help.to_owned(), of_whole: false }
+}

@@ -1,0 +1,191 @@
+//! Decides what work the state calls for. Called after every change; asks for nothing twice.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::lanes::{InspectRequest, Lanes, MeasureRequest, WholeRequest};
+use super::state::{State, method_of};
+use super::views::live_image::LiveKey;
+use super::views::source_image::{Overlay, SourceKey};
+use crate::preprocess::SampleSet;
+use crate::render::Vantage;
+use crate::settings::Settings;
+
+/// How long a slider must rest before the whole capture is pruned again.
+const DEBOUNCE: Duration = Duration::from_millis(400);
+
+#[derive(Clone, PartialEq)]
+struct InspectKey {
+    scene: u64,
+    frame: usize,
+    method: Settings,
+    with_scan: bool,
+}
+
+/// What was asked for last, per lane.
+#[derive(Default)]
+pub(super) struct Plan {
+    inspect: Option<InspectKey>,
+    source: Option<SourceKey>,
+    live: Option<LiveKey>,
+    whole: Option<(u64, Settings)>,
+    measure: Option<(Arc<SampleSet>, Settings)>,
+    /// When a setting was last changed.
+    pub changed_at: Option<Instant>,
+}
+
+impl Plan {
+    /// Forgets that the whole capture was asked for, so that it is asked for again.
+    pub(super) fn forget_whole(&mut self) {
+        self.whole = None;
+    }
+
+    /// Whether everything that the state calls for was asked for and came back, whole-capture work aside where the person
+    /// stopped it.
+    pub(super) fn is_settled(&self, state: &State) -> bool {
+        let whole = !state.has_capture() || state.stopped || (state.whole.is_some() && !state.is_stale());
+        let source = !state.has_capture()
+            || state.source_shown.as_ref().map(|shown| &shown.key) == self.source.as_ref();
+        let live = state.live_shown.as_ref().map(|shown| &shown.key) == self.live.as_ref();
+        whole && source && live
+    }
+
+    /// Asks the lanes for whatever is missing. Gives how long to wait before it should be called again, if so.
+    pub(super) fn ask(&mut self, state: &State, lanes: &Lanes) -> Option<Duration> {
+        self.ask_inspection(state, lanes);
+        self.ask_source(state, lanes);
+        self.ask_live(state, lanes);
+        self.ask_accuracy(state, lanes);
+        self.ask_whole(state, lanes)
+    }
+
+    fn ask_inspection(&mut self, state: &State, lanes: &Lanes) {
+        let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
+        // In motion the whole capture's samples feed the right view, and the bare picture needs no verdicts.
+        let current = state.whole.is_some() && !state.is_stale();
+        if state.timeline.playing && current && !needs_verdicts(state.source.overlay) {
+            return;
+        }
+        let key = InspectKey {
+            scene: scene.id,
+            frame: state.timeline.frame,
+            method: method_of(&state.settings),
+            with_scan: state.scan.is_some(),
+        };
+        if self.inspect.as_ref() != Some(&key) {
+            lanes.inspect.submit(InspectRequest {
+                scene: scene.clone(),
+                scan: state.scan.clone(),
+                settings: state.settings.clone(),
+                frame: key.frame,
+            });
+            self.inspect = Some(key);
+        }
+    }
+
+    fn ask_source(&mut self, state: &State, lanes: &Lanes) {
+        let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
+        let inspection = if needs_verdicts(state.source.overlay) {
+            let here = state.inspection_here().cloned();
+            let shows_this_camera = self
+                .source
+                .as_ref()
+                .is_some_and(|key| key.scene == scene.id && key.camera == state.source.camera);
+            // Until this frame's verdicts arrive the last picture is better than a flash of another kind.
+            if here.is_none() && shows_this_camera {
+                return;
+            }
+            here
+        } else {
+            None
+        };
+        let key = SourceKey {
+            scene: scene.id,
+            camera: state.source.camera,
+            frame: state.timeline.frame,
+            overlay: state.source.overlay,
+            against: state.source.against,
+            dark: state.dark,
+            inspection,
+        };
+        if self.source.as_ref() != Some(&key) {
+            lanes.source.submit((scene.clone(), key.clone()));
+            self.source = Some(key);
+        }
+    }
+
+    fn ask_live(&mut self, state: &State, lanes: &Lanes) {
+        let (Some(scene), Some(samples), Some(rig)) =
+            (state.scene.as_ref(), state.samples_here(), state.live.rig.as_ref())
+        else {
+            return;
+        };
+        let [width, height] = state.live.size;
+        if width == 0 || height == 0 {
+            return;
+        }
+        let key = LiveKey {
+            scene: scene.id,
+            samples: samples.clone(),
+            vantage: Vantage { camera: rig.camera(width, height), frame: state.timeline.frame },
+            settings: state.settings.render.clone(),
+            color_by: state.live.color_by,
+            dark: state.dark,
+        };
+        if self.live.as_ref() != Some(&key) {
+            lanes.live.submit(key.clone());
+            self.live = Some(key);
+        }
+    }
+
+    fn ask_whole(&mut self, state: &State, lanes: &Lanes) -> Option<Duration> {
+        let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
+        let current = state.whole.is_some() && !state.is_stale();
+        // The first look at the first frame goes before everything else.
+        if current || state.stopped || state.inspected.is_none() {
+            return None;
+        }
+        let key = (scene.id, method_of(&state.settings));
+        if self.whole.as_ref() == Some(&key) {
+            return None;
+        }
+        let rested = self.changed_at.map_or(DEBOUNCE, |at| at.elapsed());
+        if rested < DEBOUNCE {
+            // What runs now works with settings that no longer hold.
+            lanes.whole.cancel();
+            return Some(DEBOUNCE - rested);
+        }
+        lanes.whole.submit(WholeRequest {
+            scene: scene.clone(),
+            scan: state.scan.clone(),
+            settings: state.settings.clone(),
+        });
+        self.whole = Some(key);
+        None
+    }
+
+    fn ask_accuracy(&mut self, state: &State, lanes: &Lanes) {
+        let (Some(scene), Some(scan), Some(whole)) = (&state.scene, &state.scan, &state.whole) else {
+            return;
+        };
+        if state.is_stale() || state.timeline.playing {
+            return;
+        }
+        let asked = self.measure.as_ref().is_some_and(|(samples, settings)| {
+            Arc::ptr_eq(samples, &whole.samples) && *settings == state.settings
+        });
+        if !asked {
+            lanes.measure.submit(MeasureRequest {
+                scene: scene.clone(),
+                scan: scan.clone(),
+                samples: whole.samples.clone(),
+                settings: state.settings.clone(),
+            });
+            self.measure = Some((whole.samples.clone(), state.settings.clone()));
+        }
+    }
+}
+
+fn needs_verdicts(overlay: Overlay) -> bool {
+    !matches!(overlay, Overlay::Color | Overlay::Depth)
+}

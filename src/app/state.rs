@@ -1,0 +1,249 @@
+//! What the window knows. Panels borrow it and only read.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::message::{Accuracy, Purpose};
+use super::scene::{Content, Scene};
+use super::views::live_image::{ColorBy, LiveKey, LivePicture};
+use super::views::rig::Rig;
+use super::views::source_image::{Overlay, SourceKey, SourcePicture};
+use crate::job::Progress;
+use crate::preprocess::{FrameInspection, Report, SampleSet, TemporalScan};
+use crate::settings::{CaptureSettings, RenderSettings, Settings};
+
+/// What the side panel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+pub(super) enum Sidebar {
+    /// The thresholds.
+    #[default]
+    Settings,
+    /// What was pruned, for whom and why.
+    Report,
+}
+
+/// How loud a message is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NoticeKind {
+    /// Something failed.
+    Error,
+    /// Something is odd.
+    Warning,
+    /// Something worked.
+    Done,
+}
+
+/// A message to the person.
+#[derive(Clone, Debug)]
+pub(super) struct Notice {
+    /// Identity.
+    pub id: u64,
+    /// How loud.
+    pub kind: NoticeKind,
+    /// What was tried.
+    pub title: String,
+    /// What happened, and what to do.
+    pub text: String,
+    /// When it came up.
+    pub since: Instant,
+}
+
+/// The whole capture, pruned.
+pub(super) struct Whole {
+    /// The kept samples.
+    pub samples: Arc<SampleSet>,
+    /// The account.
+    pub report: Arc<Report>,
+    /// The settings they came from.
+    pub settings: Settings,
+}
+
+/// One frame, pruned, with reasons.
+pub(super) struct Inspected {
+    /// The verdicts.
+    pub inspection: Arc<FrameInspection>,
+    /// The settings they came from.
+    pub settings: Settings,
+    /// Whether it was known what is the same over all frames.
+    pub with_scan: bool,
+}
+
+/// Where in time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Timeline {
+    /// Index of the frame shown.
+    pub frame: usize,
+    /// Whether it advances.
+    pub playing: bool,
+    /// How fast.
+    pub frames_per_second: f32,
+    /// Seconds since the last advance.
+    pub elapsed_secs: f32,
+}
+
+/// How the left view looks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SourceLook {
+    /// The camera shown.
+    pub camera: usize,
+    /// What is shown.
+    pub overlay: Overlay,
+    /// Sampling ratio against which camera.
+    pub against: Option<usize>,
+    /// Magnification beyond fitting the view.
+    pub zoom: f32,
+    /// The picture's point in the middle of the view, as shares of its size.
+    pub center: egui::Vec2,
+}
+
+/// How the right view looks.
+#[derive(Clone, Debug)]
+pub(super) struct LiveLook {
+    /// The virtual camera; `None` while nothing is open.
+    pub rig: Option<Rig>,
+    /// What colors tell.
+    pub color_by: ColorBy,
+    /// Whether cameras are drawn.
+    pub show_cameras: bool,
+    /// Size of the view in pixels.
+    pub size: [u32; 2],
+}
+
+/// A path that is being typed.
+#[derive(Clone, Debug)]
+pub(super) struct TypedPath {
+    /// What it is for.
+    pub purpose: Purpose,
+    /// The text so far.
+    pub text: String,
+    /// Why the field is shown in place of the system's dialog, if it is.
+    pub reason: Option<&'static str>,
+}
+
+/// Work that takes long enough to be watched.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Busy {
+    /// How far it has come.
+    pub progress: Progress,
+    /// Whether cancelling it leaves something to be rerun.
+    pub cancellable: bool,
+}
+
+/// A picture that is shown, and what it was made from.
+pub(super) struct Shown<K, P> {
+    /// What it was made from.
+    pub key: K,
+    /// The picture.
+    pub picture: Arc<P>,
+    /// The picture on the graphics card.
+    pub texture: egui::TextureHandle,
+}
+
+/// What the window knows.
+pub(super) struct State {
+    /// What is open.
+    pub scene: Option<Arc<Scene>>,
+    /// What is being opened, in words.
+    pub opening: Option<String>,
+    /// The settings on the sliders.
+    pub settings: Settings,
+    /// The pass over all frames of the open capture.
+    pub scan: Option<Arc<TemporalScan>>,
+    /// The whole capture, pruned; perhaps by older settings.
+    pub whole: Option<Whole>,
+    /// Whether the person stopped the whole-capture work.
+    pub stopped: bool,
+    /// The frame last pruned with reasons.
+    pub inspected: Option<Inspected>,
+    /// Accuracy of `whole`.
+    pub accuracy: Option<Accuracy>,
+    /// Where in time.
+    pub timeline: Timeline,
+    /// The left view.
+    pub source: SourceLook,
+    /// The left picture.
+    pub source_shown: Option<Shown<SourceKey, SourcePicture>>,
+    /// The right view.
+    pub live: LiveLook,
+    /// The right picture.
+    pub live_shown: Option<Shown<LiveKey, LivePicture>>,
+    /// Messages.
+    pub notices: Vec<Notice>,
+    /// What the side panel shows.
+    pub sidebar: Sidebar,
+    /// A path being typed.
+    pub typed_path: Option<TypedPath>,
+    /// Dark or light.
+    pub dark: bool,
+    /// What was open lately, the latest first.
+    pub recent: Vec<PathBuf>,
+    /// Long work under way.
+    pub busy: Vec<Busy>,
+}
+
+/// The settings that decide which samples stay: those of painting and caching set to their defaults.
+pub(super) fn method_of(settings: &Settings) -> Settings {
+    Settings { capture: CaptureSettings::default(), render: RenderSettings::default(), ..settings.clone() }
+}
+
+impl State {
+    /// Frames of what is open.
+    pub(super) fn frame_count(&self) -> usize {
+        self.scene.as_ref().map_or(0, |scene| scene.frame_count())
+    }
+
+    /// Whether a capture (not a store) is open.
+    pub(super) fn has_capture(&self) -> bool {
+        self.scene.as_ref().is_some_and(|scene| scene.capture().is_some())
+    }
+
+    /// Whether the whole-capture numbers were made with other settings than those on the sliders.
+    pub(super) fn is_stale(&self) -> bool {
+        self.whole.as_ref().is_some_and(|whole| method_of(&whole.settings) != method_of(&self.settings))
+    }
+
+    /// The account of the open capture or store.
+    pub(super) fn report(&self) -> Option<&Report> {
+        match self.scene.as_ref().map(|scene| &scene.content) {
+            Some(Content::Store { report, .. }) => Some(report),
+            _ => self.whole.as_ref().map(|whole| whole.report.as_ref()),
+        }
+    }
+
+    /// The settings that the panel shows: a store's own where one is open, with the painting that is on now.
+    pub(super) fn shown_settings(&self) -> Settings {
+        match self.scene.as_ref().map(|scene| &scene.content) {
+            Some(Content::Store { samples, .. }) => {
+                Settings { render: self.settings.render.clone(), ..samples.settings.clone() }
+            }
+            _ => self.settings.clone(),
+        }
+    }
+
+    /// The verdicts at the frame shown, by whatever settings.
+    pub(super) fn inspection_here(&self) -> Option<&Arc<FrameInspection>> {
+        let inspected = self.inspected.as_ref()?;
+        (inspected.inspection.frame == self.timeline.frame).then_some(&inspected.inspection)
+    }
+
+    /// The best account of the frame shown: the whole capture's samples, or while those are stale this frame's.
+    pub(super) fn samples_here(&self) -> Option<&Arc<SampleSet>> {
+        if let Some(Content::Store { samples, .. }) = self.scene.as_ref().map(|scene| &scene.content) {
+            return Some(samples);
+        }
+        let whole = self.whole.as_ref().map(|whole| &whole.samples);
+        if !self.is_stale() && whole.is_some() {
+            return whole;
+        }
+        self.inspection_here().map(|inspection| &inspection.samples).or(whole)
+    }
+
+    /// Adds a message.
+    pub(super) fn notify(&mut self, kind: NoticeKind, title: impl Into<String>, text: impl Into<String>) {
+        let (title, text) = (title.into(), text.into());
+        self.notices.retain(|notice| notice.title != title || notice.text != text);
+        let id = self.notices.iter().map(|notice| notice.id).max().unwrap_or(0) + 1;
+        self.notices.push(Notice { id, kind, title, text, since: Instant::now() });
+    }
+}

@@ -1,0 +1,63 @@
+//! Numbers as people read them.
+
+/// A count with three significant figures: `970`, `12.4 k`, `3.15 M`.
+pub(crate) fn count(value: u64) -> String {
+    scaled(value as f64, &["", " k", " M", " G", " T"])
+}
+
+/// Bytes in powers of a thousand: `970 B`, `12.4 kB`, `3.15 MB`.
+pub(crate) fn bytes(value: u64) -> String {
+    scaled(value as f64, &[" B", " kB", " MB", " GB", " TB"])
+}
+
+fn scaled(mut value: f64, units: &[&str]) -> String {
+    let mut unit = 0;
+    while value >= 999.5 && unit + 1 < units.len() {
+        value /= 1000.0;
+        unit += 1;
+    }
+    if unit == 0 {
+        format!("{value:.0}{}", units[0])
+    } else {
+        format!("{}{}", significant(value), units[unit])
+    }
+}
+
+/// Three significant figures of a number below 1000.
+pub(crate) fn significant(value: f64) -> String {
+    match value.abs() {
+        v if v >= 99.95 => format!("{value:.0}"),
+        v if v >= 9.995 => format!("{value:.1}"),
+        _ => format!("{value:.2}"),
+    }
+}
+
+/// The share of `part` in `whole` as a percentage; `–` where there is no whole.
+pub(crate) fn percent(part: u64, whole: u64) -> String {
+    if whole == 0 { "–".to_owned() } else { format!("{:.1} %", 100.0 * part as f64 / whole as f64) }
+}
+
+/// A name of the code as words: `depth_tolerance` → `Depth tolerance`.
+pub(crate) fn words(name: &str) -> String {
+    let mut text = name.replace(['_', '-'], " ");
+    if let Some(first) = text.get_mut(0..1) {
+        first.make_ascii_uppercase();
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_three_significant_figures() {
+        assert_eq!(count(970), "970");
+        assert_eq!(count(12_400), "12.4 k");
+        assert_eq!(count(999_600), "1.00 M");
+        assert_eq!(bytes(3_151_000), "3.15 MB");
+        assert_eq!(percent(1, 8), "12.5 %");
+        assert_eq!(percent(0, 0), "–");
+        assert_eq!(words("depth_tolerance"), "Depth tolerance");
+    }
+}

@@ -1,0 +1,247 @@
+//! Design tokens: every color, distance and text size of the window, for the dark and the light theme.
+//!
+//! Panels ask for tokens and never name a color. Text on its surface keeps a contrast of at least 4.5 : 1 in both
+//! themes; a test computes it.
+
+use egui::{
+    Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, Style, TextStyle, Theme, Vec2, Visuals,
+};
+
+const fn rgb(hex: u32) -> Color32 {
+    Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
+}
+
+/// The colors of one theme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Tokens {
+    /// Behind everything.
+    pub background: Color32,
+    /// Panels.
+    pub surface: Color32,
+    /// Cards, buttons and fields on panels.
+    pub raised: Color32,
+    /// Buttons under the pointer.
+    pub raised_hovered: Color32,
+    /// Behind pictures.
+    pub canvas: Color32,
+    /// Lines between areas.
+    pub border: Color32,
+    /// Text that is read.
+    pub text: Color32,
+    /// Text that explains.
+    pub text_weak: Color32,
+    /// What is selected, and the one action that matters.
+    pub accent: Color32,
+    /// Text on the accent.
+    pub on_accent: Color32,
+    /// Selected areas behind text.
+    pub accent_faint: Color32,
+    /// Something is out of date or needs a look.
+    pub warning: Color32,
+    /// Something failed.
+    pub error: Color32,
+    /// Behind an error message.
+    pub error_faint: Color32,
+    /// Pixels that no sample reached.
+    pub hole: Color32,
+    /// Samples that live over the whole sequence.
+    pub static_over_time: Color32,
+    /// Samples of one frame.
+    pub moving: Color32,
+    /// Pixels without depth.
+    pub invalid: Color32,
+    /// Behind text that lies on a picture.
+    pub scrim: Color32,
+    /// Text that lies on a picture, on the scrim.
+    pub on_scrim: Color32,
+}
+
+const DARK: Tokens = Tokens {
+    background: rgb(0x0f_1216),
+    surface: rgb(0x17_1b21),
+    raised: rgb(0x23_2931),
+    raised_hovered: rgb(0x2e_3640),
+    canvas: rgb(0x0b_0d10),
+    border: rgb(0x2c_333d),
+    text: rgb(0xe4_e8ee),
+    text_weak: rgb(0x9b_a7b6),
+    accent: rgb(0x4f_b3ff),
+    on_accent: rgb(0x06_1726),
+    accent_faint: rgb(0x1c_3a55),
+    warning: rgb(0xf2_b84b),
+    error: rgb(0xff_8a7a),
+    error_faint: rgb(0x3a_1d1b),
+    hole: rgb(0x6a_1b5a),
+    static_over_time: rgb(0x3a_7fc4),
+    moving: rgb(0xf0_a030),
+    invalid: rgb(0x55_5a61),
+    scrim: Color32::from_rgba_premultiplied(6, 8, 10, 190),
+    on_scrim: rgb(0xf2_f5f8),
+};
+
+const LIGHT: Tokens = Tokens {
+    background: rgb(0xe6_e9ed),
+    surface: rgb(0xf7_f8fa),
+    raised: rgb(0xe7_eaef),
+    raised_hovered: rgb(0xd9_dee5),
+    canvas: rgb(0xd5_d9df),
+    border: rgb(0xcb_d1d9),
+    text: rgb(0x1b_2129),
+    text_weak: rgb(0x51_5c69),
+    accent: rgb(0x0b_64b0),
+    on_accent: rgb(0xff_ffff),
+    accent_faint: rgb(0xcb_e3f8),
+    warning: rgb(0x8a_5300),
+    error: rgb(0xb0_2318),
+    error_faint: rgb(0xfb_e3e0),
+    hole: rgb(0xc9_7fbc),
+    static_over_time: rgb(0x2f_72b5),
+    moving: rgb(0xd9_8200),
+    invalid: rgb(0x8b_9199),
+    scrim: Color32::from_rgba_premultiplied(6, 8, 10, 180),
+    on_scrim: rgb(0xf7_f9fb),
+};
+
+impl Tokens {
+    /// The tokens of a theme.
+    pub(crate) fn of(dark: bool) -> &'static Self {
+        if dark { &DARK } else { &LIGHT }
+    }
+
+    /// The tokens of the theme that `ui` is drawn in.
+    pub(crate) fn in_ui(ui: &egui::Ui) -> &'static Self {
+        Self::of(ui.visuals().dark_mode)
+    }
+}
+
+/// Distances, in points.
+pub(crate) mod space {
+    /// Between things that belong together.
+    pub(crate) const SMALL: f32 = 4.0;
+    /// Between things.
+    pub(crate) const MEDIUM: f32 = 8.0;
+    /// Between groups.
+    pub(crate) const LARGE: f32 = 16.0;
+    /// Inside panels, from the edge.
+    pub(crate) const PANEL: i8 = 10;
+    /// Height of the top bar.
+    pub(crate) const TOP_BAR: f32 = 44.0;
+    /// Height of the totals strip.
+    pub(crate) const TOTALS: f32 = 58.0;
+    /// Height of the timeline.
+    pub(crate) const TIMELINE: f32 = 92.0;
+    /// Height of the line that says what is going on.
+    pub(crate) const STATUS: f32 = 30.0;
+    /// Width of the side panel.
+    pub(crate) const SIDEBAR: f32 = 316.0;
+    /// Corner radius of cards and buttons.
+    pub(crate) const RADIUS: u8 = 6;
+    /// Height of buttons and fields.
+    pub(crate) const CONTROL: f32 = 26.0;
+}
+
+/// The text style of large numbers.
+pub(crate) fn figure_style() -> TextStyle {
+    TextStyle::Name("figure".into())
+}
+
+/// Sets fonts, text sizes, distances and both themes' colors.
+pub(crate) fn install(ctx: &egui::Context) {
+    egui_material_icons::initialize(ctx);
+    for theme in [Theme::Dark, Theme::Light] {
+        ctx.style_mut_of(theme, |style| apply(style, Tokens::of(theme == Theme::Dark), theme));
+    }
+}
+
+fn apply(style: &mut Style, tokens: &Tokens, theme: Theme) {
+    let proportional = |size| FontId::new(size, FontFamily::Proportional);
+    style.text_styles = [
+        (TextStyle::Small, proportional(11.5)),
+        (TextStyle::Body, proportional(13.5)),
+        (TextStyle::Button, proportional(13.5)),
+        (TextStyle::Heading, proportional(15.5)),
+        (figure_style(), proportional(17.0)),
+        (TextStyle::Monospace, FontId::new(12.0, FontFamily::Monospace)),
+    ]
+    .into();
+    style.spacing.item_spacing = Vec2::new(space::MEDIUM, 6.0);
+    style.spacing.button_padding = Vec2::new(9.0, 4.0);
+    style.spacing.interact_size = Vec2::new(32.0, space::CONTROL);
+    style.spacing.combo_width = 60.0;
+    style.spacing.tooltip_width = 340.0;
+    style.spacing.menu_margin = Margin::same(6);
+    style.interaction.selectable_labels = false;
+    style.interaction.tooltip_delay = 0.35;
+    style.visuals = visuals(tokens, theme);
+}
+
+fn visuals(tokens: &Tokens, theme: Theme) -> Visuals {
+    let mut visuals = theme.default_visuals();
+    visuals.panel_fill = tokens.surface;
+    visuals.window_fill = tokens.surface;
+    visuals.extreme_bg_color = tokens.background;
+    visuals.faint_bg_color = tokens.raised;
+    visuals.window_stroke = Stroke::new(1.0, tokens.border);
+    visuals.window_corner_radius = CornerRadius::same(10);
+    visuals.menu_corner_radius = CornerRadius::same(8);
+    visuals.hyperlink_color = tokens.accent;
+    visuals.warn_fg_color = tokens.warning;
+    visuals.error_fg_color = tokens.error;
+    visuals.weak_text_color = Some(tokens.text_weak);
+    visuals.selection.bg_fill = tokens.accent_faint;
+    visuals.selection.stroke = Stroke::new(1.0, tokens.text);
+    visuals.slider_trailing_fill = true;
+    visuals.striped = false;
+    let radius = CornerRadius::same(space::RADIUS);
+    let states = [
+        (&mut visuals.widgets.noninteractive, tokens.surface, tokens.border, tokens.text),
+        (&mut visuals.widgets.inactive, tokens.raised, tokens.raised, tokens.text),
+        (&mut visuals.widgets.hovered, tokens.raised_hovered, tokens.border, tokens.text),
+        (&mut visuals.widgets.active, tokens.accent_faint, tokens.accent, tokens.text),
+        (&mut visuals.widgets.open, tokens.raised_hovered, tokens.border, tokens.text),
+    ];
+    for (state, fill, border, text) in states {
+        state.bg_fill = fill;
+        state.weak_bg_fill = fill;
+        state.bg_stroke = Stroke::new(1.0, border);
+        state.fg_stroke = Stroke::new(1.0, text);
+        state.corner_radius = radius;
+        state.expansion = 0.0;
+    }
+    // The empty part of a slider's rail and an unticked box must stand out from the panel they lie on.
+    visuals.widgets.inactive.bg_fill = tokens.raised_hovered;
+    visuals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn luminance(color: Color32) -> f32 {
+        let [r, g, b] =
+            [color.r(), color.g(), color.b()].map(|c| crate::color::linear_from_srgb(f32::from(c) / 255.0));
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    }
+
+    fn contrast(a: Color32, b: Color32) -> f32 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn text_can_be_read_on_every_surface_of_both_themes() {
+        for tokens in [&DARK, &LIGHT] {
+            for surface in [tokens.background, tokens.surface, tokens.raised] {
+                for text in [tokens.text, tokens.text_weak] {
+                    assert!(contrast(text, surface) >= 4.5, "{text:?} on {surface:?}");
+                }
+            }
+            for text in [tokens.accent, tokens.warning, tokens.error] {
+                assert!(contrast(text, tokens.surface) >= 4.5, "{text:?}");
+            }
+            assert!(contrast(tokens.on_accent, tokens.accent) >= 4.5);
+            assert!(contrast(tokens.text, tokens.error_faint) >= 4.5);
+            assert!(contrast(tokens.text, tokens.accent_faint) >= 4.5);
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Color maps: from numbers to colors that everybody can tell apart.
+//!
+//! Sources: the sequential map is *viridis* (van der Walt and Smith, 2015), interpolated between nine of its entries; the
+//! diverging one is ColorBrewer's `PuOr` (Brewer and Harrower, 2003), safe for color-blind readers; camera colors are
+//! those of Okabe and Ito (*Color Universal Design*, 2008). What differs: the diverging map's middle is a light gray so
+//! that it stands apart from both white and from pixels without an answer, and camera colors repeat in a darker shade.
+
+use egui::Color32;
+
+const VIRIDIS: [[u8; 3]; 9] = [
+    [68, 1, 84],
+    [71, 44, 122],
+    [59, 81, 139],
+    [44, 113, 142],
+    [33, 144, 141],
+    [39, 173, 129],
+    [92, 200, 99],
+    [170, 220, 50],
+    [253, 231, 37],
+];
+
+const PURPLE_ORANGE: [[u8; 3]; 9] = [
+    [84, 39, 136],
+    [128, 115, 172],
+    [178, 171, 210],
+    [216, 218, 235],
+    [240, 240, 240],
+    [254, 224, 182],
+    [253, 184, 99],
+    [224, 130, 20],
+    [179, 88, 6],
+];
+
+const OKABE_ITO: [[u8; 3]; 7] = [
+    [86, 180, 233],
+    [230, 159, 0],
+    [0, 158, 115],
+    [240, 228, 66],
+    [213, 94, 0],
+    [204, 121, 167],
+    [0, 114, 178],
+];
+
+fn interpolate(stops: &[[u8; 3]; 9], position: f32) -> Color32 {
+    let scaled = position.clamp(0.0, 1.0) * 8.0;
+    let first = (scaled as usize).min(7);
+    let fraction = scaled - first as f32;
+    let channel = |c: usize| {
+        let (a, b) = (f32::from(stops[first][c]), f32::from(stops[first + 1][c]));
+        (a + (b - a) * fraction).round() as u8
+    };
+    Color32::from_rgb(channel(0), channel(1), channel(2))
+}
+
+/// A color that grows lighter from 0 to 1; values outside are clamped, NaN is 0.
+pub(crate) fn sequential(position: f32) -> Color32 {
+    interpolate(&VIRIDIS, if position.is_nan() { 0.0 } else { position })
+}
+
+/// Purple at −1, light gray at 0, orange at 1; values outside are clamped, NaN is 0.
+pub(crate) fn diverging(value: f32) -> Color32 {
+    interpolate(&PURPLE_ORANGE, if value.is_nan() { 0.5 } else { value * 0.5 + 0.5 })
+}
+
+/// The color of a camera by its index.
+pub(crate) fn camera(index: usize) -> Color32 {
+    let base = OKABE_ITO[index % OKABE_ITO.len()];
+    let shade = 1.0 - 0.22 * ((index / OKABE_ITO.len()) % 4) as f32;
+    let [r, g, b] = base.map(|c| (f32::from(c) * shade).round() as u8);
+    Color32::from_rgb(r, g, b)
+}
+
+/// `over` laid over `under` with the given opacity, 0 to 1, in display space.
+pub(crate) fn mix(under: Color32, over: Color32, opacity: f32) -> Color32 {
+    let channel = |a: u8, b: u8| (f32::from(a) + (f32::from(b) - f32::from(a)) * opacity).round() as u8;
+    Color32::from_rgb(
+        channel(under.r(), over.r()),
+        channel(under.g(), over.g()),
+        channel(under.b(), over.b()),
+    )
+}
+
+/// `color` as a gray of its lightness, at `strength` of its brightness.
+pub(crate) fn dimmed(color: Color32, strength: f32) -> Color32 {
+    let gray = 0.2126 * f32::from(color.r()) + 0.7152 * f32::from(color.g()) + 0.0722 * f32::from(color.b());
+    Color32::from_gray((gray * strength).round() as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lightness(color: Color32) -> f32 {
+        0.2126 * f32::from(color.r()) + 0.7152 * f32::from(color.g()) + 0.0722 * f32::from(color.b())
+    }
+
+    #[test]
+    fn the_sequential_map_grows_lighter_throughout() {
+        let steps: Vec<f32> = (0..=64).map(|i| lightness(sequential(i as f32 / 64.0))).collect();
+        assert!(steps.is_sorted(), "{steps:?}");
+    }
+
+    #[test]
+    fn the_diverging_map_is_lightest_in_the_middle_and_ends_in_different_colors() {
+        assert_eq!(diverging(0.0), Color32::from_rgb(240, 240, 240));
+        for i in 1..=16 {
+            let value = i as f32 / 16.0;
+            assert!(lightness(diverging(value)) < lightness(diverging(value - 1.0 / 16.0)));
+            assert!(lightness(diverging(-value)) < lightness(diverging(1.0 / 16.0 - value)));
+        }
+        assert!(diverging(-1.0).b() > diverging(-1.0).r() && diverging(1.0).r() > diverging(1.0).b());
+        assert_eq!(diverging(f32::NAN), diverging(0.0));
+    }
+
+    #[test]
+    fn no_two_of_twenty_cameras_share_a_color() {
+        let colors: std::collections::HashSet<_> = (0..20).map(camera).collect();
+        assert_eq!(colors.len(), 20);
+    }
+}

@@ -1,0 +1,167 @@
+//! What the colors of a picture mean: color bars and swatches.
+
+use egui::{Align2, Color32, Painter, Rect, RichText, Sense, Ui, pos2, vec2};
+
+use super::super::state::State;
+use super::super::text;
+use super::super::theme::Tokens;
+use super::colormap::{camera as camera_color, diverging, sequential};
+use super::live_image::ColorBy;
+use super::source_image::{Legend, Overlay, RATIO_RANGE, SourceKey};
+use crate::grid::Grid;
+use crate::preprocess::TILE;
+
+/// Height of a line of legend.
+const LINE: f32 = 22.0;
+
+/// The legend of the left picture.
+pub(super) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, legend: &Legend) {
+    let tokens = Tokens::in_ui(ui);
+    line_ui(ui, |ui| match legend {
+        Legend::Plain if key.overlay == Overlay::Normals => {
+            note_ui(ui, "Red, green and blue: the normal's x, y and z in world space.");
+        }
+        Legend::Plain => note_ui(ui, "As recorded. Choose an overlay above to see what is redundant."),
+        Legend::Depth { near, far } => {
+            let figure = |value: f32| text::significant(f64::from(value));
+            bar_ui(ui, &format!("far {}", figure(*far)), &format!("near {}", figure(*near)), sequential);
+        }
+        Legend::Ratio => ratio_ui(ui, "this camera denser", "other denser"),
+        Legend::Tiles(_) => bar_ui(ui, "all pruned", "all kept", sequential),
+        Legend::Split { background, foreground, invalid } => {
+            let total = background + foreground + invalid;
+            swatch_ui(ui, tokens.static_over_time, &format!("still {}", text::percent(*background, total)));
+            swatch_ui(ui, tokens.moving, &format!("moving {}", text::percent(*foreground, total)));
+            if *invalid > 0 {
+                swatch_ui(ui, tokens.invalid, &format!("no depth {}", text::percent(*invalid, total)));
+            }
+        }
+        Legend::Winners { kept, lost_to, dropped } => {
+            let total = kept + dropped + lost_to.iter().sum::<u64>();
+            let label = RichText::new(format!("kept {}", text::percent(*kept, total)));
+            ui.label(label.small()).on_hover_text("Kept pixels show their own picture.");
+            for (winner, count) in lost_to.iter().enumerate().filter(|(_, count)| **count > 0) {
+                let name = state
+                    .scene
+                    .as_ref()
+                    .and_then(|scene| scene.cameras.get(winner))
+                    .map_or("?", |camera| camera.name.as_str());
+                swatch_ui(ui, camera_color(winner), &format!("{name} {}", text::percent(*count, total)));
+            }
+        }
+    });
+}
+
+/// The legend of the right picture.
+pub(super) fn live_legend_ui(ui: &mut Ui, state: &State) {
+    let tokens = Tokens::in_ui(ui);
+    line_ui(ui, |ui| {
+        match state.live.color_by {
+            ColorBy::Picture => {}
+            ColorBy::Camera => {
+                let cameras = state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+                for (index, camera) in cameras.iter().enumerate() {
+                    swatch_ui(ui, camera_color(index), &camera.name);
+                }
+            }
+            ColorBy::Span => {
+                swatch_ui(ui, tokens.static_over_time, "stored once");
+                swatch_ui(ui, tokens.moving, "this frame only");
+            }
+            ColorBy::SamplingRate => ratio_ui(ui, "denser than pixels", "coarser"),
+        }
+        swatch_ui(ui, tokens.hole, "hole: no camera saw it");
+    });
+}
+
+/// The kept share of each tile, where tiles are large enough on the screen to read it.
+pub(super) fn tile_shares(
+    painter: &Painter,
+    picture: Rect,
+    size: egui::Vec2,
+    shares: &Grid<f32>,
+    tokens: &Tokens,
+) {
+    let tile = picture.width() / size.x * TILE as f32;
+    if tile < 30.0 {
+        return;
+    }
+    let font = egui::FontId::proportional(11.0);
+    for tile_y in 0..shares.height() {
+        for tile_x in 0..shares.width() {
+            let center = picture.min + vec2(tile_x as f32 + 0.5, tile_y as f32 + 0.5) * tile;
+            if !painter.clip_rect().contains(center) {
+                continue;
+            }
+            let text = format!("{:.0}", shares[(tile_x, tile_y)] * 100.0);
+            let galley = painter.layout_no_wrap(text, font.clone(), tokens.on_scrim);
+            let plate = Rect::from_center_size(center, galley.size() + vec2(6.0, 2.0));
+            painter.rect_filled(plate, 3.0, tokens.scrim);
+            painter.galley(plate.min + vec2(3.0, 1.0), galley, tokens.on_scrim);
+        }
+    }
+}
+
+fn line_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
+    ui.scope_builder(egui::UiBuilder::new().max_rect(rect).id_salt("legend"), |ui| {
+        egui::ScrollArea::horizontal()
+            .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden)
+            .show(ui, |ui| ui.horizontal_centered(contents));
+    });
+}
+
+fn note_ui(ui: &mut Ui, note: &str) {
+    let weak = Tokens::in_ui(ui).text_weak;
+    ui.label(RichText::new(note).small().color(weak));
+}
+
+fn swatch_ui(ui: &mut Ui, color: Color32, name: &str) {
+    ui.spacing_mut().item_spacing.x = 5.0;
+    let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+    ui.painter().rect_filled(rect, 2.0, color);
+    ui.label(RichText::new(name).small());
+    ui.add_space(6.0);
+}
+
+/// A color bar between the names of its ends.
+fn bar_ui(ui: &mut Ui, low: &str, high: &str, color: impl Fn(f32) -> Color32) {
+    ui.label(RichText::new(low).small());
+    let width = (ui.available_width() - 96.0).clamp(60.0, 180.0);
+    let (rect, _) = ui.allocate_exact_size(vec2(width, 10.0), Sense::hover());
+    gradient(ui.painter(), rect, color);
+    ui.label(RichText::new(high).small());
+}
+
+/// The diverging bar, with the ratios that its ends and middle stand for.
+fn ratio_ui(ui: &mut Ui, low: &str, high: &str) {
+    ui.label(RichText::new(low).small());
+    let (rect, response) = ui.allocate_exact_size(vec2(120.0, LINE), Sense::hover());
+    let bar = Rect::from_min_max(rect.min + vec2(0.0, 1.0), pos2(rect.right(), rect.top() + 9.0));
+    gradient(ui.painter(), bar, |position| diverging(position * 2.0 - 1.0));
+    let font = egui::FontId::proportional(10.0);
+    let weak = Tokens::in_ui(ui).text_weak;
+    let end = 2.0_f32.powf(RATIO_RANGE);
+    for (position, align, label) in [
+        (rect.left(), Align2::LEFT_BOTTOM, format!("1/{end:.0}")),
+        (rect.center().x, Align2::CENTER_BOTTOM, "r = 1".to_owned()),
+        (rect.right(), Align2::RIGHT_BOTTOM, format!("{end:.0}")),
+    ] {
+        ui.painter().text(pos2(position, rect.bottom()), align, label, font.clone(), weak);
+    }
+    response.on_hover_text(
+        "r compares two sampling rates; the scale is logarithmic, and r = 1 means equally dense.",
+    );
+    ui.label(RichText::new(high).small());
+}
+
+fn gradient(painter: &Painter, rect: Rect, color: impl Fn(f32) -> Color32) {
+    let steps = 48;
+    let step = rect.width() / steps as f32;
+    for i in 0..steps {
+        let left = rect.left() + step * i as f32;
+        // Half a point of overlap closes the seams that anti-aliasing would leave.
+        let part = Rect::from_min_max(pos2(left, rect.top()), pos2(left + step + 0.5, rect.bottom()));
+        painter.rect_filled(part.intersect(rect), 0.0, color((i as f32 + 0.5) / steps as f32));
+    }
+}

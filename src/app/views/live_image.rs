@@ -1,0 +1,177 @@
+//! From a vantage to the pixels of the right view. Runs on a lane, not on the UI thread.
+
+use std::sync::Arc;
+
+use egui::{Color32, ColorImage};
+use glam::DVec2;
+
+use super::super::theme::Tokens;
+use super::colormap::{camera as camera_color, dimmed, diverging, mix};
+use super::source_image::RATIO_RANGE;
+use crate::color::srgb8_from_linear;
+use crate::error::Result;
+use crate::grid::Grid;
+use crate::job::Job;
+use crate::preprocess::SampleSet;
+use crate::render::{CpuRenderer, NO_IMAGE, Picture, RenderStats, Vantage};
+use crate::settings::RenderSettings;
+
+/// What the colors of the right view tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+pub(crate) enum ColorBy {
+    /// The colors of the samples.
+    #[default]
+    Picture,
+    /// Which camera's sample is shown.
+    Camera,
+    /// Whether the sample lives over all frames or in this one.
+    Span,
+    /// How densely samples lie beside the pixels of this view.
+    SamplingRate,
+}
+
+impl ColorBy {
+    /// Every choice, in the order of the menu.
+    pub(crate) const ALL: [Self; 4] = [Self::Picture, Self::Camera, Self::Span, Self::SamplingRate];
+
+    /// Its name in the menu.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Picture => "Picture",
+            Self::Camera => "Camera",
+            Self::Span => "Background / foreground",
+            Self::SamplingRate => "Sampling rate",
+        }
+    }
+
+    /// What it shows, in a sentence.
+    pub(crate) fn help(self) -> &'static str {
+        match self {
+            Self::Picture => "The scene as the kept samples show it.",
+            Self::Camera => "Each pixel in the color of the camera whose sample it shows.",
+            Self::Span => "Samples stored once for all frames against samples stored for this frame.",
+            Self::SamplingRate => {
+                "Distance between samples beside distance between pixels here: purple where samples are denser than \
+                 pixels, orange where the view is closer than the camera was."
+            }
+        }
+    }
+}
+
+/// What a right picture was made from; a picture with an equal key is the same picture.
+#[derive(Clone)]
+pub(crate) struct LiveKey {
+    /// The scene.
+    pub scene: u64,
+    /// The samples.
+    pub samples: Arc<SampleSet>,
+    /// Where from, and when.
+    pub vantage: Vantage,
+    /// How.
+    pub settings: RenderSettings,
+    /// What colors tell.
+    pub color_by: ColorBy,
+    /// Dark or light, as holes use a color of the theme.
+    pub dark: bool,
+}
+
+impl PartialEq for LiveKey {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.samples, &other.samples)
+            && self.scene == other.scene
+            && self.vantage == other.vantage
+            && self.settings == other.settings
+            && self.color_by == other.color_by
+            && self.dark == other.dark
+    }
+}
+
+/// The right picture.
+pub(crate) struct LivePicture {
+    /// Its pixels.
+    pub image: Arc<ColorImage>,
+    /// What it took.
+    pub stats: RenderStats,
+}
+
+/// Renders and colors the picture that `key` asks for.
+///
+/// # Errors
+/// As [`CpuRenderer::render`].
+pub(crate) fn paint(renderer: &mut CpuRenderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
+    let (picture, stats) = renderer.render(&key.samples, &key.vantage, &key.settings, job)?;
+    let pixels = colored(&picture, key);
+    let image = ColorImage::new([pixels.width(), pixels.height()], pixels.into_vec());
+    Ok(LivePicture { image: Arc::new(image), stats })
+}
+
+fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
+    let tokens = Tokens::of(key.dark);
+    Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
+        let image = picture.image[(x, y)];
+        if image == NO_IMAGE {
+            return tokens.hole;
+        }
+        let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
+        let own = Color32::from_rgb(r, g, b);
+        let source = &key.samples.images[image as usize];
+        match key.color_by {
+            ColorBy::Picture => own,
+            ColorBy::Camera => mix(dimmed(own, 0.9), camera_color(source.camera as usize), 0.7),
+            ColorBy::Span if source.span.len() > 1 => mix(dimmed(own, 0.9), tokens.static_over_time, 0.55),
+            ColorBy::Span => mix(dimmed(own, 0.9), tokens.moving, 0.7),
+            ColorBy::SamplingRate => {
+                let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                let inverse_depth = f64::from(picture.inverse_depth[(x, y)]);
+                diverging(log2_spacing(key, source.camera as usize, pixel, inverse_depth) / RATIO_RANGE)
+            }
+        }
+    })
+}
+
+/// log₂ of the distance between samples over the distance between the view's pixels, both across the line of sight.
+fn log2_spacing(key: &LiveKey, camera: usize, pixel: DVec2, inverse_depth: f64) -> f32 {
+    let vantage = &key.vantage.camera;
+    let source = &key.samples.cameras[camera];
+    let focal = source.intrinsics.fx / vantage.intrinsics.fx;
+    if inverse_depth <= 0.0 {
+        return -(focal.log2() as f32);
+    }
+    let point = vantage.unproject(pixel, 1.0 / inverse_depth);
+    let source_depth = (point - source.position_in_world()).dot(source.forward_in_world()).max(1e-9);
+    (source_depth * inverse_depth / focal).log2() as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::{Camera, Intrinsics};
+    use crate::settings::Settings;
+    use glam::DVec3;
+
+    #[test]
+    fn standing_twice_as_close_as_the_camera_halves_the_density_of_samples() {
+        let intrinsics = Intrinsics::from_horizontal_angle(64, 48, 1.0);
+        let camera = |distance: f64| {
+            Camera::look_at("c", intrinsics, DVec3::new(0.0, -distance, 0.0), DVec3::ZERO, DVec3::Z)
+        };
+        let samples = SampleSet {
+            name: "test".into(),
+            cameras: vec![camera(4.0)],
+            frame_numbers: vec![0],
+            up_in_world: DVec3::Z,
+            settings: Settings::default(),
+            images: Vec::new(),
+        };
+        let key = LiveKey {
+            scene: 1,
+            samples: Arc::new(samples),
+            vantage: Vantage { camera: camera(2.0), frame: 0 },
+            settings: RenderSettings::default(),
+            color_by: ColorBy::SamplingRate,
+            dark: true,
+        };
+        let value = log2_spacing(&key, 0, DVec2::new(intrinsics.cx, intrinsics.cy), 0.5);
+        assert!((value - 1.0).abs() < 1e-6, "{value}");
+    }
+}

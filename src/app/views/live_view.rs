@@ -1,0 +1,174 @@
+//! The right view: what is left of the capture, seen from anywhere.
+
+use egui::{PointerButton, Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
+use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
+use glam::DVec2;
+
+use super::super::command::Command;
+use super::super::panels::{choice_ui, icon_button};
+use super::super::state::State;
+use super::super::text;
+use super::super::theme::{Tokens, space};
+use super::frusta::frustum;
+use super::live_image::ColorBy;
+use super::source_view::FOOTER;
+use super::{colormap, legend};
+
+/// Radians of orbit per point that the pointer is dragged.
+const ORBIT_PER_POINT: f64 = 0.008;
+
+/// Largest side of the live picture in pixels; larger views scale it up, so that turning stays smooth.
+const LARGEST_SIDE: f32 = 1600.0;
+
+/// The view.
+pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    header_ui(ui, state, commands);
+    let available = ui.available_rect_before_wrap();
+    let canvas = Rect::from_min_max(available.min, available.max - vec2(0.0, FOOTER));
+    picture_ui(ui, canvas, state, commands);
+    ui.allocate_rect(canvas, Sense::hover());
+    ui.add_space(2.0);
+    legend::live_legend_ui(ui, state);
+    ui.spacing_mut().item_spacing.y = 1.0;
+    facts_ui(ui, state);
+}
+
+fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    ui.label(RichText::new("What is left, from anywhere").heading());
+    ui.horizontal(|ui| {
+        let Some(scene) = &state.scene else { return };
+        let buttons = 2.0 * (space::CONTROL + 20.0);
+        let gaps = 3.0 * ui.spacing().item_spacing.x;
+        let columns = (ui.available_width() - buttons - gaps).max(80.0);
+        let choices =
+            ColorBy::ALL.map(|color_by| (color_by, color_by.name().to_owned(), color_by.help().to_owned()));
+        if let Some(color_by) =
+            choice_ui(ui, "Live view shows", state.live.color_by, &choices, columns * 0.52)
+        {
+            commands.push(Command::ColorBy(color_by));
+        }
+        let mut places = vec![(usize::MAX, "Go to…".to_owned(), "Stand where a camera stood.".to_owned())];
+        places.extend(
+            scene
+                .cameras
+                .iter()
+                .enumerate()
+                .map(|(index, camera)| (index, camera.name.clone(), String::new())),
+        );
+        if let Some(camera) = choice_ui(ui, "Go to camera", usize::MAX, &places, columns * 0.48) {
+            commands.push(Command::JumpTo(camera));
+        }
+        if icon_button(ui, ICON_HOME, "Reset view", "Back to the first vantage (F)").clicked() {
+            commands.push(Command::Home);
+        }
+        let (icon, name) = if state.live.show_cameras {
+            (ICON_VIDEOCAM, "Hide cameras")
+        } else {
+            (ICON_VIDEOCAM_OFF, "Show cameras")
+        };
+        if icon_button(ui, icon, name, name).clicked() {
+            commands.push(Command::ShowCameras(!state.live.show_cameras));
+        }
+    });
+    ui.add_space(2.0);
+}
+
+fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Vec<Command>) {
+    let tokens = Tokens::in_ui(ui);
+    let response = ui.interact(canvas, ui.scope_id().with("live picture"), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Live picture"));
+    let painter = ui.painter_at(canvas);
+    painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.canvas);
+    let pixels = canvas.size() * ui.ctx().pixels_per_point();
+    let shrink = (LARGEST_SIDE / pixels.max_elem()).min(1.0);
+    let size = [(pixels.x * shrink) as u32, (pixels.y * shrink) as u32].map(|side| side.max(1));
+    if size != state.live.size {
+        commands.push(Command::LiveSize(size));
+    }
+    if let Some(shown) = &state.live_shown {
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        painter.image(shown.texture.id(), canvas, whole, egui::Color32::WHITE);
+    } else {
+        egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+    }
+    if state.live.show_cameras {
+        cameras_overlay(ui, &painter, canvas, state);
+    }
+    motion(ui, &response, canvas, commands);
+}
+
+fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State) {
+    let tokens = Tokens::in_ui(ui);
+    let (Some(scene), Some(rig)) = (&state.scene, &state.live.rig) else { return };
+    let vantage = rig.camera(canvas.width() as u32, canvas.height() as u32);
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    for (index, camera) in scene.cameras.iter().enumerate() {
+        let to_pivot = (scene.pivot_in_world - camera.position_in_world()).length();
+        let apart = (vantage.position_in_world() - camera.position_in_world()).length();
+        // Standing in a camera, its own pyramid would only frame the picture.
+        if apart < 0.02 * to_pivot {
+            continue;
+        }
+        let shape = frustum(camera, &vantage, 0.12 * to_pivot);
+        let selected = index == state.source.camera && state.has_capture();
+        let stroke = egui::Stroke::new(if selected { 2.5 } else { 1.5 }, colormap::camera(index));
+        for line in shape.lines {
+            painter.line_segment(line.map(|point| canvas.min + point.to_vec2()), stroke);
+        }
+        let Some(apex) = shape.apex.map(|apex| canvas.min + apex.to_vec2()) else { continue };
+        if canvas.contains(apex) {
+            let galley = painter.layout_no_wrap(camera.name.clone(), font.clone(), tokens.on_scrim);
+            let plate = Rect::from_min_size(apex + vec2(6.0, -18.0), galley.size() + vec2(8.0, 4.0));
+            painter.rect_filled(plate, 4.0, tokens.scrim);
+            painter.galley(plate.min + vec2(4.0, 2.0), galley, tokens.on_scrim);
+        }
+    }
+}
+
+fn motion(ui: &Ui, response: &egui::Response, canvas: Rect, commands: &mut Vec<Command>) {
+    if response.double_clicked() {
+        commands.push(Command::Home);
+        return;
+    }
+    let delta = response.drag_delta();
+    let delta = DVec2::new(f64::from(delta.x), f64::from(delta.y));
+    if delta != DVec2::ZERO {
+        let shifts = response.dragged_by(PointerButton::Secondary)
+            || response.dragged_by(PointerButton::Middle)
+            || ui.ctx().input(|input| input.modifiers.shift);
+        commands.push(if shifts {
+            Command::Pan(delta / f64::from(canvas.height().max(1.0)))
+        } else {
+            Command::Orbit(delta * ORBIT_PER_POINT)
+        });
+    }
+    if response.hovered() {
+        let scroll =
+            ui.ctx().input(|input| input.smooth_scroll_delta().y + 200.0 * (input.zoom_delta() - 1.0));
+        if scroll != 0.0 {
+            commands.push(Command::Dolly((-f64::from(scroll) * 0.003).exp()));
+        }
+    }
+}
+
+fn facts_ui(ui: &mut Ui, state: &State) {
+    let tokens = Tokens::in_ui(ui);
+    let facts = match &state.live_shown {
+        Some(shown) => {
+            let stats = &shown.picture.stats;
+            let pixels = shown.picture.image.pixels.len().max(1) as u64;
+            let reused = if stats.background_reused { ", background reused" } else { "" };
+            format!(
+                "{} samples painted in {} ms{reused} · {} holes ({})",
+                text::count(stats.samples),
+                text::significant(stats.milliseconds),
+                text::count(stats.holes),
+                text::percent(stats.holes, pixels)
+            )
+        }
+        None => "The first look is on its way.".to_owned(),
+    };
+    ui.add(egui::Label::new(RichText::new(facts).small().color(tokens.text_weak)).truncate());
+    let help = "Drag to orbit, Shift + drag to shift, wheel to zoom, W A S D to fly.";
+    ui.add(egui::Label::new(RichText::new(help).color(tokens.text_weak)).truncate());
+}

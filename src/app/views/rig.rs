@@ -1,0 +1,172 @@
+//! The live view's virtual camera: orbits a pivot, flies, and jumps to where cameras stood.
+
+use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+
+use super::super::scene::Scene;
+use crate::capture::{Camera, Intrinsics};
+
+/// How near to straight up or down orbiting goes, as a cosine, so that up stays up.
+const STEEPEST: f64 = 0.985;
+
+/// The pose and lens of the live view.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Rig {
+    /// Camera space (x right, y down, z forward) to world space.
+    pub world_from_camera: DAffine3,
+    /// Distance to what is orbited, along the line of sight.
+    pub pivot_distance: f64,
+    /// The lens, as the camera it was taken from had it.
+    pub lens: Intrinsics,
+    up_in_world: DVec3,
+}
+
+impl Rig {
+    /// Where nobody stood: between the first two cameras, on their circle about what they look at. With one camera, a
+    /// step to its side.
+    pub(crate) fn home(scene: &Scene) -> Option<Self> {
+        let first = scene.cameras.first()?;
+        let pivot = scene.pivot_in_world;
+        let eye_a = first.position_in_world() - pivot;
+        let distance = eye_a.length().max(1e-6);
+        let eye_b = scene.cameras.get(1).map_or_else(
+            || DQuat::from_axis_angle(scene.up_in_world, 0.4) * eye_a,
+            |second| second.position_in_world() - pivot,
+        );
+        let radius = f64::midpoint(distance, eye_b.length());
+        let middle = (eye_a + eye_b).try_normalize().unwrap_or_else(|| eye_a / distance) * radius;
+        let camera = Camera::look_at("home", first.intrinsics, pivot + middle, pivot, scene.up_in_world);
+        Some(Self {
+            world_from_camera: camera.world_from_camera,
+            pivot_distance: radius.max(1e-6),
+            lens: first.intrinsics,
+            up_in_world: scene.up_in_world,
+        })
+    }
+
+    /// Where `camera` stood, with its lens.
+    pub(crate) fn at_camera(scene: &Scene, camera: &Camera) -> Self {
+        let along = (scene.pivot_in_world - camera.position_in_world()).dot(camera.forward_in_world());
+        let distance = (scene.pivot_in_world - camera.position_in_world()).length();
+        Self {
+            world_from_camera: camera.world_from_camera,
+            pivot_distance: if along > 0.0 { along } else { distance.max(1e-6) },
+            lens: camera.intrinsics,
+            up_in_world: scene.up_in_world,
+        }
+    }
+
+    /// The virtual camera for a picture of `width × height` pixels: the lens's whole picture fits inside.
+    pub(crate) fn camera(&self, width: u32, height: u32) -> Camera {
+        let (lens_width, lens_height) = (f64::from(self.lens.width), f64::from(self.lens.height));
+        let scale = (f64::from(width) / lens_width).min(f64::from(height) / lens_height);
+        let intrinsics = Intrinsics {
+            width,
+            height,
+            fx: self.lens.fx * scale,
+            fy: self.lens.fy * scale,
+            cx: f64::from(width) / 2.0 + (self.lens.cx - lens_width / 2.0) * scale,
+            cy: f64::from(height) / 2.0 + (self.lens.cy - lens_height / 2.0) * scale,
+        };
+        Camera { name: "vantage".to_owned(), intrinsics, world_from_camera: self.world_from_camera }
+    }
+
+    fn pivot(&self) -> DVec3 {
+        self.world_from_camera.transform_point3(DVec3::Z * self.pivot_distance)
+    }
+
+    fn turn_about(&mut self, center: DVec3, rotation: DQuat) {
+        let turn = DAffine3::from_translation(center)
+            * DAffine3::from_quat(rotation)
+            * DAffine3::from_translation(-center);
+        let turned = turn * self.world_from_camera;
+        // Thousands of small turns would let the axes drift from unit length.
+        self.world_from_camera = DAffine3::from_rotation_translation(
+            DQuat::from_mat3(&turned.matrix3).normalize(),
+            turned.translation,
+        );
+    }
+
+    /// Turns about the pivot by angles in radians, to the right and downward as the picture moves.
+    pub(crate) fn orbit(&mut self, angles: DVec2) {
+        self.turn_about(self.pivot(), DQuat::from_axis_angle(self.up_in_world, -angles.x));
+        let DMat3 { x_axis: right, z_axis: forward, .. } = self.world_from_camera.matrix3;
+        let tilt = DQuat::from_axis_angle(right, -angles.y);
+        let steepness = (tilt * forward).dot(self.up_in_world).abs();
+        if steepness < STEEPEST || steepness < forward.dot(self.up_in_world).abs() {
+            self.turn_about(self.pivot(), tilt);
+        }
+    }
+
+    /// Goes nearer to the pivot (factor below 1) or farther from it.
+    pub(crate) fn dolly(&mut self, factor: f64) {
+        let pivot = self.pivot();
+        self.pivot_distance = (self.pivot_distance * factor).clamp(1e-4, 1e7);
+        self.world_from_camera.translation =
+            pivot - self.world_from_camera.matrix3.z_axis * self.pivot_distance;
+    }
+
+    /// Shifts the view sideways: `share` of the picture's height, right and down.
+    pub(crate) fn pan(&mut self, share: DVec2) {
+        let height_at_pivot = f64::from(self.lens.height) / self.lens.fy * self.pivot_distance;
+        let shift = DVec3::new(-share.x, -share.y, 0.0) * height_at_pivot;
+        self.world_from_camera.translation += self.world_from_camera.matrix3 * shift;
+    }
+
+    /// Flies: right, down and forward in camera space, in pivot distances.
+    pub(crate) fn fly(&mut self, steps: DVec3) {
+        self.world_from_camera.translation += self.world_from_camera.matrix3 * steps * self.pivot_distance;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rig() -> Rig {
+        let lens = Intrinsics::from_horizontal_angle(64, 48, 1.0);
+        let camera = Camera::look_at("c", lens, DVec3::new(0.0, -5.0, 1.0), DVec3::ZERO, DVec3::Z);
+        Rig {
+            world_from_camera: camera.world_from_camera,
+            pivot_distance: camera.position_in_world().length(),
+            lens,
+            up_in_world: DVec3::Z,
+        }
+    }
+
+    #[test]
+    fn orbiting_keeps_the_pivot_and_its_distance() {
+        let mut rig = rig();
+        for i in 0..1000 {
+            rig.orbit(DVec2::new(0.1, if i % 3 == 0 { 0.2 } else { -0.05 }));
+        }
+        assert!(rig.pivot().length() < 1e-6);
+        assert!((rig.world_from_camera.translation.length() - 26.0_f64.sqrt()).abs() < 1e-6);
+        assert!((rig.world_from_camera.matrix3.determinant() - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn orbiting_never_goes_over_the_top() {
+        let mut rig = rig();
+        for _ in 0..200 {
+            rig.orbit(DVec2::new(0.0, 0.05));
+        }
+        assert!(rig.world_from_camera.matrix3.y_axis.z < 0.0, "up is still up");
+    }
+
+    #[test]
+    fn the_lens_fits_into_a_picture_of_another_shape() {
+        let camera = rig().camera(200, 48);
+        assert!((camera.intrinsics.fx - rig().lens.fx).abs() < 1e-9);
+        assert_eq!(camera.intrinsics.cx, 100.0);
+    }
+
+    #[test]
+    fn flying_and_zooming_move_along_the_line_of_sight() {
+        let mut rig = rig();
+        let before = rig.pivot_distance;
+        rig.dolly(0.5);
+        assert!(rig.pivot().length() < 1e-9 && (rig.pivot_distance - before / 2.0).abs() < 1e-9);
+        rig.fly(DVec3::Z);
+        assert!(rig.world_from_camera.translation.length() < 1e-9);
+    }
+}

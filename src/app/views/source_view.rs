@@ -1,0 +1,154 @@
+//! The left view: what a camera saw, and what became of each of its pixels.
+
+use egui::{Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
+use egui_material_icons::icons::ICON_HIDE_IMAGE;
+
+use super::super::command::Command;
+use super::super::message::Purpose;
+use super::super::panels::{choice_ui, empty_ui};
+use super::super::state::State;
+use super::super::theme::{Tokens, space};
+use super::source_image::{Legend, Overlay};
+use super::{legend, readout};
+
+/// Height of the legend and the read-out below a picture.
+pub(super) const FOOTER: f32 = 62.0;
+
+/// The view.
+pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    if !state.has_capture() {
+        ui.heading("What a camera saw");
+        let text = "A store keeps only what was not redundant. Open the capture it was made from to see the source \
+                    pictures and why each pixel went.";
+        empty_ui(ui, ICON_HIDE_IMAGE, "This store holds no source frames", text, |ui| {
+            if ui.button("Open capture folder…").clicked() {
+                commands.push(Command::AskPath(Purpose::OpenFolder));
+            }
+        });
+        return;
+    }
+    header_ui(ui, state, commands);
+    let canvas = Rect::from_min_max(
+        ui.available_rect_before_wrap().min,
+        ui.available_rect_before_wrap().max - vec2(0.0, FOOTER),
+    );
+    let hovered = picture_ui(ui, canvas, state, commands);
+    ui.allocate_rect(canvas, Sense::hover());
+    ui.add_space(2.0);
+    if let Some(shown) = &state.source_shown {
+        legend::source_legend_ui(ui, state, &shown.key, &shown.picture.legend);
+    }
+    readout::readout_ui(ui, state, hovered);
+}
+
+fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(scene) = &state.scene else { return };
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("What a camera saw").heading());
+    });
+    ui.horizontal(|ui| {
+        let cameras: Vec<_> = scene
+            .cameras
+            .iter()
+            .enumerate()
+            .map(|(index, camera)| (index, camera.name.clone(), String::new()))
+            .collect();
+        let three = state.source.overlay == Overlay::SamplingRatio;
+        let gaps = if three { 2.0 } else { 1.0 };
+        let columns = ui.available_width() - gaps * ui.spacing().item_spacing.x;
+        let shares = if three { [0.30, 0.36, 0.34] } else { [0.42, 0.58, 0.0] };
+        if let Some(camera) =
+            choice_ui(ui, "Source camera", state.source.camera, &cameras, columns * shares[0])
+        {
+            commands.push(Command::SourceCamera(camera));
+        }
+        let overlays =
+            Overlay::ALL.map(|overlay| (overlay, overlay.name().to_owned(), overlay.help().to_owned()));
+        if let Some(overlay) =
+            choice_ui(ui, "Source shows", state.source.overlay, &overlays, columns * shares[1])
+        {
+            commands.push(Command::Overlay(overlay));
+        }
+        if three {
+            let mut others = vec![(None, "vs best other".to_owned(), String::new())];
+            others.extend(
+                cameras
+                    .iter()
+                    .filter(|(index, ..)| *index != state.source.camera)
+                    .map(|(index, name, _)| (Some(*index), format!("vs {name}"), String::new())),
+            );
+            if let Some(against) =
+                choice_ui(ui, "Against", state.source.against, &others, columns * shares[2])
+            {
+                commands.push(Command::Against(against));
+            }
+        }
+    });
+    ui.add_space(2.0);
+}
+
+/// Draws the picture and gives the pixel under the pointer.
+fn picture_ui(
+    ui: &mut Ui,
+    canvas: Rect,
+    state: &State,
+    commands: &mut Vec<Command>,
+) -> Option<(usize, usize)> {
+    let tokens = Tokens::in_ui(ui);
+    let response = ui.interact(canvas, ui.scope_id().with("source picture"), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Source picture"));
+    let painter = ui.painter_at(canvas);
+    painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.canvas);
+    let Some(shown) = &state.source_shown else {
+        egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+        return None;
+    };
+    let size = shown.texture.size_vec2();
+    let look = &state.source;
+    let scale = (canvas.width() / size.x).min(canvas.height() / size.y) * look.zoom;
+    let drawn = size * scale;
+    let picture = Rect::from_min_size(canvas.center() - drawn * look.center, drawn);
+    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    painter.image(shown.texture.id(), picture, whole, egui::Color32::WHITE);
+    if let Legend::Tiles(shares) = &shown.picture.legend {
+        legend::tile_shares(&painter, picture, size, shares, tokens);
+    }
+    zoom_and_pan(ui, &response, picture, state, commands);
+    let pointer = response.hover_pos()?;
+    let at = (pointer - picture.min) / scale;
+    let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < size.x && at.y < size.y;
+    if inside && scale > 2.0 {
+        let corner = picture.min + vec2(at.x.floor(), at.y.floor()) * scale;
+        let pixel = Rect::from_min_size(corner, Vec2::splat(scale));
+        painter.rect_stroke(pixel, 0.0, egui::Stroke::new(1.0, tokens.on_scrim), egui::StrokeKind::Outside);
+    }
+    inside.then_some((at.x as usize, at.y as usize))
+}
+
+fn zoom_and_pan(
+    ui: &Ui,
+    response: &egui::Response,
+    picture: Rect,
+    state: &State,
+    commands: &mut Vec<Command>,
+) {
+    let look = &state.source;
+    if response.double_clicked() {
+        commands.push(Command::SourceZoom { zoom: 1.0, center: Vec2::splat(0.5) });
+        return;
+    }
+    if response.dragged() && look.zoom > 1.0 {
+        let center = look.center - response.drag_delta() / picture.size();
+        commands.push(Command::SourceZoom { zoom: look.zoom, center });
+    }
+    let Some(pointer) = response.hover_pos() else { return };
+    let scroll = ui.ctx().input(|input| input.smooth_scroll_delta().y + 200.0 * (input.zoom_delta() - 1.0));
+    if scroll == 0.0 {
+        return;
+    }
+    let zoom = (look.zoom * (scroll * 0.005).exp()).clamp(1.0, 64.0);
+    // The point under the pointer stays under it.
+    let at = (pointer - picture.min) / picture.size();
+    let center = if zoom <= 1.0 { Vec2::splat(0.5) } else { at - (at - look.center) * (look.zoom / zoom) };
+    commands.push(Command::SourceZoom { zoom, center });
+}

@@ -1,0 +1,274 @@
+//! Lanes: one named thread each, one kind of work each, the latest request wins.
+//!
+//! ```text
+//! UI ── submit(request) ──▶ slot (one request, the latest) ──▶ thread ── Message ──▶ bounded channel ──▶ logic()
+//!                     └──▶ Job::cancel of the request it supersedes
+//! ```
+//!
+//! A panic in a job becomes an error message; the lane and the window live on.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+use super::message::Message;
+use crate::error::{Error, Result};
+use crate::job::{Job, Progress};
+
+/// What happens to the job that runs when a newer request of its kind arrives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Supersede {
+    /// It is cancelled.
+    Always,
+    /// It is cancelled unless the one before it was: under a stream of requests, as from a slider in motion, every
+    /// second one still arrives.
+    Alternate,
+    /// It finishes, as it takes no longer than a picture on the screen does.
+    Never,
+}
+
+struct Slot<R> {
+    waiting: Option<(R, Arc<Job>)>,
+    running: Option<Arc<Job>>,
+    last_was_superseded: bool,
+    closed: bool,
+}
+
+struct Shared<R> {
+    slot: Mutex<Slot<R>>,
+    arrived: Condvar,
+}
+
+impl<R> Shared<R> {
+    fn lock(&self) -> MutexGuard<'_, Slot<R>> {
+        // The slot is only ever replaced as a whole, so that it is whole even after a panic elsewhere.
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Where lanes report to: the channel to the window, and the window's bell.
+#[derive(Clone)]
+pub(super) struct Outbox {
+    sender: SyncSender<Message>,
+    ctx: egui::Context,
+}
+
+impl Outbox {
+    /// An outbox that rings `ctx` after every message.
+    pub(super) fn new(sender: SyncSender<Message>, ctx: egui::Context) -> Self {
+        Self { sender, ctx }
+    }
+
+    /// Delivers a message; gives false once the window is gone.
+    pub(super) fn send(&self, message: Message) -> bool {
+        let delivered = self.sender.send(message).is_ok();
+        self.ctx.request_repaint();
+        delivered
+    }
+}
+
+/// A named thread that does one kind of work, one request at a time.
+pub(super) struct Lane<R> {
+    shared: Arc<Shared<R>>,
+    supersede: Supersede,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl<R: Send + 'static> Lane<R> {
+    /// Starts the thread. `work` turns a request into the message that answers it; `what` names the work in errors.
+    ///
+    /// # Errors
+    /// `Io` where the operating system gives no thread.
+    pub(super) fn start(
+        what: &'static str,
+        supersede: Supersede,
+        outbox: Outbox,
+        mut work: impl FnMut(R, &Job) -> Result<Message> + Send + 'static,
+    ) -> Result<Self> {
+        let slot = Slot { waiting: None, running: None, last_was_superseded: false, closed: false };
+        let shared = Arc::new(Shared { slot: Mutex::new(slot), arrived: Condvar::new() });
+        let inbox = shared.clone();
+        let thread = std::thread::Builder::new()
+            .name(what.to_owned())
+            .spawn(move || {
+                while let Some((request, job)) = next(&inbox) {
+                    let answer = run(what, &mut work, request, &job);
+                    inbox.lock().running = None;
+                    if !outbox.send(answer) {
+                        break;
+                    }
+                }
+            })
+            .map_err(|error| Error::io(format!("thread '{what}'"), error))?;
+        Ok(Self { shared, supersede, thread: Some(thread) })
+    }
+
+    /// Asks for work in place of whatever was asked for before and is not done.
+    pub(super) fn submit(&self, request: R) {
+        let mut slot = self.shared.lock();
+        if let Some(job) = slot.running.clone() {
+            let cancels = match self.supersede {
+                Supersede::Always => true,
+                Supersede::Alternate => !slot.last_was_superseded,
+                Supersede::Never => false,
+            };
+            slot.last_was_superseded = cancels;
+            if cancels {
+                job.cancel();
+            }
+        }
+        slot.waiting = Some((request, Arc::new(Job::new())));
+        drop(slot);
+        self.shared.arrived.notify_one();
+    }
+}
+
+impl<R> Lane<R> {
+    /// Drops what waits and cancels what runs.
+    pub(super) fn cancel(&self) {
+        let mut slot = self.shared.lock();
+        slot.waiting = None;
+        if let Some(job) = &slot.running {
+            job.cancel();
+        }
+    }
+
+    /// How far the running work has come; `None` while there is none.
+    pub(super) fn progress(&self) -> Option<Progress> {
+        let slot = self.shared.lock();
+        match (&slot.running, &slot.waiting) {
+            (Some(job), _) => Some(job.progress()),
+            (None, Some((_, job))) => Some(job.progress()),
+            (None, None) => None,
+        }
+    }
+
+    /// Whether nothing runs or waits.
+    pub(super) fn is_idle(&self) -> bool {
+        self.progress().is_none()
+    }
+}
+
+impl<R> Drop for Lane<R> {
+    fn drop(&mut self) {
+        self.cancel();
+        self.shared.lock().closed = true;
+        self.shared.arrived.notify_one();
+        // The thread ends at its job's next check; waiting for it here would hold the closing window open.
+        drop(self.thread.take());
+    }
+}
+
+fn next<R>(shared: &Shared<R>) -> Option<(R, Arc<Job>)> {
+    let mut slot = shared.lock();
+    loop {
+        if slot.closed {
+            return None;
+        }
+        if let Some((request, job)) = slot.waiting.take() {
+            slot.running = Some(job.clone());
+            return Some((request, job));
+        }
+        slot = shared.arrived.wait(slot).unwrap_or_else(PoisonError::into_inner);
+    }
+}
+
+fn run<R>(
+    what: &'static str,
+    work: &mut impl FnMut(R, &Job) -> Result<Message>,
+    request: R,
+    job: &Job,
+) -> Message {
+    // A job that panicked leaves at worst a stale cache behind, which the next request replaces.
+    let outcome = catch_unwind(AssertUnwindSafe(|| work(request, job)));
+    match outcome {
+        Ok(Ok(message)) => message,
+        Ok(Err(error)) => Message::Failed { what, error },
+        Err(panic) => {
+            let reason = panic
+                .downcast_ref::<String>()
+                .map(String::as_str)
+                .or_else(|| panic.downcast_ref::<&str>().copied())
+                .unwrap_or("no reason given");
+            let error = Error::invalid(
+                "a fault in Overlook",
+                format!("{reason}; your files are untouched, please report it"),
+            );
+            Message::Failed { what, error }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::{Receiver, sync_channel};
+    use std::time::Duration;
+
+    fn lane(
+        supersede: Supersede,
+        work: impl FnMut(u32, &Job) -> Result<Message> + Send + 'static,
+    ) -> (Lane<u32>, Receiver<Message>) {
+        let (sender, receiver) = sync_channel(16);
+        let outbox = Outbox::new(sender, egui::Context::default());
+        (Lane::start("test", supersede, outbox, work).unwrap(), receiver)
+    }
+
+    fn saved(number: u32) -> Message {
+        Message::Saved { path: "x".into(), bytes: Some(u64::from(number)) }
+    }
+
+    fn received(receiver: &Receiver<Message>) -> Message {
+        receiver.recv_timeout(Duration::from_secs(20)).unwrap()
+    }
+
+    #[test]
+    fn the_latest_request_wins_and_the_running_one_is_cancelled() {
+        let (lane, receiver) = lane(Supersede::Always, |number, job| {
+            while number == 1 {
+                job.check()?;
+                std::thread::yield_now();
+            }
+            Ok(saved(number))
+        });
+        lane.submit(1);
+        while lane.shared.lock().running.is_none() {
+            std::thread::yield_now();
+        }
+        lane.submit(2);
+        assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
+        assert!(matches!(received(&receiver), Message::Saved { bytes: Some(2), .. }));
+    }
+
+    #[test]
+    fn a_panic_becomes_a_message_and_the_lane_goes_on() {
+        let (lane, receiver) = lane(Supersede::Never, |number, _| {
+            assert!(number != 1, "on purpose");
+            Ok(saved(number))
+        });
+        lane.submit(1);
+        let Message::Failed { error, .. } = received(&receiver) else { panic!("no failure") };
+        assert!(error.to_string().contains("on purpose"), "{error}");
+        lane.submit(3);
+        assert!(matches!(received(&receiver), Message::Saved { bytes: Some(3), .. }));
+    }
+
+    #[test]
+    fn cancelling_is_prompt() {
+        let (lane, receiver) = lane(Supersede::Never, |_, job| {
+            loop {
+                job.check()?;
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        });
+        lane.submit(1);
+        while lane.shared.lock().running.is_none() {
+            std::thread::yield_now();
+        }
+        let asked = std::time::Instant::now();
+        lane.cancel();
+        assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
+        assert!(asked.elapsed() < Duration::from_secs(1));
+    }
+}

@@ -1,0 +1,234 @@
+//! What a depth value means, and the inverse of planar z that it amounts to.
+//!
+//! ```text
+//! planar_z                      z = v
+//! ray_distance                  z = v · cos a            a: angle between ray and optical axis
+//! ray_distance_from_near_clip   z = v · cos a + near     (Mitsuba 3 measures from the near plane, along the ray)
+//! position                      z = forward · (p − eye)  (leaves no doubt about the kind)
+//! ```
+
+use glam::{DVec2, DVec3};
+
+use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
+
+/// Depth at or beyond this was not hit: Blender writes 1e10, others `f32::MAX` or infinity.
+const MISS_DEPTH: f32 = 1e9;
+/// The largest half float, to which half-float depth saturates.
+const HALF_MAX: f32 = 65_504.0;
+/// Slack of comparisons with given limits, which passed through `f32` once or twice.
+const RELATIVE_SLACK: f64 = 1e-6;
+
+/// What the depth channel of a capture holds. Known at the import boundary only; inside the program depth is planar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum DepthKind {
+    /// Distance along the optical axis.
+    #[default]
+    PlanarZ,
+    /// Distance from the center of projection along the pixel's ray.
+    RayDistance,
+    /// Distance from the near plane along the pixel's ray.
+    RayDistanceFromNearClip,
+    /// World-space position of the surface point, three channels.
+    WorldPosition,
+}
+
+impl DepthKind {
+    /// The kind by its name in the manifest.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "planar_z" => Self::PlanarZ,
+            "ray_distance" => Self::RayDistance,
+            "ray_distance_from_near_clip" => Self::RayDistanceFromNearClip,
+            "position" => Self::WorldPosition,
+            _ => return None,
+        })
+    }
+}
+
+/// How the values of a depth channel are read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthRules {
+    /// What they measure.
+    pub kind: DepthKind,
+    /// The value that stands for "nothing hit", beside those that always do.
+    pub miss_value: Option<f64>,
+    /// Distance of the near plane, world units.
+    pub near_clip: f64,
+    /// Planar z from which on nothing was hit, world units.
+    pub far_clip: Option<f64>,
+    /// World units per unit of the file.
+    pub unit_scale: f64,
+    /// Whether 65504 is saturation rather than a distance.
+    pub is_half: bool,
+    /// Whether 0 means "not measured" (depth sensors) rather than "nothing hit" (renderers).
+    pub zero_is_unknown: bool,
+}
+
+impl Default for DepthRules {
+    fn default() -> Self {
+        Self {
+            kind: DepthKind::PlanarZ,
+            miss_value: None,
+            near_clip: 0.0,
+            far_clip: None,
+            unit_scale: 1.0,
+            is_half: false,
+            zero_is_unknown: false,
+        }
+    }
+}
+
+impl DepthRules {
+    /// Inverse planar z of a raw `value` at a pixel whose ray, scaled to z = 1, has the given length: 0 where nothing
+    /// was hit, [`INVALID_INVERSE_DEPTH`] for NaN, negative and unmeasured values.
+    #[must_use]
+    pub fn inverse_depth(&self, value: f32, ray_length: f64) -> f32 {
+        let raw = f64::from(value);
+        let is_given_miss = self
+            .miss_value
+            .is_some_and(|miss| raw == miss || (raw - miss).abs() <= RELATIVE_SLACK * miss.abs());
+        if is_given_miss || value >= MISS_DEPTH || (self.is_half && value >= HALF_MAX) {
+            return 0.0;
+        }
+        if value == 0.0 {
+            return if self.zero_is_unknown { INVALID_INVERSE_DEPTH } else { 0.0 };
+        }
+        if value.is_nan() || value < 0.0 {
+            return INVALID_INVERSE_DEPTH;
+        }
+        let scaled = raw * self.unit_scale;
+        let depth_z = match self.kind {
+            DepthKind::PlanarZ | DepthKind::WorldPosition => scaled,
+            DepthKind::RayDistance => scaled / ray_length,
+            DepthKind::RayDistanceFromNearClip => scaled / ray_length + self.near_clip,
+        };
+        self.inverse_of_planar(depth_z)
+    }
+
+    fn inverse_of_planar(&self, depth_z: f64) -> f32 {
+        if self.far_clip.is_some_and(|far| depth_z >= far * (1.0 - RELATIVE_SLACK)) {
+            return 0.0;
+        }
+        let inverse = (1.0 / depth_z) as f32;
+        // Not a number, behind the camera, or so close that the reciprocal overflows.
+        if inverse.is_finite() && inverse >= 0.0 { inverse } else { INVALID_INVERSE_DEPTH }
+    }
+
+    /// Inverse planar z of every pixel of `camera` from a plane of raw values, row-major.
+    #[must_use]
+    pub fn inverse_depth_plane(&self, values: &[f32], camera: &Camera) -> Vec<f32> {
+        let needs_rays = matches!(self.kind, DepthKind::RayDistance | DepthKind::RayDistanceFromNearClip);
+        let width = camera.intrinsics.size().0;
+        let ray_length = |index: usize| {
+            let pixel = DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
+            if needs_rays { camera.intrinsics.ray_in_camera(pixel).length() } else { 1.0 }
+        };
+        values
+            .iter()
+            .enumerate()
+            .map(|(index, &value)| self.inverse_depth(value, ray_length(index)))
+            .collect()
+    }
+
+    /// Inverse planar z of every pixel of `camera` from planes of world-space positions, row-major. A position of
+    /// exactly zero is Blender's "nothing hit".
+    #[must_use]
+    pub fn inverse_depth_from_positions(&self, xyz: [&[f32]; 3], camera: &Camera) -> Vec<f32> {
+        let eye = camera.position_in_world();
+        let forward = camera.forward_in_world();
+        let [xs, ys, zs] = xyz;
+        xs.iter()
+            .zip(ys)
+            .zip(zs)
+            .map(|((&x, &y), &z)| {
+                let largest = x.abs().max(y.abs()).max(z.abs());
+                if x.is_nan() || y.is_nan() || z.is_nan() {
+                    INVALID_INVERSE_DEPTH
+                } else if largest == 0.0 || largest >= MISS_DEPTH || (self.is_half && largest >= HALF_MAX) {
+                    0.0
+                } else {
+                    let point_in_world = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
+                    self.inverse_of_planar((point_in_world - eye).dot(forward))
+                }
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::Intrinsics;
+
+    fn camera() -> Camera {
+        let intrinsics = Intrinsics { width: 9, height: 7, fx: 5.0, fy: 6.0, cx: 4.0, cy: 3.0 };
+        Camera::look_at("c", intrinsics, DVec3::new(1.0, -4.0, 2.0), DVec3::new(0.5, 0.0, 0.0), DVec3::Z)
+    }
+
+    /// Every kind of depth of the plane that faces the camera at planar z 3 is 3 when read.
+    #[test]
+    fn every_kind_of_depth_of_a_facing_plane_is_planar_again() {
+        let camera = camera();
+        let near = 0.25;
+        let (width, height) = camera.intrinsics.size();
+        let rays: Vec<DVec3> = (0..width * height)
+            .map(|i| DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5))
+            .map(|pixel| camera.intrinsics.ray_in_camera(pixel))
+            .collect();
+        let planes: [(DepthKind, Vec<f32>); 3] = [
+            (DepthKind::PlanarZ, vec![3.0; rays.len()]),
+            (DepthKind::RayDistance, rays.iter().map(|ray| (3.0 * ray.length()) as f32).collect()),
+            (
+                DepthKind::RayDistanceFromNearClip,
+                rays.iter().map(|ray| ((3.0 - near) * ray.length()) as f32).collect(),
+            ),
+        ];
+        for (kind, values) in planes {
+            let rules = DepthRules { kind, near_clip: near, ..DepthRules::default() };
+            for inverse in rules.inverse_depth_plane(&values, &camera) {
+                assert!((1.0 / inverse - 3.0).abs() < 1e-5, "{kind:?}");
+            }
+        }
+        let points: Vec<DVec3> =
+            rays.iter().map(|ray| camera.world_from_camera.transform_point3(*ray * 3.0)).collect();
+        let axis = |pick: fn(&DVec3) -> f64| points.iter().map(|p| pick(p) as f32).collect::<Vec<_>>();
+        let (x, y, z) = (axis(|p| p.x), axis(|p| p.y), axis(|p| p.z));
+        for inverse in DepthRules::default().inverse_depth_from_positions([&x, &y, &z], &camera) {
+            assert!((1.0 / inverse - 3.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn nothing_hit_lies_at_infinity_and_nonsense_is_invalid() {
+        let rules = DepthRules { far_clip: Some(100.0), miss_value: Some(77.0), ..DepthRules::default() };
+        for miss in [1e10, f32::INFINITY, f32::MAX, 0.0, -0.0, 100.0, 5000.0, 77.0] {
+            assert_eq!(rules.inverse_depth(miss, 1.0), 0.0, "{miss}");
+        }
+        for nonsense in [f32::NAN, -1.0, f32::NEG_INFINITY, 1e-42] {
+            assert_eq!(rules.inverse_depth(nonsense, 1.0), INVALID_INVERSE_DEPTH, "{nonsense}");
+        }
+        assert_eq!(rules.inverse_depth(4.0, 1.0), 0.25);
+    }
+
+    #[test]
+    fn saturated_half_floats_and_unmeasured_zeros_are_told_from_distances() {
+        let float = DepthRules::default();
+        let half = DepthRules { is_half: true, ..float };
+        let sensor = DepthRules { zero_is_unknown: true, unit_scale: 1e-3, ..float };
+        assert_eq!(half.inverse_depth(65_504.0, 1.0), 0.0);
+        assert!(float.inverse_depth(65_504.0, 1.0) > 0.0);
+        assert_eq!(sensor.inverse_depth(0.0, 1.0), INVALID_INVERSE_DEPTH);
+        assert_eq!(sensor.inverse_depth(2000.0, 1.0), 0.5);
+    }
+
+    #[test]
+    fn a_position_of_zero_was_not_hit_and_one_behind_the_camera_is_invalid() {
+        let camera = camera();
+        let behind = camera.unproject(DVec2::new(4.0, 3.0), -2.0);
+        let planes = [behind.x, behind.y, behind.z].map(|value| vec![value as f32, 0.0, f32::NAN]);
+        let inverse =
+            DepthRules::default().inverse_depth_from_positions([&planes[0], &planes[1], &planes[2]], &camera);
+        assert_eq!(inverse, [INVALID_INVERSE_DEPTH, 0.0, INVALID_INVERSE_DEPTH]);
+    }
+}

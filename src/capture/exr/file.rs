@@ -1,0 +1,325 @@
+//! One OpenEXR file: its channels by their full names, and planes of `f32` on demand.
+//!
+//! Files are read through the block interface of the `exr` crate, so that parts without a wanted channel are neither
+//! inflated nor stored, and so that sizes are checked before anything is allocated for them.
+
+use std::collections::HashSet;
+use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use exr::block::UncompressedBlock;
+use exr::block::reader::ChunksReader;
+use exr::meta::attribute::SampleType;
+use exr::meta::header::Header;
+use half::f16;
+
+use crate::error::{Error, Result};
+
+/// Largest width and height that is believed.
+pub const MAX_SIDE: usize = 32_768;
+/// Largest number of pixels that is believed: 16 k × 16 k.
+const MAX_PIXELS: usize = 1 << 28;
+/// Largest file that is read: one frame of the largest believable size with a dozen float channels stays below it.
+const MAX_FILE_BYTES: u64 = 4 << 30;
+
+/// One channel of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChannelInfo {
+    /// Layer and suffix, as in `ViewLayer.Depth.Z`, whether the file has one part or one part per pass.
+    pub name: String,
+    /// Whether its samples are half floats.
+    pub is_half: bool,
+    part: usize,
+    index: usize,
+}
+
+/// A rectangle of pixels in the coordinates of the file's display window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    x: i64,
+    y: i64,
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+/// One channel, row-major over the asked-for window; NaN where the file's data window does not reach.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plane {
+    /// One value per pixel.
+    pub values: Vec<f32>,
+    /// Whether the file holds half floats.
+    pub is_half: bool,
+}
+
+/// An OpenEXR file whose header has been read and found believable.
+pub struct ExrFile {
+    place: String,
+    bytes: Vec<u8>,
+    channels: Vec<ChannelInfo>,
+    display: Window,
+    data: Vec<Window>,
+}
+
+impl ExrFile {
+    /// Reads the file and its header; `place` names it, with its frame, in errors.
+    ///
+    /// # Errors
+    /// `Io` where it cannot be read, `Invalid` for a damaged or absurd header, `Unsupported` for deep or subsampled
+    /// pictures and for compressions newer than ZIP, PIZ and DWA.
+    pub fn open(path: &Path, place: &str) -> Result<Self> {
+        let length = std::fs::metadata(path).map_err(|error| unreadable(path, place, error))?.len();
+        if length > MAX_FILE_BYTES {
+            return Err(Error::invalid(
+                place,
+                format!("{length} bytes are too many for one picture; save it again"),
+            ));
+        }
+        let bytes = std::fs::read(path).map_err(|error| unreadable(path, place, error))?;
+        Self::from_bytes(bytes, place)
+    }
+
+    /// As [`ExrFile::open`], from the bytes of a file.
+    ///
+    /// # Errors
+    /// As [`ExrFile::open`], but for `Io`.
+    pub fn from_bytes(bytes: Vec<u8>, place: &str) -> Result<Self> {
+        let headers = guarded(place, || {
+            let reader = exr::block::read(Cursor::new(bytes.as_slice()), false)?;
+            Ok(reader.headers().to_vec())
+        })?;
+        let mut channels = Vec::new();
+        let mut data = Vec::new();
+        for (part, header) in headers.iter().enumerate() {
+            data.push(data_window(header, place)?);
+            let part_name = header.own_attributes.layer_name.as_ref().map(ToString::to_string);
+            let prefix = part_name.filter(|_| headers.len() > 1);
+            channels.extend(header.channels.list.iter().enumerate().map(|(index, channel)| ChannelInfo {
+                name: full_name(prefix.as_deref(), &channel.name.to_string()),
+                is_half: channel.sample_type == SampleType::F16,
+                part,
+                index,
+            }));
+        }
+        let display = headers.first().map(|header| header.shared_attributes.display_window);
+        let Some(display) = display else {
+            return Err(Error::invalid(place, "the file holds no picture; save it again"));
+        };
+        let display = Window {
+            x: i64::from(display.position.0),
+            y: i64::from(display.position.1),
+            width: display.size.0,
+            height: display.size.1,
+        };
+        Ok(Self { place: place.to_owned(), bytes, channels, display, data })
+    }
+
+    /// The channels, part by part.
+    #[must_use]
+    pub fn channels(&self) -> &[ChannelInfo] {
+        &self.channels
+    }
+
+    /// The window to decode for a camera of `expected` size, or the whole picture where that is not known.
+    ///
+    /// The display window is the camera's picture; the data window may be smaller (a cropped render) or larger
+    /// (overscan). Where only the data window has the camera's size, it is the picture.
+    ///
+    /// # Errors
+    /// `Invalid` where neither window has the expected size.
+    pub fn window(&self, expected: Option<(usize, usize)>) -> Result<Window> {
+        let Some(expected) = expected else {
+            return believable(self.display, &self.place);
+        };
+        std::iter::once(&self.display)
+            .chain(&self.data)
+            .find(|window| (window.width, window.height) == expected)
+            .copied()
+            .ok_or_else(|| {
+                Error::invalid(
+                    &self.place,
+                    format!(
+                        "the picture is {}×{} but its camera is {}×{}; render it at the camera's size",
+                        self.display.width, self.display.height, expected.0, expected.1
+                    ),
+                )
+            })
+    }
+
+    /// Decodes the channels with these indices (into [`ExrFile::channels`]), in their order.
+    ///
+    /// # Errors
+    /// `Invalid` for damaged data, `Unsupported` for what the decoder does not know.
+    pub fn decode(&self, wanted: &[usize], window: Window) -> Result<Vec<Plane>> {
+        believable(window, &self.place)?;
+        let mut planes: Vec<Plane> = wanted
+            .iter()
+            .map(|&channel| Plane {
+                values: vec![f32::NAN; window.width * window.height],
+                is_half: self.channels[channel].is_half,
+            })
+            .collect();
+        for &channel in wanted {
+            believable(self.data[self.channels[channel].part], &self.place)?;
+        }
+        guarded(&self.place, || self.decode_blocks(wanted, window, &mut planes))?;
+        Ok(planes)
+    }
+
+    fn decode_blocks(
+        &self,
+        wanted: &[usize],
+        window: Window,
+        planes: &mut [Plane],
+    ) -> exr::error::Result<()> {
+        let reader = exr::block::read(Cursor::new(self.bytes.as_slice()), false)?;
+        let is_wanted_part = |part| wanted.iter().any(|&channel| self.channels[channel].part == part);
+        let chunks = reader.filter_chunks(false, |_, _, block| {
+            block.level == exr::math::Vec2(0, 0) && is_wanted_part(block.layer)
+        })?;
+        let expected = chunks.expected_chunk_count();
+        let mut seen = HashSet::with_capacity(expected.min(MAX_SIDE));
+        chunks.decompress_sequential(false, |meta, block| {
+            let header = &meta.headers[block.index.layer];
+            seen.insert((block.index.layer, block.index.pixel_position));
+            self.copy_block(header, &block, wanted, window, planes);
+            Ok(())
+        })?;
+        // Every block carries its own position; a damaged one may name a neighbor's and leave a gap behind.
+        if seen.len() == expected {
+            Ok(())
+        } else {
+            Err(exr::error::Error::Invalid("two blocks claim the same place".into()))
+        }
+    }
+
+    fn copy_block(
+        &self,
+        header: &Header,
+        block: &UncompressedBlock,
+        wanted: &[usize],
+        window: Window,
+        planes: &mut [Plane],
+    ) {
+        let part = block.index.layer;
+        let origin = self.data[part];
+        for line in block.lines(&header.channels) {
+            let Some(slot) = wanted.iter().position(|&channel| {
+                self.channels[channel].part == part && self.channels[channel].index == line.location.channel
+            }) else {
+                continue;
+            };
+            let y = origin.y + line.location.position.1 as i64 - window.y;
+            if !(0..window.height as i64).contains(&y) {
+                continue;
+            }
+            let first_x = origin.x + line.location.position.0 as i64 - window.x;
+            let row = y as usize * window.width;
+            let row = &mut planes[slot].values[row..row + window.width];
+            let start = (-first_x).max(0) as usize;
+            let end = (window.width as i64 - first_x).clamp(0, line.location.sample_count as i64) as usize;
+            if start >= end {
+                continue;
+            }
+            let target = &mut row[(first_x + start as i64) as usize..][..end - start];
+            match header.channels.list[line.location.channel].sample_type {
+                SampleType::F16 => {
+                    copy_samples(line.value, start, target, |b| f16::from_ne_bytes(b).to_f32())
+                }
+                SampleType::F32 => copy_samples(line.value, start, target, f32::from_ne_bytes),
+                SampleType::U32 => copy_samples(line.value, start, target, |b| u32::from_ne_bytes(b) as f32),
+            }
+        }
+    }
+}
+
+fn copy_samples<const BYTES: usize>(
+    bytes: &[u8],
+    start: usize,
+    target: &mut [f32],
+    decode: impl Fn([u8; BYTES]) -> f32,
+) {
+    let (samples, _) = bytes.as_chunks::<BYTES>();
+    for (value, sample) in target.iter_mut().zip(&samples[start..]) {
+        *value = decode(*sample);
+    }
+}
+
+/// `part.channel`, unless the channel bears the part's name already: Blender 5 names both in full, others do not.
+fn full_name(part: Option<&str>, channel: &str) -> String {
+    match part {
+        Some(part) if !part.is_empty() => {
+            let repeats = channel.strip_prefix(part).is_some_and(|rest| rest.starts_with('.'));
+            if repeats || channel.contains('.') { channel.to_owned() } else { format!("{part}.{channel}") }
+        }
+        _ => channel.to_owned(),
+    }
+}
+
+fn data_window(header: &Header, place: &str) -> Result<Window> {
+    if header.deep {
+        return Err(Error::unsupported(place, "deep pictures are not supported; save it again flattened"));
+    }
+    if header.channels.list.iter().any(|channel| channel.sampling != exr::math::Vec2(1, 1)) {
+        return Err(Error::unsupported(place, "subsampled channels are not supported; save it again as RGB"));
+    }
+    let position = header.own_attributes.layer_position;
+    Ok(Window {
+        x: i64::from(position.0),
+        y: i64::from(position.1),
+        width: header.layer_size.0,
+        height: header.layer_size.1,
+    })
+}
+
+fn believable(window: Window, place: &str) -> Result<Window> {
+    let Window { width, height, .. } = window;
+    let fits = (1..=MAX_SIDE).contains(&width) && (1..=MAX_SIDE).contains(&height);
+    if fits && width * height <= MAX_PIXELS {
+        Ok(window)
+    } else {
+        Err(Error::invalid(
+            place,
+            format!("the header claims {width}×{height} pixels, which cannot be; save it again"),
+        ))
+    }
+}
+
+fn unreadable(path: &Path, place: &str, error: std::io::Error) -> Error {
+    if error.kind() == std::io::ErrorKind::NotFound {
+        Error::invalid(place, "the file is missing; put it back or take its entry out of the manifest")
+    } else {
+        Error::io(path, error)
+    }
+}
+
+/// Runs the decoder and turns its errors, and its panics, into ours.
+///
+/// The decoder checks its input in places by assertions and by indexing; on a damaged file those may fail, and a
+/// damaged file must never take the program down.
+fn guarded<T>(place: &str, decode: impl FnOnce() -> exr::error::Result<T>) -> Result<T> {
+    match catch_unwind(AssertUnwindSafe(decode)) {
+        Ok(Ok(value)) => Ok(value),
+        Ok(Err(exr::error::Error::NotSupported(what))) => {
+            Err(Error::unsupported(place, format!("{}; save it again with ZIP compression", one_line(&what))))
+        }
+        Ok(Err(error)) => Err(damaged(place, &error.to_string())),
+        Err(_) => Err(damaged(place, "the decoder gave up")),
+    }
+}
+
+fn damaged(place: &str, what: &str) -> Error {
+    Error::invalid(
+        place,
+        format!(
+            "damaged, or not an OpenEXR picture ({}); save it again with ZIP compression",
+            one_line(what)
+        ),
+    )
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}

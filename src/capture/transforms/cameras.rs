@@ -1,0 +1,276 @@
+//! Who recorded which frame: entries of the manifest grouped by camera and time.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use glam::DAffine3;
+
+use super::load::{self, PictureFiles};
+use super::manifest::{Entry, Keys, Manifest};
+use super::pose;
+use crate::capture::{Camera, Intrinsics};
+use crate::error::{Error, Result};
+
+/// How far two poses may differ and be the same camera's: matrices that went through `f32` and six digits of text,
+/// relative to the camera's distance from the origin.
+const SAME_POSE_TOLERANCE: f64 = 1e-6;
+/// How far focal length and principal point may differ, pixels.
+const SAME_INTRINSICS_PX: f64 = 1e-3;
+
+/// One entry of the manifest with its camera and frame decided.
+pub(super) struct PlacedEntry {
+    /// As the manifest has it.
+    pub file_path: String,
+    /// File, camera and frame, for messages.
+    pub place: String,
+    /// Name of its camera.
+    pub camera_name: String,
+    /// Number of its frame.
+    pub number: i64,
+    /// Where its pixels are and how they are read.
+    pub files: PictureFiles,
+    keys: Keys,
+    world_from_camera: DAffine3,
+}
+
+impl PlacedEntry {
+    /// The camera of this entry alone, reading the picture's header where the manifest lacks its size.
+    pub(super) fn camera(&self) -> Result<Camera> {
+        self.camera_of_size(|| load::picture_size(&self.files.color, &self.place))
+    }
+
+    fn camera_of_size(&self, size: impl FnOnce() -> Result<(usize, usize)>) -> Result<Camera> {
+        Ok(Camera {
+            name: self.camera_name.clone(),
+            intrinsics: pose::intrinsics(&self.keys, size, &self.place)?,
+            world_from_camera: self.world_from_camera,
+        })
+    }
+}
+
+/// All entries in the manifest's order, each with camera and frame.
+///
+/// # Errors
+/// As [`super::open`], for whatever concerns one entry.
+pub(super) fn entries(manifest: &Manifest, path: &Path) -> Result<Vec<PlacedEntry>> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let keys: Vec<Keys> = manifest.frames.iter().map(|entry| entry.keys.clone().or(&manifest.keys)).collect();
+    let poses: Vec<DAffine3> = manifest
+        .frames
+        .iter()
+        .enumerate()
+        .map(|(index, entry)| {
+            let place = format!("{}, frames[{index}] ({})", path.display(), entry.file_path);
+            pose::world_from_camera(&entry.transform_matrix, &place)
+        })
+        .collect::<Result<_>>()?;
+    let names = camera_names(&keys, &poses, path)?;
+    let numbers = frame_numbers(&keys, &names, path)?;
+    let mut placed = Vec::with_capacity(keys.len());
+    for (index, (keys, entry)) in keys.into_iter().zip(&manifest.frames).enumerate() {
+        let (camera_name, number) = (names[index].clone(), numbers[index]);
+        let files = picture_files(folder, entry, &keys, path)?;
+        placed.push(PlacedEntry {
+            file_path: entry.file_path.clone(),
+            place: format!("{} (camera '{camera_name}', frame {number})", files.color.display()),
+            camera_name,
+            number,
+            files,
+            keys,
+            world_from_camera: poses[index],
+        });
+    }
+    Ok(placed)
+}
+
+fn picture_files(folder: &Path, entry: &Entry, keys: &Keys, manifest: &Path) -> Result<PictureFiles> {
+    let resolve = |file_path: &String| with_extension(folder.join(file_path));
+    let color = resolve(&entry.file_path);
+    let apart = |file_path: &Option<String>| file_path.as_ref().map(resolve).filter(|path| *path != color);
+    let place = format!("{} ({})", manifest.display(), entry.file_path);
+    PictureFiles::new(
+        color.clone(),
+        apart(&entry.depth_file_path),
+        apart(&entry.normal_file_path),
+        keys,
+        &place,
+    )
+}
+
+/// The first NeRF data sets name pictures without extension.
+fn with_extension(path: PathBuf) -> PathBuf {
+    if path.extension().is_some() || path.is_file() {
+        return path;
+    }
+    ["exr", "png"]
+        .iter()
+        .map(|e| path.with_extension(e))
+        .find(|candidate| candidate.is_file())
+        .unwrap_or(path)
+}
+
+/// The name of every entry's camera: the manifest's, or one for each distinct pose in order of appearance.
+fn camera_names(keys: &[Keys], poses: &[DAffine3], path: &Path) -> Result<Vec<String>> {
+    let named = keys.iter().filter(|keys| keys.camera.is_some()).count();
+    if named == keys.len() {
+        return Ok(keys.iter().filter_map(|keys| keys.camera.as_ref().map(ToString::to_string)).collect());
+    }
+    if named > 0 {
+        return Err(Error::invalid(
+            path.display(),
+            "some entries name a \"camera\" and some do not; name it in all of them",
+        ));
+    }
+    // Exact equality: a camera that does not move is written with the same digits every time, and two close
+    // viewpoints of a hand-held camera are two cameras.
+    let mut index_of_pose: BTreeMap<[u64; 12], usize> = BTreeMap::new();
+    let names = poses.iter().map(|pose| {
+        let count = index_of_pose.len();
+        let bits = pose.to_cols_array().map(f64::to_bits);
+        format!("cam{}", *index_of_pose.entry(bits).or_insert(count))
+    });
+    Ok(names.collect())
+}
+
+/// The number of every entry's frame: its `time` where these are whole, their rank where they are fractions (as
+/// nerfstudio's 0 to 1), and the order of appearance within the camera where there are none.
+fn frame_numbers(keys: &[Keys], names: &[String], path: &Path) -> Result<Vec<i64>> {
+    let times: Vec<f64> = keys.iter().filter_map(|keys| keys.time).collect();
+    if times.is_empty() {
+        let mut seen: BTreeMap<&str, i64> = BTreeMap::new();
+        return Ok(names
+            .iter()
+            .map(|name| {
+                let next = seen.entry(name).or_insert(0);
+                *next += 1;
+                *next - 1
+            })
+            .collect());
+    }
+    if times.len() < keys.len() {
+        return Err(Error::invalid(
+            path.display(),
+            "some entries have a \"time\" and some do not; give it in all of them",
+        ));
+    }
+    if times.iter().all(|time| time.fract() == 0.0 && time.abs() < 1e15) {
+        return Ok(times.iter().map(|time| *time as i64).collect());
+    }
+    let mut distinct = times.clone();
+    distinct.sort_by(f64::total_cmp);
+    distinct.dedup();
+    Ok(times.iter().map(|time| distinct.partition_point(|other| other < time) as i64).collect())
+}
+
+/// All pictures of all cameras, every camera with the same frames.
+pub(super) struct Recording {
+    /// In order of appearance.
+    pub cameras: Vec<Camera>,
+    /// Ascending.
+    pub frame_numbers: Vec<i64>,
+    /// By camera, then by frame.
+    pub entries: Vec<Vec<PlacedEntry>>,
+    /// Recoverable trouble.
+    pub warnings: Vec<String>,
+}
+
+impl Recording {
+    /// Groups the entries of a manifest.
+    ///
+    /// # Errors
+    /// `Invalid` for a camera without one of the frames, or with one twice; `Unsupported` for one that moves.
+    pub(super) fn group(manifest: &Manifest, path: &Path) -> Result<Self> {
+        let mut warnings = Vec::new();
+        if manifest.frames.iter().any(|e| e.keys.time.or(e.keys.frame).is_some_and(|t| t.fract() != 0.0)) {
+            warnings.push(format!(
+                "{}: times are fractions; frames are numbered by their order instead",
+                path.display()
+            ));
+        }
+        let mut order: Vec<String> = Vec::new();
+        let mut by_camera: BTreeMap<String, BTreeMap<i64, PlacedEntry>> = BTreeMap::new();
+        for entry in entries(manifest, path)? {
+            if !by_camera.contains_key(&entry.camera_name) {
+                order.push(entry.camera_name.clone());
+            }
+            let frames = by_camera.entry(entry.camera_name.clone()).or_default();
+            if let Some(first) = frames.get(&entry.number) {
+                return Err(Error::invalid(
+                    &entry.place,
+                    format!("this camera has that frame already, in {}; take one out", first.file_path),
+                ));
+            }
+            frames.insert(entry.number, entry);
+        }
+        let mut frame_numbers: Vec<i64> = by_camera.values().flat_map(BTreeMap::keys).copied().collect();
+        frame_numbers.sort_unstable();
+        frame_numbers.dedup();
+        let mut recording = Self { cameras: Vec::new(), frame_numbers, entries: Vec::new(), warnings };
+        for name in order {
+            if let Some(frames) = by_camera.remove(&name) {
+                recording.add_camera(&name, frames, path)?;
+            }
+        }
+        Ok(recording)
+    }
+
+    fn add_camera(&mut self, name: &str, frames: BTreeMap<i64, PlacedEntry>, path: &Path) -> Result<()> {
+        if let Some(missing) = self.frame_numbers.iter().find(|number| !frames.contains_key(number)) {
+            return Err(Error::invalid(
+                path.display(),
+                format!("camera '{name}' has no frame {missing}; every camera needs the same frames"),
+            ));
+        }
+        let frames: Vec<PlacedEntry> = frames.into_values().collect();
+        let Some(first) = frames.first() else { return Ok(()) };
+        let camera = first.camera()?;
+        let size = camera.intrinsics.size();
+        for entry in &frames[1..] {
+            let other = entry.camera_of_size(|| Ok(size))?;
+            refuse_motion(&camera, &other, first.number, &entry.place)?;
+        }
+        self.cameras.push(camera);
+        self.entries.push(frames);
+        Ok(())
+    }
+
+    /// Looks for every file, so that a missing one is known before hours of work.
+    ///
+    /// # Errors
+    /// `Invalid` naming the first missing file, its camera and its frame.
+    pub(super) fn check_files_exist(&self) -> Result<()> {
+        self.entries.iter().flatten().try_for_each(|entry| entry.files.check_exist(&entry.place))
+    }
+}
+
+fn refuse_motion(first: &Camera, other: &Camera, first_number: i64, place: &str) -> Result<()> {
+    let reach = first.position_in_world().length().max(1.0);
+    let is_still = first.world_from_camera.abs_diff_eq(other.world_from_camera, SAME_POSE_TOLERANCE * reach);
+    if !is_still {
+        return Err(Error::unsupported(
+            place,
+            format!("the camera moved since frame {first_number}; only static cameras are supported"),
+        ));
+    }
+    let (a, b) = (&first.intrinsics, &other.intrinsics);
+    if (a.width, a.height) != (b.width, b.height) {
+        return Err(Error::invalid(
+            place,
+            format!(
+                "the picture is {}×{} but was {}×{} in frame {first_number}; every frame of a camera must have the same size",
+                b.width, b.height, a.width, a.height
+            ),
+        ));
+    }
+    if !same_lens(a, b) {
+        return Err(Error::unsupported(
+            place,
+            format!("the camera zooms since frame {first_number}; only a fixed focal length is supported"),
+        ));
+    }
+    Ok(())
+}
+
+fn same_lens(a: &Intrinsics, b: &Intrinsics) -> bool {
+    [a.fx - b.fx, a.fy - b.fy, a.cx - b.cx, a.cy - b.cy].iter().all(|d| d.abs() <= SAME_INTRINSICS_PX)
+}

@@ -1,0 +1,282 @@
+//! The keys of the manifest, as JSON has them.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+
+/// Largest manifest that is read: some 100,000 entries.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// A camera's name; some writers number their cameras.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum CameraName {
+    /// `"camera": "left"`.
+    Text(String),
+    /// `"camera": 3`.
+    Number(i64),
+}
+
+impl std::fmt::Display for CameraName {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Text(text) => formatter.write_str(text),
+            Self::Number(number) => write!(formatter, "{number}"),
+        }
+    }
+}
+
+/// Keys that stand for the whole file or for one entry; an entry's wins.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Keys {
+    /// Name of the camera.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraName>,
+    /// Number of the frame. Fractions (nerfstudio's 0 to 1) are ranked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// The same by its other name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<f64>,
+    /// Horizontal focal length, pixels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fl_x: Option<f64>,
+    /// Vertical focal length, pixels; as `fl_x` where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fl_y: Option<f64>,
+    /// Principal point, pixels from the left edge; the middle where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cx: Option<f64>,
+    /// Principal point, pixels from the top edge; the middle where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cy: Option<f64>,
+    /// Columns; from the picture where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub w: Option<f64>,
+    /// Rows; from the picture where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub h: Option<f64>,
+    /// Horizontal angle of view, radians, where there is no `fl_x`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera_angle_x: Option<f64>,
+    /// Vertical angle of view, radians, where there is no `fl_y`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera_angle_y: Option<f64>,
+    /// `PINHOLE`, or a model that is one where its distortion is 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera_model: Option<String>,
+    /// Radial distortion.
+    #[serde(skip_serializing)]
+    pub k1: f64,
+    /// Radial distortion.
+    #[serde(skip_serializing)]
+    pub k2: f64,
+    /// Radial distortion.
+    #[serde(skip_serializing)]
+    pub k3: f64,
+    /// Radial distortion.
+    #[serde(skip_serializing)]
+    pub k4: f64,
+    /// Tangential distortion.
+    #[serde(skip_serializing)]
+    pub p1: f64,
+    /// Tangential distortion.
+    #[serde(skip_serializing)]
+    pub p2: f64,
+    /// See [`DepthKind`](crate::capture::exr::DepthKind).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_kind: Option<String>,
+    /// Full name of the depth channel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_channel: Option<String>,
+    /// Layer of the normal channels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal_channel: Option<String>,
+    /// Layer that all channels belong to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layer: Option<String>,
+    /// The depth that stands for "nothing hit".
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_miss_value: Option<f64>,
+    /// World units per unit of the depth files; 0.001 for PNG and 1 for EXR where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_unit_scale_factor: Option<f64>,
+    /// Distance of the near plane.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near_clip: Option<f64>,
+    /// Planar z from which on nothing was hit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub far_clip: Option<f64>,
+    /// `world`, `camera`, or null where normals are not to be read.
+    #[serde(deserialize_with = "present", skip_serializing_if = "Option::is_none")]
+    pub normal_space: Option<Option<String>>,
+    /// Whether color is filtered across silhouettes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub antialiased_color: Option<bool>,
+    /// Where pixel centers lie in the units of `cx`: 0.5 (our convention), or 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pixel_center_offset: Option<f64>,
+    /// What colors mean; anything with `linear` in it is taken as it is, `srgb` is decoded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color_space: Option<String>,
+    /// Up in world space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub up: Option<[f64; 3]>,
+}
+
+/// Tells a key that is null from one that is not there.
+fn present<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<Option<String>>, D::Error> {
+    Option::<String>::deserialize(deserializer).map(Some)
+}
+
+impl Keys {
+    /// These keys, and where they are missing the file's.
+    #[must_use]
+    pub fn or(self, file: &Self) -> Self {
+        let file = file.clone();
+        let distortion = |own: f64, files: f64| if own == 0.0 { files } else { own };
+        Self {
+            camera: self.camera.or(file.camera),
+            time: self.time.or(self.frame).or(file.time).or(file.frame),
+            frame: None,
+            fl_x: self.fl_x.or(file.fl_x),
+            fl_y: self.fl_y.or(file.fl_y),
+            cx: self.cx.or(file.cx),
+            cy: self.cy.or(file.cy),
+            w: self.w.or(file.w),
+            h: self.h.or(file.h),
+            camera_angle_x: self.camera_angle_x.or(file.camera_angle_x),
+            camera_angle_y: self.camera_angle_y.or(file.camera_angle_y),
+            camera_model: self.camera_model.or(file.camera_model),
+            k1: distortion(self.k1, file.k1),
+            k2: distortion(self.k2, file.k2),
+            k3: distortion(self.k3, file.k3),
+            k4: distortion(self.k4, file.k4),
+            p1: distortion(self.p1, file.p1),
+            p2: distortion(self.p2, file.p2),
+            depth_kind: self.depth_kind.or(file.depth_kind),
+            depth_channel: self.depth_channel.or(file.depth_channel),
+            normal_channel: self.normal_channel.or(file.normal_channel),
+            layer: self.layer.or(file.layer),
+            depth_miss_value: self.depth_miss_value.or(file.depth_miss_value),
+            depth_unit_scale_factor: self.depth_unit_scale_factor.or(file.depth_unit_scale_factor),
+            near_clip: self.near_clip.or(file.near_clip),
+            far_clip: self.far_clip.or(file.far_clip),
+            normal_space: self.normal_space.or(file.normal_space),
+            antialiased_color: self.antialiased_color.or(file.antialiased_color),
+            pixel_center_offset: self.pixel_center_offset.or(file.pixel_center_offset),
+            color_space: self.color_space.or(file.color_space),
+            up: self.up.or(file.up),
+        }
+    }
+}
+
+/// One picture of one camera.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    /// The picture, relative to the manifest.
+    pub file_path: String,
+    /// The depth, where it is in a file of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depth_file_path: Option<String>,
+    /// The normals, where they are in a file of their own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal_file_path: Option<String>,
+    /// Camera to world, row-major, OpenGL axes; 4 rows or 3.
+    pub transform_matrix: Vec<Vec<f64>>,
+    /// Keys of this entry alone.
+    #[serde(flatten)]
+    pub keys: Keys,
+}
+
+/// A whole manifest. Keys it does not know are passed over, as nerfstudio writes many.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Keys of all entries.
+    #[serde(flatten)]
+    pub keys: Keys,
+    /// The pictures.
+    pub frames: Vec<Entry>,
+}
+
+impl Manifest {
+    /// Reads a manifest.
+    ///
+    /// # Errors
+    /// `Io` where it cannot be read, `Invalid` for broken JSON, a missing key, or no entries at all.
+    pub fn read(path: &Path) -> Result<Self> {
+        let length = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
+        if length > MAX_BYTES {
+            return Err(Error::invalid(
+                path.display(),
+                format!("{length} bytes are too many for a manifest"),
+            ));
+        }
+        let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
+        Self::from_json(&bytes, &path.display().to_string())
+    }
+
+    /// Reads a manifest from JSON; `place` is named in errors.
+    ///
+    /// # Errors
+    /// As [`Manifest::read`], but for `Io`.
+    pub fn from_json(bytes: &[u8], place: &str) -> Result<Self> {
+        let manifest: Self = serde_json::from_slice(bytes).map_err(|error| {
+            let what = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+            Error::invalid(
+                place,
+                format!("not a manifest ({what}); see the keys of nerfstudio's transforms.json"),
+            )
+        })?;
+        if manifest.frames.is_empty() {
+            return Err(Error::invalid(
+                place,
+                "\"frames\" is empty; list one entry for every picture of every camera",
+            ));
+        }
+        Ok(manifest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ENTRY: &str = r#"{"file_path": "a.exr", "transform_matrix": [], "w": 5, "normal_space": null}"#;
+
+    fn parse(text: &str) -> Result<Manifest> {
+        Manifest::from_json(text.as_bytes(), "transforms.json")
+    }
+
+    #[test]
+    fn an_entrys_key_wins_over_the_files_even_when_it_is_null() {
+        let text =
+            format!(r#"{{"w": 3, "h": 4, "normal_space": "world", "aabb_scale": 2, "frames": [{ENTRY}]}}"#);
+        let manifest = parse(&text).unwrap();
+        let keys = manifest.frames[0].keys.clone().or(&manifest.keys);
+        assert_eq!((keys.w, keys.h), (Some(5.0), Some(4.0)));
+        assert_eq!(keys.normal_space, Some(None));
+        assert_eq!(manifest.keys.normal_space, Some(Some("world".into())));
+    }
+
+    #[test]
+    fn broken_manifests_give_one_line_that_names_the_file() {
+        let texts = [
+            "",
+            "{",
+            "[]",
+            "{}",
+            r#"{"frames": []}"#,
+            r#"{"frames": [{"file_path": "a.exr"}]}"#,
+            r#"{"fl_x": "wide", "frames": []}"#,
+            r#"{"w": 1e999, "frames": []}"#,
+        ];
+        for text in texts {
+            let error = parse(text).unwrap_err().to_string();
+            assert!(error.starts_with("transforms.json: ") && !error.contains('\n'), "{error}");
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! The manifest: `transforms.json` of nerfstudio and instant-ngp, and our superset of it.
+//!
+//! ```text
+//! manifest (JSON) ─ pose (camera space) ─ cameras (who recorded which frame) ─ source (frames on demand)
+//!                                                          write: the same, backwards
+//! ```
+//!
+//! Source: nerfstudio's data conventions: `transform_matrix` is camera-to-world with OpenGL's axes (x right, y up,
+//! looking along −z), `fl_x fl_y cx cy w h` in pixels, per file or per entry. What differs: `camera` and `time` name a
+//! recording by several static cameras, and the keys of [`manifest::Keys`] say how depth and normals are to be read.
+//! Files without them read unchanged: one camera for each distinct pose.
+
+mod cameras;
+mod load;
+pub mod manifest;
+mod png;
+mod pose;
+mod source;
+mod write;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::{Capture, CaptureParts, View};
+use crate::error::{Error, Result};
+use crate::settings::CaptureSettings;
+use cameras::Recording;
+use load::Need;
+use manifest::Manifest;
+use source::FileSource;
+
+pub use write::{ManifestEntry, ManifestFacts, write_capture, write_manifest};
+
+/// Name of the manifest in a capture's folder.
+pub const MANIFEST_NAME: &str = "transforms.json";
+
+/// Opens a capture: a `transforms.json`, or a folder that holds one.
+///
+/// Every file is looked for, and the first one of each camera has its header read; pictures are decoded when asked for.
+///
+/// # Errors
+/// `Io`, `Invalid`, `Unsupported`: what, where, what to do.
+pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
+    let path = manifest_path(path);
+    let manifest = Manifest::read(&path)?;
+    let mut recording = Recording::group(&manifest, &path)?;
+    recording.check_files_exist()?;
+    let mut warnings = std::mem::take(&mut recording.warnings);
+    let has_normals = source::normals_in_all_cameras(&recording, &mut warnings)?;
+    let up_in_world = up_in_world(&manifest, &path)?;
+    Ok(Capture::new(
+        CaptureParts {
+            name: capture_name(&path),
+            cameras: recording.cameras.clone(),
+            frame_numbers: recording.frame_numbers.clone(),
+            up_in_world,
+            has_normals,
+            // Renderers filter color unless they were told not to.
+            antialiased_color: manifest.keys.antialiased_color.unwrap_or(true),
+            warnings,
+            source: Arc::new(FileSource { recording, has_normals }),
+        },
+        settings.cache as usize * 1024 * 1024,
+    ))
+}
+
+/// Reads vantages, and where the pictures exist their truth, from a manifest of the same form.
+///
+/// A true picture needs no depth: where none is recorded, every pixel of it counts as a sample at infinity.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_views(path: &Path) -> Result<Vec<View>> {
+    let path = manifest_path(path);
+    let manifest = Manifest::read(&path)?;
+    let places = cameras::entries(&manifest, &path)?;
+    places
+        .into_iter()
+        .map(|entry| {
+            let camera = entry.camera()?;
+            let truth = entry.files.color.is_file().then(|| {
+                let (files, camera, place) = (entry.files.clone(), camera.clone(), entry.place.clone());
+                Arc::new(move || load::frame(&files, &camera, &place, Need::ColorOnly)) as super::TruthLoader
+            });
+            Ok(View { file_path: entry.file_path, camera, frame_number: entry.number, truth })
+        })
+        .collect()
+}
+
+fn manifest_path(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(MANIFEST_NAME) } else { path.to_path_buf() }
+}
+
+/// The name of the folder that the manifest lies in, or of the manifest itself at the root.
+fn capture_name(manifest: &Path) -> String {
+    let absolute = std::path::absolute(manifest).unwrap_or_else(|_| manifest.to_path_buf());
+    let folder = absolute.parent().and_then(Path::file_name).or(absolute.file_stem());
+    folder.map_or_else(|| "capture".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// The manifest's `up`, or +z as Blender and nerfstudio have it.
+fn up_in_world(manifest: &Manifest, path: &Path) -> Result<DVec3> {
+    let Some(up) = manifest.keys.up else { return Ok(DVec3::Z) };
+    DVec3::from(up).try_normalize().ok_or_else(|| {
+        Error::invalid(path.display(), "\"up\" is no direction; write it as three numbers, as in [0, 0, 1]")
+    })
+}

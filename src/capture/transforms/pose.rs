@@ -1,0 +1,235 @@
+//! From the manifest's numbers to a camera in our space, and back.
+//!
+//! OpenGL's camera space (x right, y up, z toward the viewer) and ours (x right, y down, z forward) differ by half a
+//! turn about x, which is its own inverse.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::manifest::Keys;
+use crate::capture::Intrinsics;
+use crate::capture::exr::MAX_SIDE;
+use crate::error::{Error, Result};
+
+/// How far the axes of a pose may be from orthonormal: matrices are often written with six digits, or were `f32`.
+const RIGID_TOLERANCE: f64 = 1e-3;
+/// Farthest camera that is believed: beyond it, `f32` world coordinates hold no detail, and sums overflow.
+const MAX_DISTANCE: f64 = 1e9;
+/// Focal lengths beyond this many pixels see less than a thousandth of a degree.
+const MAX_FOCAL_PX: f64 = 1e9;
+
+/// Our camera space from OpenGL's, and back.
+const FLIP_Y_AND_Z: DVec3 = DVec3::new(1.0, -1.0, -1.0);
+
+/// World from our camera space, from the manifest's matrix.
+///
+/// # Errors
+/// `Invalid` where it is not 4×4 or 3×4, not finite, not rigid, or absurdly far away.
+pub(super) fn world_from_camera(rows: &[Vec<f64>], place: &str) -> Result<DAffine3> {
+    let refuse = |what: &str| Err(Error::invalid(place, format!("transform_matrix {what}")));
+    let has_shape = (3..=4).contains(&rows.len()) && rows.iter().all(|row| row.len() == 4);
+    if !has_shape {
+        return refuse("is not 4×4; write camera-to-world, row by row");
+    }
+    if rows.iter().flatten().any(|value| !value.is_finite()) {
+        return refuse("holds numbers that are not finite; export the camera again");
+    }
+    if rows.get(3).is_some_and(|row| *row != [0.0, 0.0, 0.0, 1.0]) {
+        return refuse("does not end in 0 0 0 1; write camera-to-world, row by row");
+    }
+    let column = |index: usize| DVec3::new(rows[0][index], rows[1][index], rows[2][index]);
+    let eye = column(3);
+    if eye.abs().max_element() > MAX_DISTANCE {
+        return refuse("puts the camera too far away; bring the scene near the origin");
+    }
+    let matrix = DMat3::from_cols(column(0), column(1), column(2));
+    let product = matrix.transpose() * matrix;
+    if !product.abs_diff_eq(DMat3::IDENTITY, RIGID_TOLERANCE) || matrix.determinant() < 0.0 {
+        return refuse("is not a rotation and a translation; export it without scale, shear or mirroring");
+    }
+    Ok(DAffine3::from_mat3_translation(orthonormal(matrix) * DMat3::from_diagonal(FLIP_Y_AND_Z), eye))
+}
+
+/// The manifest's matrix of a camera, camera-to-world with OpenGL's axes.
+pub(super) fn opengl_matrix(world_from_camera: &DAffine3) -> Vec<Vec<f64>> {
+    let matrix = world_from_camera.matrix3 * DMat3::from_diagonal(FLIP_Y_AND_Z);
+    let eye = world_from_camera.translation;
+    let mut rows: Vec<Vec<f64>> = (0..3)
+        .map(|row| vec![matrix.x_axis[row], matrix.y_axis[row], matrix.z_axis[row], eye[row]])
+        .collect();
+    rows.push(vec![0.0, 0.0, 0.0, 1.0]);
+    rows
+}
+
+/// The nearest rotation, for what is one up to rounding: Newton's iteration for the polar decomposition, which at
+/// this distance is exact to `f64` after three steps and leaves a rotation as it is.
+fn orthonormal(matrix: DMat3) -> DMat3 {
+    (0..3).fold(matrix, |matrix, _| (matrix + matrix.inverse().transpose()) * 0.5)
+}
+
+/// Intrinsics from the manifest's keys; `size` is that of the picture, for manifests that do not give one.
+///
+/// # Errors
+/// `Invalid` for missing, absurd or non-finite numbers, `Unsupported` for a lens that is no pinhole.
+pub(super) fn intrinsics(
+    keys: &Keys,
+    size: impl FnOnce() -> Result<(usize, usize)>,
+    place: &str,
+) -> Result<Intrinsics> {
+    refuse_distortion(keys, place)?;
+    let (width, height) = match (keys.w, keys.h) {
+        (Some(w), Some(h)) => (side("w", w, place)?, side("h", h, place)?),
+        _ => {
+            let (width, height) = size()?;
+            (width as u32, height as u32)
+        }
+    };
+    let (w, h) = (f64::from(width), f64::from(height));
+    let from_angle = |angle: Option<f64>, side: f64| angle.map(|angle| 0.5 * side / (0.5 * angle).tan());
+    let fx = keys.fl_x.or(from_angle(keys.camera_angle_x, w));
+    let fy = keys.fl_y.or(from_angle(keys.camera_angle_y, h));
+    let Some(fx) = fx.or(fy) else {
+        return Err(Error::invalid(place, "there is no focal length; give fl_x (pixels) or camera_angle_x"));
+    };
+    let fy = fy.unwrap_or(fx);
+    for (name, focal) in [("fl_x", fx), ("fl_y", fy)] {
+        if !(focal > 0.0 && focal < MAX_FOCAL_PX) {
+            return Err(Error::invalid(place, format!("{name} is {focal} pixels, which is no focal length")));
+        }
+    }
+    let shift = 0.5 - keys.pixel_center_offset.unwrap_or(0.5);
+    let cx = keys.cx.map_or(w / 2.0, |cx| cx + shift);
+    let cy = keys.cy.map_or(h / 2.0, |cy| cy + shift);
+    for (name, center, side) in [("cx", cx, w), ("cy", cy, h)] {
+        // Shifted lenses and crops put it outside the picture, but not this far.
+        if center.is_nan() || (center - side / 2.0).abs() > 100.0 * side {
+            return Err(Error::invalid(place, format!("{name} is {center} pixels, far outside the picture")));
+        }
+    }
+    Ok(Intrinsics { width, height, fx, fy, cx, cy })
+}
+
+fn side(name: &str, value: f64, place: &str) -> Result<u32> {
+    if value.fract() == 0.0 && (1.0..=MAX_SIDE as f64).contains(&value) {
+        Ok(value as u32)
+    } else {
+        Err(Error::invalid(place, format!("{name} is {value}; a picture has 1 to {MAX_SIDE} pixels a side")))
+    }
+}
+
+fn refuse_distortion(keys: &Keys, place: &str) -> Result<()> {
+    let is_distorted = [keys.k1, keys.k2, keys.k3, keys.k4, keys.p1, keys.p2].iter().any(|k| *k != 0.0);
+    let is_pinhole = keys.camera_model.as_deref().is_none_or(|model| {
+        ["PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "PERSPECTIVE"]
+            .iter()
+            .any(|known| model.eq_ignore_ascii_case(known))
+    });
+    if is_distorted || !is_pinhole {
+        return Err(Error::unsupported(
+            place,
+            "only pinhole cameras without distortion are supported; undistort the pictures first",
+        ));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::Camera;
+    use glam::DVec2;
+
+    fn size() -> Result<(usize, usize)> {
+        Ok((640, 480))
+    }
+
+    #[test]
+    fn an_opengl_camera_looks_along_minus_z_with_y_up() {
+        // OpenGL's identity pose: x right, y up, looking along −z.
+        let rows: Vec<Vec<f64>> =
+            (0..4).map(|r| (0..4).map(|c| f64::from(u8::from(r == c))).collect()).collect();
+        let pose = world_from_camera(&rows, "test").unwrap();
+        assert_eq!(pose.transform_vector3(DVec3::Z), DVec3::NEG_Z);
+        assert_eq!(pose.transform_vector3(DVec3::Y), DVec3::NEG_Y);
+        assert_eq!(opengl_matrix(&pose), rows);
+    }
+
+    #[test]
+    fn the_documented_unprojection_of_opengl_cameras_is_ours() {
+        let (eye, target) = (DVec3::new(3.0, -4.0, 2.0), DVec3::new(0.0, 1.0, 0.5));
+        let intrinsics = Intrinsics { width: 8, height: 6, fx: 7.0, fy: 9.0, cx: 3.5, cy: 3.25 };
+        let camera = Camera::look_at("c", intrinsics, eye, target, DVec3::Z);
+        let m = opengl_matrix(&camera.world_from_camera);
+        let (i, j, z) = (2.0, 5.0, 4.0);
+        // M · (z (i + ½ − cx)/fx, −z (j + ½ − cy)/fy, −z, 1)
+        let local = [z * (i + 0.5 - 3.5) / 7.0, -z * (j + 0.5 - 3.25) / 9.0, -z, 1.0];
+        let world = camera.unproject(DVec2::new(i + 0.5, j + 0.5), z);
+        for row in 0..3 {
+            let theirs: f64 = (0..4).map(|column| m[row][column] * local[column]).sum();
+            assert!((theirs - world[row]).abs() < 1e-12);
+        }
+        let back = world_from_camera(&m, "test").unwrap();
+        assert!(back.abs_diff_eq(camera.world_from_camera, 1e-12));
+    }
+
+    #[test]
+    fn matrices_that_are_no_pose_are_refused() {
+        let good = opengl_matrix(&DAffine3::IDENTITY);
+        let change = |row: usize, column: usize, value: f64| {
+            let mut rows = good.clone();
+            rows[row][column] = value;
+            rows
+        };
+        let scaled: Vec<Vec<f64>> = good.iter().map(|row| row.iter().map(|v| v * 2.0).collect()).collect();
+        let bad = [
+            change(0, 0, -1.0),
+            change(0, 1, f64::NAN),
+            change(1, 3, 1e12),
+            change(3, 0, 1.0),
+            scaled,
+            vec![],
+        ];
+        for rows in bad {
+            let error = world_from_camera(&rows, "frames[3]").unwrap_err().to_string();
+            assert!(error.starts_with("frames[3]: transform_matrix"), "{error}");
+        }
+        assert!(world_from_camera(&change(0, 1, 1e-5), "").is_ok());
+        assert!(world_from_camera(&good[..3], "").is_ok());
+    }
+
+    #[test]
+    fn angle_and_pixel_center_stand_in_for_focal_length_and_principal_point() {
+        let keys = Keys { camera_angle_x: Some(std::f64::consts::FRAC_PI_2), ..Keys::default() };
+        let found = intrinsics(&keys, size, "").unwrap();
+        assert!((found.fx - 320.0).abs() < 1e-9 && found.fx == found.fy);
+        assert_eq!((found.width, found.height, found.cx, found.cy), (640, 480, 320.0, 240.0));
+        let keys = Keys {
+            fl_x: Some(500.0),
+            cx: Some(319.5),
+            cy: Some(239.5),
+            pixel_center_offset: Some(0.0),
+            ..Keys::default()
+        };
+        let found = intrinsics(&keys, size, "").unwrap();
+        assert_eq!((found.fy, found.cx, found.cy), (500.0, 320.0, 240.0));
+    }
+
+    #[test]
+    fn absurd_numbers_and_bent_lenses_are_refused() {
+        let good = Keys { fl_x: Some(500.0), w: Some(64.0), h: Some(48.0), ..Keys::default() };
+        assert!(intrinsics(&good, size, "").is_ok());
+        let bad = [
+            Keys { fl_x: Some(0.0), ..good.clone() },
+            Keys { fl_y: Some(-1.0), ..good.clone() },
+            Keys { w: Some(1e6), ..good.clone() },
+            Keys { h: Some(0.0), ..good.clone() },
+            Keys { w: Some(10.5), ..good.clone() },
+            Keys { cx: Some(1e9), ..good.clone() },
+            Keys { fl_x: None, ..good.clone() },
+            Keys { k1: 0.1, ..good.clone() },
+            Keys { camera_model: Some("OPENCV_FISHEYE".into()), ..good.clone() },
+        ];
+        for keys in bad {
+            assert!(intrinsics(&keys, size, "").is_err(), "{keys:?}");
+        }
+    }
+}

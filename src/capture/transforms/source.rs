@@ -1,0 +1,48 @@
+//! The files of a capture as a source of frames.
+
+use super::cameras::Recording;
+use super::load::{self, Need};
+use crate::capture::{Frame, FrameSource};
+use crate::error::Result;
+
+/// Decodes a frame from its files whenever it is asked for.
+pub(super) struct FileSource {
+    /// What is where.
+    pub recording: Recording,
+    /// Whether normals are read.
+    pub has_normals: bool,
+}
+
+impl FrameSource for FileSource {
+    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
+        let entry = &self.recording.entries[camera][frame];
+        let need = Need::Geometry { normals: self.has_normals };
+        load::frame(&entry.files, &self.recording.cameras[camera], &entry.place, need)
+    }
+
+    fn place(&self, camera: usize, frame: usize) -> String {
+        self.recording.entries[camera][frame].place.clone()
+    }
+}
+
+/// Reads the headers of every camera's first frame, and tells whether all of them give normals.
+///
+/// # Errors
+/// Whatever makes these frames unreadable: no color, no depth, another size.
+pub(super) fn normals_in_all_cameras(recording: &Recording, warnings: &mut Vec<String>) -> Result<bool> {
+    let mut without = Vec::new();
+    for (camera, frames) in recording.cameras.iter().zip(&recording.entries) {
+        if let Some(first) = frames.first()
+            && !load::probe(&first.files, camera, &first.place)?
+        {
+            without.push(camera.name.as_str());
+        }
+    }
+    if !without.is_empty() && without.len() < recording.cameras.len() {
+        warnings.push(format!(
+            "only some cameras give normals ({} do not); normals are estimated for all of them",
+            without.join(", ")
+        ));
+    }
+    Ok(without.is_empty())
+}

@@ -1,0 +1,184 @@
+//! Writing a capture as EXR pictures and a manifest that [`super::open`] reads.
+//!
+//! ```text
+//! DIR/transforms.json          written last: a folder without it is not yet a capture
+//! DIR/CAMERA/0000.exr …        one folder for each camera
+//! DIR/novel/transforms.json    vantages, with their true pictures beside it
+//! ```
+
+use std::path::{Component, Path};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::MANIFEST_NAME;
+use super::manifest::{CameraName, Entry, Keys, Manifest};
+use super::pose;
+use crate::capture::exr_write::{write_atomically, write_frame};
+use crate::capture::{Camera, Capture, Frame, View};
+use crate::error::{Error, Result};
+use crate::job::Job;
+
+/// Folder of the vantages below a capture's.
+const NOVEL_FOLDER: &str = "novel";
+
+/// One picture of a manifest to be written.
+pub struct ManifestEntry<'a> {
+    /// Where the picture is, relative to the manifest.
+    pub file_path: String,
+    /// Where from.
+    pub camera: &'a Camera,
+    /// Number of the frame.
+    pub frame_number: i64,
+}
+
+/// What a manifest says of all its pictures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ManifestFacts {
+    /// Up in world space.
+    pub up_in_world: DVec3,
+    /// Whether the pictures hold normals.
+    pub has_normals: bool,
+    /// Whether color is filtered across silhouettes.
+    pub antialiased_color: bool,
+}
+
+/// Writes a manifest of pictures as [`write_frame`] writes them. The file appears only when it is complete.
+///
+/// # Errors
+/// `Io` where it cannot be written.
+pub fn write_manifest(path: &Path, facts: ManifestFacts, entries: &[ManifestEntry]) -> Result<()> {
+    let frames = entries.iter().map(|entry| {
+        let intrinsics = &entry.camera.intrinsics;
+        let keys = Keys {
+            camera: Some(CameraName::Text(entry.camera.name.clone())),
+            time: Some(entry.frame_number as f64),
+            fl_x: Some(intrinsics.fx),
+            fl_y: Some(intrinsics.fy),
+            cx: Some(intrinsics.cx),
+            cy: Some(intrinsics.cy),
+            w: Some(f64::from(intrinsics.width)),
+            h: Some(f64::from(intrinsics.height)),
+            ..Keys::default()
+        };
+        Entry {
+            file_path: entry.file_path.clone(),
+            transform_matrix: pose::opengl_matrix(&entry.camera.world_from_camera),
+            keys,
+            ..Entry::default()
+        }
+    });
+    let manifest = Manifest {
+        keys: Keys {
+            camera_model: Some("PINHOLE".to_owned()),
+            color_space: Some("linear Rec.709, scene referred".to_owned()),
+            depth_kind: Some("planar_z".to_owned()),
+            depth_channel: Some("Z".to_owned()),
+            depth_miss_value: Some(1e10),
+            normal_space: Some(facts.has_normals.then(|| "world".to_owned())),
+            antialiased_color: Some(facts.antialiased_color),
+            pixel_center_offset: Some(0.5),
+            up: Some(facts.up_in_world.to_array()),
+            ..Keys::default()
+        },
+        frames: frames.collect(),
+    };
+    write_atomically(path, |writer| {
+        serde_json::to_writer_pretty(writer, &manifest)
+            .map_err(|error| Error::io(path, std::io::Error::from(error)))
+    })
+}
+
+/// Writes every frame of a capture, and the vantages with their true pictures, below `folder`.
+///
+/// Progress is counted in pictures; cancelling stops before the next one, and leaves no manifest.
+///
+/// # Errors
+/// `Io` where something cannot be written, whatever loading a frame gives, `Invalid` for names that are no paths below
+/// `folder`, and [`Error::Cancelled`].
+pub fn write_capture(folder: &Path, capture: &Capture, views: &[View], job: &Job) -> Result<()> {
+    let frame_count = capture.frame_count();
+    let truths = views.iter().filter(|view| view.truth.is_some()).count();
+    job.start("writing pictures", capture.cameras.len() * frame_count + truths);
+    let entries = capture_entries(capture);
+    for entry in &entries {
+        create_folder_of(folder, &entry.file_path)?;
+    }
+    entries.par_iter().enumerate().try_for_each(|(index, entry)| {
+        job.check()?;
+        let frame = capture.frame(index / frame_count, index % frame_count)?;
+        write_frame(&folder.join(&entry.file_path), &frame)?;
+        job.advance(1);
+        Ok(())
+    })?;
+    let facts = ManifestFacts {
+        up_in_world: capture.up_in_world,
+        has_normals: capture.has_normals,
+        antialiased_color: capture.antialiased_color,
+    };
+    if !views.is_empty() {
+        write_views(&folder.join(NOVEL_FOLDER), views, facts, job)?;
+    }
+    write_manifest(&folder.join(MANIFEST_NAME), facts, &entries)
+}
+
+fn capture_entries(capture: &Capture) -> Vec<ManifestEntry<'_>> {
+    let of_camera = |camera| {
+        capture.frame_numbers.iter().map(move |&frame_number| ManifestEntry {
+            file_path: picture_name(camera, frame_number),
+            camera,
+            frame_number,
+        })
+    };
+    capture.cameras.iter().flat_map(of_camera).collect()
+}
+
+fn picture_name(camera: &Camera, frame_number: i64) -> String {
+    format!("{}/{frame_number:04}.exr", camera.name)
+}
+
+fn write_views(folder: &Path, views: &[View], facts: ManifestFacts, job: &Job) -> Result<()> {
+    let entries: Vec<ManifestEntry> = views
+        .iter()
+        .map(|view| ManifestEntry {
+            file_path: Path::new(&view.file_path).with_extension("exr").to_string_lossy().into_owned(),
+            camera: &view.camera,
+            frame_number: view.frame_number,
+        })
+        .collect();
+    std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+    for entry in &entries {
+        create_folder_of(folder, &entry.file_path)?;
+    }
+    let all_have_normals = AtomicBool::new(true);
+    views.par_iter().zip(&entries).try_for_each(|(view, entry)| {
+        job.check()?;
+        let Some(truth) = &view.truth else { return Ok(()) };
+        let frame: Frame = truth()?;
+        if frame.normal_in_world.is_none() {
+            all_have_normals.store(false, Ordering::Relaxed);
+        }
+        write_frame(&folder.join(&entry.file_path), &frame)?;
+        job.advance(1);
+        Ok(())
+    })?;
+    let facts = ManifestFacts { has_normals: all_have_normals.into_inner(), ..facts };
+    write_manifest(&folder.join(MANIFEST_NAME), facts, &entries)
+}
+
+/// Makes the folder of a picture, which must lie below `folder` whatever a camera is called.
+fn create_folder_of(folder: &Path, file_path: &str) -> Result<()> {
+    let is_below = Path::new(file_path)
+        .components()
+        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    if !is_below {
+        return Err(Error::invalid(
+            folder.display(),
+            format!("'{file_path}' is no path below this folder; rename the camera or the picture"),
+        ));
+    }
+    let path = folder.join(file_path);
+    let parent = path.parent().unwrap_or(folder);
+    std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))
+}

@@ -1,0 +1,223 @@
+//! Damaged and contradictory captures give one clear line, and nothing panics.
+
+mod common;
+
+use common::{Folder, PIXELS, entry, flat, picture, plain};
+use exr::prelude::FlatSamples;
+use overlook::capture::exr::ExrFile;
+use overlook::error::{Error, Result};
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+/// The error of opening a capture of two cameras and two frames that `change` has spoiled, or of decoding it.
+fn error_of(change: impl FnOnce(&Folder, &mut Value, &mut Vec<Value>)) -> String {
+    let folder = Folder::new();
+    let mut entries = Vec::new();
+    for (camera, time) in [("left", 0), ("left", 1), ("right", 0), ("right", 1)] {
+        let name = format!("{camera}/{time:04}.exr");
+        folder.put(&name, &plain(flat(2.0)));
+        entries.push(entry(&name, camera, time));
+    }
+    let mut keys = json!({});
+    change(&folder, &mut keys, &mut entries);
+    let all_frames = |folder: &Folder| -> Result<()> {
+        let capture = folder.open(keys, &entries)?;
+        for camera in 0..capture.cameras.len() {
+            for frame in 0..capture.frame_count() {
+                capture.frame(camera, frame)?;
+            }
+        }
+        Ok(())
+    };
+    let error = all_frames(&folder).unwrap_err().to_string();
+    assert!(!error.contains('\n'), "{error}");
+    error
+}
+
+fn assert_names(error: &str, words: &[&str]) {
+    for word in words {
+        assert!(error.contains(word), "'{word}' is not in: {error}");
+    }
+}
+
+const RIGHT_1: &[&str] = &["right/0001.exr", "camera 'right'", "frame 1"];
+
+#[test]
+fn a_missing_file_is_named_with_its_frame() {
+    let error = error_of(|folder, _, _| std::fs::remove_file(folder.path("right/0001.exr")).unwrap());
+    assert_names(&error, RIGHT_1);
+    assert_names(&error, &["missing"]);
+}
+
+#[test]
+fn a_frame_that_a_camera_lacks_is_named() {
+    let error = error_of(|_, _, entries| drop(entries.pop()));
+    assert_names(&error, &["transforms.json", "camera 'right'", "frame 1"]);
+}
+
+#[test]
+fn a_frame_recorded_twice_is_named() {
+    let error = error_of(|_, _, entries| entries[3]["time"] = 0.into());
+    assert_names(&error, &["right/0001.exr", "right/0000.exr", "frame 0"]);
+}
+
+#[test]
+fn a_frame_of_another_size_is_named() {
+    let large = |folder: &Folder, _: &mut Value, _: &mut Vec<Value>| {
+        let pixels = 3 * PIXELS / 2;
+        let image = exr::prelude::Image::from_channels(
+            (9, 4),
+            exr::prelude::AnyChannels::sort(
+                ["R", "G", "B", "Z"]
+                    .map(|name| exr::prelude::AnyChannel::new(name, FlatSamples::F32(vec![1.0; pixels])))
+                    .into_iter()
+                    .collect(),
+            ),
+        );
+        exr::prelude::WritableImage::write(&image).to_file(folder.path("right/0001.exr")).unwrap();
+    };
+    let error = error_of(large);
+    assert_names(&error, RIGHT_1);
+    assert_names(&error, &["9×4", "6×4"]);
+}
+
+#[test]
+fn a_depth_plane_of_nan_is_named_with_its_channel() {
+    let error = error_of(|folder, _, _| folder.put("right/0001.exr", &plain(flat(f32::NAN))));
+    assert_names(&error, RIGHT_1);
+    assert_names(&error, &["'Z'"]);
+}
+
+#[test]
+fn a_picture_without_depth_or_color_is_named_with_the_channels_it_has() {
+    let rgb = || vec![("R", flat(0.5)), ("G", flat(0.5)), ("B", flat(0.5))];
+    let mut trap = rgb();
+    trap.push(("Mist.Z", flat(1.0)));
+    let error = error_of(|folder, _, _| folder.put("right/0001.exr", &picture(&[("", trap)])));
+    assert_names(&error, RIGHT_1);
+    assert_names(&error, &["no depth", "Mist.Z", "depth_channel"]);
+    let error =
+        error_of(|folder, _, _| folder.put("left/0000.exr", &picture(&[("", vec![("Z", flat(1.0))])])));
+    assert_names(&error, &["left/0000.exr", "no color"]);
+}
+
+#[test]
+fn moving_and_zooming_cameras_are_not_supported() {
+    let error = error_of(|_, _, entries| entries[3]["transform_matrix"][0][3] = 0.5.into());
+    assert_names(&error, RIGHT_1);
+    assert_names(&error, &["moved"]);
+    let error = error_of(|_, _, entries| entries[3]["fl_x"] = 4.into());
+    assert_names(&error, &["right/0001.exr", "zooms"]);
+}
+
+#[test]
+fn nonsense_in_the_manifest_is_named() {
+    let spoil: &[(&str, Value, &str)] = &[
+        ("depth_kind", json!("depth"), "planar_z"),
+        ("normal_space", json!("tangent"), "camera"),
+        ("depth_channel", json!("Q"), "'Q'"),
+        ("near_clip", json!(-1.0), "near_clip"),
+        ("far_clip", json!(0.0), "far_clip"),
+        ("up", json!([0, 0, 0]), "up"),
+        ("k1", json!(0.2), "undistort"),
+        ("camera_angle_x", json!("wide"), "manifest"),
+    ];
+    for (key, value, word) in spoil {
+        let error = error_of(|_, keys, _| keys[*key] = value.clone());
+        assert_names(&error, &[word]);
+    }
+    assert_names(&error_of(|_, _, entries| entries.clear()), &["transforms.json", "empty"]);
+    assert_names(&error_of(|_, _, entries| entries[2]["w"] = json!(1e9)), &["right/0000.exr", "w is"]);
+    assert_names(
+        &error_of(|_, _, entries| entries[1]["transform_matrix"][2][2] = 3.into()),
+        &["frames[1]", "left/0001.exr", "rotation"],
+    );
+    assert_names(&error_of(|_, _, entries| drop(entries[1]["camera"].take())), &["camera", "all of them"]);
+}
+
+#[test]
+fn a_jpeg_is_refused_with_what_to_do() {
+    let error = error_of(|folder, _, entries| {
+        folder.put("right/0001.jpg", b"");
+        entries[3]["file_path"] = "right/0001.jpg".into();
+    });
+    assert_names(&error, &["right/0001.jpg", "EXR or PNG"]);
+}
+
+const PLACE: &str = "cam0/0003.exr (camera 'cam0', frame 3)";
+
+/// Decodes every channel of a file, as far as it lets us.
+fn decode(bytes: &[u8]) -> Result<()> {
+    let file = ExrFile::from_bytes(bytes.to_vec(), PLACE)?;
+    let window = file.window(Some(common::SIZE))?;
+    let all: Vec<usize> = (0..file.channels().len()).collect();
+    file.decode(&all, window).map(drop)
+}
+
+fn assert_clear(error: &Error) {
+    let text = error.to_string();
+    assert_names(&text, &["cam0/0003.exr", "frame 3"]);
+    assert!(!text.contains('\n') && text.len() < 400, "{text}");
+}
+
+fn ramp() -> Vec<u8> {
+    plain(FlatSamples::F32((0..PIXELS).map(|i| 1.0 + (i as f32).sin()).collect()))
+}
+
+#[test]
+fn a_file_cut_anywhere_is_an_error() {
+    let bytes = ramp();
+    decode(&bytes).unwrap();
+    for length in 0..bytes.len() {
+        assert_clear(&decode(&bytes[..length]).unwrap_err());
+    }
+}
+
+#[test]
+fn an_absurd_header_is_refused_before_anything_is_allocated_for_it() {
+    let bytes = ramp();
+    let find = |name: &[u8]| bytes.windows(name.len()).position(|window| window == name).unwrap();
+    let claim = |attribute: &str, side: i32| {
+        let mut absurd = bytes.clone();
+        let x_max = find(attribute.as_bytes()) + attribute.len() + 4 + 8;
+        absurd[x_max..x_max + 4].copy_from_slice(&side.to_le_bytes());
+        absurd[x_max + 4..x_max + 8].copy_from_slice(&side.to_le_bytes());
+        absurd
+    };
+    for side in [100_000, 1 << 30, i32::MAX] {
+        assert_clear(&decode(&claim("dataWindow\0box2i\0", side)).unwrap_err());
+        let display = claim("displayWindow\0box2i\0", side);
+        let size = ExrFile::from_bytes(display, PLACE).and_then(|file| file.window(None));
+        assert_clear(&size.unwrap_err());
+    }
+}
+
+#[test]
+fn compressions_that_cannot_be_read_say_so() {
+    let bytes = ramp();
+    let key = b"compression\0compression\0";
+    let at = bytes.windows(key.len()).position(|window| window == key).unwrap() + key.len() + 4;
+    for compression in 10..14 {
+        let mut newer = bytes.clone();
+        newer[at] = compression;
+        let error = decode(&newer).unwrap_err();
+        assert_clear(&error);
+        assert_names(&error.to_string(), &["ZIP"]);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn flipped_bits_are_an_error_or_another_picture(flips in prop::collection::vec((any::<prop::sample::Index>(), 0..8_u8), 1..6)) {
+        let mut bytes = ramp();
+        for (index, bit) in flips {
+            let at = index.index(bytes.len());
+            bytes[at] ^= 1 << bit;
+        }
+        if let Err(error) = decode(&bytes) {
+            assert_clear(&error);
+        }
+    }
+}
