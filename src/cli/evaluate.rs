@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::{Failure, SettingsArgs, output, progress};
 use crate::capture::{Capture, View, transforms};
-use crate::evaluate::{Compared, Comparison, Evaluation, ViewScore, compare, hold_out};
+use crate::evaluate::{Compared, Comparison, Evaluation, ViewScore, compare, hold_out, metrics::Scores};
 use crate::settings::Settings;
 
 /// Arguments of `overlook evaluate`.
@@ -86,47 +86,57 @@ fn novel_views(capture: &Path) -> Option<PathBuf> {
     views.is_file().then_some(views)
 }
 
-/// One line per view, then the mean.
+/// One line per view, then the mean. `covered` is the PSNR of pixels that got a sample.
 pub(super) fn view_table(evaluation: &Evaluation) -> String {
     let mut text = format!(
-        "{:<28} {:>8} {:>8} {:>7} {:>10} {:>12}",
-        "view", "PSNR dB", "SSIM", "cover", "ms", "samples"
+        "{:<28} {:>8} {:>8} {:>8} {:>7} {:>10} {:>12}",
+        "view", "PSNR dB", "covered", "SSIM", "cover", "ms", "samples"
     );
-    let mut line = |name: &str, [psnr_db, ssim, coverage]: [Option<f64>; 3], milliseconds, samples| {
-        let _ = write!(
-            text,
-            "\n{name:<28} {} {} {} {milliseconds:>10.1} {:>12}",
-            output::number(psnr_db, 2, 8),
-            output::number(ssim, 4, 8),
-            output::number(coverage, 3, 7),
-            output::count(samples)
-        );
-    };
+    let mut line =
+        |name: &str, [psnr_db, covered_db, ssim, coverage]: [Option<f64>; 4], milliseconds, samples| {
+            let _ = write!(
+                text,
+                "\n{name:<28} {} {} {} {} {milliseconds:>10.1} {:>12}",
+                output::number(psnr_db, 2, 8),
+                output::number(covered_db, 2, 8),
+                output::number(ssim, 4, 8),
+                output::number(coverage, 3, 7),
+                output::count(samples)
+            );
+        };
     for ViewScore { file_path, scores, milliseconds, samples } in &evaluation.views {
         let values = match scores {
-            Some(scores) => [scores.psnr_db, scores.ssim, scores.coverage].map(Some),
-            None => [None; 3],
+            Some(Scores { psnr_db, psnr_covered_db, ssim, coverage }) => {
+                [Some(*psnr_db), *psnr_covered_db, Some(*ssim), Some(*coverage)]
+            }
+            None => [None; 4],
         };
         line(file_path, values, *milliseconds, *samples);
     }
     let mean = &evaluation.mean;
-    line("mean", [mean.psnr_db, mean.ssim, mean.coverage], mean.milliseconds, mean.samples as u64);
+    line(
+        "mean",
+        [mean.psnr_db, mean.psnr_covered_db, mean.ssim, mean.coverage],
+        mean.milliseconds,
+        mean.samples as u64,
+    );
     text
 }
 
 /// One line per way to prune.
 fn comparison_table(comparison: &Comparison) -> String {
     let mut text = format!(
-        "{:<16} {:>8} {:>8} {:>7} {:>10} {:>14} {:>12}",
-        "pruning", "PSNR dB", "SSIM", "cover", "ms", "samples kept", "in memory"
+        "{:<16} {:>8} {:>8} {:>8} {:>7} {:>10} {:>14} {:>12}",
+        "pruning", "PSNR dB", "covered", "SSIM", "cover", "ms", "samples kept", "in memory"
     );
     for compared in [&comparison.as_set, &comparison.no_pruning, &comparison.first_camera] {
         let mean = &compared.evaluation.mean;
         let _ = write!(
             text,
-            "\n{:<16} {} {} {} {:>10.1} {:>14} {:>12}",
+            "\n{:<16} {} {} {} {} {:>10.1} {:>14} {:>12}",
             compared.method.name(),
             output::number(mean.psnr_db, 2, 8),
+            output::number(mean.psnr_covered_db, 2, 8),
             output::number(mean.ssim, 4, 8),
             output::number(mean.coverage, 3, 7),
             mean.milliseconds,

@@ -14,7 +14,6 @@ use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, render_view};
 use crate::job::Job;
 use crate::preprocess::SampleSet;
-use crate::render::CpuRenderer;
 use crate::settings::{Fill, Kernel, RenderSettings};
 use crate::store;
 
@@ -98,12 +97,11 @@ fn paint(
     settings: &RenderSettings,
     job: &Job,
 ) -> Result<Evaluation> {
-    let mut renderer = CpuRenderer::new();
     let mut scores = Vec::with_capacity(views.len());
     job.start("Painting views", views.len());
     for (view, paths) in views.iter().zip(paths) {
         job.check()?;
-        let (picture, score) = render_view(&mut renderer, samples, view, settings, job)?;
+        let (picture, score) = render_view(samples, view, settings, job)?;
         paths.write(&picture)?;
         scores.push(score);
         job.advance(1);
