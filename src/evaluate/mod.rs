@@ -88,13 +88,13 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// Paints one view and, where its truth is known, scores it.
+/// Paints one view and, where its truth is known, scores it. Nothing is kept from one view to the next, so that neither
+/// milliseconds nor samples depend on the view before.
 ///
 /// # Errors
 /// `Invalid` naming the view where the set has no such frame or the truth has another size; whatever the truth's
 /// file gives; `Cancelled`.
 pub fn render_view(
-    renderer: &mut CpuRenderer,
     samples: &Arc<SampleSet>,
     view: &View,
     settings: &RenderSettings,
@@ -113,7 +113,7 @@ pub fn render_view(
         )
     })?;
     let vantage = Vantage { camera: view.camera.clone(), frame };
-    let (picture, stats) = renderer.render(samples, &vantage, settings, job)?;
+    let (picture, stats) = CpuRenderer::new().render(samples, &vantage, settings, job)?;
     let scores = match &view.truth {
         None => None,
         Some(truth) => Some(metrics::score(&picture, &truth()?).map_err(|error| match error {
@@ -147,12 +147,11 @@ pub fn evaluate(
             "no view has a true picture to be compared with; name others with --views or hold out a camera",
         ));
     }
-    let mut renderer = CpuRenderer::new();
     job.start("Scoring views", views.len());
     let mut scores = Vec::with_capacity(views.len());
     for view in views {
         job.check()?;
-        scores.push(render_view(&mut renderer, samples, view, settings, job)?.1);
+        scores.push(render_view(samples, view, settings, job)?.1);
         job.advance(1);
     }
     Ok(Evaluation::of(scores))
