@@ -295,3 +295,88 @@ fn cone_hits(origin: DVec3, direction: DVec3, bottom: f64, top: f64, half_height
     }
     hits
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::four_cameras::crystal;
+    use super::Shape;
+    use glam::DVec3;
+    use proptest::prelude::*;
+
+    fn shapes() -> Vec<Shape> {
+        vec![
+            Shape::Sphere { radius: 0.7 },
+            Shape::Block { half: DVec3::new(0.5, 0.3, 0.8), round: 0.0 },
+            Shape::Block { half: DVec3::new(0.5, 0.3, 0.8), round: 0.1 },
+            Shape::cylinder(0.4, 0.6),
+            Shape::Cone { bottom: 0.6, top: 0.2, half_height: 0.5 },
+            Shape::Cone { bottom: 0.5, top: 0.0, half_height: 0.5 },
+            Shape::Torus { major: 0.6, minor: 0.2 },
+            Shape::Ring { inner: 0.3, outer: 0.7, half_height: 0.1 },
+            crystal(0.3, 0.9),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn a_hit_lies_on_the_surface_with_the_gradient_as_its_normal(
+            origin in prop::array::uniform3(-3.0..3.0_f64),
+            aim in prop::array::uniform3(-0.6..0.6_f64),
+        ) {
+            let (origin, direction) = (DVec3::from(origin), DVec3::from(aim) - DVec3::from(origin));
+            for shape in shapes() {
+                let Some(t) = shape.hit(origin, direction, 0.0, f64::INFINITY) else { continue };
+                let point = origin + direction * t;
+                prop_assert!(shape.distance(point).abs() < 1e-9, "{shape:?} at {point}");
+                let normal = shape.normal(point);
+                prop_assert!((normal.length() - 1.0).abs() < 1e-12);
+                if shape.distance(origin) > 1e-6 {
+                    prop_assert!(normal.dot(direction) < 1e-6, "{shape:?} faces away");
+                }
+                let step = 1e-6;
+                let slope = |axis: DVec3| {
+                    (shape.distance(point + axis * step) - shape.distance(point - axis * step)) / (2.0 * step)
+                };
+                let gradient = DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z));
+                // Within a step of an edge the differences straddle two faces.
+                if (gradient.length() - 1.0).abs() < 1e-6 {
+                    prop_assert!((gradient - normal).length() < 1e-4, "{shape:?}: {gradient} is not {normal}");
+                }
+            }
+        }
+
+        #[test]
+        fn nothing_lies_before_the_first_hit(
+            origin in prop::array::uniform3(-3.0..3.0_f64),
+            aim in prop::array::uniform3(-0.6..0.6_f64),
+        ) {
+            let (origin, direction) = (DVec3::from(origin), DVec3::from(aim) - DVec3::from(origin));
+            for shape in shapes() {
+                let end = shape.hit(origin, direction, 0.0, f64::INFINITY).unwrap_or(3.0);
+                let side = shape.distance(origin).signum();
+                for step in 1..200 {
+                    let point = origin + direction * (end * f64::from(step) / 200.0);
+                    prop_assert!(side * shape.distance(point) > -1e-6, "{shape:?} was passed through at {point}");
+                }
+            }
+        }
+
+        #[test]
+        fn a_solid_lies_within_its_half_extents(point in prop::array::uniform3(-1.5..1.5_f64)) {
+            let point = DVec3::from(point);
+            for shape in shapes() {
+                let outside = (point.abs() - shape.half_extents()).max_element() > 1e-12;
+                prop_assert!(!outside || shape.distance(point) > 0.0, "{shape:?} at {point}");
+            }
+        }
+    }
+
+    #[test]
+    fn hits_of_known_rays_are_where_they_must_be() {
+        let from_left = |shape: &Shape| shape.hit(DVec3::new(-2.0, 0.0, 0.0), DVec3::X, 0.0, f64::INFINITY);
+        let expected = [1.3, 1.5, 1.5, 1.6, 1.6, 1.75, 1.2, 1.3];
+        for (shape, expected) in shapes().iter().zip(expected) {
+            assert!((from_left(shape).unwrap() - expected).abs() < 1e-9, "{shape:?}");
+        }
+    }
+}
