@@ -14,7 +14,8 @@ fn spec(scene: &str) -> DemoSpec {
 }
 
 fn small(scene: &str, size: (u32, u32)) -> Demo {
-    Demo::new(&DemoSpec { size: Some(size), noise: Some(0.0), ..spec(scene) }).unwrap()
+    Demo::new(&DemoSpec { size: Some(size), noise: Some(0.0), ..spec(scene) })
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn capture(demo: &Demo) -> Capture {

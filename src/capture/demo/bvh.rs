@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::shapes::slab;
+use super::hits::slab;
 
 /// An axis-aligned box, from the corner with the least to the one with the greatest coordinates.
 #[derive(Clone, Copy, Debug)]

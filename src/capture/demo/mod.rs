@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! orrery, nine_cameras, four_cameras ── world (solids, light) ── trace ── Frame
-//!        └─ props, palette, texture       shapes, bvh, shade      └─ camera_noise
+//!        └─ props, palette, texture       shapes, hits, bvh, shade └─ camera_noise
 //! ```
 //!
 //! Surfaces are diffuse: a point has one color at a time, whoever looks. World space is in meters, z up.
@@ -10,6 +10,7 @@
 mod bvh;
 mod camera_noise;
 mod four_cameras;
+mod hits;
 mod nine_cameras;
 mod orrery;
 mod palette;
