@@ -132,12 +132,12 @@ fn every_camera_stands_in_the_open_and_sees_the_scene() {
 #[test]
 fn two_cameras_see_the_same_color_at_the_same_point() {
     for scene in names() {
-        let demo = small(scene, (24, 18));
+        let demo = small(scene, (14, 10));
         let cameras = capture(&demo).cameras;
         let mut seen_by_both = 0;
         for (first, second) in [(0, 1), (1, 2), (0, 3)] {
             let (first, second) = (&cameras[first], &cameras[second]);
-            for (x, y) in (0..18).flat_map(|y| (0..24).map(move |x| (x, y))) {
+            for (x, y) in (0..10).flat_map(|y| (0..14).map(move |x| (x, y))) {
                 let here = pixel(&demo, &aimed(first, center(x, y)), 3);
                 let depth = here.inverse_depth[(0, 0)];
                 if depth <= 0.0 {
@@ -157,7 +157,7 @@ fn two_cameras_see_the_same_color_at_the_same_point() {
                 }
             }
         }
-        assert!(seen_by_both > 200, "{scene}: only {seen_by_both} points compared");
+        assert!(seen_by_both > 100, "{scene}: only {seen_by_both} points compared");
     }
 }
 
