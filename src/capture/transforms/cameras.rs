@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use glam::DAffine3;
 
-use super::load::{self, PictureFiles};
+use super::files::PictureFiles;
+use super::load;
 use super::manifest::{Entry, Keys, Manifest};
 use super::pose;
 use crate::capture::{Camera, Intrinsics};
@@ -97,7 +98,7 @@ fn picture_files(folder: &Path, entry: &Entry, keys: &Keys, manifest: &Path) -> 
     )
 }
 
-/// The first NeRF data sets name pictures without extension.
+/// The first data sets of radiance fields name pictures without extension.
 fn with_extension(path: PathBuf) -> PathBuf {
     if path.extension().is_some() || path.is_file() {
         return path;

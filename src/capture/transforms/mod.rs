@@ -11,6 +11,7 @@
 //! Files without them read unchanged: one camera for each distinct pose.
 
 mod cameras;
+mod files;
 mod load;
 pub mod manifest;
 mod png;
