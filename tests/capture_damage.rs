@@ -8,6 +8,7 @@ use common::{Folder, PIXELS, entry, flat, picture, plain};
 use exr::prelude::FlatSamples;
 use overlook::capture::exr::ExrFile;
 use overlook::error::{Error, Result};
+use overlook::settings::CaptureSettings;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -135,6 +136,13 @@ fn nonsense_in_the_manifest_is_named() {
         &["frames[1]", "left/0001.exr", "rotation"],
     );
     assert_names(&error_of(|_, _, entries| drop(entries[1]["camera"].take())), &["camera", "all of them"]);
+}
+
+#[test]
+fn a_folder_without_a_manifest_says_what_a_capture_is() {
+    let folder = Folder::new();
+    let error = overlook::capture::transforms::open(&folder.path(""), &CaptureSettings::default());
+    assert_names(&error.err().unwrap().to_string(), &["transforms.json", "a capture is"]);
 }
 
 #[test]

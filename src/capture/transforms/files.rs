@@ -30,6 +30,8 @@ pub(super) struct PictureFiles {
     wishes: ChannelWishes,
     /// What depth measures, where the manifest says so.
     pub depth_kind: Option<DepthKind>,
+    /// Whether the manifest gives the near plane.
+    pub has_near_clip: bool,
     unit_scale: Option<f64>,
     /// Kind, scale and sample type are decided by the file.
     rules: DepthRules,
@@ -88,6 +90,7 @@ impl PictureFiles {
                 normal_channel: keys.normal_channel.clone(),
             },
             depth_kind: depth_kind.transpose()?,
+            has_near_clip: keys.near_clip.is_some(),
             unit_scale: positive("depth_unit_scale_factor", keys.depth_unit_scale_factor)?,
             rules: DepthRules {
                 miss_value: keys.depth_miss_value,

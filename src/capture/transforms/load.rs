@@ -99,11 +99,21 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// Checks the headers of a frame's files, and tells whether they give normals.
+/// What the headers of a frame's files tell.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Probe {
+    /// Whether there are normals, and they are to be read.
+    pub has_normals: bool,
+    /// Whether depth is measured from a near plane that the manifest does not give.
+    pub lacks_near_clip: bool,
+}
+
+/// Checks the headers of a frame's files.
 ///
 /// # Errors
 /// As [`frame`], but for damage behind the headers.
-pub(super) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Result<bool> {
+pub(super) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Probe> {
+    let mut lacks_near_clip = false;
     let inner_wishes = files.wishes_of_color_file();
     let mut has_normals = files.normal.is_some();
     match format_of(&files.color, place)? {
@@ -113,12 +123,14 @@ pub(super) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
             let picture = Picture::open(&files.color, files, &inner_wishes, camera, place)?;
             picture.color()?;
             if files.depth.is_none() {
-                picture.depth()?;
+                let is_from_near = |kind| kind == DepthKind::RayDistanceFromNearClip;
+                lacks_near_clip = matches!(picture.depth()?, DepthChannels::One(_, kind) if is_from_near(kind))
+                    && !files.has_near_clip;
             }
             has_normals |= picture.names.normal.is_some();
         }
     }
-    Ok(has_normals && files.normal_space.is_some())
+    Ok(Probe { has_normals: has_normals && files.normal_space.is_some(), lacks_near_clip })
 }
 
 fn no_depth(place: &str) -> Error {
@@ -221,8 +233,10 @@ fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
     Ok(DepthPart { inverse_depth, step_relative, name: path.display().to_string() })
 }
 
-fn median_of_hits(inverse_depth: &[f32]) -> f32 {
-    let mut hits: Vec<f32> = inverse_depth.iter().copied().filter(|inverse| *inverse > 0.0).collect();
+/// The median of the finite values above 0, or 0.
+fn median_of_hits(values: &[f32]) -> f32 {
+    let mut hits: Vec<f32> =
+        values.iter().copied().filter(|value| *value > 0.0 && value.is_finite()).collect();
     let middle = hits.len() / 2;
     if hits.is_empty() { 0.0 } else { *hits.select_nth_unstable_by(middle, f32::total_cmp).1 }
 }
@@ -270,21 +284,35 @@ impl Planes {
 
     fn take_depth(&mut self, channels: DepthChannels, picture: &Picture, camera: &Camera) -> DepthPart {
         let name = |index: usize| picture.file.channels()[index].name.clone();
-        let (inverse_depth, is_half, name) = match channels {
+        let half_step = |is_half| if is_half { HALF_STEP_RELATIVE } else { 0.0 };
+        match channels {
             DepthChannels::One(index, kind) => {
                 let (values, is_half) = self.take();
                 let rules = picture.files.depth_rules(kind, is_half);
-                (rules.inverse_depth_plane(&values, camera), is_half, name(index))
+                DepthPart {
+                    inverse_depth: rules.inverse_depth_plane(&values, camera),
+                    step_relative: half_step(is_half),
+                    name: name(index),
+                }
             }
             DepthChannels::Position([x, ..]) => {
                 let planes = [(); 3].map(|()| self.take());
                 let is_half = planes[0].1;
                 let rules = picture.files.depth_rules(DepthKind::WorldPosition, is_half);
                 let xyz = [&planes[0].0, &planes[1].0, &planes[2].0].map(Vec::as_slice);
-                (rules.inverse_depth_from_positions(xyz, camera), is_half, name(x))
+                let inverse_depth = rules.inverse_depth_from_positions(xyz, camera);
+                // A position errs by a share of its coordinates, which may be larger than its depth.
+                let coordinate_per_depth = xyz
+                    .map(|axis| axis.iter().zip(&inverse_depth).map(|(value, w)| value.abs() * w).collect())
+                    .map(|shares: Vec<f32>| median_of_hits(&shares))
+                    .into_iter()
+                    .fold(1.0, f32::max);
+                DepthPart {
+                    inverse_depth,
+                    step_relative: half_step(is_half) * coordinate_per_depth,
+                    name: name(x),
+                }
             }
-        };
-        let step_relative = if is_half { HALF_STEP_RELATIVE } else { 0.0 };
-        DepthPart { inverse_depth, step_relative, name }
+        }
     }
 }

@@ -215,8 +215,14 @@ impl Manifest {
     /// Reads a manifest.
     ///
     /// # Errors
-    /// `Io` where it cannot be read, `Invalid` for broken JSON, a missing key, or no entries at all.
+    /// `Io` where it cannot be read, `Invalid` where it is missing, for broken JSON, a missing key, or no entries.
     pub fn read(path: &Path) -> Result<Self> {
+        if !path.exists() {
+            return Err(Error::invalid(
+                path.display(),
+                "there is no such file; a capture is a folder that holds a transforms.json",
+            ));
+        }
         let length = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
         if length > MAX_BYTES {
             return Err(Error::invalid(
