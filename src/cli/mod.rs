@@ -1,1 +1,193 @@
-//! cli
+//! The command line: one file per subcommand over the same library calls as the window.
+//!
+//! Results go to stdout, as text or with `--json` as one document; progress and trouble go to stderr. The exit code is 0
+//! on success, 1 on bad input (with one line that says what, where, and what to do) and 2 on bad usage.
+
+mod demo;
+mod evaluate;
+mod info;
+mod machine;
+mod output;
+mod picture;
+mod preprocess;
+mod progress;
+mod render;
+mod settings;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::error::Error;
+use crate::settings::Settings;
+
+const EXAMPLES: &str = "\
+Examples:
+  overlook                                                  explore the built-in scene in a window
+  overlook demo orrery --out scene                          write a capture to try things on
+  overlook preprocess scene --out scene.ovl                 drop what is redundant
+  overlook render scene.ovl --views scene/novel/transforms.json --out pictures
+  overlook evaluate scene                                   accuracy against no pruning and first camera wins
+
+Exit codes: 0 success, 1 bad input (one line on stderr says what, where and what to do), 2 bad usage.";
+
+/// See, prune and explore animated scenes recorded as color and depth by several static cameras.
+///
+/// Without a command, a window opens on PATH, or on the built-in scene.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+
+    /// What the window opens: a capture (a folder or its transforms.json) or a store.
+    path: Option<PathBuf>,
+
+    /// Threads to work with [default: one per core].
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Write a built-in scene as a capture: EXR, transforms.json, and truth vantages in DIR/novel.
+    Demo(demo::DemoArgs),
+    /// Say what a capture or a store holds.
+    Info(info::InfoArgs),
+    /// Drop what is redundant in a capture and write the rest as a store.
+    Preprocess(preprocess::PreprocessArgs),
+    /// Paint a store from any vantages, and score the pictures where the truth is known.
+    Render(render::RenderArgs),
+    /// Score settings: accuracy, speed and size, against no pruning and against first camera wins.
+    Evaluate(evaluate::EvaluateArgs),
+    /// Print every setting with its meaning, unit, range and value, as TOML.
+    Settings(settings::SettingsCommandArgs),
+}
+
+/// Settings: the defaults, then a file, then single values.
+#[derive(Debug, Args)]
+struct SettingsArgs {
+    /// Settings to start from (TOML; `overlook settings` prints them all).
+    #[arg(long, value_name = "FILE")]
+    settings: Option<PathBuf>,
+    /// Change one setting, as in --set pruning.depth_tolerance=2; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl SettingsArgs {
+    /// These settings over `base`.
+    fn over(&self, base: Settings) -> Result<Settings, Failure> {
+        let mut settings = match &self.settings {
+            Some(path) => Settings::load(path)?,
+            None => base,
+        };
+        for assignment in &self.set {
+            settings.set_text(assignment).map_err(|error| Failure::Usage(error.to_string()))?;
+        }
+        Ok(settings)
+    }
+}
+
+/// Why a command ends early.
+#[derive(Debug)]
+enum Failure {
+    /// The command line makes no sense: exit code 2.
+    Usage(String),
+    /// The input is bad, or the work failed: exit code 1.
+    Work(Error),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Work(error)
+    }
+}
+
+/// Runs the program with the arguments it was started with.
+#[must_use]
+pub fn run() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Where stdout or stderr is closed there is nobody to tell.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+        }
+    };
+    match cli.run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Usage(what)) => {
+            eprintln!("overlook: {what}");
+            ExitCode::from(2)
+        }
+        Err(Failure::Work(error)) => {
+            eprintln!("overlook: {}", error.to_string().replace('\n', " "));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+impl Cli {
+    fn run(self) -> Result<(), Failure> {
+        use_threads(self.threads)?;
+        match self.command {
+            Some(Command::Demo(args)) => args.run(),
+            Some(Command::Info(args)) => args.run(),
+            Some(Command::Preprocess(args)) => args.run(),
+            Some(Command::Render(args)) => args.run(),
+            Some(Command::Evaluate(args)) => args.run(),
+            Some(Command::Settings(args)) => args.run(),
+            None => open_window(self.path),
+        }
+    }
+}
+
+fn open_window(path: Option<PathBuf>) -> Result<(), Failure> {
+    if let Some(path) = &path
+        && !path.exists()
+    {
+        return Err(Failure::Work(Error::invalid(
+            path.display(),
+            "is neither a command nor a capture or store; see overlook --help",
+        )));
+    }
+    Ok(crate::app::run(path)?)
+}
+
+fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.map_or(0, usize::from))
+        .thread_name(|index| format!("worker {index}"))
+        .build_global()
+        .map_err(|error| Failure::Work(Error::unsupported("--threads", error.to_string())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        <Cli as clap::CommandFactory>::command().debug_assert();
+    }
+
+    #[test]
+    fn single_values_win_over_the_file_and_the_file_over_what_was_there() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(&file, "[pruning]\ndepth_tolerance = 2.0\nnormal_tolerance = 10.0\n").unwrap();
+        let mut base = Settings::default();
+        base.set_text("pruning.normal_tolerance=50").unwrap();
+        let mut args = SettingsArgs {
+            settings: Some(file.path().to_path_buf()),
+            set: vec!["pruning.depth_tolerance=3".to_owned()],
+        };
+        let settings = args.over(base.clone()).unwrap();
+        assert_eq!((settings.pruning.depth_tolerance, settings.pruning.normal_tolerance), (3.0, 10.0));
+        args.settings = None;
+        assert_eq!(args.over(base).unwrap().pruning.normal_tolerance, 50.0);
+        args.set.push("pruning.nonsense=1".to_owned());
+        assert!(matches!(args.over(Settings::default()), Err(Failure::Usage(_))));
+    }
+}

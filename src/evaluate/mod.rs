@@ -40,9 +40,9 @@ pub struct MeanScore {
     /// See [`Scores::psnr_db`]; `None` where no view has truth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr_db: Option<f64>,
-    /// See [`Scores::psnr_covered_db`]; over views of which any pixel is covered.
+    /// See [`Scores::psnr_all_db`].
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub psnr_covered_db: Option<f64>,
+    pub psnr_all_db: Option<f64>,
     /// See [`Scores::ssim`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ssim: Option<f64>,
@@ -73,7 +73,7 @@ impl Evaluation {
         };
         let mean = MeanScore {
             psnr_db: mean_score(&|scores| Some(scores.psnr_db)),
-            psnr_covered_db: mean_score(&|scores| scores.psnr_covered_db),
+            psnr_all_db: mean_score(&|scores| Some(scores.psnr_all_db)),
             ssim: mean_score(&|scores| Some(scores.ssim)),
             coverage: mean_score(&|scores| Some(scores.coverage)),
             milliseconds: mean(views.iter().map(|view| view.milliseconds)).unwrap_or_default(),
@@ -88,13 +88,13 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// Paints one view and, where its truth is known, scores it.
+/// Paints one view and, where its truth is known, scores it. Nothing is kept from one view to the next, so that neither
+/// milliseconds nor samples depend on the view before.
 ///
 /// # Errors
 /// `Invalid` naming the view where the set has no such frame or the truth has another size; whatever the truth's
 /// file gives; `Cancelled`.
 pub fn render_view(
-    renderer: &mut CpuRenderer,
     samples: &Arc<SampleSet>,
     view: &View,
     settings: &RenderSettings,
@@ -113,7 +113,7 @@ pub fn render_view(
         )
     })?;
     let vantage = Vantage { camera: view.camera.clone(), frame };
-    let (picture, stats) = renderer.render(samples, &vantage, settings, job)?;
+    let (picture, stats) = CpuRenderer::new().render(samples, &vantage, settings, job)?;
     let scores = match &view.truth {
         None => None,
         Some(truth) => Some(metrics::score(&picture, &truth()?).map_err(|error| match error {
@@ -147,12 +147,11 @@ pub fn evaluate(
             "no view has a true picture to be compared with; name others with --views or hold out a camera",
         ));
     }
-    let mut renderer = CpuRenderer::new();
     job.start("Scoring views", views.len());
     let mut scores = Vec::with_capacity(views.len());
     for view in views {
         job.check()?;
-        scores.push(render_view(&mut renderer, samples, view, settings, job)?.1);
+        scores.push(render_view(samples, view, settings, job)?.1);
         job.advance(1);
     }
     Ok(Evaluation::of(scores))

@@ -1,0 +1,96 @@
+//! `overlook demo`: a built-in scene as a capture on disk.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use serde::Serialize;
+
+use super::{Failure, output, progress};
+use crate::capture::demo::{Demo, DemoSpec, SCENES};
+use crate::capture::transforms::write_capture;
+use crate::settings::CaptureSettings;
+
+/// Arguments of `overlook demo`.
+#[derive(Debug, Args)]
+pub(super) struct DemoArgs {
+    /// Which scene.
+    #[arg(value_name = "NAME", value_parser = PossibleValuesParser::new(
+        SCENES.iter().map(|(name, help)| PossibleValue::new(*name).help(*help))))]
+    scene: String,
+    /// Folder to write to.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Number of cameras [default: the scene's own].
+    #[arg(long, value_name = "N")]
+    cameras: Option<usize>,
+    /// Number of frames [default: the scene's own].
+    #[arg(long, value_name = "N")]
+    frames: Option<usize>,
+    /// Columns and rows of every camera [default: the scene's own].
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<(u32, u32)>,
+    /// Relative standard deviation of renderer-like color noise [default: the scene's own].
+    #[arg(long, value_name = "SHARE")]
+    noise: Option<f32>,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct DemoOutput {
+    scene: String,
+    cameras: usize,
+    frames: usize,
+    truth_views: usize,
+}
+
+impl DemoArgs {
+    pub(super) fn run(self) -> Result<(), Failure> {
+        let spec = DemoSpec {
+            scene: self.scene.clone(),
+            cameras: self.cameras,
+            frames: self.frames,
+            size: self.size,
+            noise: self.noise,
+        };
+        let demo = Demo::new(&spec).map_err(|error| Failure::Usage(error.to_string()))?;
+        let capture = demo.capture(&CaptureSettings::default());
+        let views = demo.truth_views();
+        progress::watched(|job| write_capture(&self.out, &capture, &views, job))?;
+        let written = DemoOutput {
+            scene: self.scene,
+            cameras: capture.cameras.len(),
+            frames: capture.frame_count(),
+            truth_views: views.len(),
+        };
+        if self.json {
+            return output::print_json(&written);
+        }
+        let out = self.out.display();
+        output::print(&format!(
+            "Wrote {}: {} cameras, {} frames, {} truth views, to {out}\nNext: overlook preprocess {out} --out {}.ovl",
+            written.scene, written.cameras, written.frames, written.truth_views, written.scene
+        ))
+    }
+}
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let (width, height) = text.split_once(['x', '×']).ok_or("write it as WxH, as in 640x480")?;
+    let side = |text: &str| text.trim().parse().map_err(|_| format!("'{text}' is not a number of pixels"));
+    Ok((side(width)?, side(height)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse_size;
+
+    #[test]
+    fn sizes_are_read_or_refused() {
+        assert_eq!(parse_size("640x480"), Ok((640, 480)));
+        for text in ["640", "x", "-1x5", "640x480x3"] {
+            assert!(parse_size(text).is_err());
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! `overlook evaluate`: accuracy, speed and size of one setting.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Serialize;
+
+use super::{Failure, SettingsArgs, output, progress};
+use crate::capture::{Capture, View, transforms};
+use crate::evaluate::{Compared, Comparison, Evaluation, ViewScore, compare, hold_out, metrics::Scores};
+use crate::settings::Settings;
+
+/// Arguments of `overlook evaluate`.
+#[derive(Debug, Args)]
+pub(super) struct EvaluateArgs {
+    /// The capture: a folder or its transforms.json.
+    capture: PathBuf,
+    /// Vantages whose truth is known [default: the capture's novel/transforms.json].
+    #[arg(long, value_name = "TRANSFORMS", conflicts_with = "hold_out")]
+    views: Option<PathBuf>,
+    /// Leave this camera out and score against its frames; may be given several times.
+    #[arg(long, value_name = "CAMERA")]
+    hold_out: Vec<String>,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct EvaluateOutput<'a> {
+    #[serde(flatten)]
+    as_set: &'a Compared,
+    no_pruning: &'a Compared,
+    first_camera: &'a Compared,
+    hold_out: &'a [String],
+    settings: &'a Settings,
+}
+
+impl EvaluateArgs {
+    pub(super) fn run(self) -> Result<(), Failure> {
+        let settings = self.settings.over(Settings::default())?;
+        let capture = transforms::open(&self.capture, &settings.capture)?;
+        output::warn(&capture.warnings);
+        let (capture, views) = self.truth(capture)?;
+        let comparison = progress::watched(|job| compare(&capture, &views, &settings, job))?;
+        if self.json {
+            return output::print_json(&EvaluateOutput {
+                as_set: &comparison.as_set,
+                no_pruning: &comparison.no_pruning,
+                first_camera: &comparison.first_camera,
+                hold_out: &self.hold_out,
+                settings: &settings,
+            });
+        }
+        output::print(&format!(
+            "{}\n\n{}",
+            view_table(&comparison.as_set.evaluation),
+            comparison_table(&comparison)
+        ))
+    }
+
+    /// The capture to preprocess, and the views to score it at.
+    fn truth(&self, capture: Capture) -> Result<(Capture, Vec<View>), Failure> {
+        if !self.hold_out.is_empty() {
+            return Ok(hold_out::split(&capture, &self.hold_out)?);
+        }
+        let views = self.views.clone().or_else(|| novel_views(&self.capture)).ok_or_else(|| {
+            Failure::Usage(format!(
+                "{} comes without truth views; name some with --views, or hold out a camera with --hold-out {}",
+                self.capture.display(),
+                capture.cameras.first().map_or("CAMERA", |camera| &camera.name)
+            ))
+        })?;
+        let views = transforms::open_views(&views)?;
+        Ok((capture, views))
+    }
+}
+
+/// The truth views that stand beside a capture.
+fn novel_views(capture: &Path) -> Option<PathBuf> {
+    let folder = if capture.is_dir() { capture } else { capture.parent()? };
+    let views = folder.join("novel").join("transforms.json");
+    views.is_file().then_some(views)
+}
+
+/// One line per view, then the mean. `covered` is the PSNR of pixels that got a sample.
+pub(super) fn view_table(evaluation: &Evaluation) -> String {
+    let mut text = format!(
+        "{:<28} {:>8} {:>8} {:>8} {:>7} {:>10} {:>12}",
+        "view", "PSNR dB", "covered", "SSIM", "cover", "ms", "samples"
+    );
+    let mut line =
+        |name: &str, [psnr_db, covered_db, ssim, coverage]: [Option<f64>; 4], milliseconds, samples| {
+            let _ = write!(
+                text,
+                "\n{name:<28} {} {} {} {} {milliseconds:>10.1} {:>12}",
+                output::number(psnr_db, 2, 8),
+                output::number(covered_db, 2, 8),
+                output::number(ssim, 4, 8),
+                output::number(coverage, 3, 7),
+                output::count(samples)
+            );
+        };
+    for ViewScore { file_path, scores, milliseconds, samples } in &evaluation.views {
+        let values = match scores {
+            Some(Scores { psnr_db, psnr_covered_db, ssim, coverage }) => {
+                [Some(*psnr_db), *psnr_covered_db, Some(*ssim), Some(*coverage)]
+            }
+            None => [None; 4],
+        };
+        line(file_path, values, *milliseconds, *samples);
+    }
+    let mean = &evaluation.mean;
+    line(
+        "mean",
+        [mean.psnr_db, mean.psnr_covered_db, mean.ssim, mean.coverage],
+        mean.milliseconds,
+        mean.samples as u64,
+    );
+    text
+}
+
+/// One line per way to prune.
+fn comparison_table(comparison: &Comparison) -> String {
+    let mut text = format!(
+        "{:<16} {:>8} {:>8} {:>8} {:>7} {:>10} {:>14} {:>12}",
+        "pruning", "PSNR dB", "covered", "SSIM", "cover", "ms", "samples kept", "in memory"
+    );
+    for compared in [&comparison.as_set, &comparison.no_pruning, &comparison.first_camera] {
+        let mean = &compared.evaluation.mean;
+        let _ = write!(
+            text,
+            "\n{:<16} {} {} {} {} {:>10.1} {:>14} {:>12}",
+            compared.method.name(),
+            output::number(mean.psnr_db, 2, 8),
+            output::number(mean.psnr_covered_db, 2, 8),
+            output::number(mean.ssim, 4, 8),
+            output::number(mean.coverage, 3, 7),
+            mean.milliseconds,
+            output::count(compared.samples_kept),
+            output::bytes(compared.bytes_memory)
+        );
+    }
+    text
+}

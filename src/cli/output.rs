@@ -1,0 +1,83 @@
+//! What commands say on stdout.
+
+use std::io::{ErrorKind, Write};
+
+use serde::Serialize;
+
+use super::Failure;
+use crate::error::Error;
+
+/// Prints lines of text.
+pub(super) fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
+        // Whoever was reading has read enough.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        result => Ok(result.map_err(|error| Error::io("stdout", error))?),
+    }
+}
+
+/// Prints one JSON document.
+pub(super) fn print_json(document: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(document)
+        .map_err(|error| Error::invalid("JSON output", error.to_string()))?;
+    print(&text)
+}
+
+/// Tells of recoverable trouble, one line each, on stderr.
+pub(super) fn warn(warnings: &[String]) {
+    for warning in warnings {
+        eprintln!("overlook: warning: {warning}");
+    }
+}
+
+/// A count with separators: 1,234,567.
+pub(super) fn count(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (position, digit) in digits.chars().enumerate() {
+        if position > 0 && (digits.len() - position).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Bytes in the unit that suits.
+pub(super) fn bytes(number: u64) -> String {
+    const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];
+    if number < 1024 {
+        return format!("{number} bytes");
+    }
+    let mut value = number as f64 / 1024.0;
+    let mut unit = 0;
+    while value >= 1024.0 && unit + 1 < UNITS.len() {
+        value /= 1024.0;
+        unit += 1;
+    }
+    format!("{value:.1} {}", UNITS[unit])
+}
+
+/// `part` of `whole` in percent.
+pub(super) fn percent(part: u64, whole: u64) -> String {
+    if whole == 0 { "0 %".to_owned() } else { format!("{:.1} %", 100.0 * part as f64 / whole as f64) }
+}
+
+/// A number that may be unknown, right-aligned.
+pub(super) fn number(value: Option<f64>, decimals: usize, width: usize) -> String {
+    value.map_or_else(|| format!("{:>width$}", "–"), |value| format!("{value:>width$.decimals$}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!([count(0), count(999), count(1_234_567)], ["0", "999", "1,234,567"]);
+        assert_eq!([bytes(12), bytes(1536), bytes(5 << 30)], ["12 bytes", "1.5 KiB", "5.0 GiB"]);
+        assert_eq!([percent(1, 8), percent(1, 0)], ["12.5 %", "0 %"]);
+        assert_eq!([number(Some(1.25), 1, 5), number(None, 1, 3)], ["  1.2", "  –"]);
+    }
+}

@@ -1,0 +1,104 @@
+//! Rendered pictures as files: linear EXR and, beside it, sRGB PNG.
+
+use std::path::{Component, Path, PathBuf};
+
+use image::{ImageFormat, Rgba, RgbaImage};
+
+use crate::capture::exr_write;
+use crate::color::srgb8_from_linear;
+use crate::error::{Error, Result};
+use crate::render::{NO_IMAGE, Picture};
+
+/// Where a view's picture goes: its own name below the output folder, once with each extension.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) struct PicturePaths {
+    pub(super) exr: PathBuf,
+    pub(super) png: PathBuf,
+}
+
+impl PicturePaths {
+    /// # Errors
+    /// `Invalid` where `file_path` would leave `folder`.
+    pub(super) fn below(folder: &Path, file_path: &str) -> Result<Self> {
+        let relative = Path::new(file_path);
+        let stays_below =
+            relative.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        if !stays_below || relative.file_name().is_none() {
+            return Err(Error::invalid(
+                format!("view '{file_path}'"),
+                "file_path must be relative and without '..', so that the picture stays below the output folder",
+            ));
+        }
+        // Only the two extensions that are written are replaced: 'r_0.5' is a name, not an extension.
+        let is_picture = relative.extension().is_some_and(|extension| {
+            ["exr", "png"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+        });
+        let stem = if is_picture { relative.with_extension("") } else { relative.to_path_buf() };
+        let with = |extension: &str| {
+            let mut name = folder.join(&stem).into_os_string();
+            name.push(extension);
+            PathBuf::from(name)
+        };
+        Ok(Self { exr: with(".exr"), png: with(".png") })
+    }
+
+    /// Writes the picture twice: EXR with linear `R G B A Z`, and PNG as a display shows it. Holes have alpha 0 in both.
+    ///
+    /// # Errors
+    /// `Io`.
+    pub(super) fn write(&self, picture: &Picture) -> Result<()> {
+        if let Some(folder) = self.exr.parent() {
+            std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+        }
+        let coverage = picture.image.map(|image| if *image == NO_IMAGE { 0.0 } else { 1.0 });
+        exr_write::write_picture(&self.exr, &picture.color, &coverage, &picture.inverse_depth)?;
+        png_of(picture).save_with_format(&self.png, ImageFormat::Png).map_err(|error| match error {
+            image::ImageError::IoError(error) => Error::io(&self.png, error),
+            error => Error::invalid(self.png.display(), error.to_string()),
+        })
+    }
+}
+
+fn png_of(picture: &Picture) -> RgbaImage {
+    let (width, height) = picture.color.size();
+    RgbaImage::from_fn(width as u32, height as u32, |x, y| {
+        let pixel = (x as usize, y as usize);
+        let [r, g, b] = picture.color[pixel].map(srgb8_from_linear);
+        Rgba([r, g, b, if picture.image[pixel] == NO_IMAGE { 0 } else { 255 }])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_keeps_the_views_own_name() {
+        let out = Path::new("out");
+        let paths = PicturePaths::below(out, "novel0/0001.exr").unwrap();
+        assert_eq!(paths.exr, Path::new("out/novel0/0001.exr"));
+        assert_eq!(paths.png, Path::new("out/novel0/0001.png"));
+        assert_eq!(PicturePaths::below(out, "./r_0.5").unwrap().png, Path::new("out/./r_0.5.png"));
+        assert_eq!(PicturePaths::below(out, "a.PNG").unwrap().exr, Path::new("out/a.exr"));
+    }
+
+    #[test]
+    fn a_picture_never_leaves_the_output_folder() {
+        for path in ["/etc/passwd", "../x.exr", "a/../../x.exr", "..", ".", ""] {
+            let error = PicturePaths::below(Path::new("out"), path).unwrap_err().to_string();
+            assert!(error.contains("output folder"), "{error}");
+        }
+    }
+
+    #[test]
+    fn holes_are_transparent() {
+        let mut picture = Picture {
+            color: crate::grid::Grid::filled(2, 1, [1.0, 0.0, 0.214_041]),
+            inverse_depth: crate::grid::Grid::filled(2, 1, 1.0),
+            image: crate::grid::Grid::filled(2, 1, 0),
+        };
+        picture.image[(1, 0)] = NO_IMAGE;
+        let png = png_of(&picture);
+        assert_eq!([png[(0, 0)].0, png[(1, 0)].0], [[255, 0, 128, 255], [255, 0, 128, 0]]);
+    }
+}

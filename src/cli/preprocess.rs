@@ -1,0 +1,138 @@
+//! `overlook preprocess`: from a capture to a store.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{Failure, SettingsArgs, machine, output, progress};
+use crate::capture::{Capture, transforms};
+use crate::error::{Error, Result};
+use crate::evaluate::hold_out;
+use crate::job::Job;
+use crate::preprocess::{Report, preprocess};
+use crate::settings::{CaptureSettings, Settings};
+use crate::store;
+
+/// Arguments of `overlook preprocess`.
+#[derive(Debug, Args)]
+pub(super) struct PreprocessArgs {
+    /// The capture: a folder or its transforms.json.
+    capture: PathBuf,
+    /// The store to write.
+    #[arg(long, value_name = "F.ovl")]
+    out: PathBuf,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Leave this camera out, to score against it later; may be given several times.
+    #[arg(long, value_name = "CAMERA")]
+    hold_out: Vec<String>,
+    /// Also measure how long decoding every frame takes on its own.
+    #[arg(long)]
+    measure_decode: bool,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct PreprocessOutput {
+    samples_in: u64,
+    samples_kept: u64,
+    /// All input pixels as 8-bit color and 32-bit depth.
+    bytes_raw: u64,
+    bytes_memory: u64,
+    bytes_store: u64,
+    seconds_total: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seconds_decode_only: Option<f64>,
+    peak_rss_bytes: Option<u64>,
+    pruned: BTreeMap<String, u64>,
+    threads: usize,
+    report: Report,
+}
+
+impl PreprocessArgs {
+    pub(super) fn run(self) -> Result<(), Failure> {
+        let settings = self.settings.over(Settings::default())?;
+        let capture = self.open(&settings.capture)?;
+        output::warn(&capture.warnings);
+        let seconds_decode_only = if self.measure_decode { Some(self.decode_seconds()?) } else { None };
+        let started = Instant::now();
+        let (report, bytes_store) = progress::watched(|job| {
+            let preprocessed = preprocess(&capture, &settings, job)?;
+            let bytes = store::write(&self.out, &preprocessed.samples, &preprocessed.report, job)?;
+            Ok::<_, Error>((preprocessed.report, bytes))
+        })?;
+        let result = PreprocessOutput {
+            samples_in: report.samples_in,
+            samples_kept: report.samples_kept,
+            bytes_raw: report.bytes_raw,
+            bytes_memory: report.bytes_memory,
+            bytes_store,
+            seconds_total: started.elapsed().as_secs_f64(),
+            seconds_decode_only,
+            peak_rss_bytes: machine::peak_rss_bytes(),
+            pruned: report.pruned.clone(),
+            threads: rayon::current_num_threads(),
+            report,
+        };
+        if self.json { output::print_json(&result) } else { output::print(&self.text(&result)) }
+    }
+
+    fn open(&self, settings: &CaptureSettings) -> Result<Capture> {
+        let capture = transforms::open(&self.capture, settings)?;
+        if self.hold_out.is_empty() { Ok(capture) } else { Ok(hold_out::split(&capture, &self.hold_out)?.0) }
+    }
+
+    /// Decodes every frame once, through a capture of its own so that neither cache helps the other.
+    fn decode_seconds(&self) -> Result<f64> {
+        let capture = self.open(&CaptureSettings { cache: 16 })?;
+        let frames = capture.frame_count();
+        progress::watched(|job: &Job| {
+            let started = Instant::now();
+            job.start("Decoding frames", capture.cameras.len() * frames);
+            (0..capture.cameras.len() * frames).into_par_iter().try_for_each(|index| {
+                job.check()?;
+                capture.frame(index / frames, index % frames)?;
+                job.advance(1);
+                Ok::<_, Error>(())
+            })?;
+            Ok(started.elapsed().as_secs_f64())
+        })
+    }
+
+    fn text(&self, result: &PreprocessOutput) -> String {
+        let mut text = format!(
+            "Kept {} of {} samples ({})\n",
+            output::count(result.samples_kept),
+            output::count(result.samples_in),
+            output::percent(result.samples_kept, result.samples_in)
+        );
+        for (rule, dropped) in &result.pruned {
+            let _ = writeln!(text, "  dropped {:>16}  {rule}", output::count(*dropped));
+        }
+        let _ = writeln!(
+            text,
+            "Raw {}, in memory {}, in the store {}",
+            output::bytes(result.bytes_raw),
+            output::bytes(result.bytes_memory),
+            output::bytes(result.bytes_store)
+        );
+        let _ = write!(text, "Took {:.1} s on {} threads", result.seconds_total, result.threads);
+        if let Some(seconds) = result.seconds_decode_only {
+            let _ = write!(text, ", decoding alone {seconds:.1} s");
+        }
+        if let Some(bytes) = result.peak_rss_bytes {
+            let _ = write!(text, ", at most {} of memory", output::bytes(bytes));
+        }
+        let store = self.out.display();
+        let _ =
+            write!(text, "\nNext: overlook {store}, or overlook render {store} --views TRANSFORMS --out DIR");
+        text
+    }
+}

@@ -1,0 +1,110 @@
+//! `overlook render`: a store seen from any vantages.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+use super::picture::PicturePaths;
+use super::{Failure, SettingsArgs, output, progress};
+use crate::capture::{View, transforms};
+use crate::error::{Error, Result};
+use crate::evaluate::{Evaluation, render_view};
+use crate::job::Job;
+use crate::preprocess::SampleSet;
+use crate::settings::{Fill, Kernel, RenderSettings};
+use crate::store;
+
+/// Arguments of `overlook render`.
+#[derive(Debug, Args)]
+pub(super) struct RenderArgs {
+    /// The store.
+    store: PathBuf,
+    /// The vantages: a manifest of the same form as a capture's. Where its pictures exist, they are the truth.
+    #[arg(long, value_name = "TRANSFORMS")]
+    views: PathBuf,
+    /// Folder for the pictures, each at its view's own file_path.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// How a sample is painted [default: as the store says].
+    #[arg(long, value_parser = choice::<Kernel>(Kernel::NAMES))]
+    kernel: Option<Kernel>,
+    /// How pixels without any sample are filled [default: as the store says].
+    #[arg(long, value_parser = choice::<Fill>(Fill::NAMES))]
+    fill: Option<Fill>,
+    /// What paints.
+    #[arg(long, default_value = "cpu", value_parser = ["cpu"])]
+    backend: String,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+/// A parser that takes the names of a setting's choices and lists them in the help.
+fn choice<T>(names: &'static [(&'static str, &'static str)]) -> impl TypedValueParser<Value = T>
+where
+    T: std::str::FromStr<Err = String> + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(names.iter().map(|(name, help)| PossibleValue::new(*name).help(help.trim())))
+        .try_map(|name| name.parse::<T>())
+}
+
+impl RenderArgs {
+    pub(super) fn run(self) -> Result<(), Failure> {
+        let (samples, _) = progress::watched(|job| store::read(&self.store, job))?;
+        let mut settings = self.settings.over(samples.settings.clone())?.render;
+        settings.kernel = self.kernel.unwrap_or(settings.kernel);
+        settings.fill = self.fill.unwrap_or(settings.fill);
+        let views = transforms::open_views(&self.views)?;
+        let paths = self.picture_paths(&views)?;
+        let evaluation = progress::watched(|job| paint(&Arc::new(samples), &views, &paths, &settings, job))?;
+        if self.json {
+            return output::print_json(&evaluation);
+        }
+        output::print(&format!(
+            "{}\nWrote {} pictures (EXR and PNG) to {}",
+            super::evaluate::view_table(&evaluation),
+            paths.len(),
+            self.out.display()
+        ))
+    }
+
+    /// Where each picture goes; checked before any is painted.
+    fn picture_paths(&self, views: &[View]) -> Result<Vec<PicturePaths>> {
+        let mut taken = BTreeSet::new();
+        let path_of = |view: &View| {
+            let paths = PicturePaths::below(&self.out, &view.file_path)?;
+            if !taken.insert(paths.clone()) {
+                return Err(Error::invalid(
+                    format!("{}: view '{}'", self.views.display(), view.file_path),
+                    "another view has the same name; give each its own file_path",
+                ));
+            }
+            Ok(paths)
+        };
+        views.iter().map(path_of).collect()
+    }
+}
+
+fn paint(
+    samples: &Arc<SampleSet>,
+    views: &[View],
+    paths: &[PicturePaths],
+    settings: &RenderSettings,
+    job: &Job,
+) -> Result<Evaluation> {
+    let mut scores = Vec::with_capacity(views.len());
+    job.start("Painting views", views.len());
+    for (view, paths) in views.iter().zip(paths) {
+        job.check()?;
+        let (picture, score) = render_view(samples, view, settings, job)?;
+        paths.write(&picture)?;
+        scores.push(score);
+        job.advance(1);
+    }
+    Ok(Evaluation::of(scores))
+}

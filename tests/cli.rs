@@ -1,0 +1,215 @@
+//! The program as a person or a script meets it: exit codes, one clear line of trouble, JSON, and the whole chain.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn overlook(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_overlook"))
+        .args(arguments)
+        .current_dir(folder)
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("RUST_LOG")
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn success(folder: &Path, arguments: &[&str]) -> String {
+    let output = overlook(folder, arguments);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+fn json(folder: &Path, arguments: &[&str]) -> Value {
+    let stdout = success(folder, arguments);
+    serde_json::from_str(&stdout).unwrap_or_else(|error| panic!("{arguments:?}: {error}\n{stdout}"))
+}
+
+/// The one line on stderr of a command that fails on bad input.
+fn trouble(folder: &Path, arguments: &[&str]) -> String {
+    let output = overlook(folder, arguments);
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {stderr}");
+    assert!(output.stdout.is_empty());
+    assert!(stderr.starts_with("overlook: ") && stderr.lines().count() == 1, "{arguments:?}: {stderr}");
+    stderr
+}
+
+fn assert_keys(document: &Value, keys: &[&str]) {
+    for key in keys {
+        assert!(document.get(key).is_some(), "no key '{key}' in {document}");
+    }
+}
+
+#[test]
+fn bad_usage_exits_with_2() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [
+        ["preprocess"].as_slice(),
+        &["preprocess", "x", "--out", "y", "--nonsense"],
+        &["preprocess", "x", "--out", "y", "--set", "pruning.nonsense=1"],
+        &["preprocess", "x", "--out", "y", "--set", "pruning.rate"],
+        &["render", "x", "--views", "y", "--out", "z", "--kernel", "sphere"],
+        &["demo", "atlantis", "--out", "x"],
+        &["demo", "orrery", "--out", "x", "--size", "big"],
+        &["demo", "orrery", "--out", "x", "--cameras", "0"],
+        &["evaluate", "x", "--views", "y", "--hold-out", "z"],
+        &["info", "x", "--threads", "0"],
+    ] {
+        let output = overlook(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty());
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing was written");
+}
+
+#[test]
+fn bad_input_exits_with_1_and_one_line_that_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("broken.ovl"), b"FORM\0\0\0\x09OVLK").unwrap();
+    std::fs::write(folder.path().join("bad.toml"), "[pruning]\nrat = 1\n").unwrap();
+    for arguments in [
+        ["info", "missing"].as_slice(),
+        &["preprocess", "missing", "--out", "o.ovl"],
+        &["evaluate", "missing", "--hold-out", "cam0"],
+        &["render", "missing", "--views", "v", "--out", "d"],
+        &["missing"],
+    ] {
+        assert!(trouble(folder.path(), arguments).contains("missing"));
+    }
+    assert!(trouble(folder.path(), &["info", "broken.ovl"]).contains("broken.ovl"));
+    assert!(
+        trouble(folder.path(), &["preprocess", "x", "--out", "y", "--settings", "bad.toml"])
+            .contains("bad.toml")
+    );
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn without_a_display_one_line_names_the_commands_that_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = trouble(folder.path(), &[]);
+    for command in ["demo", "info", "preprocess", "render", "evaluate"] {
+        assert!(line.contains(command), "{line}");
+    }
+}
+
+#[test]
+fn help_and_settings_explain_themselves() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = success(folder.path(), &["--help"]);
+    for word in ["Examples:", "preprocess", "evaluate", "settings", "--threads"] {
+        assert!(help.contains(word), "{help}");
+    }
+    assert!(success(folder.path(), &["--version"]).contains(env!("CARGO_PKG_VERSION")));
+    let settings = success(folder.path(), &["settings", "--set", "pruning.method=off"]);
+    assert!(settings.contains("[pruning]") && settings.contains("method = \"off\""));
+}
+
+/// Everything that can be done with a small capture, in the order a person would.
+#[test]
+fn the_whole_chain_runs_from_a_demo_to_scores() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let size = ["--cameras", "3", "--frames", "4", "--size", "64x48"];
+    success(here, &[&["demo", "orrery", "--out", "scene"], size.as_slice()].concat());
+
+    let info = json(here, &["info", "scene", "--json"]);
+    assert_eq!((&info["kind"], &info["frames"]), (&Value::from("capture"), &Value::from(4)));
+    assert_eq!(info["cameras"].as_array().unwrap().len(), 3);
+    assert_eq!((&info["cameras"][2]["width"], &info["cameras"][2]["height"]), (&64.into(), &48.into()));
+
+    let made = json(
+        here,
+        &["preprocess", "scene", "--out", "scene.ovl", "--measure-decode", "--threads", "2", "--json"],
+    );
+    assert_keys(&made, &["peak_rss_bytes", "pruned", "seconds_decode_only", "seconds_total"]);
+    assert_eq!(made["samples_in"], 3 * 4 * 64 * 48);
+    assert_eq!(made["bytes_raw"], 3 * 4 * 64 * 48 * 7);
+    assert_eq!(made["threads"], 2);
+    assert!(made["samples_kept"].as_u64().unwrap() < made["samples_in"].as_u64().unwrap());
+    assert_eq!(made["bytes_store"], std::fs::metadata(here.join("scene.ovl")).unwrap().len());
+
+    let info = json(here, &["info", "scene.ovl", "--json"]);
+    assert_keys(&info, &["spans", "settings", "cameras", "frames"]);
+    assert_eq!(info["kind"], "store");
+    assert_eq!((&info["samples"], &info["bytes"]), (&made["samples_kept"], &made["bytes_store"]));
+
+    let views = "scene/novel/transforms.json";
+    let painted = json(
+        here,
+        &["render", "scene.ovl", "--views", views, "--out", "pictures", "--kernel", "point", "--json"],
+    );
+    let scored = json(here, &["evaluate", "scene", "--set", "render.kernel=point", "--json"]);
+    for document in [&painted, &scored] {
+        let keys = ["psnr_db", "ssim", "coverage", "milliseconds", "samples"];
+        assert_keys(&document["mean"], &keys);
+        for view in document["views"].as_array().unwrap() {
+            assert_keys(view, &keys);
+        }
+    }
+    // Through the file or not: the same samples, the same pictures.
+    assert_eq!(painted["mean"]["psnr_db"], scored["mean"]["psnr_db"]);
+    assert_keys(&scored, &["no_pruning", "first_camera", "samples_kept", "bytes_memory"]);
+    for view in painted["views"].as_array().unwrap() {
+        let exr = here.join("pictures").join(view["file_path"].as_str().unwrap());
+        let png = image::open(exr.with_extension("png")).unwrap();
+        assert_eq!((png.width(), png.height()), (64, 48));
+        assert!(exr.is_file());
+    }
+}
+
+#[test]
+fn a_held_out_camera_is_left_out_and_scored() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    success(here, &["demo", "orrery", "--out", "scene", "--frames", "2", "--size", "48x32"]);
+    let info = json(here, &["info", "scene", "--json"]);
+    let camera = info["cameras"][1]["name"].as_str().unwrap();
+    success(here, &["preprocess", "scene", "--out", "rest.ovl", "--hold-out", camera]);
+    let rest = json(here, &["info", "rest.ovl", "--json"]);
+    let names: Vec<_> =
+        rest["cameras"].as_array().unwrap().iter().map(|c| c["name"].as_str().unwrap()).collect();
+    assert!(!names.contains(&camera) && names.len() + 1 == info["cameras"].as_array().unwrap().len());
+
+    let scored = json(here, &["evaluate", "scene", "--hold-out", camera, "--json"]);
+    assert_eq!(scored["views"].as_array().unwrap().len(), 2);
+    assert!(scored["mean"]["coverage"].as_f64().unwrap() > 0.2);
+    assert!(trouble(here, &["evaluate", "scene", "--hold-out", "nobody"]).contains("nobody"));
+
+    // Without truth to compare with, the way out is named.
+    std::fs::remove_dir_all(here.join("scene/novel")).unwrap();
+    let output = overlook(here, &["evaluate", "scene"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("--hold-out"));
+}
+
+#[test]
+fn a_view_that_would_leave_the_output_folder_is_refused_before_anything_is_painted() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    success(
+        here,
+        &["demo", "orrery", "--out", "scene", "--cameras", "1", "--frames", "1", "--size", "16x16"],
+    );
+    success(here, &["preprocess", "scene", "--out", "scene.ovl"]);
+    let manifest = std::fs::read_to_string(here.join("scene/novel/transforms.json")).unwrap();
+    let mut manifest: Value = serde_json::from_str(&manifest).unwrap();
+    manifest["frames"][1]["file_path"] = "../../escaped.exr".into();
+    std::fs::write(here.join("views.json"), manifest.to_string()).unwrap();
+    let line = trouble(here, &["render", "scene.ovl", "--views", "views.json", "--out", "pictures"]);
+    assert!(line.contains("escaped"), "{line}");
+    assert!(!here.join("pictures").exists());
+
+    manifest["frames"][1]["file_path"] = "a/b.exr".into();
+    manifest["frames"][1]["time"] = 77.into();
+    std::fs::write(here.join("views.json"), manifest.to_string()).unwrap();
+    let line = trouble(here, &["render", "scene.ovl", "--views", "views.json", "--out", "pictures"]);
+    assert!(line.contains("a/b.exr") && line.contains("77"), "{line}");
+}
