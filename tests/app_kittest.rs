@@ -2,7 +2,7 @@
 
 mod app_driver;
 
-use app_driver::{Window, click, demo, open, pick, settle, shows, small_demo, type_path, wait};
+use app_driver::{Window, choose, click, demo, open, pick, settle, shows, small_demo, type_path, wait};
 use egui::{Key, Modifiers, PointerButton};
 use egui_kittest::kittest::Queryable;
 use overlook::app::Start;
@@ -118,20 +118,12 @@ fn the_live_view_orbits_jumps_and_comes_home() {
 fn every_overlay_and_coloring_can_be_chosen() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    for overlay in [
-        "Who won",
-        "Sampling ratio",
-        "Background / foreground",
-        "Tile occupancy",
-        "Depth",
-        "Normals",
-        "Picture",
-    ] {
-        pick(&mut window, "Source shows", overlay);
+    for overlay in ["Who won", "Sampling", "Motion", "Tiles", "Depth", "Normals", "Picture"] {
+        choose(&mut window, "Source shows", overlay);
         settle(&mut window);
     }
-    for coloring in ["Camera", "Background / foreground", "Sampling rate", "Picture"] {
-        pick(&mut window, "Live view shows", coloring);
+    for coloring in ["Camera", "Motion", "Sampling", "Picture"] {
+        choose(&mut window, "Live view shows", coloring);
         settle(&mut window);
     }
     window.hover_at(window.get_by_label("Source picture").rect().center());

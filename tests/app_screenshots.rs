@@ -3,7 +3,7 @@
 
 mod app_driver;
 
-use app_driver::{Window, click, demo, open, pick, settle, wait};
+use app_driver::{Window, choose, click, demo, open, settle, wait};
 use egui_kittest::kittest::Queryable;
 use image::RgbaImage;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -57,23 +57,23 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     let mut window = open(orrery(), [1280.0, 800.0]);
     settle(&mut window);
     shoot(&mut window, "main_dark");
-    pick(&mut window, "Source shows", "Who won");
-    pick(&mut window, "Live view shows", "Camera");
+    choose(&mut window, "Source shows", "Who won");
+    choose(&mut window, "Live view shows", "Camera");
     click(&mut window, "Report");
     settle(&mut window);
     shoot(&mut window, "who_won");
-    pick(&mut window, "Source shows", "Sampling ratio");
-    pick(&mut window, "Live view shows", "Sampling rate");
+    choose(&mut window, "Source shows", "Sampling");
+    choose(&mut window, "Live view shows", "Sampling");
     click(&mut window, "Thresholds");
     settle(&mut window);
     shoot(&mut window, "sampling_ratio");
-    pick(&mut window, "Source shows", "Background / foreground");
+    choose(&mut window, "Source shows", "Motion");
     window.set_size(egui::vec2(1920.0, 1080.0));
-    pick(&mut window, "Live view shows", "Picture");
+    choose(&mut window, "Live view shows", "Picture");
     click(&mut window, "Light theme");
     settle(&mut window);
     shoot(&mut window, "main_light");
-    pick(&mut window, "Source shows", "Tile occupancy");
+    choose(&mut window, "Source shows", "Tiles");
     click(&mut window, "Report");
     settle(&mut window);
     shoot(&mut window, "tiles_light");

@@ -51,7 +51,7 @@ fn wait_for<T>(what: &str, mut attempt: impl FnMut() -> Option<T>) -> T {
         if let Some(found) = attempt() {
             return found;
         }
-        assert!(started.elapsed() < Duration::from_secs(60), "waited too long for {what}");
+        assert!(started.elapsed() < Duration::from_mins(1), "waited too long for {what}");
         std::thread::sleep(Duration::from_millis(100));
     }
 }

@@ -30,7 +30,10 @@ const NUMBERS: [Key; 9] =
 /// Turns keys into commands.
 pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>) {
     let ctx = ui.ctx();
-    if ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
+    // An open menu takes the key for itself.
+    if !egui::Popup::is_any_open(ctx)
+        && ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
+    {
         commands.push(Command::Escape);
     }
     let shortcut = |key| KeyboardShortcut::new(Modifiers::COMMAND, key);
@@ -58,17 +61,25 @@ pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
                 commands.push(command);
             }
         }
-        for (index, key) in NUMBERS.into_iter().enumerate() {
-            if input.consume_key(Modifiers::SHIFT, key) {
-                commands.push(Command::JumpTo(index));
-            } else if input.consume_key(Modifiers::NONE, key) {
-                commands.push(Command::SourceCamera(index));
-            }
-        }
+        // With Shift, number keys type something else on every layout: their place on the keyboard counts.
+        commands.extend(input.events.iter().filter_map(number_key));
     });
     if let Some(steps) = ctx.input(flight) {
         commands.push(Command::Fly(steps));
         ctx.request_repaint();
+    }
+}
+
+fn number_key(event: &egui::Event) -> Option<Command> {
+    let egui::Event::Key { key, physical_key, pressed: true, modifiers, .. } = event else { return None };
+    let place = physical_key.unwrap_or(*key);
+    let index = NUMBERS.iter().position(|number| *number == place)?;
+    if modifiers.is_none() {
+        Some(Command::SourceCamera(index))
+    } else if modifiers.shift_only() {
+        Some(Command::JumpTo(index))
+    } else {
+        None
     }
 }
 

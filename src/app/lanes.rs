@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::message::{Message, Purpose};
 use super::scene::{Origin, Scene, median_depth};
+use super::state::Inspected;
 use super::views::live_image::{self, LiveKey};
 use super::views::source_image::{self, SourceKey};
 use super::worker::{Lane, Outbox, Supersede};
@@ -13,7 +14,7 @@ use crate::capture::demo::{Demo, DemoSpec};
 use crate::capture::{Capture, View, transforms};
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::{self, Report, SampleSet, TemporalScan};
+use crate::preprocess::{self, CameraInspection, Report, SampleSet, TemporalScan};
 use crate::render::CpuRenderer;
 use crate::settings::{CaptureSettings, Settings};
 use crate::store;
@@ -214,12 +215,12 @@ fn prune_whole(request: WholeRequest, outbox: &Outbox, job: &Job) -> Result<Mess
 fn inspect(request: InspectRequest, job: &Job) -> Result<Message> {
     let InspectRequest { scene, scan, settings, frame } = request;
     let inspection = preprocess::inspect_frame(capture_of(&scene)?, scan.as_deref(), &settings, frame, job)?;
-    Ok(Message::Inspected {
-        scene: scene.id,
-        settings,
-        with_scan: scan.is_some(),
-        inspection: Arc::new(inspection),
-    })
+    let kept_of = |camera: &CameraInspection| {
+        camera.verdict.as_slice().iter().filter(|verdict| verdict.is_kept()).count() as u64
+    };
+    let kept = inspection.cameras.iter().map(kept_of).collect();
+    let inspected = Inspected { inspection: Arc::new(inspection), settings, with_scan: scan.is_some(), kept };
+    Ok(Message::Inspected { scene: scene.id, inspected })
 }
 
 fn paint_source((scene, key): (Arc<Scene>, SourceKey), _job: &Job) -> Result<Message> {

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::scene::Scene;
+use super::state::Inspected;
 use super::views::live_image::{LiveKey, LivePicture};
 use super::views::source_image::{SourceKey, SourcePicture};
 use crate::error::Error;
-use crate::preprocess::{FrameInspection, Preprocessed, TemporalScan};
+use crate::preprocess::{Preprocessed, TemporalScan};
 use crate::settings::Settings;
 
 /// What a chosen path is for.
@@ -45,7 +46,7 @@ pub(super) enum Message {
     /// The whole capture is pruned.
     Pruned { scene: u64, settings: Settings, result: Arc<Preprocessed> },
     /// One frame is pruned, with reasons.
-    Inspected { scene: u64, settings: Settings, with_scan: bool, inspection: Arc<FrameInspection> },
+    Inspected { scene: u64, inspected: Inspected },
     /// The left picture.
     SourcePainted { key: SourceKey, picture: Arc<SourcePicture> },
     /// The right picture.

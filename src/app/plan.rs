@@ -125,10 +125,10 @@ impl Plan {
         else {
             return;
         };
-        let [width, height] = state.live.size;
-        if width == 0 || height == 0 {
+        if state.live.size.contains(&0) {
             return;
         }
+        let [width, height] = rig.painted_size(state.live.size);
         let key = LiveKey {
             scene: scene.id,
             samples: samples.clone(),

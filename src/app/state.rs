@@ -67,6 +67,8 @@ pub(super) struct Inspected {
     pub settings: Settings,
     /// Whether it was known what is the same over all frames.
     pub with_scan: bool,
+    /// Pixels of each camera that represent themselves.
+    pub kept: Vec<u64>,
 }
 
 /// Where in time.

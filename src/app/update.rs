@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use egui::{TextureFilter, TextureOptions};
+
 use super::OverlookApp;
 use super::command::Command;
 use super::lanes::{FileRequest, OpenRequest};
 use super::memory::remember_recent;
 use super::message::{Message, Purpose};
 use super::scene::{Content, Origin, Scene};
-use super::state::{Inspected, NoticeKind, Shown, TypedPath, Whole, method_of};
+use super::state::{NoticeKind, Shown, TypedPath, Whole, method_of};
 use super::text;
 use super::views::rig::Rig;
 use crate::capture::demo::DemoSpec;
@@ -19,6 +21,10 @@ use crate::settings::Settings;
 
 /// A dialog that is answered faster than this was not seen by a person: there is none on this system.
 const NO_DIALOG: Duration = Duration::from_millis(200);
+
+/// Pixels of the recording are looked at one by one; those of the live view are only as fine as there are samples.
+const SOURCE: (&str, TextureFilter) = ("source", TextureFilter::Nearest);
+const LIVE: (&str, TextureFilter) = ("live", TextureFilter::Linear);
 
 impl OverlookApp {
     /// Carries out one command.
@@ -227,15 +233,15 @@ impl OverlookApp {
                     settings,
                 });
             }
-            Message::Inspected { scene, settings, with_scan, inspection } if Some(scene) == current => {
-                self.state.inspected = Some(Inspected { inspection, settings, with_scan });
+            Message::Inspected { scene, inspected } if Some(scene) == current => {
+                self.state.inspected = Some(inspected);
             }
             Message::SourcePainted { key, picture } if Some(key.scene) == current => {
-                let texture = texture(ctx, "source", &picture.image, self.state.source_shown.take());
+                let texture = texture(ctx, SOURCE, &picture.image, self.state.source_shown.take());
                 self.state.source_shown = Some(Shown { key, picture, texture });
             }
             Message::LivePainted { key, picture } if Some(key.scene) == current => {
-                let texture = texture(ctx, "live", &picture.image, self.state.live_shown.take());
+                let texture = texture(ctx, LIVE, &picture.image, self.state.live_shown.take());
                 self.state.live_shown = Some(Shown { key, picture, texture });
             }
             Message::Measured { scene, settings, accuracy }
@@ -335,15 +341,11 @@ impl OverlookApp {
 /// Uploads a picture: into the texture of the one it replaces, where there is one.
 fn texture<K, P>(
     ctx: &egui::Context,
-    name: &str,
+    (name, magnification): (&str, TextureFilter),
     image: &Arc<egui::ColorImage>,
     replaced: Option<Shown<K, P>>,
 ) -> egui::TextureHandle {
-    let options = egui::TextureOptions {
-        magnification: egui::TextureFilter::Nearest,
-        minification: egui::TextureFilter::Linear,
-        ..Default::default()
-    };
+    let options = TextureOptions { magnification, minification: TextureFilter::Linear, ..Default::default() };
     match replaced {
         Some(Shown { mut texture, .. }) => {
             texture.set(image.clone(), options);

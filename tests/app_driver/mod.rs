@@ -9,18 +9,18 @@ use overlook::app::{OverlookApp, Start};
 use overlook::capture::demo::DemoSpec;
 
 /// Longest any single wait takes before the test fails: far more than needed, as test machines stall.
-const PATIENCE: Duration = Duration::from_secs(180);
+const PATIENCE: Duration = Duration::from_mins(3);
 
 /// A window with a harness around it.
-pub type Window = Harness<'static, OverlookApp>;
+pub(crate) type Window = Harness<'static, OverlookApp>;
 
 /// A small recording of a built-in scene, quick to trace and to prune.
-pub fn small_demo() -> Start {
+pub(crate) fn small_demo() -> Start {
     demo(3, 4, (96, 72))
 }
 
 /// A recording of the orrery.
-pub fn demo(cameras: usize, frames: usize, size: (u32, u32)) -> Start {
+pub(crate) fn demo(cameras: usize, frames: usize, size: (u32, u32)) -> Start {
     Start::Demo(DemoSpec {
         scene: "orrery".into(),
         cameras: Some(cameras),
@@ -31,14 +31,14 @@ pub fn demo(cameras: usize, frames: usize, size: (u32, u32)) -> Start {
 }
 
 /// Opens a window of the given size.
-pub fn open(start: Start, size: [f32; 2]) -> Window {
+pub(crate) fn open(start: Start, size: [f32; 2]) -> Window {
     let builder: HarnessBuilder<OverlookApp> =
         Harness::builder().with_size(size).with_os(egui::os::OperatingSystem::Nix).with_render_cursor(false);
     builder.build_eframe(move |cc| OverlookApp::new(&cc.egui_ctx, None, start).unwrap())
 }
 
 /// Steps the window until `condition` holds.
-pub fn wait(window: &mut Window, what: &str, mut condition: impl FnMut(&Window) -> bool) {
+pub(crate) fn wait(window: &mut Window, what: &str, mut condition: impl FnMut(&Window) -> bool) {
     let started = Instant::now();
     while !condition(window) {
         let notices = window.state().notices();
@@ -49,20 +49,25 @@ pub fn wait(window: &mut Window, what: &str, mut condition: impl FnMut(&Window) 
 }
 
 /// Steps the window until all work is done and shown.
-pub fn settle(window: &mut Window) {
+pub(crate) fn settle(window: &mut Window) {
     window.step();
     wait(window, "all work to be done", |window| window.state().is_idle());
     window.run_steps(3);
 }
 
 /// Clicks the widget with this accessible name.
-pub fn click(window: &mut Window, name: &str) {
+pub(crate) fn click(window: &mut Window, name: &str) {
     window.get_by_label(name).click();
     window.run_steps(3);
 }
 
+/// Clicks one of a row of choices.
+pub(crate) fn choose(window: &mut Window, row: &str, choice: &str) {
+    click(window, &format!("{row}: {choice}"));
+}
+
 /// Picks an entry of a drop-down list.
-pub fn pick(window: &mut Window, list: &str, entry: &str) {
+pub(crate) fn pick(window: &mut Window, list: &str, entry: &str) {
     click(window, list);
     // The list's own button may already show the entry; the popup's comes last.
     window.get_all_by_label(entry).last().unwrap().click();
@@ -70,12 +75,12 @@ pub fn pick(window: &mut Window, list: &str, entry: &str) {
 }
 
 /// Whether some label on screen holds `text`.
-pub fn shows(window: &Window, text: &str) -> bool {
+pub(crate) fn shows(window: &Window, text: &str) -> bool {
     window.query_all_by_label_contains(text).next().is_some()
 }
 
 /// Types a path into the path field that a menu entry opens, and takes it.
-pub fn type_path(window: &mut Window, menu: &str, entry: &str, path: &std::path::Path, take: &str) {
+pub(crate) fn type_path(window: &mut Window, menu: &str, entry: &str, path: &std::path::Path, take: &str) {
     click(window, menu);
     click(window, entry);
     window.get_by_label("Path").replace_selected_text_accesskit("");

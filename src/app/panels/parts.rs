@@ -55,6 +55,28 @@ pub(crate) fn choice_ui<T: Copy + PartialEq>(
     picked
 }
 
+/// A row of choices of which one is on; gives the one that was clicked. `name` names the row for screen readers.
+pub(crate) fn segments_ui<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    current: T,
+    choices: impl IntoIterator<Item = (T, &'static str, &'static str)>,
+) -> Option<T> {
+    let mut clicked = None;
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = Vec2::new(3.0, 3.0);
+        ui.spacing_mut().button_padding = Vec2::new(7.0, 2.0);
+        for (value, text, help) in choices {
+            let button = Button::selectable(value == current, RichText::new(text).size(12.5));
+            let button = ui.add(button).on_hover_text(help).accessible_name(format!("{name}: {text}"));
+            if button.clicked() {
+                clicked = Some(value);
+            }
+        }
+    });
+    clicked
+}
+
 /// What an area shows in place of contents: an icon, a title, a sentence, and ways out.
 pub(crate) fn empty_ui(
     ui: &mut Ui,

@@ -132,6 +132,18 @@ fn matrix_ui(ui: &mut Ui, report: &Report) {
             let strength = (count as f32 / most).sqrt();
             let color = if count == 0 { tokens.background } else { colormap::sequential(strength) };
             painter.rect_filled(rect, 2.0, color);
+            if cell >= 40.0 && count > 0 {
+                // The map passes mid gray at about half its range: black reads on what is lighter, white on the rest.
+                let text_color = if strength > 0.55 { egui::Color32::BLACK } else { egui::Color32::WHITE };
+                let font = egui::FontId::proportional(10.0);
+                painter.text(
+                    rect.center(),
+                    egui::Align2::CENTER_CENTER,
+                    text::count(count),
+                    font,
+                    text_color,
+                );
+            }
             let label =
                 format!("{name}: {} samples dropped for {}", text::count(count), report.cameras[winner].name);
             let response = ui.interact(rect, ui.scope_id().with((loser, winner)), Sense::hover());

@@ -26,6 +26,7 @@ const NUMBER_BOX: f32 = 58.0;
 /// The panel.
 pub(super) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let settings = state.shown_settings();
+    let values = Values::of(&settings);
     let editable = state.scene.is_none() || state.has_capture();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if !editable {
@@ -41,7 +42,7 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
                 .show_unindented(ui, |ui| {
                     ui.add_enabled_ui(editable || *section == "render", |ui| {
                         for field in fields {
-                            field_ui(ui, field, &settings, commands);
+                            field_ui(ui, field, &values, commands);
                         }
                     });
                     ui.add_space(space::MEDIUM);
@@ -55,23 +56,42 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
     });
 }
 
+/// Settings and their defaults as tables: converted once a frame, not once a field.
+struct Values {
+    now: toml::Table,
+    default: toml::Table,
+}
+
+impl Values {
+    fn of(settings: &Settings) -> Self {
+        let table = |settings: &Settings| toml::Table::try_from(settings).unwrap_or_default();
+        Self { now: table(settings), default: table(&Settings::default()) }
+    }
+
+    /// The value of a setting, and its default.
+    fn of_field(&self, field: &Field) -> Option<(&toml::Value, &toml::Value)> {
+        let (section, name) = field.path.split_once('.')?;
+        Some((self.now.get(section)?.get(name)?, self.default.get(section)?.get(name)?))
+    }
+}
+
 fn fields_of(section: &str) -> impl Iterator<Item = &'static Field> {
     Settings::fields().filter(move |field| field.path.split_once('.').is_some_and(|(of, _)| of == section))
 }
 
-fn field_ui(ui: &mut Ui, field: &'static Field, settings: &Settings, commands: &mut Vec<Command>) {
-    let Some(value) = settings.get(field.path) else { return };
+fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, commands: &mut Vec<Command>) {
+    let Some((value, default)) = values.of_field(field) else { return };
     let tokens = Tokens::in_ui(ui);
     let (section, name) = field.path.split_once('.').unwrap_or(("", field.path));
     let full_name = text::words(&format!("{section} {name}"));
     let name = text::words(name);
-    let changed = Settings::default().get(field.path).as_ref() != Some(&value);
+    let changed = value != default;
     ui.push_id(field.path, |ui| {
         ui.add_space(2.0);
         ui.horizontal(|ui| {
             ui.label(RichText::new(&name)).on_hover_text(field.help);
             ui.label(RichText::new(field.unit).small().color(tokens.text_weak)).on_hover_text(field.help);
-            if let (Kind::Switch, toml::Value::Boolean(on)) = (field.kind, &value) {
+            if let (Kind::Switch, toml::Value::Boolean(on)) = (field.kind, value) {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     ui.add_space(space::MEDIUM);
                     let mut on = *on;
@@ -89,7 +109,7 @@ fn field_ui(ui: &mut Ui, field: &'static Field, settings: &Settings, commands: &
                 });
             }
         });
-        if let Some(value) = value_ui(ui, field, &full_name, &value) {
+        if let Some(value) = value_ui(ui, field, &full_name, value) {
             commands.push(Command::Set { path: field.path, value });
         }
     });

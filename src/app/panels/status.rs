@@ -13,6 +13,13 @@ pub(super) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>)
     let tokens = Tokens::in_ui(ui);
     ui.horizontal_centered(|ui| {
         if let Some(busy) = state.busy.first() {
+            // First in the line, so that it stays under the pointer while the words beside it change.
+            if busy.cancellable {
+                let cancel = Button::new((ICON_CANCEL.rich_text(), "Cancel")).small();
+                if ui.add(cancel).on_hover_text("Stop (Esc)").accessible_name("Cancel").clicked() {
+                    commands.push(Command::Cancel);
+                }
+            }
             let progress = &busy.progress;
             let stage = if progress.stage.is_empty() { "Starting" } else { &progress.stage };
             ui.label(stage);
@@ -26,12 +33,6 @@ pub(super) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>)
                 ui.label(RichText::new(count).color(tokens.text_weak));
             } else {
                 ui.add(egui::Spinner::new().size(14.0));
-            }
-            if busy.cancellable {
-                let cancel = Button::new((ICON_CANCEL.rich_text(), "Cancel")).small();
-                if ui.add(cancel).on_hover_text("Stop (Esc)").accessible_name("Cancel").clicked() {
-                    commands.push(Command::Cancel);
-                }
             }
         } else if state.stopped {
             ui.label(

@@ -27,7 +27,7 @@ pub(super) fn totals_ui(ui: &mut Ui, state: &State) {
         ui.spacing_mut().item_spacing.x = 0.0;
         for figure in &figures {
             ui.allocate_ui_with_layout(egui::vec2(width, FIGURE), Layout::top_down(Align::Min), |ui| {
-                figure_ui(ui, figure, state.is_stale())
+                figure_ui(ui, figure, state.is_stale());
             });
         }
     });

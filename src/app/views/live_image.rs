@@ -39,8 +39,8 @@ impl ColorBy {
         match self {
             Self::Picture => "Picture",
             Self::Camera => "Camera",
-            Self::Span => "Background / foreground",
-            Self::SamplingRate => "Sampling rate",
+            Self::Span => "Motion",
+            Self::SamplingRate => "Sampling",
         }
     }
 
@@ -113,7 +113,7 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
         let image = picture.image[(x, y)];
         if image == NO_IMAGE {
-            return if (x + y) / STRIPE % 2 == 0 { tokens.hole } else { tokens.hole_stripe };
+            return if ((x + y) / STRIPE).is_multiple_of(2) { tokens.hole } else { tokens.hole_stripe };
         }
         let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
         let own = Color32::from_rgb(r, g, b);

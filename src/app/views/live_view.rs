@@ -1,23 +1,23 @@
 //! The right view: what is left of the capture, seen from anywhere.
 
-use egui::{PointerButton, Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
+use egui::{Align, Layout, PointerButton, Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
 use super::super::command::Command;
-use super::super::panels::{ICON_BUTTON, choice_ui, icon_button};
+use super::super::panels::{choice_ui, icon_button, segments_ui};
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
 use super::frusta::frustum;
 use super::live_image::ColorBy;
-use super::source_view::FOOTER;
+use super::source_view::{CAMERA_LIST, FOOTER};
 use super::{colormap, legend};
 
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
 
-/// Largest side of the live picture in pixels; larger views scale it up, so that turning stays smooth.
+/// Largest side of the live view in pixels that is asked for, so that turning stays smooth on large displays.
 const LARGEST_SIDE: f32 = 1600.0;
 
 /// The view.
@@ -34,43 +34,37 @@ pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comman
 }
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    ui.heading("What is left, from anywhere");
     ui.horizontal(|ui| {
-        let Some(scene) = &state.scene else { return };
-        let buttons = 2.0 * ICON_BUTTON.x;
-        let gaps = 3.0 * ui.spacing().item_spacing.x;
-        let columns = (ui.available_width() - buttons - gaps).max(80.0);
-        let choices =
-            ColorBy::ALL.map(|color_by| (color_by, color_by.name().to_owned(), color_by.help().to_owned()));
-        if let Some(color_by) =
-            choice_ui(ui, "Live view shows", state.live.color_by, &choices, columns * 0.52)
-        {
-            commands.push(Command::ColorBy(color_by));
-        }
-        let mut places = vec![(usize::MAX, "Go to…".to_owned(), "Stand where a camera stood.".to_owned())];
-        places.extend(
-            scene
-                .cameras
-                .iter()
-                .enumerate()
-                .map(|(index, camera)| (index, camera.name.clone(), String::new())),
-        );
-        if let Some(camera) = choice_ui(ui, "Go to camera", usize::MAX, &places, columns * 0.48) {
-            commands.push(Command::JumpTo(camera));
-        }
-        if icon_button(ui, ICON_HOME, "Reset view", "Back to the first vantage (F)").clicked() {
-            commands.push(Command::Home);
-        }
-        let (icon, name) = if state.live.show_cameras {
-            (ICON_VIDEOCAM, "Hide cameras")
-        } else {
-            (ICON_VIDEOCAM_OFF, "Show cameras")
-        };
-        if icon_button(ui, icon, name, name).clicked() {
-            commands.push(Command::ShowCameras(!state.live.show_cameras));
-        }
+        ui.heading("What is left, from anywhere");
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| places_ui(ui, state, commands));
     });
-    ui.add_space(2.0);
+    let choices = ColorBy::ALL.map(|color_by| (color_by, color_by.name(), color_by.help()));
+    if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, choices) {
+        commands.push(Command::ColorBy(color_by));
+    }
+}
+
+/// Places to go to, and whether cameras are drawn; from right to left.
+fn places_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(scene) = &state.scene else { return };
+    let (icon, name) = if state.live.show_cameras {
+        (ICON_VIDEOCAM, "Hide cameras")
+    } else {
+        (ICON_VIDEOCAM_OFF, "Show cameras")
+    };
+    if icon_button(ui, icon, name, name).clicked() {
+        commands.push(Command::ShowCameras(!state.live.show_cameras));
+    }
+    if icon_button(ui, ICON_HOME, "Reset view", "Back to the first vantage (F)").clicked() {
+        commands.push(Command::Home);
+    }
+    let mut places = vec![(usize::MAX, "Go to…".to_owned(), "Stand where a camera stood.".to_owned())];
+    places.extend(
+        scene.cameras.iter().enumerate().map(|(index, camera)| (index, camera.name.clone(), String::new())),
+    );
+    if let Some(camera) = choice_ui(ui, "Go to camera", usize::MAX, &places, CAMERA_LIST) {
+        commands.push(Command::JumpTo(camera));
+    }
 }
 
 fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Vec<Command>) {
@@ -156,19 +150,26 @@ fn facts_ui(ui: &mut Ui, state: &State) {
     let facts = match &state.live_shown {
         Some(shown) => {
             let stats = &shown.picture.stats;
-            let pixels = shown.picture.image.pixels.len().max(1) as u64;
+            let [width, height] = shown.picture.image.size;
             let reused = if stats.background_reused { ", background reused" } else { "" };
             format!(
-                "{} samples painted in {} ms{reused} · {} holes ({})",
+                "{} samples painted in {} ms{reused} at {width}×{height}",
                 text::count(stats.samples),
-                text::significant(stats.milliseconds),
-                text::count(stats.holes),
-                text::percent(stats.holes, pixels)
+                text::significant(stats.milliseconds)
             )
         }
         None => "The first look is on its way.".to_owned(),
     };
-    ui.add(egui::Label::new(RichText::new(facts).small().color(tokens.text_weak)).truncate());
+    ui.add(egui::Label::new(RichText::new(facts).color(tokens.text_weak)).truncate());
+    let holes = match &state.live_shown {
+        Some(shown) => {
+            let pixels = shown.picture.image.pixels.len().max(1) as u64;
+            let holes = shown.picture.stats.holes;
+            format!("{} pixels are holes ({}).", text::count(holes), text::percent(holes, pixels))
+        }
+        None => String::new(),
+    };
+    ui.add(egui::Label::new(RichText::new(holes).color(tokens.text_weak)).truncate());
     let help = "Drag to orbit, Shift + drag to shift, wheel to zoom, W A S D to fly.";
-    ui.add(egui::Label::new(RichText::new(help).color(tokens.text_weak)).truncate());
+    ui.add(egui::Label::new(RichText::new(help).small().color(tokens.text_weak)).truncate());
 }

@@ -1,52 +1,72 @@
 //! The pixel under the pointer, in words.
 
-use egui::{RichText, Ui};
+use egui::{Label, RichText, Ui};
 
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::Tokens;
+use crate::capture::Camera;
 use crate::color::srgb8_from_linear;
-use crate::preprocess::{CameraInspection, PixelClass, Verdict};
+use crate::preprocess::registration::Outcome;
+use crate::preprocess::{CameraInspection, PixelClass, Rule, Verdict};
 
-const HINT: &str = "Point at a pixel to see what became of it.";
-
-/// Two lines below the source picture: what was recorded, and what became of it.
+/// Three lines below the source picture: what was recorded, what became of it, and what the other cameras say.
 pub(super) fn readout_ui(ui: &mut Ui, state: &State, pixel: Option<(usize, usize)>) {
     let tokens = Tokens::in_ui(ui);
-    let (recorded, verdict) = match pixel {
-        None => (camera_facts(state), HINT.to_owned()),
-        Some((x, y)) => match state.inspection_here().map(|i| &i.cameras[state.source.camera]) {
-            Some(camera) if camera.verdict.get(x, y).is_some() => {
-                (recorded(camera, x, y), verdict(state, camera, x, y))
-            }
-            _ => (format!("Pixel {x}, {y}"), "Its verdict is being worked out.".to_owned()),
-        },
+    let [recorded, verdict, others] = match pixel {
+        Some((x, y)) => about_pixel(state, x, y),
+        None => [
+            camera_facts(state),
+            String::new(),
+            "Point at a pixel to see what became of it. Wheel to zoom, drag to shift.".to_owned(),
+        ],
     };
     ui.spacing_mut().item_spacing.y = 1.0;
-    ui.add(egui::Label::new(RichText::new(recorded).small().color(tokens.text_weak)).truncate());
     let color = if pixel.is_some() { tokens.text } else { tokens.text_weak };
-    ui.add(egui::Label::new(RichText::new(verdict).color(color)).truncate());
+    let first = if pixel.is_some() { verdict } else { recorded.clone() };
+    let second = if pixel.is_some() { recorded } else { String::new() };
+    ui.add(Label::new(RichText::new(first).color(color)).truncate());
+    ui.add(Label::new(RichText::new(second).color(tokens.text_weak)).truncate());
+    ui.add(Label::new(RichText::new(others).small().color(tokens.text_weak)).truncate());
 }
 
 /// The camera shown at this frame, in figures.
 fn camera_facts(state: &State) -> String {
-    let Some(camera) = state.inspection_here().map(|inspection| &inspection.cameras[state.source.camera])
-    else {
+    let Some(inspected) = state.inspected.as_ref().filter(|_| state.inspection_here().is_some()) else {
         return "Working out what is redundant here.".to_owned();
     };
-    let pixels = camera.verdict.len() as u64;
-    let kept = camera.verdict.as_slice().iter().filter(|verdict| verdict.is_kept()).count() as u64;
+    let pixels = inspected.inspection.cameras[state.source.camera].verdict.len() as u64;
+    let kept = inspected.kept[state.source.camera];
     format!(
-        "{} of {} pixels represent themselves ({})",
+        "{} of {} pixels are kept ({}).",
         text::count(kept),
         text::count(pixels),
         text::percent(kept, pixels)
     )
 }
 
+fn about_pixel(state: &State, x: usize, y: usize) -> [String; 3] {
+    let (Some(scene), Some(inspection)) = (&state.scene, state.inspection_here()) else {
+        return [format!("Pixel {x}, {y}"), "Its verdict is being worked out.".to_owned(), String::new()];
+    };
+    let shown = state.source.camera;
+    let camera = &inspection.cameras[shown];
+    if camera.verdict.get(x, y).is_none() {
+        return Default::default();
+    }
+    let others: Vec<_> = inspection
+        .argument(shown, x, y)
+        .into_iter()
+        .map(|argument| {
+            let name = &scene.cameras[argument.camera].name;
+            format!("{name}: {}", outcome(argument.outcome, argument.log2_ratio))
+        })
+        .collect();
+    [recorded(camera, x, y), verdict(&scene.cameras, camera.verdict[(x, y)]), others.join(" · ")]
+}
+
 fn recorded(camera: &CameraInspection, x: usize, y: usize) -> String {
-    let inverse_depth = camera.frame.inverse_depth[(x, y)];
-    let depth = match inverse_depth {
+    let depth = match camera.frame.inverse_depth[(x, y)] {
         w if w < 0.0 => "no depth".to_owned(),
         0.0 => "infinitely far".to_owned(),
         w => format!("depth {}", text::significant(1.0 / f64::from(w))),
@@ -60,20 +80,65 @@ fn recorded(camera: &CameraInspection, x: usize, y: usize) -> String {
     format!("Pixel {x}, {y} · {depth} · color {r} {g} {b} · {class}")
 }
 
-fn verdict(state: &State, camera: &CameraInspection, x: usize, y: usize) -> String {
-    let verdict = camera.verdict[(x, y)];
-    let mut sentence = verdict.rule.sentence().to_owned();
-    if verdict.is_kept() || verdict.witness_camera == Verdict::NO_CAMERA {
-        return sentence;
+fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
+    let Some(witness) = cameras.get(verdict.witness_camera as usize).filter(|_| !verdict.is_kept()) else {
+        return verdict.rule.sentence().to_owned();
+    };
+    let name = &witness.name;
+    let width = witness.intrinsics.width.max(1);
+    let (x, y) = (verdict.witness_pixel % width, verdict.witness_pixel / width);
+    match verdict.rule {
+        Rule::LowerRate => format!("Dropped: {name} samples this point more densely, at {x}, {y}."),
+        Rule::Tie => format!("Dropped: {name} samples it as densely and comes first, at {x}, {y}."),
+        Rule::LaterCamera => format!("Dropped: {name} shows this point and comes first, at {x}, {y}."),
+        Rule::MixedYields => format!("Dropped: blended at a silhouette; {name} is clean, at {x}, {y}."),
+        rule => format!("{} Witness: {name} at {x}, {y}.", rule.sentence()),
     }
-    let winner = verdict.witness_camera as usize;
-    if let Some(scene) = &state.scene
-        && let Some(witness) = scene.cameras.get(winner)
-    {
-        let width = witness.intrinsics.width.max(1);
-        let (x, y) = (verdict.witness_pixel % width, verdict.witness_pixel / width);
-        let layer = if verdict.witness_is_background { ", background" } else { "" };
-        sentence += &format!(" Witness: {} at {x}, {y}{layer}.", witness.name);
+}
+
+/// What another camera says, in a few words; its density beside this one's where it shows the same point.
+fn outcome(outcome: Outcome, log2_ratio: f32) -> String {
+    match outcome {
+        Outcome::Same(_) => format!("{} as dense", times(log2_ratio)),
+        Outcome::Behind | Outcome::OutsideView => "out of view".to_owned(),
+        Outcome::NoDepth => "no depth".to_owned(),
+        Outcome::Occluded => "hidden".to_owned(),
+        Outcome::SeesPast => "looks past it".to_owned(),
+        Outcome::NormalDiffers => "another normal".to_owned(),
+        Outcome::ColorDiffers => "another color".to_owned(),
+        Outcome::Seam => "at its seam".to_owned(),
     }
-    sentence
+}
+
+fn times(log2_ratio: f32) -> String {
+    format!("{}×", text::significant(f64::from(log2_ratio.exp2())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::Intrinsics;
+    use glam::DVec3;
+
+    #[test]
+    fn a_dropped_pixel_names_its_witness_and_where_it_is() {
+        let lens = Intrinsics::from_horizontal_angle(64, 48, 1.0);
+        let camera = |name| Camera::look_at(name, lens, DVec3::ZERO, DVec3::X, DVec3::Z);
+        let lost = Verdict {
+            rule: Rule::LowerRate,
+            witness_is_background: false,
+            witness_camera: 1,
+            witness_pixel: 64 * 3 + 5,
+        };
+        let sentence = verdict(&[camera("front"), camera("left")], lost);
+        assert_eq!(sentence, "Dropped: left samples this point more densely, at 5, 3.");
+        let kept = verdict(&[camera("front")], Verdict::without_witness(Rule::BestRate));
+        assert!(kept.starts_with("Kept:"));
+    }
+
+    #[test]
+    fn another_cameras_density_is_told_in_multiples() {
+        assert_eq!(outcome(Outcome::Same(0), 1.0), "2.00× as dense");
+        assert_eq!(outcome(Outcome::Occluded, f32::NAN), "hidden");
+    }
 }

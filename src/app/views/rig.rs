@@ -74,6 +74,15 @@ impl Rig {
         Camera { name: "vantage".to_owned(), intrinsics, world_from_camera: self.world_from_camera }
     }
 
+    /// The size at which a view of `width × height` pixels is painted: never finer than the lens recorded, as there are
+    /// no samples for the pixels in between.
+    pub(crate) fn painted_size(&self, [width, height]: [u32; 2]) -> [u32; 2] {
+        let scale = (f64::from(width) / f64::from(self.lens.width))
+            .min(f64::from(height) / f64::from(self.lens.height))
+            .max(1.0);
+        [width, height].map(|side| ((f64::from(side) / scale).round() as u32).max(1))
+    }
+
     fn pivot(&self) -> DVec3 {
         self.world_from_camera.transform_point3(DVec3::Z * self.pivot_distance)
     }
@@ -162,6 +171,13 @@ mod tests {
         let camera = rig().camera(200, 48);
         assert!((camera.intrinsics.fx - rig().lens.fx).abs() < 1e-9);
         assert_eq!(camera.intrinsics.cx, 100.0);
+    }
+
+    #[test]
+    fn a_view_is_never_painted_finer_than_it_was_recorded() {
+        assert_eq!(rig().painted_size([640, 480]), [64, 48]);
+        assert_eq!(rig().painted_size([1280, 480]), [128, 48]);
+        assert_eq!(rig().painted_size([32, 24]), [32, 24]);
     }
 
     #[test]

@@ -49,10 +49,10 @@ impl Overlay {
             Self::Color => "Picture",
             Self::Depth => "Depth",
             Self::Normals => "Normals",
-            Self::SamplingRatio => "Sampling ratio",
+            Self::SamplingRatio => "Sampling",
             Self::WhoWon => "Who won",
-            Self::Split => "Background / foreground",
-            Self::Tiles => "Tile occupancy",
+            Self::Split => "Motion",
+            Self::Tiles => "Tiles",
         }
     }
 

@@ -1,18 +1,21 @@
 //! The left view: what a camera saw, and what became of each of its pixels.
 
-use egui::{Rect, Sense, Ui, Vec2, pos2, vec2};
+use egui::{Align, Layout, Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
 
 use super::super::command::Command;
 use super::super::message::Purpose;
-use super::super::panels::{choice_ui, empty_ui};
+use super::super::panels::{choice_ui, empty_ui, segments_ui};
 use super::super::state::State;
 use super::super::theme::{Tokens, space};
 use super::source_image::{Legend, Overlay};
 use super::{legend, readout};
 
 /// Height of the legend and the read-out below a picture.
-pub(super) const FOOTER: f32 = 62.0;
+pub(super) const FOOTER: f32 = 84.0;
+
+/// Width of a list of cameras.
+pub(super) const CAMERA_LIST: f32 = 104.0;
 
 /// The view.
 pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -42,47 +45,41 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comm
 }
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(scene) = &state.scene else { return };
-    ui.heading("What a camera saw");
     ui.horizontal(|ui| {
-        let cameras: Vec<_> = scene
-            .cameras
-            .iter()
-            .enumerate()
-            .map(|(index, camera)| (index, camera.name.clone(), String::new()))
-            .collect();
-        let three = state.source.overlay == Overlay::SamplingRatio;
-        let gaps = if three { 2.0 } else { 1.0 };
-        let columns = ui.available_width() - gaps * ui.spacing().item_spacing.x;
-        let shares = if three { [0.30, 0.36, 0.34] } else { [0.42, 0.58, 0.0] };
-        if let Some(camera) =
-            choice_ui(ui, "Source camera", state.source.camera, &cameras, columns * shares[0])
-        {
-            commands.push(Command::SourceCamera(camera));
-        }
-        let overlays =
-            Overlay::ALL.map(|overlay| (overlay, overlay.name().to_owned(), overlay.help().to_owned()));
-        if let Some(overlay) =
-            choice_ui(ui, "Source shows", state.source.overlay, &overlays, columns * shares[1])
-        {
-            commands.push(Command::Overlay(overlay));
-        }
-        if three {
-            let mut others = vec![(None, "vs best other".to_owned(), String::new())];
-            others.extend(
-                cameras
-                    .iter()
-                    .filter(|(index, ..)| *index != state.source.camera)
-                    .map(|(index, name, _)| (Some(*index), format!("vs {name}"), String::new())),
-            );
-            if let Some(against) =
-                choice_ui(ui, "Against", state.source.against, &others, columns * shares[2])
-            {
-                commands.push(Command::Against(against));
-            }
-        }
+        ui.heading("What a camera saw");
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| cameras_ui(ui, state, commands));
     });
-    ui.add_space(2.0);
+    let overlays = Overlay::ALL.map(|overlay| (overlay, overlay.name(), overlay.help()));
+    if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, overlays) {
+        commands.push(Command::Overlay(overlay));
+    }
+}
+
+/// Which camera, and for the sampling ratio against which; from right to left.
+fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(scene) = &state.scene else { return };
+    let cameras: Vec<_> = scene
+        .cameras
+        .iter()
+        .enumerate()
+        .map(|(index, camera)| (index, camera.name.clone(), String::new()))
+        .collect();
+    if state.source.overlay == Overlay::SamplingRatio {
+        let mut others = vec![(None, "best other".to_owned(), String::new())];
+        others.extend(
+            cameras
+                .iter()
+                .filter(|(index, ..)| *index != state.source.camera)
+                .map(|(index, name, _)| (Some(*index), name.clone(), String::new())),
+        );
+        if let Some(against) = choice_ui(ui, "Against", state.source.against, &others, CAMERA_LIST) {
+            commands.push(Command::Against(against));
+        }
+        ui.label(RichText::new("vs").color(Tokens::in_ui(ui).text_weak));
+    }
+    if let Some(camera) = choice_ui(ui, "Source camera", state.source.camera, &cameras, CAMERA_LIST) {
+        commands.push(Command::SourceCamera(camera));
+    }
 }
 
 /// Draws the picture and gives the pixel under the pointer.
