@@ -186,10 +186,10 @@ mod tests {
     #[test]
     fn values_agree_with_an_independent_implementation() {
         let (a, b) = pair();
-        assert!((ssim(&a, &b) - 0.973635499819).abs() < 1e-9, "{}", ssim(&a, &b));
+        assert!((ssim(&a, &b) - 0.973_635_499_819).abs() < 1e-9, "{}", ssim(&a, &b));
         let unit = |grid: &Grid<f32>| grid.as_slice().iter().map(|v| [v / 255.0; 3]).collect::<Vec<_>>();
         let psnr = psnr_db(&unit(&a), &unit(&b), 0..a.len()).unwrap();
-        assert!((psnr - 29.316196).abs() < 1e-4, "{psnr}");
+        assert!((psnr - 29.316_196).abs() < 1e-4, "{psnr}");
     }
 
     #[test]
