@@ -1,11 +1,14 @@
 //! Damaged and contradictory captures give one clear line, and nothing panics.
 
+#![expect(clippy::unwrap_used, reason = "a fixture that cannot be made fails the test")]
+
 mod common;
 
 use common::{Folder, PIXELS, entry, flat, picture, plain};
 use exr::prelude::FlatSamples;
 use overlook::capture::exr::ExrFile;
 use overlook::error::{Error, Result};
+use overlook::settings::CaptureSettings;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -136,6 +139,13 @@ fn nonsense_in_the_manifest_is_named() {
 }
 
 #[test]
+fn a_folder_without_a_manifest_says_what_a_capture_is() {
+    let folder = Folder::new();
+    let error = overlook::capture::transforms::open(&folder.path(""), &CaptureSettings::default());
+    assert_names(&error.err().unwrap().to_string(), &["transforms.json", "a capture is"]);
+}
+
+#[test]
 fn a_jpeg_is_refused_with_what_to_do() {
     let error = error_of(|folder, _, entries| {
         folder.put("right/0001.jpg", b"");
@@ -207,7 +217,7 @@ fn compressions_that_cannot_be_read_say_so() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn flipped_bits_are_an_error_or_another_picture(flips in prop::collection::vec((any::<prop::sample::Index>(), 0..8_u8), 1..6)) {

@@ -90,7 +90,10 @@ fn mitsubas_distance_along_the_ray_becomes_planar() {
     channels.push(("dd.T", FlatSamples::F32(distance)));
     channels.extend([("nn.X", flat(0.0)), ("nn.Y", flat(1.0)), ("nn.Z", flat(0.0))]);
     folder.put("a.exr", &picture(&[("", channels)]));
+    let unknown = folder.open(json!({}), &[entry("a.exr", "a", 0)]).unwrap();
+    assert!(unknown.warnings[0].contains("near_clip"));
     let capture = folder.open(json!({"near_clip": near}), &[entry("a.exr", "a", 0)]).unwrap();
+    assert!(capture.warnings.is_empty());
     let frame = capture.frame(0, 0).unwrap();
     assert_eq!(frame.inverse_depth[(0, 0)], 0.0);
     assert!(frame.inverse_depth.as_slice()[1..].iter().all(|inverse| (inverse - 0.5).abs() < 1e-6));
@@ -155,12 +158,13 @@ fn given_keys_decide_what_names_leave_open() {
     folder.put("a.exr", &picture(&[("", blender_channels())]));
     let keys = json!({
         "depth_channel": "ViewLayer.Mist.Z", "depth_unit_scale_factor": 10.0, "normal_space": null,
-        "up": [0, 2, 0], "antialiased_color": false,
+        "up": [0, 2, 0], "antialiased_color": false, "color_space": "ACEScg",
     });
     let capture = folder.open(keys, &[entry("a.exr", "a", 0)]).unwrap();
     assert!((capture.frame(0, 0).unwrap().inverse_depth[(0, 0)] - 1.0 / 9.0).abs() < 1e-7);
     assert_eq!((capture.has_normals, capture.antialiased_color), (false, false));
     assert_eq!(capture.up_in_world, DVec3::Y);
+    assert!(capture.warnings[0].contains("ACEScg"));
 }
 
 #[test]

@@ -83,6 +83,11 @@ fn bad_input_exits_with_1_and_one_line_that_names_it() {
     ] {
         assert!(trouble(folder.path(), arguments).contains("missing"));
     }
+    assert!(
+        trouble(folder.path(), &["preprocess", "x", "--out", "no/where.ovl"])
+            .contains("folder no does not exist")
+    );
+    assert!(trouble(folder.path(), &["preprocess", "x", "--out", "."]).contains("is a folder"));
     assert!(trouble(folder.path(), &["info", "broken.ovl"]).contains("broken.ovl"));
     assert!(
         trouble(folder.path(), &["preprocess", "x", "--out", "y", "--settings", "bad.toml"])

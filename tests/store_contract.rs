@@ -133,11 +133,11 @@ fn refusal(path: &Path, bytes: &[u8]) -> String {
 }
 
 /// Offset and payload length of the first chunk with this id.
-fn chunk(bytes: &[u8], id: &[u8; 4]) -> (usize, usize) {
+fn chunk(bytes: &[u8], id: [u8; 4]) -> (usize, usize) {
     let mut offset = FIRST_CHUNK;
     loop {
         let length = u32::from_be_bytes(bytes[offset + 4..offset + 8].try_into().unwrap()) as usize;
-        if bytes[offset..offset + 4] == *id {
+        if bytes[offset..offset + 4] == id {
             return (offset, length);
         }
         offset += 8 + length + length % 2;
@@ -145,7 +145,7 @@ fn chunk(bytes: &[u8], id: &[u8; 4]) -> (usize, usize) {
 }
 
 /// Changes the payload of a chunk and mends its checksum.
-fn tampered(bytes: &[u8], id: &[u8; 4], change: impl FnOnce(&mut [u8])) -> Vec<u8> {
+fn tampered(bytes: &[u8], id: [u8; 4], change: impl FnOnce(&mut [u8])) -> Vec<u8> {
     let (offset, length) = chunk(bytes, id);
     let mut bytes = bytes.to_vec();
     let (start, end) = (offset + 8, offset + 8 + length - 4);
@@ -211,7 +211,7 @@ fn one_image_is_read_without_the_others() {
     let (_folder, path, mut bytes) = small_store();
     let samples = small_set();
     // The first image is destroyed; the second is none the worse.
-    let (first, length) = chunk(&bytes, b"IMAG");
+    let (first, length) = chunk(&bytes, *b"IMAG");
     bytes[first + 8..first + 8 + length].fill(0xEE);
     std::fs::write(&path, &bytes).unwrap();
     let store = Store::open(&path).unwrap();
@@ -275,25 +275,27 @@ fn other_files_are_refused() {
     let image = [b"FORM".as_slice(), &bytes[4..8], b"ILBM", &bytes[12..]].concat();
     assert!(refusal(&path, &image).contains("type 'OVLK'"));
     assert!(refusal(&path, &[b"RIFF", &bytes[4..]].concat()).contains("type 'OVLK'"));
-    assert!(!Store::is_store(&path));
+    assert!(!Store::is_store(&path).unwrap());
     std::fs::write(&path, &bytes).unwrap();
-    assert!(Store::is_store(&path));
+    assert!(Store::is_store(&path).unwrap());
 }
 
 #[test]
 fn a_folder_and_a_missing_file_are_refused() {
     let (folder, path) = scratch();
     assert!(store::read(folder.path(), &Job::new()).is_err());
+    assert!(!Store::is_store(folder.path()).unwrap());
+    assert!(Store::is_store(&path).is_err());
     assert!(matches!(store::read(&path, &Job::new()), Err(Error::Io { .. })));
 }
 
 #[test]
 fn another_major_version_is_unsupported_and_a_minor_one_is_read() {
     let (_folder, path, bytes) = small_store();
-    let newer = tampered(&bytes, b"HEAD", |head| head[1] = 2);
+    let newer = tampered(&bytes, *b"HEAD", |head| head[1] = 2);
     assert!(matches!(read_bytes(&path, &newer), Err(Error::Unsupported { .. })));
     assert!(refusal(&path, &newer).contains("version 2.0"));
-    let minor = tampered(&bytes, b"HEAD", |head| head[3] = 9);
+    let minor = tampered(&bytes, *b"HEAD", |head| head[3] = 9);
     assert_same(&read_bytes(&path, &minor).unwrap(), &small_set(), &small_report());
 }
 
@@ -308,13 +310,13 @@ fn unknown_chunks_are_skipped() {
 #[test]
 fn missing_doubled_and_misplaced_chunks_are_refused() {
     let (_folder, path, bytes) = small_store();
-    for id in [b"HEAD", b"SETT", b"REPT", b"INDX"] {
+    for id in [*b"HEAD", *b"SETT", *b"REPT", *b"INDX"] {
         let (offset, _) = chunk(&bytes, id);
         let mut renamed = bytes.clone();
         renamed[offset..offset + 4].copy_from_slice(b"ANNO");
         refusal(&path, &renamed);
     }
-    let (head, length) = chunk(&bytes, b"HEAD");
+    let (head, length) = chunk(&bytes, *b"HEAD");
     let end = head + 8 + length + length % 2;
     let doubled = [&bytes[..end], &bytes[head..]].concat();
     assert!(refusal(&path, &with_form_length(doubled)).contains("two of them"));
@@ -325,7 +327,7 @@ fn missing_doubled_and_misplaced_chunks_are_refused() {
 #[test]
 fn huge_lengths_are_refused_without_being_allocated() {
     let (_folder, path, bytes) = small_store();
-    for id in [b"HEAD", b"SETT", b"REPT", b"INDX", b"IMAG"] {
+    for id in [*b"HEAD", *b"SETT", *b"REPT", *b"INDX", *b"IMAG"] {
         let (offset, _) = chunk(&bytes, id);
         for length in [u32::MAX, u32::MAX - 1, 0x8000_0000, bytes.len() as u32, 0, 3] {
             let mut absurd = bytes.clone();
@@ -335,7 +337,7 @@ fn huge_lengths_are_refused_without_being_allocated() {
     }
     // Counts inside chunks: cameras' name, images, tiles, samples, first plane.
     let huge = u32::MAX.to_be_bytes();
-    for (id, position) in [(b"HEAD", 4), (b"INDX", 0), (b"IMAG", 12), (b"IMAG", 16), (b"IMAG", 22)] {
+    for (id, position) in [(*b"HEAD", 4), (*b"INDX", 0), (*b"IMAG", 12), (*b"IMAG", 16), (*b"IMAG", 22)] {
         refusal(
             &path,
             &tampered(&bytes, id, |payload| payload[position..position + 4].copy_from_slice(&huge)),
@@ -349,12 +351,12 @@ fn a_bomb_is_refused() {
     // A picture of 2^20 × 2^20 pixels would have an occupancy of 512 MiB; the plane in the file is one byte.
     let name = small_set().name.len();
     let width = 4 + 4 + name + 24 + 4 + 4 + "left".len();
-    let absurd = tampered(&bytes, b"HEAD", |head| {
+    let absurd = tampered(&bytes, *b"HEAD", |head| {
         head[width..width + 8].copy_from_slice(&[0, 16, 0, 0, 0, 16, 0, 0]);
     });
     assert!(refusal(&path, &absurd).contains("'IMAG'"));
     // Both index entries for one chunk.
-    let twice = tampered(&bytes, b"INDX", |index| index.copy_within(4..32, 32));
+    let twice = tampered(&bytes, *b"INDX", |index| index.copy_within(4..32, 32));
     assert!(refusal(&path, &twice).contains("overlap"));
 }
 

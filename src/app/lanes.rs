@@ -153,7 +153,7 @@ fn open(request: OpenRequest, job: &Job) -> Result<Message> {
             let demo = Demo::new(&spec)?;
             let capture = demo.capture(&settings);
             let truth = demo.truth_views();
-            open_capture(Origin::Demo(spec.scene), capture, Some(demo), truth)
+            open_capture(Origin::Demo(spec.scene), capture, truth)
         }
         OpenRequest::Path { path, settings } => {
             job.start(format!("Opening {}", path.display()), 0);
@@ -172,7 +172,7 @@ fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Mes
     let folder = if path.is_dir() { path.as_path() } else { path.parent().unwrap_or(Path::new(".")) };
     let novel = folder.join("novel").join("transforms.json");
     let truth = if novel.is_file() { transforms::open_views(&novel)? } else { Vec::new() };
-    open_capture(Origin::Path(path), capture, None, truth)
+    open_capture(Origin::Path(path), capture, truth)
 }
 
 /// A store is told by its first four bytes, not by its name.
@@ -185,12 +185,12 @@ fn is_store(path: &Path) -> Result<bool> {
     Ok(file.read_exact(&mut id).is_ok() && &id == b"FORM")
 }
 
-fn open_capture(origin: Origin, capture: Capture, demo: Option<Demo>, truth: Vec<View>) -> Result<Message> {
+fn open_capture(origin: Origin, capture: Capture, truth: Vec<View>) -> Result<Message> {
     if capture.cameras.is_empty() || capture.frame_count() == 0 {
         return Err(Error::invalid(&capture.name, "there is no camera or no frame in it"));
     }
     let depth = median_depth(capture.frame(0, 0)?.inverse_depth.as_slice());
-    Ok(Message::Opened(Arc::new(Scene::of_capture(origin, capture, demo, truth, depth))))
+    Ok(Message::Opened(Arc::new(Scene::of_capture(origin, capture, truth, depth))))
 }
 
 fn capture_of(scene: &Scene) -> Result<&Capture> {

@@ -47,7 +47,12 @@ impl Plan {
         let source = !state.has_capture()
             || state.source_shown.as_ref().map(|shown| &shown.key) == self.source.as_ref();
         let live = state.live_shown.as_ref().map(|shown| &shown.key) == self.live.as_ref();
-        whole && source && live
+        let inspected = state.inspected.as_ref().is_some_and(|inspected| {
+            self.inspect.as_ref().is_some_and(|key| {
+                key.frame == inspected.inspection.frame && key.method == method_of(&inspected.settings)
+            })
+        });
+        whole && source && live && (inspected || !state.has_capture())
     }
 
     /// Asks the lanes for whatever is missing. Gives how long to wait before it should be called again, if so.
@@ -153,7 +158,7 @@ impl Plan {
         if rested < DEBOUNCE {
             // What runs now works with settings that no longer hold.
             lanes.whole.cancel();
-            return Some(DEBOUNCE - rested);
+            return Some(DEBOUNCE.saturating_sub(rested));
         }
         lanes.whole.submit(WholeRequest {
             scene: scene.clone(),

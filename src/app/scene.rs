@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DMat3, DVec2, DVec3};
 
-use crate::capture::demo::Demo;
 use crate::capture::{Camera, Capture, View};
 use crate::preprocess::{Report, SampleSet};
 
@@ -26,9 +25,7 @@ pub(super) enum Content {
     /// Source frames, to be pruned here.
     Capture {
         /// The capture.
-        capture: Capture,
-        /// The built-in scene behind it, where there is one.
-        demo: Option<Demo>,
+        capture: Box<Capture>,
         /// Vantages whose truth is known.
         truth: Vec<View>,
     },
@@ -65,13 +62,7 @@ pub(super) struct Scene {
 
 impl Scene {
     /// A scene of a capture. `typical_depth` (planar z of camera 0's middle) serves where the lines of sight do not meet.
-    pub(super) fn of_capture(
-        origin: Origin,
-        capture: Capture,
-        demo: Option<Demo>,
-        truth: Vec<View>,
-        typical_depth: f64,
-    ) -> Self {
+    pub(super) fn of_capture(origin: Origin, capture: Capture, truth: Vec<View>, typical_depth: f64) -> Self {
         Self {
             id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
             origin,
@@ -80,7 +71,7 @@ impl Scene {
             frame_numbers: capture.frame_numbers.clone(),
             up_in_world: capture.up_in_world,
             pivot_in_world: pivot(&capture.cameras, typical_depth),
-            content: Content::Capture { capture, demo, truth },
+            content: Content::Capture { capture: Box::new(capture), truth },
         }
     }
 

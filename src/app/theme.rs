@@ -44,6 +44,8 @@ pub(crate) struct Tokens {
     pub error_faint: Color32,
     /// Pixels that no sample reached.
     pub hole: Color32,
+    /// Stripes over such pixels, so that no surface is taken for a hole.
+    pub hole_stripe: Color32,
     /// Samples that live over the whole sequence.
     pub static_over_time: Color32,
     /// Samples of one frame.
@@ -71,7 +73,8 @@ const DARK: Tokens = Tokens {
     warning: rgb(0xf2_b84b),
     error: rgb(0xff_8a7a),
     error_faint: rgb(0x3a_1d1b),
-    hole: rgb(0x6a_1b5a),
+    hole: rgb(0x33_2040),
+    hole_stripe: rgb(0x3f_2a4e),
     static_over_time: rgb(0x3a_7fc4),
     moving: rgb(0xf0_a030),
     invalid: rgb(0x55_5a61),
@@ -94,7 +97,8 @@ const LIGHT: Tokens = Tokens {
     warning: rgb(0x8a_5300),
     error: rgb(0xb0_2318),
     error_faint: rgb(0xfb_e3e0),
-    hole: rgb(0xc9_7fbc),
+    hole: rgb(0xd8_c6e0),
+    hole_stripe: rgb(0xcb_b5d6),
     static_over_time: rgb(0x2f_72b5),
     moving: rgb(0xd9_8200),
     invalid: rgb(0x8b_9199),

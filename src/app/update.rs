@@ -25,7 +25,7 @@ impl OverlookApp {
     pub(super) fn apply(&mut self, command: Command) {
         match command {
             Command::OpenDemo(scene) => {
-                self.open_demo(DemoSpec { scene, cameras: None, frames: None, size: None, noise: None })
+                self.open_demo(DemoSpec { scene, cameras: None, frames: None, size: None, noise: None });
             }
             Command::OpenPath(path) => self.open_path(path),
             Command::AskPath(purpose) => {
@@ -60,7 +60,7 @@ impl OverlookApp {
             Command::Cancel => self.cancel(),
             Command::Escape => self.escape(),
             Command::Frame(_) | Command::Step(_) | Command::TogglePlay | Command::FramesPerSecond(_) => {
-                self.apply_to_timeline(&command)
+                self.apply_to_timeline(&command);
             }
             Command::Sidebar(sidebar) => self.state.sidebar = sidebar,
             Command::Dark(dark) => self.state.dark = dark,
@@ -238,10 +238,10 @@ impl OverlookApp {
                 let texture = texture(ctx, "live", &picture.image, self.state.live_shown.take());
                 self.state.live_shown = Some(Shown { key, picture, texture });
             }
-            Message::Measured { scene, settings, accuracy } if Some(scene) == current => {
-                if settings == self.state.settings {
-                    self.state.accuracy = accuracy;
-                }
+            Message::Measured { scene, settings, accuracy }
+                if Some(scene) == current && settings == self.state.settings =>
+            {
+                self.state.accuracy = accuracy;
             }
             Message::Saved { path, bytes } => self.saved(&path, bytes),
             Message::SettingsLoaded { path, settings } => {

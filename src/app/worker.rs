@@ -137,11 +137,8 @@ impl<R> Lane<R> {
     /// How far the running work has come; `None` while there is none.
     pub(super) fn progress(&self) -> Option<Progress> {
         let slot = self.shared.lock();
-        match (&slot.running, &slot.waiting) {
-            (Some(job), _) => Some(job.progress()),
-            (None, Some((_, job))) => Some(job.progress()),
-            (None, None) => None,
-        }
+        let waiting = slot.waiting.as_ref().map(|(_, job)| job);
+        slot.running.as_ref().or(waiting).map(|job| job.progress())
     }
 
     /// Whether nothing runs or waits.

@@ -21,6 +21,8 @@ use crate::grid::Grid;
 
 /// Depth written where nothing was hit, as Blender does.
 const MISS_DEPTH: f32 = 1e10;
+/// The largest half float: brighter light saturates instead of becoming infinite.
+const HALF_MAX: f32 = 65_504.0;
 
 /// Writes a frame as `R G B Z`, and `N.X N.Y N.Z` where it has normals. Reading it gives the same frame, but for the
 /// rounding of the reciprocal.
@@ -67,9 +69,6 @@ pub fn write_picture(
     channels.push(AnyChannel::new("Z", FlatSamples::F32(depth.collect())));
     write_channels(path, color.size(), channels)
 }
-
-/// The largest half float: brighter light saturates instead of becoming infinite.
-const HALF_MAX: f32 = 65_504.0;
 
 fn depth_of(inverse_depth: f32) -> f32 {
     if inverse_depth < 0.0 {

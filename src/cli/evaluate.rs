@@ -86,19 +86,19 @@ fn novel_views(capture: &Path) -> Option<PathBuf> {
     views.is_file().then_some(views)
 }
 
-/// One line per view, then the mean. `covered` is the PSNR of pixels that got a sample.
+/// One line per view, then the mean. `PSNR dB` counts pixels that got a sample, `all dB` holes as black too.
 pub(super) fn view_table(evaluation: &Evaluation) -> String {
     let mut text = format!(
         "{:<28} {:>8} {:>8} {:>8} {:>7} {:>10} {:>12}",
-        "view", "PSNR dB", "covered", "SSIM", "cover", "ms", "samples"
+        "view", "PSNR dB", "all dB", "SSIM", "cover", "ms", "samples"
     );
     let mut line =
-        |name: &str, [psnr_db, covered_db, ssim, coverage]: [Option<f64>; 4], milliseconds, samples| {
+        |name: &str, [psnr_db, all_db, ssim, coverage]: [Option<f64>; 4], milliseconds, samples| {
             let _ = write!(
                 text,
                 "\n{name:<28} {} {} {} {} {milliseconds:>10.1} {:>12}",
                 output::number(psnr_db, 2, 8),
-                output::number(covered_db, 2, 8),
+                output::number(all_db, 2, 8),
                 output::number(ssim, 4, 8),
                 output::number(coverage, 3, 7),
                 output::count(samples)
@@ -106,8 +106,8 @@ pub(super) fn view_table(evaluation: &Evaluation) -> String {
         };
     for ViewScore { file_path, scores, milliseconds, samples } in &evaluation.views {
         let values = match scores {
-            Some(Scores { psnr_db, psnr_covered_db, ssim, coverage }) => {
-                [Some(*psnr_db), *psnr_covered_db, Some(*ssim), Some(*coverage)]
+            Some(Scores { psnr_db, psnr_all_db, ssim, coverage }) => {
+                [Some(*psnr_db), Some(*psnr_all_db), Some(*ssim), Some(*coverage)]
             }
             None => [None; 4],
         };
@@ -116,7 +116,7 @@ pub(super) fn view_table(evaluation: &Evaluation) -> String {
     let mean = &evaluation.mean;
     line(
         "mean",
-        [mean.psnr_db, mean.psnr_covered_db, mean.ssim, mean.coverage],
+        [mean.psnr_db, mean.psnr_all_db, mean.ssim, mean.coverage],
         mean.milliseconds,
         mean.samples as u64,
     );
@@ -127,7 +127,7 @@ pub(super) fn view_table(evaluation: &Evaluation) -> String {
 fn comparison_table(comparison: &Comparison) -> String {
     let mut text = format!(
         "{:<16} {:>8} {:>8} {:>8} {:>7} {:>10} {:>14} {:>12}",
-        "pruning", "PSNR dB", "covered", "SSIM", "cover", "ms", "samples kept", "in memory"
+        "pruning", "PSNR dB", "all dB", "SSIM", "cover", "ms", "samples kept", "in memory"
     );
     for compared in [&comparison.as_set, &comparison.no_pruning, &comparison.first_camera] {
         let mean = &compared.evaluation.mean;
@@ -136,7 +136,7 @@ fn comparison_table(comparison: &Comparison) -> String {
             "\n{:<16} {} {} {} {} {:>10.1} {:>14} {:>12}",
             compared.method.name(),
             output::number(mean.psnr_db, 2, 8),
-            output::number(mean.psnr_covered_db, 2, 8),
+            output::number(mean.psnr_all_db, 2, 8),
             output::number(mean.ssim, 4, 8),
             output::number(mean.coverage, 3, 7),
             mean.milliseconds,

@@ -59,7 +59,7 @@ enum Contents {
 
 impl InfoArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let info = if Store::is_store(&self.path) { of_store(&self.path)? } else { of_capture(&self.path)? };
+        let info = if Store::is_store(&self.path)? { of_store(&self.path)? } else { of_capture(&self.path)? };
         if self.json { output::print_json(&info) } else { output::print(&info.text(&self.path)) }
     }
 }

@@ -21,11 +21,12 @@ pub const MAX_PSNR_DB: f64 = 120.0;
 /// How close one picture is to the truth.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Scores {
-    /// Peak signal-to-noise ratio over all pixels, holes being black, dB.
+    /// Peak signal-to-noise ratio over the pixels that got a sample, dB; read it together with `coverage`. Where no pixel
+    /// got one, the same as `psnr_all_db`.
     pub psnr_db: f64,
-    /// The same over pixels that got a sample, dB; `None` where none did.
-    pub psnr_covered_db: Option<f64>,
-    /// Structural similarity of luma, -1 to 1.
+    /// The same over all pixels, holes being black, dB. Sky that no camera ever saw weighs heavily in it.
+    pub psnr_all_db: f64,
+    /// Structural similarity of luma, -1 to 1, over windows whose middle got a sample; 0 where none did.
     pub ssim: f64,
     /// Share of the true pixels (those with a depth or at infinity) that got a sample, 0 to 1; 1 where there are none.
     pub coverage: f64,
@@ -54,10 +55,11 @@ pub fn score(picture: &Picture, truth: &Frame) -> Result<Scores> {
     let reached = real.iter().filter(|index| covered(index)).count();
     let (width, height) = truth.size();
     let luma_grid = |values: &[[f32; 3]]| Grid::from_vec(width, height, values.iter().map(luma).collect());
+    let psnr_all_db = psnr_db(&painted, &true_values, 0..painted.len()).unwrap_or(MAX_PSNR_DB);
     Ok(Scores {
-        psnr_db: psnr_db(&painted, &true_values, 0..painted.len()).unwrap_or(MAX_PSNR_DB),
-        psnr_covered_db: psnr_db(&painted, &true_values, (0..painted.len()).filter(covered)),
-        ssim: ssim(&luma_grid(&painted), &luma_grid(&true_values)),
+        psnr_db: psnr_db(&painted, &true_values, (0..painted.len()).filter(covered)).unwrap_or(psnr_all_db),
+        psnr_all_db,
+        ssim: ssim(&luma_grid(&painted), &luma_grid(&true_values), |x, y| covered(&(y * width + x))),
         coverage: if real.is_empty() { 1.0 } else { reached as f64 / real.len() as f64 },
     })
 }
@@ -95,12 +97,13 @@ const SIGMA: f64 = 1.5;
 const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 
-/// Mean structural similarity of two pictures of one size with values from 0 to 255; 1 for pictures without pixels.
+/// Mean structural similarity of two pictures of one size with values from 0 to 255, over the windows whose middle pixel
+/// `(x, y)` counts; 1 for pictures without pixels, 0 where no window counts.
 ///
 /// # Panics
 /// If the sizes differ: the caller has compared them.
 #[must_use]
-pub fn ssim(a: &Grid<f32>, b: &Grid<f32>) -> f64 {
+pub fn ssim(a: &Grid<f32>, b: &Grid<f32>, counts: impl Fn(usize, usize) -> bool + Sync) -> f64 {
     assert_eq!(a.size(), b.size(), "pictures of one size");
     let (width, height) = a.size();
     if a.is_empty() {
@@ -110,14 +113,19 @@ pub fn ssim(a: &Grid<f32>, b: &Grid<f32>) -> f64 {
     let rows = height - weights_y.len() + 1;
     let columns = width - weights_x.len() + 1;
     // Sums per row, added up in order: the same bits whatever the number of threads.
-    let row_sums: Vec<f64> = (0..rows)
+    let row_sums: Vec<(f64, usize)> = (0..rows)
         .into_par_iter()
         .map(|top| {
             let moments = column_moments(a, b, top, &weights_y);
-            (0..columns).map(|left| similarity(&moments[left..], &weights_x)).sum()
+            let counted =
+                (0..columns).filter(|left| counts(left + weights_x.len() / 2, top + weights_y.len() / 2));
+            counted.fold((0.0, 0), |(sum, count), left| {
+                (sum + similarity(&moments[left..], &weights_x), count + 1)
+            })
         })
         .collect();
-    row_sums.iter().sum::<f64>() / (rows * columns) as f64
+    let (sum, count) = row_sums.iter().fold((0.0, 0), |(sum, count), row| (sum + row.0, count + row.1));
+    if count == 0 { 0.0 } else { sum / count as f64 }
 }
 
 /// Gaussian weights that sum to 1: eleven, or the largest odd number that fits into `length`.
@@ -186,7 +194,11 @@ mod tests {
     #[test]
     fn values_agree_with_an_independent_implementation() {
         let (a, b) = pair();
-        assert!((ssim(&a, &b) - 0.973_635_499_819).abs() < 1e-9, "{}", ssim(&a, &b));
+        assert!(
+            (ssim(&a, &b, |_, _| true) - 0.973_635_499_819).abs() < 1e-9,
+            "{}",
+            ssim(&a, &b, |_, _| true)
+        );
         let unit = |grid: &Grid<f32>| grid.as_slice().iter().map(|v| [v / 255.0; 3]).collect::<Vec<_>>();
         let psnr = psnr_db(&unit(&a), &unit(&b), 0..a.len()).unwrap();
         assert!((psnr - 29.316_196).abs() < 1e-4, "{psnr}");
@@ -195,8 +207,8 @@ mod tests {
     #[test]
     fn equal_pictures_score_perfectly_and_others_do_not() {
         let (a, b) = pair();
-        assert!((ssim(&a, &a) - 1.0).abs() < 1e-12);
-        assert!(ssim(&a, &b) < 1.0 && ssim(&a, &b) == ssim(&b, &a));
+        assert!((ssim(&a, &a, |_, _| true) - 1.0).abs() < 1e-12);
+        assert!(ssim(&a, &b, |_, _| true) < 1.0 && ssim(&a, &b, |_, _| true) == ssim(&b, &a, |_, _| true));
         assert_eq!(psnr_db(&[[0.5; 3]], &[[0.5; 3]], 0..1), Some(MAX_PSNR_DB));
         assert_eq!(psnr_db(&[[0.5; 3]], &[[0.6; 3]], 0..0), None);
         let decibels = psnr_db(&[[0.5; 3]], &[[0.6; 3]], 0..1).unwrap();
@@ -207,10 +219,10 @@ mod tests {
     fn pictures_smaller_than_the_window_are_compared_as_well() {
         for (width, height) in [(1, 1), (2, 40), (10, 3), (11, 11)] {
             let a = Grid::from_fn(width, height, |x, y| (20 * x + 3 * y) as f32);
-            assert!((ssim(&a, &a) - 1.0).abs() < 1e-12);
-            assert!(ssim(&a, &a.map(|value| 255.0 - value)) < 0.9);
+            assert!((ssim(&a, &a, |_, _| true) - 1.0).abs() < 1e-12);
+            assert!(ssim(&a, &a.map(|value| 255.0 - value), |_, _| true) < 0.9);
         }
-        assert_eq!(ssim(&Grid::filled(0, 0, 0.0), &Grid::filled(0, 0, 0.0)), 1.0);
+        assert_eq!(ssim(&Grid::filled(0, 0, 0.0), &Grid::filled(0, 0, 0.0), |_, _| true), 1.0);
     }
 
     #[test]
@@ -233,8 +245,8 @@ mod tests {
         }
         let scores = score(&picture, &truth).unwrap();
         assert!((scores.coverage - 2.0 / 3.0).abs() < 1e-12);
-        assert!((scores.psnr_db - 10.0 * 2.0_f64.log10()).abs() < 1e-5);
-        assert_eq!(scores.psnr_covered_db, Some(MAX_PSNR_DB));
+        assert!((scores.psnr_all_db - 10.0 * 2.0_f64.log10()).abs() < 1e-5);
+        assert_eq!(scores.psnr_db, MAX_PSNR_DB);
         picture.color = Grid::filled(2, 2, [0.0; 3]);
         assert!(score(&picture, &truth).is_err());
     }

@@ -40,9 +40,9 @@ pub struct MeanScore {
     /// See [`Scores::psnr_db`]; `None` where no view has truth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr_db: Option<f64>,
-    /// See [`Scores::psnr_covered_db`]; over views of which any pixel is covered.
+    /// See [`Scores::psnr_all_db`].
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub psnr_covered_db: Option<f64>,
+    pub psnr_all_db: Option<f64>,
     /// See [`Scores::ssim`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ssim: Option<f64>,
@@ -73,7 +73,7 @@ impl Evaluation {
         };
         let mean = MeanScore {
             psnr_db: mean_score(&|scores| Some(scores.psnr_db)),
-            psnr_covered_db: mean_score(&|scores| scores.psnr_covered_db),
+            psnr_all_db: mean_score(&|scores| Some(scores.psnr_all_db)),
             ssim: mean_score(&|scores| Some(scores.ssim)),
             coverage: mean_score(&|scores| Some(scores.coverage)),
             milliseconds: mean(views.iter().map(|view| view.milliseconds)).unwrap_or_default(),

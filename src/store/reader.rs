@@ -1,6 +1,7 @@
 //! Reads a store: as a whole, or image by image.
 
 use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -63,14 +64,17 @@ pub struct Store {
 }
 
 impl Store {
-    /// Whether the file at `path` begins as a store does. A file that cannot be read is not one.
-    #[must_use]
-    pub fn is_store(path: &Path) -> bool {
-        use std::io::Read;
-        let mut start = [0; FORM_HEADER as usize];
-        File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok()
-            && start[..4] == *b"FORM"
-            && start[8..] == STORE
+    /// Whether the file at `path` is an IFF file, as every store is: told by its first four bytes, whatever its name.
+    ///
+    /// # Errors
+    /// `Io` where it cannot be read.
+    pub fn is_store(path: &Path) -> Result<bool> {
+        if path.is_dir() {
+            return Ok(false);
+        }
+        let mut start = [0; 4];
+        let mut file = File::open(path).map_err(|error| Error::io(path, error))?;
+        Ok(file.read_exact(&mut start).is_ok() && start == *b"FORM")
     }
 
     /// Reads what the store says of itself, and no image.

@@ -1,5 +1,7 @@
 //! Captures on disk for tests: EXR pictures of any channels, written by the `exr` crate, and manifests beside them.
 
+#![expect(clippy::unwrap_used, reason = "a fixture that cannot be made fails the test")]
+
 use std::io::Cursor;
 use std::path::PathBuf;
 

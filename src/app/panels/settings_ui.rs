@@ -20,6 +20,9 @@ const SECTIONS: &[(&str, &str, bool)] = &[
     ("capture", "Reading frames", false),
 ];
 
+/// Width of the number beside a slider: as much as `65536` needs.
+const NUMBER_BOX: f32 = 58.0;
+
 /// The panel.
 pub(super) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let settings = state.shown_settings();
@@ -103,8 +106,8 @@ fn reset_ui(ui: &mut Ui, field: &'static Field, changed: bool, commands: &mut Ve
 
 fn value_ui(ui: &mut Ui, field: &'static Field, name: &str, value: &toml::Value) -> Option<toml::Value> {
     let width = ui.available_width() - space::MEDIUM;
-    // The number box beside the rail is as wide as a control's least width and its text need.
-    ui.spacing_mut().slider_width = width - 76.0;
+    ui.spacing_mut().interact_size.x = NUMBER_BOX;
+    ui.spacing_mut().slider_width = width - NUMBER_BOX - ui.spacing().item_spacing.x;
     match (field.kind, value) {
         (Kind::Number { min, max, log }, toml::Value::Float(number)) => {
             let mut number = *number;

@@ -76,6 +76,9 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let left = rect.left() + frame as f32 * step;
         Rect::from_min_max(pos2(left, rect.top()), pos2(left + step, rect.bottom()))
     };
+    if state.scene.is_none() {
+        return;
+    }
     let here = column(state.timeline.frame);
     painter.rect_filled(here.expand2(vec2((1.5 - step / 2.0).max(0.0), 0.0)), 2.0, tokens.accent_faint);
     if let Some(counts) = foreground(state) {

@@ -37,7 +37,7 @@ pub(super) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>
     });
 }
 
-fn menu_button<'a>(icon: egui_material_icons::MaterialIcon, name: &'a str) -> Button<'a> {
+fn menu_button(icon: egui_material_icons::MaterialIcon, name: &str) -> Button<'_> {
     Button::new((icon.rich_text().size(16.0), name))
 }
 

@@ -7,6 +7,9 @@ use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, figure_style, space};
 
+/// Height of a figure with its name.
+const FIGURE: f32 = 38.0;
+
 struct Figure {
     name: &'static str,
     value: String,
@@ -23,11 +26,9 @@ pub(super) fn totals_ui(ui: &mut Ui, state: &State) {
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
         for figure in &figures {
-            ui.allocate_ui_with_layout(
-                egui::vec2(width, space::TOTALS - 10.0),
-                Layout::top_down(Align::Min),
-                |ui| figure_ui(ui, figure, state.is_stale()),
-            );
+            ui.allocate_ui_with_layout(egui::vec2(width, FIGURE), Layout::top_down(Align::Min), |ui| {
+                figure_ui(ui, figure, state.is_stale())
+            });
         }
     });
 }
@@ -70,29 +71,28 @@ fn figures(state: &State) -> Vec<Figure> {
         help: help.to_owned(),
         of_whole: true,
     };
-    let raw = of_report(&|r| text::bytes(r.bytes_raw));
-    let file = match state.scene.as_ref().map(|scene| &scene.content) {
+    let memory_note = match state.scene.as_ref().map(|scene| &scene.content) {
         Some(Content::Store { bytes, .. }) => format!("file {}", text::bytes(*bytes)),
-        _ => String::new(),
+        _ => report.map_or(String::new(), |r| format!("of {}", text::bytes(r.bytes_raw))),
     };
     vec![
         figure(
-            "Samples",
-            of_report(&|r| format!("{} → {}", text::count(r.samples_in), text::count(r.samples_kept))),
-            String::new(),
-            "Pixels of all frames of all cameras, and the samples kept of them.",
+            "Samples kept",
+            of_report(&|r| text::count(r.samples_kept)),
+            report.map_or(String::new(), |r| format!("of {}", text::count(r.samples_in))),
+            "The samples kept, of all pixels of all frames of all cameras.",
         ),
         figure(
             "Redundant",
             of_report(&|r| text::percent(r.samples_in.saturating_sub(r.samples_kept), r.samples_in)),
-            "pruned".to_owned(),
+            if report.is_some() { "pruned".to_owned() } else { String::new() },
             "Share of all pixels that another kept sample says at least as well.",
         ),
         figure(
             "Memory",
-            of_report(&|r| format!("{raw} → {}", text::bytes(r.bytes_memory))),
-            file,
-            "All pixels as 8-bit color and 32-bit depth, and the kept samples in memory.",
+            of_report(&|r| text::bytes(r.bytes_memory)),
+            memory_note,
+            "The kept samples in memory, of all pixels as 8-bit color and 32-bit depth.",
         ),
         accuracy_figure(state),
         figure(

@@ -1,7 +1,7 @@
 //! Color maps: from numbers to colors that everybody can tell apart.
 //!
 //! Sources: the sequential map is *viridis* (van der Walt and Smith, 2015), interpolated between nine of its entries; the
-//! diverging one is ColorBrewer's `PuOr` (Brewer and Harrower, 2003), safe for color-blind readers; camera colors are
+//! diverging one is `ColorBrewer`'s `PuOr` (Brewer and Harrower, 2003), safe for color-blind readers; camera colors are
 //! those of Okabe and Ito (*Color Universal Design*, 2008). What differs: the diverging map's middle is a light gray so
 //! that it stands apart from both white and from pixels without an answer, and camera colors repeat in a darker shade.
 

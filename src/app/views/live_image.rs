@@ -86,6 +86,9 @@ impl PartialEq for LiveKey {
     }
 }
 
+/// Width of the stripes over holes, pixels.
+const STRIPE: usize = 6;
+
 /// The right picture.
 pub(crate) struct LivePicture {
     /// Its pixels.
@@ -110,7 +113,7 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
         let image = picture.image[(x, y)];
         if image == NO_IMAGE {
-            return tokens.hole;
+            return if (x + y) / STRIPE % 2 == 0 { tokens.hole } else { tokens.hole_stripe };
         }
         let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
         let own = Color32::from_rgb(r, g, b);

@@ -34,7 +34,7 @@ pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comman
 }
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    ui.label(RichText::new("What is left, from anywhere").heading());
+    ui.heading("What is left, from anywhere");
     ui.horizontal(|ui| {
         let Some(scene) = &state.scene else { return };
         let buttons = 2.0 * (space::CONTROL + 20.0);

@@ -54,7 +54,7 @@ fn verdict(state: &State, camera: &CameraInspection, x: usize, y: usize) -> Stri
         let width = witness.intrinsics.width.max(1);
         let (x, y) = (verdict.witness_pixel % width, verdict.witness_pixel / width);
         let layer = if verdict.witness_is_background { ", background" } else { "" };
-        sentence.push_str(&format!(" Witness: {} at {x}, {y}{layer}.", witness.name));
+        sentence += &format!(" Witness: {} at {x}, {y}{layer}.", witness.name);
     }
     sentence
 }

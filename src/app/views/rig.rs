@@ -8,6 +8,9 @@ use crate::capture::{Camera, Intrinsics};
 /// How near to straight up or down orbiting goes, as a cosine, so that up stays up.
 const STEEPEST: f64 = 0.985;
 
+/// How far the first vantage stands from the first camera, as a share of the way to the second.
+const HOME_STEP: f64 = 0.3;
+
 /// The pose and lens of the live view.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rig {
@@ -21,8 +24,8 @@ pub(crate) struct Rig {
 }
 
 impl Rig {
-    /// Where nobody stood: between the first two cameras, on their circle about what they look at. With one camera, a
-    /// step to its side.
+    /// Where nobody stood: a step from the first camera toward the second, on their circle about what they look at. With
+    /// one camera, a step to its side.
     pub(crate) fn home(scene: &Scene) -> Option<Self> {
         let first = scene.cameras.first()?;
         let pivot = scene.pivot_in_world;
@@ -32,9 +35,10 @@ impl Rig {
             || DQuat::from_axis_angle(scene.up_in_world, 0.4) * eye_a,
             |second| second.position_in_world() - pivot,
         );
-        let radius = f64::midpoint(distance, eye_b.length());
-        let middle = (eye_a + eye_b).try_normalize().unwrap_or_else(|| eye_a / distance) * radius;
-        let camera = Camera::look_at("home", first.intrinsics, pivot + middle, pivot, scene.up_in_world);
+        let radius = distance + (eye_b.length() - distance) * HOME_STEP;
+        let aside = eye_a / distance * (1.0 - HOME_STEP) + eye_b.normalize_or_zero() * HOME_STEP;
+        let eye = aside.try_normalize().unwrap_or_else(|| eye_a / distance) * radius;
+        let camera = Camera::look_at("home", first.intrinsics, pivot + eye, pivot, scene.up_in_world);
         Some(Self {
             world_from_camera: camera.world_from_camera,
             pivot_distance: radius.max(1e-6),

@@ -43,9 +43,7 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comm
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(scene) = &state.scene else { return };
-    ui.horizontal(|ui| {
-        ui.label(RichText::new("What a camera saw").heading());
-    });
+    ui.heading("What a camera saw");
     ui.horizontal(|ui| {
         let cameras: Vec<_> = scene
             .cameras

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::shapes::slab;
+use super::hits::slab;
 
 /// An axis-aligned box, from the corner with the least to the one with the greatest coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,7 @@ pub(super) struct Bvh {
     order: Vec<u32>,
 }
 
-const LEAF_ITEMS: usize = 2;
+const LEAF_ITEMS: usize = 1;
 /// Entries of the stack of nodes yet to visit; splits keep to [`MAX_DEPTH`].
 const STACK: usize = 64;
 /// Below this depth nodes are split at the median.
@@ -197,5 +197,61 @@ impl Building<'_> {
             let center = |item: &u32| items[*item as usize].center()[axis];
             center(a).total_cmp(&center(b)).then(a.cmp(b))
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Bounds, Bvh};
+    use crate::capture::demo::{ALL, world::World};
+    use glam::DVec3;
+    use proptest::prelude::*;
+
+    fn nearest_by_brute_force(world: &World, origin: DVec3, direction: DVec3) -> Option<f64> {
+        (0..world.solids.len())
+            .filter_map(|index| world.hit_solid(index, origin, direction, f64::INFINITY))
+            .min_by(f64::total_cmp)
+    }
+
+    #[test]
+    fn the_hierarchy_finds_the_hit_that_trying_every_solid_finds() {
+        for scene in ALL {
+            let world = (scene.world)(0.3);
+            for index in 0..400 {
+                let angle = f64::from(index) * 2.399_963;
+                let origin = DVec3::new(1.7 * angle.cos(), -1.9, 0.4 + 0.004 * f64::from(index));
+                let target = DVec3::new(0.9 * (angle * 3.0).sin(), 0.4 * (angle * 7.0).cos(), 0.9);
+                let direction = target - origin;
+                let found = world.hit(origin, direction).map(|hit| hit.t);
+                assert_eq!(found, nearest_by_brute_force(&world, origin, direction));
+            }
+        }
+    }
+
+    #[test]
+    fn an_empty_hierarchy_is_never_met() {
+        let empty = Bvh::new(&[]);
+        empty.for_each_near(DVec3::ZERO, 1e9, |_| panic!("there is nothing to find"));
+    }
+
+    proptest! {
+        #[test]
+        fn all_boxes_near_a_point_are_found(
+            lows in prop::collection::vec(prop::array::uniform3(-5.0..5.0_f64), 1..60),
+            point in prop::array::uniform3(-5.0..5.0_f64),
+            radius in 0.1..3.0_f64,
+        ) {
+            let boxes: Vec<Bounds> = lows
+                .into_iter()
+                .map(|low| Bounds { low: low.into(), high: DVec3::from(low) + DVec3::splat(0.5) })
+                .collect();
+            let point = DVec3::from(point);
+            let mut found = Vec::new();
+            Bvh::new(&boxes).for_each_near(point, radius, |item| found.push(item));
+            found.sort_unstable();
+            let near = |b: &Bounds| b.distance_squared(point) <= radius * radius;
+            let expected: Vec<usize> = (0..boxes.len()).filter(|index| near(&boxes[*index])).collect();
+            prop_assert!(expected.iter().all(|item| found.contains(item)));
+        }
     }
 }

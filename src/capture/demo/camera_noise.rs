@@ -52,3 +52,25 @@ fn mix(seed: u64) -> u64 {
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::CameraNoise;
+    use glam::Vec3;
+
+    #[test]
+    fn the_noise_has_the_deviation_it_promises_and_no_mean() {
+        let noise = CameraNoise::new(0.05, 1, 2, 3).unwrap();
+        let color = Vec3::splat(0.5);
+        let errors: Vec<f32> = (0..40_000).map(|pixel| noise.apply(color, pixel).y - color.y).collect();
+        let mean = errors.iter().sum::<f32>() / errors.len() as f32;
+        let deviation = (errors.iter().map(|e| e * e).sum::<f32>() / errors.len() as f32).sqrt();
+        let expected = 0.05 * (0.5_f32 * 0.52).sqrt();
+        assert!(mean.abs() < 4e-4 && (deviation / expected - 1.0).abs() < 0.03, "{mean} {deviation}");
+    }
+
+    #[test]
+    fn no_noise_is_asked_for_with_zero() {
+        assert!(CameraNoise::new(0.0, 1, 2, 3).is_none());
+    }
+}

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3, DVec4, Vec3};
 
-use super::palette::{brass, brick, dark_brass, marble, plaster, rgb, slate, turned_wood, walnut};
+use super::palette::{brass, dark_brass, marble, plaster, rgb, slate, turned_wood, walnut};
 use super::props;
 use super::rig::{Rig, Vantage};
 use super::shapes::Shape;
@@ -21,18 +21,18 @@ const SLAB_TOP_M: f64 = BENCH_TOP_M + 0.06;
 /// The scene at a moment, 0 to 1: the crystals grow from first to last, the ball's bounces close a loop.
 pub(super) fn world(moment: f64) -> World {
     let mut stage = Builder::new(Light {
-        to_sun: DVec3::new(-0.38, -0.42, 0.95).normalize_or_zero(),
+        to_sun: DVec3::new(-0.36, -0.3, 0.95).normalize_or_zero(),
         sun: Vec3::new(0.95, 0.88, 0.76),
         sun_spread: 0.04,
         zenith: Vec3::new(0.32, 0.37, 0.46),
         horizon: Vec3::new(0.47, 0.48, 0.5),
         ground: Vec3::new(0.2, 0.17, 0.14),
-        contact: 0.12,
+        contact: 0.09,
         lamp: None,
     });
     laboratory(&mut stage);
     glassware(&mut stage);
-    molecule(&mut stage, DVec3::new(-0.62, 0.2, BENCH_TOP_M));
+    molecule(&mut stage, DVec3::new(-0.52, 0.22, BENCH_TOP_M));
     crystals(&mut stage, DVec3::new(0.08, 0.02, SLAB_TOP_M), moment);
     ball(&mut stage, moment);
     stage.build()
@@ -45,7 +45,8 @@ fn block(half: [f64; 3], round: f64) -> Shape {
 fn laboratory(stage: &mut Builder) {
     let floor = Material::new(Pattern::Tiles(0.35), rgb(0x00b8_b4aa), rgb(0x0070_7478));
     stage.add(block([3.5, 3.5, 0.1], 0.0), DVec3::new(0.0, 0.0, -0.1), floor);
-    stage.add(block([2.4, 0.1, 1.3], 0.0), DVec3::new(0.0, 1.25, 1.3), brick());
+    let glazed = Material::new(Pattern::Bricks(0.1), rgb(0x00ca_d6cc), rgb(0x008a_968e));
+    stage.add(block([2.4, 0.1, 1.3], 0.0), DVec3::new(0.0, 1.25, 1.3), glazed);
     stage.add(block([0.1, 1.6, 1.3], 0.0), DVec3::new(-2.0, -0.2, 1.3), plaster(0x00a4_b0a8));
     stage.add(block([1.15, 0.55, 0.03], 0.01), DVec3::new(0.0, 0.1, BENCH_TOP_M - 0.03), walnut());
     stage.add(block([1.05, 0.47, 0.36], 0.01), DVec3::new(0.0, 0.1, BENCH_TOP_M - 0.42), turned_wood());
@@ -86,11 +87,11 @@ fn glassware(stage: &mut Builder) {
     let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, BENCH_TOP_M + z);
     stage.add(
         Shape::Cone { bottom: 0.09, top: 0.024, half_height: 0.085 },
-        at(-0.36, 0.42, 0.085),
+        at(-0.22, 0.46, 0.085),
         glass(0x0068_a0a8),
     );
-    stage.add(Shape::cylinder(0.024, 0.04), at(-0.36, 0.42, 0.21), glass(0x00b8_ccd0));
-    stage.add(Shape::Torus { major: 0.025, minor: 0.006 }, at(-0.36, 0.42, 0.25), glass(0x00b8_ccd0));
+    stage.add(Shape::cylinder(0.024, 0.04), at(-0.22, 0.46, 0.21), glass(0x00b8_ccd0));
+    stage.add(Shape::Torus { major: 0.025, minor: 0.006 }, at(-0.22, 0.46, 0.25), glass(0x00b8_ccd0));
     stage.add(Shape::Sphere { radius: 0.085 }, at(0.5, 0.45, 0.15), glass(0x00c8_9048));
     stage.add(Shape::cylinder(0.02, 0.07), at(0.5, 0.45, 0.29), glass(0x00b8_ccd0));
     stage.add(Shape::Torus { major: 0.06, minor: 0.008 }, at(0.5, 0.45, 0.075), dark_brass());
@@ -133,7 +134,7 @@ fn molecule(stage: &mut Builder, place: DVec3) {
 }
 
 /// A six-sided prism with a pointed top, its foot at the origin, as quartz grows.
-fn crystal(radius: f64, height: f64) -> Shape {
+pub(super) fn crystal(radius: f64, height: f64) -> Shape {
     let mut planes = Vec::with_capacity(13);
     for side in 0..6 {
         let angle = PI * f64::from(side) / 3.0;
@@ -169,7 +170,7 @@ fn crystals(stage: &mut Builder, place: DVec3, moment: f64) {
 
 fn ball(stage: &mut Builder, moment: f64) {
     let beat = (12.0 * moment).fract();
-    let height = 0.11 * 4.0 * beat * (1.0 - beat);
+    let height = 0.08 * 4.0 * beat * (1.0 - beat);
     let center = DVec3::new(0.72, -0.16, BENCH_TOP_M + 0.024 + 0.03 + height);
     let rubber = Material::new(Pattern::Stripes(0.024), rgb(0x00c8_4030), rgb(0x00f0_e0c8));
     let spin = DMat3::from_rotation_y(TAU * moment) * DMat3::from_rotation_x(0.5);
@@ -190,7 +191,7 @@ pub(super) fn rig() -> Rig {
             vantage("front", [0.1, -1.75, 1.55], middle, 52.0),
             vantage("left", [-1.25, -1.2, 1.5], middle, 52.0),
             vantage("right", [1.45, -1.15, 1.6], middle, 52.0),
-            vantage("crystals", [-0.22, -0.55, 1.3], [0.0, 0.12, 1.0], 50.0),
+            vantage("crystals", [-0.32, -0.72, 1.38], [0.02, 0.14, 1.0], 50.0),
         ],
         novel: vec![
             vantage("home", [0.7, -1.5, 1.62], middle, 52.0),

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! orrery, nine_cameras, four_cameras ── world (solids, light) ── trace ── Frame
-//!        └─ props, palette, texture       shapes, bvh, shade      └─ camera_noise
+//!        └─ props, palette, texture       shapes, hits, bvh, shade └─ camera_noise
 //! ```
 //!
 //! Surfaces are diffuse: a point has one color at a time, whoever looks. World space is in meters, z up.
@@ -10,6 +10,7 @@
 mod bvh;
 mod camera_noise;
 mod four_cameras;
+mod hits;
 mod nine_cameras;
 mod orrery;
 mod palette;
@@ -78,6 +79,8 @@ struct Scene {
     noise: f32,
     antialiased: bool,
     normals: bool,
+    /// Tells the noise of the scenes apart.
+    seed: u64,
 }
 
 const ORRERY: Scene = Scene {
@@ -90,6 +93,7 @@ const ORRERY: Scene = Scene {
     noise: 0.0,
     antialiased: false,
     normals: true,
+    seed: 1,
 };
 
 const NINE_CAMERAS: Scene = Scene {
@@ -102,6 +106,7 @@ const NINE_CAMERAS: Scene = Scene {
     noise: 0.03,
     antialiased: true,
     normals: false,
+    seed: 2,
 };
 
 const FOUR_CAMERAS: Scene = Scene {
@@ -114,6 +119,7 @@ const FOUR_CAMERAS: Scene = Scene {
     noise: 0.0,
     antialiased: false,
     normals: true,
+    seed: 3,
 };
 
 const ALL: [&Scene; 3] = [&ORRERY, &NINE_CAMERAS, &FOUR_CAMERAS];
@@ -215,8 +221,8 @@ impl Demo {
 
 impl FrameSource for Demo {
     fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
-        let seed = self.scene.name.len() as u64;
-        Ok(self.picture(&self.cameras[camera], frame, CameraNoise::new(self.noise, seed, camera, frame)))
+        let noise = CameraNoise::new(self.noise, self.scene.seed, camera, frame);
+        Ok(self.picture(&self.cameras[camera], frame, noise))
     }
 
     fn place(&self, camera: usize, frame: usize) -> String {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::palette::{brass, dark_brass, marble, oak, plaster, rgb, turned_wood, walnut};
+use super::palette::{brass, dark_brass, map_canvas, marble, oak, plaster, rgb, turned_wood, walnut};
 use super::props;
 use super::rig::{Rig, Vantage};
 use super::shapes::Shape;
@@ -21,8 +21,8 @@ pub(super) fn world(moment: f64) -> World {
         to_sun: DVec3::new(0.62, -0.42, 0.78).normalize_or_zero(),
         sun: Vec3::new(0.98, 0.86, 0.66),
         sun_spread: 0.05,
-        zenith: Vec3::new(0.33, 0.39, 0.49),
-        horizon: Vec3::new(0.50, 0.50, 0.50),
+        zenith: Vec3::new(0.30, 0.38, 0.53),
+        horizon: Vec3::new(0.56, 0.52, 0.46),
         ground: Vec3::new(0.24, 0.18, 0.13),
         contact: 0.3,
         lamp: None,
@@ -45,15 +45,16 @@ fn room(stage: &mut Builder) {
     stage.add(block([2.6, 0.1, 1.35], 0.0), DVec3::new(0.0, 2.1, 1.35), plaster(0x00a9_b6a6));
     stage.add(block([0.1, 2.2, 1.35], 0.0), DVec3::new(-2.5, 0.0, 1.35), plaster(0x00d4_c4a4));
     stage.add(block([2.5, 0.02, 0.06], 0.006), DVec3::new(0.0, 1.98, 0.06), plaster(0x00e8_e2d6));
-    stage.add(block([0.02, 2.1, 0.06], 0.006), DVec3::new(-2.38, 0.0, 0.06), plaster(0x00e8_e2d6));
+    stage.add(block([0.02, 2.1, 0.063], 0.006), DVec3::new(-2.38, 0.0, 0.063), plaster(0x00e8_e2d6));
     props::rug(stage, DVec3::new(0.25, -0.35, 0.0), (1.35, 1.1));
-    props::frame(stage, DVec3::new(-0.55, 1.98, 1.7), (0.5, 0.32));
-    props::frame(stage, DVec3::new(0.35, 1.98, 1.78), (0.2, 0.26));
+    props::frame(stage, DVec3::new(-0.55, 1.98, 1.7), (0.5, 0.32), map_canvas());
+    let planet = Material::new(Pattern::Bands(0.3), rgb(0x00e2_c8a0), rgb(0x0098_5a38));
+    props::frame(stage, DVec3::new(0.35, 1.98, 1.78), (0.2, 0.26), planet);
     props::plant(stage, DVec3::new(-2.0, 1.6, 0.0), 26);
 }
 
 fn sofa(stage: &mut Builder) {
-    let cloth = Material::new(Pattern::Speckles(0.025), rgb(0x0034_5c66), rgb(0x004c_7c86));
+    let cloth = Material::new(Pattern::Weave(0.03), rgb(0x0030_5862), rgb(0x004c_7a84));
     let cushion = Material::new(Pattern::Checker(0.09), rgb(0x00d8_a048), rgb(0x00b4_7430));
     let at = |x: f64, y: f64, z: f64| DVec3::new(-0.35 + x, 1.4 + y, z);
     stage.add(block([0.85, 0.4, 0.13], 0.04), at(0.0, 0.0, 0.22), cloth);

@@ -4,7 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::palette::{brass, brick, dark_brass, marble, plaster, rgb, slate, turned_wood, walnut};
+use super::palette::{
+    brass, brick, dark_brass, map_canvas, marble, plaster, rgb, slate, turned_wood, walnut,
+};
 use super::props;
 use super::rig::{Rig, Vantage};
 use super::shapes::Shape;
@@ -71,11 +73,11 @@ pub(super) fn world(moment: f64) -> World {
         to_sun: DVec3::new(0.42, -0.55, 0.83).normalize_or_zero(),
         sun: Vec3::new(0.98, 0.88, 0.7),
         sun_spread: 0.045,
-        zenith: Vec3::new(0.30, 0.36, 0.47),
-        horizon: Vec3::new(0.46, 0.47, 0.48),
+        zenith: Vec3::new(0.27, 0.36, 0.52),
+        horizon: Vec3::new(0.52, 0.49, 0.44),
         ground: Vec3::new(0.20, 0.15, 0.11),
         contact: 0.22,
-        lamp: Some(Lamp { position: SUN, color: Vec3::new(1.1, 0.72, 0.3), reach: 0.85 }),
+        lamp: Some(Lamp { position: SUN, color: Vec3::new(2.0, 1.25, 0.5), reach: 0.95 }),
     });
     set(&mut stage);
     furniture(&mut stage);
@@ -100,7 +102,7 @@ fn set(stage: &mut Builder) {
     props::rug(stage, DVec3::new(0.0, -0.1, 0.0), (1.75, 1.3));
     props::plinth(stage, DVec3::new(-1.55, 1.2, 0.0), 0.85);
     stage.add(Shape::Sphere { radius: 0.2 }, DVec3::new(-1.55, 1.2, 1.09), marble());
-    props::frame(stage, DVec3::new(-0.75, 1.79, 1.65), (0.34, 0.26));
+    props::frame(stage, DVec3::new(-0.75, 1.79, 1.65), (0.34, 0.26), map_canvas());
 }
 
 fn furniture(stage: &mut Builder) {
@@ -179,7 +181,7 @@ fn gear(stage: &mut Builder, center: DVec3, radius: f64, teeth: usize, turns: f6
         let angle = TAU * (tooth as f64 / teeth as f64 + turns);
         let rotation = DMat3::from_rotation_z(angle);
         let block =
-            Shape::Block { half: DVec3::new(0.008, 0.3 * PI * radius / teeth as f64, 0.006), round: 0.0 };
+            Shape::Block { half: DVec3::new(0.008, 0.3 * PI * radius / teeth as f64, 0.0055), round: 0.0 };
         stage.add_turned(block, center + rotation * DVec3::X * radius, rotation, dark_brass());
     }
 }

@@ -44,7 +44,12 @@ pub(super) fn marble() -> Material {
 }
 
 pub(super) fn slate() -> Material {
-    Material::new(Pattern::Speckles(0.02), rgb(0x0050_5660), rgb(0x008c_929a))
+    Material::new(Pattern::Marble(0.2), rgb(0x0048_5058), rgb(0x0098_a0a2))
+}
+
+/// An old map, for want of a better word for what the eye makes of it.
+pub(super) fn map_canvas() -> Material {
+    Material::new(Pattern::Marble(0.3), rgb(0x00d8_b078), rgb(0x002c_4a68))
 }
 
 pub(super) fn book(cover: u32, band: u32, half_thickness: f32) -> Material {

@@ -128,13 +128,12 @@ pub(super) fn plinth(stage: &mut Builder, place: DVec3, height: f64) {
     stage.add(Shape::Torus { major: 0.165, minor: 0.02 }, place + DVec3::Z * (height - 0.08), stone);
 }
 
-/// A framed picture with the given half extents (x, z), on a wall that faces −y.
-pub(super) fn frame(stage: &mut Builder, place: DVec3, (x, z): (f64, f64)) {
-    let canvas = Material::new(Pattern::Marble(0.3), rgb(0x00d8_b078), rgb(0x002c_4a68));
+/// A framed canvas with the given half extents (x, z), on a wall that faces −y.
+pub(super) fn frame(stage: &mut Builder, place: DVec3, (x, z): (f64, f64), canvas: Material) {
     stage.add(block([x, 0.012, z], 0.0), place, canvas);
     for side in [-1.0, 1.0] {
         stage.add(block([0.025, 0.025, z + 0.025], 0.008), place + DVec3::X * (side * x), dark_brass());
-        stage.add(block([x + 0.025, 0.025, 0.025], 0.008), place + DVec3::Z * (side * z), dark_brass());
+        stage.add(block([x + 0.027, 0.027, 0.025], 0.008), place + DVec3::Z * (side * z), dark_brass());
     }
 }
 

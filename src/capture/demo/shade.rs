@@ -19,13 +19,16 @@ const SHADOW_START_M: f64 = 1e-3;
 const SHADOW_STEP_M: f64 = 3e-3;
 const SHADOW_STEPS: usize = 40;
 
-/// Linear color of the sky in a direction.
-pub(super) fn sky(light: &Light, direction: DVec3) -> Vec3 {
+/// Linear color of the backdrop in a direction: a clear evening sky over haze.
+pub(super) fn sky(direction: DVec3) -> Vec3 {
+    const OVERHEAD: Vec3 = Vec3::new(0.16, 0.32, 0.58);
+    const HORIZON: Vec3 = Vec3::new(0.86, 0.72, 0.54);
+    const HAZE: Vec3 = Vec3::new(0.42, 0.36, 0.32);
     let up = direction.normalize_or_zero().z as f32;
     if up >= 0.0 {
-        light.horizon.lerp(light.zenith, up.sqrt())
+        HORIZON.lerp(OVERHEAD, (1.6 * up).min(1.0).sqrt())
     } else {
-        light.horizon.lerp(light.ground, (-4.0 * up).min(1.0))
+        HORIZON.lerp(HAZE, (-3.0 * up).min(1.0))
     }
 }
 
@@ -125,4 +128,32 @@ fn contact(world: &World, hit: &Hit) -> f32 {
         open -= weight * missing as f32;
     }
     open.max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::clearance;
+    use crate::capture::demo::ALL;
+    use glam::DVec3;
+
+    #[test]
+    fn solids_that_the_shadow_map_leaves_out_cast_no_shadow() {
+        for scene in ALL {
+            let world = (scene.world)(0.6);
+            for index in 0..150 {
+                let (sin, cos) = (f64::from(index) * 2.399_963).sin_cos();
+                let direction = DVec3::new(0.7 * sin, 1.0, 0.5 * cos - 0.3);
+                let Some(hit) = world.hit(DVec3::new(0.3, -1.9, 1.6), direction) else { continue };
+                let mut listed = vec![false; world.solids.len()];
+                world.shadows.for_each_toward_sun(hit.point, |solid, _, _| {
+                    listed[solid] = true;
+                    true
+                });
+                listed[hit.solid] = true;
+                for (solid, _) in listed.iter().enumerate().filter(|(_, listed)| !**listed) {
+                    assert!(clearance(&world, solid, hit.point, (0.0, 20.0)) >= 1.0 - 1e-9);
+                }
+            }
+        }
+    }
 }

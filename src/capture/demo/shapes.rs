@@ -1,8 +1,6 @@
-//! The solids that demo scenes are made of: exact ray hits, exact normals, and signed distances.
+//! The solids that demo scenes are made of: signed distances and exact normals. Ray hits are in `hits`.
 //!
-//! Source: the distance functions are those collected by Inigo Quilez, *Distance functions* (2008–); the traced hits
-//! are sphere tracing (John C. Hart, *Sphere Tracing*, 1996). What differs: a traced hit is refined until the distance
-//! is far below what a 32-bit depth can tell apart, so that traced and closed-form depths are equally exact.
+//! Source: the distance functions are those collected by Inigo Quilez, *Distance functions* (2008–).
 //!
 //! Everything here is in the solid's own space; sizes are in meters.
 
@@ -58,11 +56,6 @@ pub(super) enum Shape {
         half: DVec3,
     },
 }
-
-/// Distance at which a traced ray counts as having arrived, m: a hundredth of the spacing of 32-bit floats at 1 m.
-const ARRIVED_M: f64 = 1e-10;
-/// Steps after which a traced ray that only grazes is given up.
-const MAX_STEPS: usize = 160;
 
 impl Shape {
     /// A cylinder along z.
@@ -136,94 +129,6 @@ impl Shape {
         };
         direction.try_normalize().unwrap_or(DVec3::Z)
     }
-
-    /// Parameter of the first hit of `origin + t · direction` with `t` in `(t_min, t_max)`.
-    ///
-    /// `direction` need not have unit length.
-    pub(super) fn hit(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Option<f64> {
-        let within = |t: f64| (t > t_min && t < t_max).then_some(t);
-        match self {
-            Self::Sphere { radius } => {
-                let a = direction.length_squared();
-                let b = origin.dot(direction);
-                let c = origin.length_squared() - radius * radius;
-                let root = quadratic(a, b, c)?;
-                within(root.0).or_else(|| within(root.1))
-            }
-            Self::Block { half, round: 0.0 } => {
-                let (enter, leave) = slab(origin, direction.recip(), -*half, *half);
-                if enter > leave { None } else { within(enter).or_else(|| within(leave)) }
-            }
-            Self::Cone { bottom, top, half_height } => {
-                cone_hits(origin, direction, *bottom, *top, *half_height)
-                    .into_iter()
-                    .filter(|t| *t > t_min && *t < t_max)
-                    .min_by(f64::total_cmp)
-            }
-            Self::Convex { planes, .. } => {
-                let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-                for plane in planes.iter() {
-                    let speed = plane.truncate().dot(direction);
-                    let above = plane.truncate().dot(origin) - plane.w;
-                    if speed == 0.0 {
-                        if above > 0.0 {
-                            return None;
-                        }
-                    } else if speed < 0.0 {
-                        enter = enter.max(-above / speed);
-                    } else {
-                        leave = leave.min(-above / speed);
-                    }
-                }
-                if enter > leave { None } else { within(enter).or_else(|| within(leave)) }
-            }
-            Self::Block { .. } | Self::Torus { .. } | Self::Ring { .. } => {
-                self.traced_hit(origin, direction, t_min, t_max)
-            }
-        }
-    }
-
-    fn traced_hit(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Option<f64> {
-        let half = self.half_extents();
-        let (enter, leave) = slab(origin, direction.recip(), -half, half);
-        let speed = direction.length();
-        let (mut t, end) = (enter.max(t_min), leave.min(t_max));
-        // A ray that starts inside walks along the negative distance to the way out.
-        let side = self.distance(origin + direction * t).signum();
-        for _ in 0..MAX_STEPS {
-            if t > end {
-                return None;
-            }
-            let distance = side * self.distance(origin + direction * t);
-            t += distance / speed;
-            if distance.abs() < ARRIVED_M {
-                return (t > t_min && t < t_max).then_some(t);
-            }
-        }
-        None
-    }
-}
-
-/// Parameters at which a ray enters and leaves the box from `low` to `high`; `enter > leave` where it misses.
-pub(super) fn slab(origin: DVec3, inverse_direction: DVec3, low: DVec3, high: DVec3) -> (f64, f64) {
-    let a = (low - origin) * inverse_direction;
-    let b = (high - origin) * inverse_direction;
-    // `min` and `max` of the components pass over NaN, which a ray within a face's plane makes of 0 · ∞.
-    let near = DVec3::new(a.x.min(b.x), a.y.min(b.y), a.z.min(b.z));
-    let far = DVec3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z));
-    (near.x.max(near.y).max(near.z), far.x.min(far.y).min(far.z))
-}
-
-/// Both roots of `a t² + 2 b t + c`, ascending.
-fn quadratic(a: f64, b: f64, c: f64) -> Option<(f64, f64)> {
-    let discriminant = b * b - a * c;
-    if discriminant < 0.0 || a == 0.0 {
-        return None;
-    }
-    // The root of equal signs first: the other one from the product of roots, without cancellation.
-    let q = -(b + b.signum() * discriminant.sqrt());
-    let (first, second) = (q / a, if q == 0.0 { 0.0 } else { c / q });
-    Some((first.min(second), first.max(second)))
 }
 
 fn ring_over(point: DVec3, inner: f64, outer: f64, half_height: f64) -> DVec2 {
@@ -265,33 +170,4 @@ fn cone_normal(point: DVec3, bottom: f64, top: f64, half_height: f64) -> DVec3 {
     } else {
         (point.truncate() / radius.max(f64::MIN_POSITIVE)).extend(-slope)
     }
-}
-
-/// Where a ray meets the side (twice at most) and the caps; NaN where it does not.
-fn cone_hits(origin: DVec3, direction: DVec3, bottom: f64, top: f64, half_height: f64) -> [f64; 4] {
-    let slope = (top - bottom) / (2.0 * half_height);
-    let middle = 0.5 * (top + bottom);
-    let mut hits = [f64::NAN; 4];
-    let (o, d) = (origin.truncate(), direction.truncate());
-    let (radius_at_origin, radius_speed) = (middle + slope * origin.z, slope * direction.z);
-    let roots = quadratic(
-        d.length_squared() - radius_speed * radius_speed,
-        o.dot(d) - radius_at_origin * radius_speed,
-        o.length_squared() - radius_at_origin * radius_at_origin,
-    );
-    if let Some((first, second)) = roots {
-        for (slot, t) in [first, second].into_iter().enumerate() {
-            let z = origin.z + t * direction.z;
-            if z.abs() <= half_height && middle + slope * z >= 0.0 {
-                hits[slot] = t;
-            }
-        }
-    }
-    for (slot, z, radius) in [(2, -half_height, bottom), (3, half_height, top)] {
-        let t = (z - origin.z) / direction.z;
-        if (o + d * t).length_squared() <= radius * radius {
-            hits[slot] = t;
-        }
-    }
-    hits
 }

@@ -53,6 +53,8 @@ pub(super) enum Pattern {
     Grooves(f32),
     /// A woven rug with a border, of the given half width (x) and half depth (y).
     Rug(f32, f32),
+    /// Coarse cloth with threads the given distance apart.
+    Weave(f32),
     /// Stripes across z.
     Stripes(f32),
     /// A checkerboard in all three directions.
@@ -91,8 +93,8 @@ impl Material {
             }
             Pattern::Bricks(height) => self.bricks(p, n, height),
             Pattern::Speckles(size) => {
-                let grain = noise((p + shift) / size);
-                mix(smoothstep(0.55, 0.8, grain) * 0.8 + 0.35 * fbm(p + shift, size * 8.0))
+                let grain = noise((p + shift) / size) + 0.6 * noise((p - shift) / (0.55 * size));
+                mix(smoothstep(0.7, 1.25, grain) * 0.75 + 0.3 * fbm(p + shift, size * 8.0))
             }
             Pattern::Bands(radius) => {
                 let whirl = fbm(Vec3::new(p.x, p.y, p.z * 3.0) + shift, radius * 0.7) - 0.5;
@@ -108,6 +110,11 @@ impl Material {
             Pattern::Grooves(width) => {
                 let radius = p.truncate().length();
                 mix(0.5 + 0.5 * (radius / width * std::f32::consts::TAU).sin())
+            }
+            Pattern::Weave(size) => {
+                let turns = std::f32::consts::TAU / size;
+                let thread = ((p.x + p.z) * turns).sin() * ((p.y - p.z) * turns).sin();
+                mix(0.3 + 0.25 * thread + 0.4 * fbm(p + shift, 0.25))
             }
             Pattern::Rug(x, y) => self.rug(p, x, y),
             Pattern::Stripes(width) => mix(square_wave(p.z / width, FINEST_M / width)),
@@ -174,8 +181,10 @@ impl Material {
     fn book(&self, p: Vec3, n: Vec3, half_thickness: f32) -> Vec3 {
         let in_cover = p.z.abs() > half_thickness - 0.006;
         if n.x < -0.5 {
-            let band = square_wave(p.y / 0.055 + 0.25, 0.2);
-            return self.a.lerp(self.b, 0.8 * band) * (0.9 + 0.2 * fbm(p, 0.03));
+            let y = p.y.abs();
+            let band = smoothstep(0.062, 0.068, y) * (1.0 - smoothstep(0.074, 0.08, y));
+            let title = 1.0 - smoothstep(0.022, 0.028, y);
+            return self.a.lerp(self.b, 0.75 * band + 0.4 * title) * (0.85 + 0.3 * fbm(p, 0.05));
         }
         if in_cover || n.z.abs() > 0.5 {
             return self.a * (0.85 + 0.3 * fbm(p, 0.06));

@@ -94,7 +94,7 @@ fn surfel(world: &World, view: &CameraRays, pixel: DVec2) -> Surfel {
             }
         }
         None => Surfel {
-            color: shade::sky(&world.light, direction),
+            color: shade::sky(direction),
             irradiance: Vec3::ZERO,
             inverse_depth: 0.0,
             normal: [0.0; 3],
@@ -109,7 +109,7 @@ fn filtered(world: &World, view: &CameraRays, center: &Surfel, (x, y): (usize, u
     let sum = SUBPIXELS.iter().fold(center.color, |sum, (dx, dy)| {
         let direction = view.direction(DVec2::new(x as f64 + dx, y as f64 + dy));
         let Some(hit) = world.hit(view.origin, direction) else {
-            return sum + shade::sky(&world.light, direction);
+            return sum + shade::sky(direction);
         };
         let same_surface = hit.solid as u32 == center.solid
             && hit.normal.as_vec3().dot(center.normal.into()) > SAME_SURFACE_COSINE;

@@ -25,6 +25,18 @@ pub enum NormalSpace {
     Camera,
 }
 
+impl NormalSpace {
+    /// The space by its name in the manifest.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "world" => Self::World,
+            "camera" => Self::Camera,
+            _ => return None,
+        })
+    }
+}
+
 /// The planes of one picture, row-major, all of the camera's size.
 #[derive(Clone, Debug)]
 pub struct Layers {

@@ -225,11 +225,9 @@ impl ExrFile {
             }
             let target = &mut row[(first_x + start as i64) as usize..][..end - start];
             match header.channels.list[line.location.channel].sample_type {
-                SampleType::F16 => {
-                    copy_samples(line.value, start, target, |b| f16::from_ne_bytes(b).to_f32())
-                }
+                SampleType::F16 => copy_samples(line.value, start, target, f32_from_half),
                 SampleType::F32 => copy_samples(line.value, start, target, f32::from_ne_bytes),
-                SampleType::U32 => copy_samples(line.value, start, target, |b| u32::from_ne_bytes(b) as f32),
+                SampleType::U32 => copy_samples(line.value, start, target, f32_from_integer),
             }
         }
     }
@@ -245,6 +243,14 @@ fn copy_samples<const BYTES: usize>(
     for (value, sample) in target.iter_mut().zip(&samples[start..]) {
         *value = decode(*sample);
     }
+}
+
+fn f32_from_half(bytes: [u8; 2]) -> f32 {
+    f16::from_ne_bytes(bytes).to_f32()
+}
+
+fn f32_from_integer(bytes: [u8; 4]) -> f32 {
+    u32::from_ne_bytes(bytes) as f32
 }
 
 /// `part.channel`, unless the channel bears the part's name already: Blender 5 names both in full, others do not.

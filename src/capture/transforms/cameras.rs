@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use glam::DAffine3;
 
-use super::load::{self, PictureFiles};
+use super::files::PictureFiles;
+use super::load;
 use super::manifest::{Entry, Keys, Manifest};
 use super::pose;
 use crate::capture::{Camera, Intrinsics};
@@ -97,7 +98,7 @@ fn picture_files(folder: &Path, entry: &Entry, keys: &Keys, manifest: &Path) -> 
     )
 }
 
-/// The first NeRF data sets name pictures without extension.
+/// The first data sets of radiance fields name pictures without extension.
 fn with_extension(path: PathBuf) -> PathBuf {
     if path.extension().is_some() || path.is_file() {
         return path;
@@ -273,4 +274,70 @@ fn refuse_motion(first: &Camera, other: &Camera, first_number: i64, place: &str)
 
 fn same_lens(a: &Intrinsics, b: &Intrinsics) -> bool {
     [a.fx - b.fx, a.fy - b.fy, a.cx - b.cx, a.cy - b.cy].iter().all(|d| d.abs() <= SAME_INTRINSICS_PX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    fn group(entries: &[Value]) -> Result<Recording> {
+        let frames: Vec<Value> = entries
+            .iter()
+            .enumerate()
+            .map(|(index, keys)| {
+                let mut entry = json!({
+                    "file_path": format!("{index}.exr"), "w": 4, "h": 3, "fl_x": 5,
+                    "transform_matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, keys["z"].as_f64().unwrap_or(0.0)]],
+                });
+                for (key, value) in keys.as_object().unwrap() {
+                    entry[key] = value.clone();
+                }
+                entry
+            })
+            .collect();
+        let manifest = json!({ "frames": frames }).to_string();
+        let path = Path::new("transforms.json");
+        Recording::group(&Manifest::from_json(manifest.as_bytes(), "transforms.json")?, path)
+    }
+
+    fn names(recording: &Recording) -> Vec<&str> {
+        recording.cameras.iter().map(|camera| camera.name.as_str()).collect()
+    }
+
+    #[test]
+    fn cameras_keep_their_order_and_frames_are_sorted() {
+        let recording = group(&[
+            json!({"camera": "b", "time": 7}),
+            json!({"camera": 3, "frame": 7}),
+            json!({"camera": "b", "frame": 2}),
+            json!({"camera": 3, "time": 2, "frame": 2}),
+        ])
+        .unwrap();
+        assert_eq!(names(&recording), ["b", "3"]);
+        assert_eq!(recording.frame_numbers, [2, 7]);
+        assert_eq!(recording.entries[1][0].file_path, "3.exr");
+    }
+
+    #[test]
+    fn without_names_and_times_poses_are_cameras_and_repetitions_are_frames() {
+        let recording = group(&[json!({}), json!({"z": 1}), json!({}), json!({"z": 1})]).unwrap();
+        assert_eq!(names(&recording), ["cam0", "cam1"]);
+        assert_eq!(recording.frame_numbers, [0, 1]);
+        assert_eq!(recording.entries[0][1].file_path, "2.exr");
+    }
+
+    #[test]
+    fn fractional_times_are_ranked_with_a_warning() {
+        let recording = group(&[json!({"time": 0.5}), json!({"time": 0.0}), json!({"time": 1.0})]).unwrap();
+        assert_eq!(recording.frame_numbers, [0, 1, 2]);
+        assert_eq!(recording.entries[0][1].file_path, "0.exr");
+        assert_eq!(recording.warnings.len(), 1);
+    }
+
+    #[test]
+    fn half_named_manifests_are_refused() {
+        assert!(group(&[json!({"camera": "a"}), json!({"z": 1})]).is_err());
+        assert!(group(&[json!({"time": 1}), json!({"z": 1})]).is_err());
+    }
 }

@@ -1,21 +1,16 @@
 //! One frame from its files: which channel of which file is color, depth and normal.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::manifest::Keys;
+use super::files::{Format, PictureFiles, format_of};
 use super::png;
-use crate::capture::exr::{
-    ChannelNames, ChannelWishes, DepthKind, DepthRules, ExrFile, Layers, NormalSpace, Window,
-};
+use crate::capture::exr::{ChannelNames, ChannelWishes, DepthKind, ExrFile, Layers, Window};
 use crate::capture::{Camera, Frame};
 use crate::color::linear_from_srgb;
 use crate::error::{Error, Result};
 
 /// Largest relative error of a half float: half a unit in the last of its 11 binary digits.
 const HALF_STEP_RELATIVE: f32 = 1.0 / 2048.0;
-/// nerfstudio's unit of depth in PNG files: millimeters.
-const PNG_UNIT_SCALE: f64 = 1e-3;
-
 /// What must be in the files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Need {
@@ -26,135 +21,6 @@ pub(super) enum Need {
     },
     /// Color; depth where there is one.
     ColorOnly,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Format {
-    Exr,
-    Png,
-}
-
-/// The files of one frame, and how they are read.
-#[derive(Clone, Debug)]
-pub(super) struct PictureFiles {
-    /// Color, and whatever is not elsewhere.
-    pub color: PathBuf,
-    depth: Option<PathBuf>,
-    normal: Option<PathBuf>,
-    wishes: ChannelWishes,
-    depth_kind: Option<DepthKind>,
-    unit_scale: Option<f64>,
-    /// Kind, scale and sample type are decided by the file.
-    rules: DepthRules,
-    normal_space: Option<NormalSpace>,
-    /// `None` leaves it to the format: EXR is linear, PNG is sRGB.
-    is_linear: Option<bool>,
-}
-
-impl PictureFiles {
-    /// Takes what the manifest's keys say; `place` is the entry.
-    ///
-    /// # Errors
-    /// `Invalid` for an unknown depth kind or normal space, and numbers that are no distances.
-    pub(super) fn new(
-        color: PathBuf,
-        depth: Option<PathBuf>,
-        normal: Option<PathBuf>,
-        keys: &Keys,
-        place: &str,
-    ) -> Result<Self> {
-        let depth_kind = keys.depth_kind.as_deref().map(|name| {
-            DepthKind::from_name(name).ok_or_else(|| {
-                Error::invalid(
-                    place,
-                    format!(
-                        "depth_kind '{name}' is unknown; there are planar_z, ray_distance, ray_distance_from_near_clip, position"
-                    ),
-                )
-            })
-        });
-        let normal_space = match keys.normal_space.as_ref().map(Option::as_deref) {
-            None | Some(Some("world")) => Some(NormalSpace::World),
-            Some(Some("camera")) => Some(NormalSpace::Camera),
-            Some(None) => None,
-            Some(Some(other)) => {
-                return Err(Error::invalid(
-                    place,
-                    format!("normal_space '{other}' is unknown; there are world, camera, null"),
-                ));
-            }
-        };
-        let positive = |name: &str, value: Option<f64>| match value {
-            Some(value) if !(value.is_finite() && value > 0.0) => {
-                Err(Error::invalid(place, format!("{name} is {value}; it must be above 0")))
-            }
-            _ => Ok(value),
-        };
-        let near_clip = keys.near_clip.filter(|near| *near != 0.0);
-        Ok(Self {
-            color,
-            depth,
-            normal,
-            wishes: ChannelWishes {
-                layer: keys.layer.clone(),
-                depth_channel: keys.depth_channel.clone(),
-                normal_channel: keys.normal_channel.clone(),
-            },
-            depth_kind: depth_kind.transpose()?,
-            unit_scale: positive("depth_unit_scale_factor", keys.depth_unit_scale_factor)?,
-            rules: DepthRules {
-                miss_value: keys.depth_miss_value,
-                near_clip: positive("near_clip", near_clip)?.unwrap_or(0.0),
-                far_clip: positive("far_clip", keys.far_clip)?,
-                ..DepthRules::default()
-            },
-            normal_space,
-            is_linear: keys.color_space.as_deref().map(is_linear),
-        })
-    }
-
-    /// Looks for the files.
-    ///
-    /// # Errors
-    /// `Invalid` naming the first that is missing.
-    pub(super) fn check_exist(&self, place: &str) -> Result<()> {
-        for (what, path) in
-            [("picture", Some(&self.color)), ("depth", self.depth.as_ref()), ("normal", self.normal.as_ref())]
-        {
-            if let Some(path) = path
-                && !path.is_file()
-            {
-                return Err(Error::invalid(
-                    place,
-                    format!(
-                        "the {what} file {} is missing; put it back or take its entry out of the manifest",
-                        path.display()
-                    ),
-                ));
-            }
-        }
-        Ok(())
-    }
-
-    fn depth_rules(&self, kind: DepthKind, is_half: bool) -> DepthRules {
-        DepthRules { kind, is_half, unit_scale: self.unit_scale.unwrap_or(1.0), ..self.rules }
-    }
-}
-
-fn is_linear(color_space: &str) -> bool {
-    !color_space.to_ascii_lowercase().contains("srgb") || color_space.to_ascii_lowercase().contains("linear")
-}
-
-fn format_of(path: &Path, place: &str) -> Result<Format> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    match extension.as_str() {
-        "exr" => Ok(Format::Exr),
-        "png" => Ok(Format::Png),
-        other => Err(Error::unsupported(
-            place,
-            format!("pictures of type '{other}' are not supported; convert them to EXR or PNG"),
-        )),
-    }
 }
 
 /// Columns and rows of a picture, from its header.
@@ -233,12 +99,22 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// Checks the headers of a frame's files, and tells whether they give normals.
+/// What the headers of a frame's files tell.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Probe {
+    /// Whether there are normals, and they are to be read.
+    pub has_normals: bool,
+    /// Whether depth is measured from a near plane that the manifest does not give.
+    pub lacks_near_clip: bool,
+}
+
+/// Checks the headers of a frame's files.
 ///
 /// # Errors
 /// As [`frame`], but for damage behind the headers.
-pub(super) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Result<bool> {
-    let inner_wishes = wishes_inside_color(files);
+pub(super) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Probe> {
+    let mut lacks_near_clip = false;
+    let inner_wishes = files.wishes_of_color_file();
     let mut has_normals = files.normal.is_some();
     match format_of(&files.color, place)? {
         Format::Png if files.depth.is_none() => return Err(no_depth(place)),
@@ -247,25 +123,18 @@ pub(super) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
             let picture = Picture::open(&files.color, files, &inner_wishes, camera, place)?;
             picture.color()?;
             if files.depth.is_none() {
-                picture.depth()?;
+                let is_from_near = |kind| kind == DepthKind::RayDistanceFromNearClip;
+                lacks_near_clip = matches!(picture.depth()?, DepthChannels::One(_, kind) if is_from_near(kind))
+                    && !files.has_near_clip;
             }
             has_normals |= picture.names.normal.is_some();
         }
     }
-    Ok(has_normals && files.normal_space.is_some())
+    Ok(Probe { has_normals: has_normals && files.normal_space.is_some(), lacks_near_clip })
 }
 
 fn no_depth(place: &str) -> Error {
     Error::invalid(place, "there is no depth; give depth_file_path, or write depth into an EXR picture")
-}
-
-/// What to look for in the color file: channels that lie in files of their own are not there.
-fn wishes_inside_color(files: &PictureFiles) -> ChannelWishes {
-    ChannelWishes {
-        layer: files.wishes.layer.clone(),
-        depth_channel: files.wishes.depth_channel.clone().filter(|_| files.depth.is_none()),
-        normal_channel: files.wishes.normal_channel.clone().filter(|_| files.normal.is_none()),
-    }
 }
 
 /// The planes read so far.
@@ -324,7 +193,7 @@ fn read_color_file(files: &PictureFiles, camera: &Camera, place: &str, need: Nee
         let (color, alpha) = png::color(&files.color, place, size, files.is_linear.unwrap_or(false))?;
         return Ok(Parts { color, alpha, ..Parts::default() });
     }
-    let picture = Picture::open(&files.color, files, &wishes_inside_color(files), camera, place)?;
+    let picture = Picture::open(&files.color, files, &files.wishes_of_color_file(), camera, place)?;
     let depth = match (&files.depth, need) {
         (Some(_), _) => None,
         (None, Need::Geometry { .. }) => Some(picture.depth()?),
@@ -356,18 +225,18 @@ fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
         let mut planes = Planes::decode(&picture, &channels.indices())?;
         return Ok(planes.take_depth(channels, &picture, camera));
     }
-    let unit_scale = files.unit_scale.unwrap_or(PNG_UNIT_SCALE);
-    let kind = files.depth_kind.unwrap_or_default();
-    let rules = DepthRules { kind, unit_scale, zero_is_unknown: true, ..files.rules };
+    let rules = files.png_depth_rules();
     let inverse_depth =
         rules.inverse_depth_plane(&png::depth(path, place, camera.intrinsics.size())?, camera);
     // Whole numbers have no one relative error; that of the median depth stands for all.
-    let step_relative = 0.5 * unit_scale as f32 * median_of_hits(&inverse_depth);
+    let step_relative = 0.5 * rules.unit_scale as f32 * median_of_hits(&inverse_depth);
     Ok(DepthPart { inverse_depth, step_relative, name: path.display().to_string() })
 }
 
-fn median_of_hits(inverse_depth: &[f32]) -> f32 {
-    let mut hits: Vec<f32> = inverse_depth.iter().copied().filter(|inverse| *inverse > 0.0).collect();
+/// The median of the finite values above 0, or 0.
+fn median_of_hits(values: &[f32]) -> f32 {
+    let mut hits: Vec<f32> =
+        values.iter().copied().filter(|value| *value > 0.0 && value.is_finite()).collect();
     let middle = hits.len() / 2;
     if hits.is_empty() { 0.0 } else { *hits.select_nth_unstable_by(middle, f32::total_cmp).1 }
 }
@@ -382,17 +251,10 @@ fn read_normal_file(
     if format_of(path, place)? == Format::Png {
         return Err(Error::unsupported(place, "normals in PNG are too coarse; save them as EXR"));
     }
-    let wishes = ChannelWishes { depth_channel: None, ..files.wishes.clone() };
-    let picture = Picture::open(path, files, &wishes, camera, place)?;
+    let picture = Picture::open(path, files, &files.wishes_of_normal_file(), camera, place)?;
     // A file of its own may hold the normal as its picture.
     let channels = picture.normal().or_else(|error| picture.names.color.ok_or(error))?;
     Ok(Planes::decode(&picture, &channels)?.take_three())
-}
-
-impl PictureFiles {
-    fn wishes_of_depth_file(&self) -> ChannelWishes {
-        ChannelWishes { layer: None, normal_channel: None, ..self.wishes.clone() }
-    }
 }
 
 impl DepthChannels {
@@ -422,21 +284,35 @@ impl Planes {
 
     fn take_depth(&mut self, channels: DepthChannels, picture: &Picture, camera: &Camera) -> DepthPart {
         let name = |index: usize| picture.file.channels()[index].name.clone();
-        let (inverse_depth, is_half, name) = match channels {
+        let half_step = |is_half| if is_half { HALF_STEP_RELATIVE } else { 0.0 };
+        match channels {
             DepthChannels::One(index, kind) => {
                 let (values, is_half) = self.take();
                 let rules = picture.files.depth_rules(kind, is_half);
-                (rules.inverse_depth_plane(&values, camera), is_half, name(index))
+                DepthPart {
+                    inverse_depth: rules.inverse_depth_plane(&values, camera),
+                    step_relative: half_step(is_half),
+                    name: name(index),
+                }
             }
             DepthChannels::Position([x, ..]) => {
                 let planes = [(); 3].map(|()| self.take());
                 let is_half = planes[0].1;
                 let rules = picture.files.depth_rules(DepthKind::WorldPosition, is_half);
                 let xyz = [&planes[0].0, &planes[1].0, &planes[2].0].map(Vec::as_slice);
-                (rules.inverse_depth_from_positions(xyz, camera), is_half, name(x))
+                let inverse_depth = rules.inverse_depth_from_positions(xyz, camera);
+                // A position errs by a share of its coordinates, which may be larger than its depth.
+                let coordinate_per_depth = xyz
+                    .map(|axis| axis.iter().zip(&inverse_depth).map(|(value, w)| value.abs() * w).collect())
+                    .map(|shares: Vec<f32>| median_of_hits(&shares))
+                    .into_iter()
+                    .fold(1.0, f32::max);
+                DepthPart {
+                    inverse_depth,
+                    step_relative: half_step(is_half) * coordinate_per_depth,
+                    name: name(x),
+                }
             }
-        };
-        let step_relative = if is_half { HALF_STEP_RELATIVE } else { 0.0 };
-        DepthPart { inverse_depth, step_relative, name }
+        }
     }
 }

@@ -112,7 +112,7 @@ pub struct Keys {
     pub far_clip: Option<f64>,
     /// `world`, `camera`, or null where normals are not to be read.
     #[serde(deserialize_with = "present", skip_serializing_if = "Option::is_none")]
-    pub normal_space: Option<Option<String>>,
+    pub normal_space: Option<NormalSpaceName>,
     /// Whether color is filtered across silhouettes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub antialiased_color: Option<bool>,
@@ -127,9 +127,18 @@ pub struct Keys {
     pub up: Option<[f64; 3]>,
 }
 
-/// Tells a key that is null from one that is not there.
-fn present<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<Option<String>>, D::Error> {
-    Option::<String>::deserialize(deserializer).map(Some)
+/// The value of `normal_space`. Null is not the same as a missing key: the file's would stand then.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum NormalSpaceName {
+    /// A name, `world` or `camera`.
+    Text(String),
+    /// No normals are to be read.
+    Null,
+}
+
+fn present<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<NormalSpaceName>, D::Error> {
+    NormalSpaceName::deserialize(deserializer).map(Some)
 }
 
 impl Keys {
@@ -206,8 +215,14 @@ impl Manifest {
     /// Reads a manifest.
     ///
     /// # Errors
-    /// `Io` where it cannot be read, `Invalid` for broken JSON, a missing key, or no entries at all.
+    /// `Io` where it cannot be read, `Invalid` where it is missing, for broken JSON, a missing key, or no entries.
     pub fn read(path: &Path) -> Result<Self> {
+        if !path.exists() {
+            return Err(Error::invalid(
+                path.display(),
+                "there is no such file; a capture is a folder that holds a transforms.json",
+            ));
+        }
         let length = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
         if length > MAX_BYTES {
             return Err(Error::invalid(
@@ -258,8 +273,8 @@ mod tests {
         let manifest = parse(&text).unwrap();
         let keys = manifest.frames[0].keys.clone().or(&manifest.keys);
         assert_eq!((keys.w, keys.h), (Some(5.0), Some(4.0)));
-        assert_eq!(keys.normal_space, Some(None));
-        assert_eq!(manifest.keys.normal_space, Some(Some("world".into())));
+        assert_eq!(keys.normal_space, Some(NormalSpaceName::Null));
+        assert_eq!(manifest.keys.normal_space, Some(NormalSpaceName::Text("world".into())));
     }
 
     #[test]

@@ -11,6 +11,7 @@
 //! Files without them read unchanged: one camera for each distinct pose.
 
 mod cameras;
+mod files;
 mod load;
 pub mod manifest;
 mod png;
@@ -49,6 +50,7 @@ pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     recording.check_files_exist()?;
     let mut warnings = std::mem::take(&mut recording.warnings);
     let has_normals = source::normals_in_all_cameras(&recording, &mut warnings)?;
+    warnings.extend(unknown_color_space(&manifest));
     let up_in_world = up_in_world(&manifest, &path)?;
     Ok(Capture::new(
         CaptureParts {
@@ -98,6 +100,15 @@ fn capture_name(manifest: &Path) -> String {
     let absolute = std::path::absolute(manifest).unwrap_or_else(|_| manifest.to_path_buf());
     let folder = absolute.parent().and_then(Path::file_name).or(absolute.file_stem());
     folder.map_or_else(|| "capture".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// A warning for a color space that is neither ours nor sRGB.
+fn unknown_color_space(manifest: &Manifest) -> Option<String> {
+    let color_space = manifest.keys.color_space.as_ref()?;
+    let lower = color_space.to_ascii_lowercase();
+    let is_known = ["linear", "srgb", "709", "raw"].iter().any(|known| lower.contains(known));
+    (!is_known)
+        .then(|| format!("color space '{color_space}' is not converted; colors are taken as linear Rec.709"))
 }
 
 /// The manifest's `up`, or +z as Blender and nerfstudio have it.

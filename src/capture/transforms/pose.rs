@@ -76,12 +76,11 @@ pub(super) fn intrinsics(
     place: &str,
 ) -> Result<Intrinsics> {
     refuse_distortion(keys, place)?;
-    let (width, height) = match (keys.w, keys.h) {
-        (Some(w), Some(h)) => (side("w", w, place)?, side("h", h, place)?),
-        _ => {
-            let (width, height) = size()?;
-            (width as u32, height as u32)
-        }
+    let (width, height) = if let (Some(w), Some(h)) = (keys.w, keys.h) {
+        (side("w", w, place)?, side("h", h, place)?)
+    } else {
+        let (width, height) = size()?;
+        (width as u32, height as u32)
     };
     let (w, h) = (f64::from(width), f64::from(height));
     let from_angle = |angle: Option<f64>, side: f64| angle.map(|angle| 0.5 * side / (0.5 * angle).tan());
@@ -138,9 +137,7 @@ mod tests {
     use crate::capture::Camera;
     use glam::DVec2;
 
-    fn size() -> Result<(usize, usize)> {
-        Ok((640, 480))
-    }
+    const SIZE: (usize, usize) = (640, 480);
 
     #[test]
     fn an_opengl_camera_looks_along_minus_z_with_y_up() {
@@ -199,7 +196,7 @@ mod tests {
     #[test]
     fn angle_and_pixel_center_stand_in_for_focal_length_and_principal_point() {
         let keys = Keys { camera_angle_x: Some(std::f64::consts::FRAC_PI_2), ..Keys::default() };
-        let found = intrinsics(&keys, size, "").unwrap();
+        let found = intrinsics(&keys, || Ok(SIZE), "").unwrap();
         assert!((found.fx - 320.0).abs() < 1e-9 && found.fx == found.fy);
         assert_eq!((found.width, found.height, found.cx, found.cy), (640, 480, 320.0, 240.0));
         let keys = Keys {
@@ -209,14 +206,14 @@ mod tests {
             pixel_center_offset: Some(0.0),
             ..Keys::default()
         };
-        let found = intrinsics(&keys, size, "").unwrap();
+        let found = intrinsics(&keys, || Ok(SIZE), "").unwrap();
         assert_eq!((found.fy, found.cx, found.cy), (500.0, 320.0, 240.0));
     }
 
     #[test]
     fn absurd_numbers_and_bent_lenses_are_refused() {
         let good = Keys { fl_x: Some(500.0), w: Some(64.0), h: Some(48.0), ..Keys::default() };
-        assert!(intrinsics(&good, size, "").is_ok());
+        assert!(intrinsics(&good, || Ok(SIZE), "").is_ok());
         let bad = [
             Keys { fl_x: Some(0.0), ..good.clone() },
             Keys { fl_y: Some(-1.0), ..good.clone() },
@@ -229,7 +226,7 @@ mod tests {
             Keys { camera_model: Some("OPENCV_FISHEYE".into()), ..good.clone() },
         ];
         for keys in bad {
-            assert!(intrinsics(&keys, size, "").is_err(), "{keys:?}");
+            assert!(intrinsics(&keys, || Ok(SIZE), "").is_err(), "{keys:?}");
         }
     }
 }

@@ -31,12 +31,22 @@ impl FrameSource for FileSource {
 /// Whatever makes these frames unreadable: no color, no depth, another size.
 pub(super) fn normals_in_all_cameras(recording: &Recording, warnings: &mut Vec<String>) -> Result<bool> {
     let mut without = Vec::new();
+    let mut without_near_clip = Vec::new();
     for (camera, frames) in recording.cameras.iter().zip(&recording.entries) {
-        if let Some(first) = frames.first()
-            && !load::probe(&first.files, camera, &first.place)?
-        {
+        let Some(first) = frames.first() else { continue };
+        let probe = load::probe(&first.files, camera, &first.place)?;
+        if !probe.has_normals {
             without.push(camera.name.as_str());
         }
+        if probe.lacks_near_clip {
+            without_near_clip.push(camera.name.as_str());
+        }
+    }
+    if !without_near_clip.is_empty() {
+        warnings.push(format!(
+            "depth of {} starts at the near plane, which is taken as 0; give near_clip in the manifest",
+            without_near_clip.join(", ")
+        ));
     }
     if !without.is_empty() && without.len() < recording.cameras.len() {
         warnings.push(format!(

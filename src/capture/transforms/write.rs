@@ -13,7 +13,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::MANIFEST_NAME;
-use super::manifest::{CameraName, Entry, Keys, Manifest};
+use super::manifest::{CameraName, Entry, Keys, Manifest, NormalSpaceName};
 use super::pose;
 use crate::capture::exr_write::{write_atomically, write_frame};
 use crate::capture::{Camera, Capture, Frame, View};
@@ -76,7 +76,11 @@ pub fn write_manifest(path: &Path, facts: ManifestFacts, entries: &[ManifestEntr
             depth_kind: Some("planar_z".to_owned()),
             depth_channel: Some("Z".to_owned()),
             depth_miss_value: Some(1e10),
-            normal_space: Some(facts.has_normals.then(|| "world".to_owned())),
+            normal_space: Some(if facts.has_normals {
+                NormalSpaceName::Text("world".to_owned())
+            } else {
+                NormalSpaceName::Null
+            }),
             antialiased_color: Some(facts.antialiased_color),
             pixel_center_offset: Some(0.5),
             up: Some(facts.up_in_world.to_array()),

@@ -1,0 +1,182 @@
+//! The files of one frame, and what the manifest says about reading them.
+
+use std::path::{Path, PathBuf};
+
+use super::manifest::{Keys, NormalSpaceName};
+use crate::capture::exr::{ChannelWishes, DepthKind, DepthRules, NormalSpace};
+use crate::error::{Error, Result};
+
+/// nerfstudio's unit of depth in PNG files: millimeters.
+const PNG_UNIT_SCALE: f64 = 1e-3;
+
+/// What pictures may be.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Format {
+    /// OpenEXR.
+    Exr,
+    /// PNG.
+    Png,
+}
+
+/// The files of one frame, and how they are read.
+#[derive(Clone, Debug)]
+pub(super) struct PictureFiles {
+    /// Color, and whatever is not elsewhere.
+    pub color: PathBuf,
+    /// A file of its own.
+    pub depth: Option<PathBuf>,
+    /// A file of its own.
+    pub normal: Option<PathBuf>,
+    wishes: ChannelWishes,
+    /// What depth measures, where the manifest says so.
+    pub depth_kind: Option<DepthKind>,
+    /// Whether the manifest gives the near plane.
+    pub has_near_clip: bool,
+    unit_scale: Option<f64>,
+    /// Kind, scale and sample type are decided by the file.
+    rules: DepthRules,
+    /// `None` where normals are not to be read.
+    pub normal_space: Option<NormalSpace>,
+    /// `None` leaves it to the format: EXR is linear, PNG is sRGB.
+    pub is_linear: Option<bool>,
+}
+
+impl PictureFiles {
+    /// Takes what the manifest's keys say; `place` is the entry.
+    ///
+    /// # Errors
+    /// `Invalid` for an unknown depth kind or normal space, and numbers that are no distances.
+    pub(super) fn new(
+        color: PathBuf,
+        depth: Option<PathBuf>,
+        normal: Option<PathBuf>,
+        keys: &Keys,
+        place: &str,
+    ) -> Result<Self> {
+        let depth_kind = keys.depth_kind.as_deref().map(|name| {
+            DepthKind::from_name(name).ok_or_else(|| {
+                Error::invalid(
+                    place,
+                    format!(
+                        "depth_kind '{name}' is unknown; there are planar_z, ray_distance, ray_distance_from_near_clip, position"
+                    ),
+                )
+            })
+        });
+        let normal_space = match &keys.normal_space {
+            None => Some(NormalSpace::World),
+            Some(NormalSpaceName::Null) => None,
+            Some(NormalSpaceName::Text(name)) => Some(NormalSpace::from_name(name).ok_or_else(|| {
+                Error::invalid(
+                    place,
+                    format!("normal_space '{name}' is unknown; there are world, camera, null"),
+                )
+            })?),
+        };
+        let positive = |name: &str, value: Option<f64>| match value {
+            Some(value) if !(value.is_finite() && value > 0.0) => {
+                Err(Error::invalid(place, format!("{name} is {value}; it must be above 0")))
+            }
+            _ => Ok(value),
+        };
+        let near_clip = keys.near_clip.filter(|near| *near != 0.0);
+        Ok(Self {
+            color,
+            depth,
+            normal,
+            wishes: ChannelWishes {
+                layer: keys.layer.clone(),
+                depth_channel: keys.depth_channel.clone(),
+                normal_channel: keys.normal_channel.clone(),
+            },
+            depth_kind: depth_kind.transpose()?,
+            has_near_clip: keys.near_clip.is_some(),
+            unit_scale: positive("depth_unit_scale_factor", keys.depth_unit_scale_factor)?,
+            rules: DepthRules {
+                miss_value: keys.depth_miss_value,
+                near_clip: positive("near_clip", near_clip)?.unwrap_or(0.0),
+                far_clip: positive("far_clip", keys.far_clip)?,
+                ..DepthRules::default()
+            },
+            normal_space,
+            is_linear: keys.color_space.as_deref().map(is_linear),
+        })
+    }
+
+    /// Looks for the files.
+    ///
+    /// # Errors
+    /// `Invalid` naming the first that is missing.
+    pub(super) fn check_exist(&self, place: &str) -> Result<()> {
+        for (what, path) in
+            [("picture", Some(&self.color)), ("depth", self.depth.as_ref()), ("normal", self.normal.as_ref())]
+        {
+            if let Some(path) = path
+                && !path.is_file()
+            {
+                return Err(Error::invalid(
+                    place,
+                    format!(
+                        "the {what} file {} is missing; put it back or take its entry out of the manifest",
+                        path.display()
+                    ),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// What to look for in the color file: channels that lie in files of their own are not there.
+    pub(super) fn wishes_of_color_file(&self) -> ChannelWishes {
+        ChannelWishes {
+            layer: self.wishes.layer.clone(),
+            depth_channel: self.wishes.depth_channel.clone().filter(|_| self.depth.is_none()),
+            normal_channel: self.wishes.normal_channel.clone().filter(|_| self.normal.is_none()),
+        }
+    }
+
+    /// What to look for in a depth file, which need not have the picture's layers.
+    pub(super) fn wishes_of_depth_file(&self) -> ChannelWishes {
+        ChannelWishes { layer: None, normal_channel: None, ..self.wishes.clone() }
+    }
+
+    /// What to look for in a normal file.
+    pub(super) fn wishes_of_normal_file(&self) -> ChannelWishes {
+        ChannelWishes { depth_channel: None, ..self.wishes.clone() }
+    }
+
+    /// The rules for a depth PNG.
+    pub(super) fn png_depth_rules(&self) -> DepthRules {
+        DepthRules {
+            kind: self.depth_kind.unwrap_or_default(),
+            unit_scale: self.unit_scale.unwrap_or(PNG_UNIT_SCALE),
+            zero_is_unknown: true,
+            ..self.rules
+        }
+    }
+
+    /// The rules for a depth channel of an EXR file.
+    pub(super) fn depth_rules(&self, kind: DepthKind, is_half: bool) -> DepthRules {
+        DepthRules { kind, is_half, unit_scale: self.unit_scale.unwrap_or(1.0), ..self.rules }
+    }
+}
+
+fn is_linear(color_space: &str) -> bool {
+    !color_space.to_ascii_lowercase().contains("srgb") || color_space.to_ascii_lowercase().contains("linear")
+}
+
+/// The format of a file, by its extension.
+///
+/// # Errors
+/// `Unsupported` for any other.
+pub(super) fn format_of(path: &Path, place: &str) -> Result<Format> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    match extension.as_str() {
+        "exr" => Ok(Format::Exr),
+        "png" => Ok(Format::Png),
+        other => Err(Error::unsupported(
+            place,
+            format!("pictures of type '{other}' are not supported; convert them to EXR or PNG"),
+        )),
+    }
+}

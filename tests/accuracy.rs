@@ -1,0 +1,38 @@
+//! On real renderer output: pruning by sampling rate keeps the picture, first camera wins does not.
+
+use std::path::Path;
+
+use overlook::capture::transforms::{open, open_views};
+use overlook::evaluate::{Compared, compare};
+use overlook::job::Job;
+use overlook::settings::{CaptureSettings, Settings};
+
+#[test]
+fn pruning_by_rate_costs_little_and_first_camera_wins_costs_clearly_more() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let capture = open(&folder, &CaptureSettings::default()).unwrap();
+    let views = open_views(&folder.join("novel/transforms.json")).unwrap();
+    assert_eq!((capture.cameras.len(), capture.frame_count()), (4, 4));
+
+    let comparison = compare(&capture, &views, &Settings::default(), &Job::new()).unwrap();
+    let mean = |compared: &Compared| compared.evaluation.mean.clone();
+    let all = mean(&comparison.no_pruning);
+    let lost = |compared: &Compared| {
+        let mean = mean(compared);
+        (
+            all.psnr_db.unwrap() - mean.psnr_db.unwrap(),
+            all.psnr_all_db.unwrap() - mean.psnr_all_db.unwrap(),
+            all.coverage.unwrap() - mean.coverage.unwrap(),
+        )
+    };
+    let (ours, first) = (lost(&comparison.as_set), lost(&comparison.first_camera));
+    println!(
+        "lost (dB where sampled, dB everywhere, coverage): by rate {ours:?}, first camera wins {first:?}"
+    );
+    assert!(ours.0 <= 0.15, "pruning by rate loses {} dB", ours.0);
+    assert!(first.0 > 1.5 * ours.0, "first camera wins loses {} dB, by rate {}", first.0, ours.0);
+    assert!(first.1 > 2.0 * ours.1, "with holes black: {} dB, by rate {}", first.1, ours.1);
+    assert!(ours.2 < 0.005 && first.2 > 3.0 * ours.2, "coverage lost: {} by rate, {}", ours.2, first.2);
+    let (ours, all) = (&comparison.as_set, &comparison.no_pruning);
+    assert!(ours.samples_kept * 10 < all.samples_kept * 8, "{} of {}", ours.samples_kept, all.samples_kept);
+}

@@ -1,0 +1,86 @@
+//! Drives the window off screen: no display needed, a software Vulkan adapter is enough.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
+
+use std::time::{Duration, Instant};
+
+use egui_kittest::kittest::Queryable;
+use egui_kittest::{Harness, HarnessBuilder};
+use overlook::app::{OverlookApp, Start};
+use overlook::capture::demo::DemoSpec;
+
+/// Longest any single wait takes before the test fails: far more than needed, as test machines stall.
+const PATIENCE: Duration = Duration::from_secs(180);
+
+/// A window with a harness around it.
+pub type Window = Harness<'static, OverlookApp>;
+
+/// A small recording of a built-in scene, quick to trace and to prune.
+pub fn small_demo() -> Start {
+    demo(3, 4, (96, 72))
+}
+
+/// A recording of the orrery.
+pub fn demo(cameras: usize, frames: usize, size: (u32, u32)) -> Start {
+    Start::Demo(DemoSpec {
+        scene: "orrery".into(),
+        cameras: Some(cameras),
+        frames: Some(frames),
+        size: Some(size),
+        noise: None,
+    })
+}
+
+/// Opens a window of the given size.
+pub fn open(start: Start, size: [f32; 2]) -> Window {
+    let builder: HarnessBuilder<OverlookApp> =
+        Harness::builder().with_size(size).with_os(egui::os::OperatingSystem::Nix).with_render_cursor(false);
+    builder.build_eframe(move |cc| OverlookApp::new(&cc.egui_ctx, None, start).unwrap())
+}
+
+/// Steps the window until `condition` holds.
+pub fn wait(window: &mut Window, what: &str, mut condition: impl FnMut(&Window) -> bool) {
+    let started = Instant::now();
+    while !condition(window) {
+        let notices = window.state().notices();
+        assert!(started.elapsed() < PATIENCE, "waited too long for {what}; messages: {notices:?}");
+        window.step();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Steps the window until all work is done and shown.
+pub fn settle(window: &mut Window) {
+    window.step();
+    wait(window, "all work to be done", |window| window.state().is_idle());
+    window.run_steps(3);
+}
+
+/// Clicks the widget with this accessible name.
+pub fn click(window: &mut Window, name: &str) {
+    window.get_by_label(name).click();
+    window.run_steps(3);
+}
+
+/// Picks an entry of a drop-down list.
+pub fn pick(window: &mut Window, list: &str, entry: &str) {
+    click(window, list);
+    // The list's own button may already show the entry; the popup's comes last.
+    window.get_all_by_label(entry).last().unwrap().click();
+    window.run_steps(3);
+}
+
+/// Whether some label on screen holds `text`.
+pub fn shows(window: &Window, text: &str) -> bool {
+    window.query_all_by_label_contains(text).next().is_some()
+}
+
+/// Types a path into the path field that a menu entry opens, and takes it.
+pub fn type_path(window: &mut Window, menu: &str, entry: &str, path: &std::path::Path, take: &str) {
+    click(window, menu);
+    click(window, entry);
+    window.get_by_label("Path").replace_selected_text_accesskit("");
+    window.run_steps(2);
+    window.get_by_label("Path").set_text_value_accesskit(&path.display().to_string());
+    window.run_steps(3);
+    click(window, take);
+}

@@ -1,0 +1,81 @@
+//! Pictures of the window. With `OVERLOOK_UPDATE_SCREENSHOTS=1` they are written to `screenshots/`; otherwise smaller
+//! ones are drawn and checked to hold something.
+
+mod app_driver;
+
+use app_driver::{Window, click, demo, open, pick, settle, wait};
+use egui_kittest::kittest::Queryable;
+use image::RgbaImage;
+
+fn updating() -> bool {
+    std::env::var_os("OVERLOOK_UPDATE_SCREENSHOTS").is_some_and(|value| value == "1")
+}
+
+/// The recording in the pictures: the orrery at its own size while updating, a small one otherwise.
+fn orrery() -> overlook::app::Start {
+    if updating() { demo(5, 16, (400, 300)) } else { demo(3, 3, (64, 48)) }
+}
+
+fn shoot(window: &mut Window, name: &str) {
+    window.run_steps(4);
+    let picture =
+        window.render().expect("no adapter to draw with: install a Vulkan driver (mesa-vulkan-drivers)");
+    check(&picture, name);
+    if updating() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("screenshots");
+        std::fs::create_dir_all(&folder).unwrap();
+        image::DynamicImage::ImageRgba8(picture).to_rgb8().save(folder.join(format!("{name}.png"))).unwrap();
+    }
+}
+
+/// A picture holds something where it has many colors and no single one covers it all.
+fn check(picture: &RgbaImage, name: &str) {
+    let mut counts = std::collections::HashMap::new();
+    for pixel in picture.pixels() {
+        *counts.entry(pixel.0).or_insert(0_usize) += 1;
+    }
+    let most = counts.values().copied().max().unwrap_or(0);
+    let pixels = (picture.width() * picture.height()) as usize;
+    assert!(counts.len() > 100, "{name}: only {} colors", counts.len());
+    assert!(most < pixels * 9 / 10, "{name}: almost blank");
+}
+
+#[test]
+fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
+    let mut window = open(orrery(), [1280.0, 800.0]);
+    settle(&mut window);
+    shoot(&mut window, "main_dark");
+    pick(&mut window, "Source shows", "Who won");
+    pick(&mut window, "Live view shows", "Camera");
+    click(&mut window, "Report");
+    settle(&mut window);
+    shoot(&mut window, "who_won");
+    pick(&mut window, "Source shows", "Sampling ratio");
+    pick(&mut window, "Live view shows", "Sampling rate");
+    click(&mut window, "Thresholds");
+    settle(&mut window);
+    shoot(&mut window, "sampling_ratio");
+    pick(&mut window, "Source shows", "Background / foreground");
+    window.set_size(egui::vec2(1920.0, 1080.0));
+    pick(&mut window, "Live view shows", "Picture");
+    click(&mut window, "Light theme");
+    settle(&mut window);
+    shoot(&mut window, "main_light");
+    pick(&mut window, "Source shows", "Tile occupancy");
+    click(&mut window, "Report");
+    settle(&mut window);
+    shoot(&mut window, "tiles_light");
+}
+
+#[test]
+fn the_window_shows_that_it_is_loading_and_what_went_wrong() {
+    let mut window = open(orrery(), [1280.0, 800.0]);
+    shoot(&mut window, "opening");
+    wait(&mut window, "the first picture", |window| window.state().live_coverage().is_some());
+    shoot(&mut window, "loading");
+    let missing = overlook::app::Start::Path("/no/such/folder/capture.ovl".into());
+    let mut window = open(missing, [1280.0, 800.0]);
+    wait(&mut window, "the error", |window| !window.state().notices().is_empty());
+    assert!(window.query_by_label("Dismiss").is_some());
+    shoot(&mut window, "error");
+}
