@@ -6,11 +6,11 @@ use super::lanes::MeasureRequest;
 use super::message::Accuracy;
 use super::scene::Content;
 use crate::capture::{Frame, View};
-use crate::color::{srgb_from_linear, steps_from_linear};
 use crate::error::Result;
+use crate::evaluate::metrics;
 use crate::job::Job;
 use crate::preprocess::{self, SampleSet};
-use crate::render::{CpuRenderer, NO_IMAGE, Picture, Vantage};
+use crate::render::{CpuRenderer, Vantage};
 use crate::settings::{PruningMethod, Settings};
 
 /// Vantages that are compared: enough for a figure in passing, few enough to take seconds.
@@ -59,20 +59,5 @@ fn psnr_at(
     job: &Job,
 ) -> Result<f64> {
     let (picture, _) = CpuRenderer::new().render(samples, vantage, &settings.render, job)?;
-    Ok(psnr(&picture, truth))
-}
-
-/// PSNR in dB over the pixels that a sample reached, in display space.
-fn psnr(picture: &Picture, truth: &Frame) -> f64 {
-    let (mut squares, mut values) = (0.0_f64, 0_u64);
-    let pixels = picture.color.as_slice().iter().zip(truth.color.as_slice()).zip(picture.image.as_slice());
-    for ((rendered, true_color), _) in pixels.filter(|(_, image)| **image != NO_IMAGE) {
-        for (rendered, true_value) in rendered.iter().zip(true_color) {
-            let error =
-                srgb_from_linear(*rendered).min(1.0) - (steps_from_linear(*true_value) / 255.0).min(1.0);
-            squares += f64::from(error * error);
-            values += 1;
-        }
-    }
-    if squares == 0.0 { 99.0 } else { -10.0 * (squares / values.max(1) as f64).log10() }
+    Ok(metrics::score(&picture, truth)?.psnr_db)
 }

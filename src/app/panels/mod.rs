@@ -16,7 +16,7 @@ use super::command::Command;
 use super::state::{Sidebar, State};
 use super::theme::{Tokens, space};
 use super::views::{live_view, source_view};
-pub(super) use parts::{choice_ui, empty_ui, icon_button};
+pub(super) use parts::{ICON_BUTTON, choice_ui, empty_ui, icon_button};
 
 /// The whole window.
 pub(super) fn window_ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>) {

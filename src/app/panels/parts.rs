@@ -5,10 +5,17 @@ use egui_material_icons::MaterialIcon;
 
 use super::super::theme::{Tokens, space};
 
-/// A square button with an icon; `name` names it for screen readers, `help` explains it.
+/// Size of a button with an icon.
+pub(crate) const ICON_BUTTON: Vec2 = Vec2::new(34.0, space::CONTROL);
+
+/// A small button with an icon; `name` names it for screen readers, `help` explains it.
 pub(crate) fn icon_button(ui: &mut Ui, icon: MaterialIcon, name: &str, help: &str) -> Response {
-    let button = Button::new(icon.rich_text().size(17.0)).min_size(Vec2::splat(space::CONTROL));
-    ui.add(button).on_hover_text(help).accessible_name(name)
+    ui.scope(|ui| {
+        ui.spacing_mut().button_padding = Vec2::new(8.0, 2.0);
+        let button = Button::new(icon.rich_text().size(16.0)).min_size(ICON_BUTTON);
+        ui.add(button).on_hover_text(help).accessible_name(name)
+    })
+    .inner
 }
 
 /// A tab above an area.

@@ -156,28 +156,31 @@ fn camera_name(
 fn cameras_ui(ui: &mut Ui, report: &Report) {
     let tokens = Tokens::in_ui(ui);
     ui.heading("Cameras");
-    Grid::new("cameras").num_columns(4).striped(true).spacing(Vec2::new(12.0, 4.0)).show(ui, |ui| {
-        for (title, help) in [
-            ("Name", "Name of the camera."),
-            ("Kept", "Samples kept of all its pixels."),
-            ("Still", "Share of its pixels that are the same over all frames."),
-            ("Noise", "Measured color noise of still pixels, in 8-bit steps."),
-        ] {
-            ui.label(RichText::new(title).small().color(tokens.text_weak)).on_hover_text(help);
-        }
-        ui.end_row();
-        let frames = report.foreground_per_frame.len().max(1) as u64;
-        for (index, camera) in report.cameras.iter().enumerate() {
-            ui.horizontal(|ui| {
-                let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
-                ui.painter().circle_filled(dot.center(), 4.0, colormap::camera(index));
-                let short: String = camera.name.chars().take(12).collect();
-                ui.label(short).on_hover_text(&camera.name);
-            });
-            ui.label(text::count(camera.background_kept + camera.foreground_kept));
-            ui.label(text::percent(camera.background_pixels, camera.pixels / frames));
-            ui.label(format!("{:.2}", camera.color_noise_steps));
+    Grid::new("cameras").num_columns(4).min_col_width(62.0).striped(true).spacing(Vec2::new(12.0, 4.0)).show(
+        ui,
+        |ui| {
+            for (title, help) in [
+                ("Name", "Name of the camera."),
+                ("Kept", "Samples kept of all its pixels."),
+                ("Still", "Share of its pixels that are the same over all frames."),
+                ("Noise", "Measured color noise of still pixels, in 8-bit steps."),
+            ] {
+                ui.label(RichText::new(title).small().color(tokens.text_weak)).on_hover_text(help);
+            }
             ui.end_row();
-        }
-    });
+            let frames = report.foreground_per_frame.len().max(1) as u64;
+            for (index, camera) in report.cameras.iter().enumerate() {
+                ui.horizontal(|ui| {
+                    let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
+                    ui.painter().circle_filled(dot.center(), 4.0, colormap::camera(index));
+                    let short: String = camera.name.chars().take(12).collect();
+                    ui.label(short).on_hover_text(&camera.name);
+                });
+                ui.label(text::count(camera.background_kept + camera.foreground_kept));
+                ui.label(text::percent(camera.background_pixels, camera.pixels / frames));
+                ui.label(format!("{:.2}", camera.color_noise_steps));
+                ui.end_row();
+            }
+        },
+    );
 }

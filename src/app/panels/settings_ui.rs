@@ -62,7 +62,9 @@ fn fields_of(section: &str) -> impl Iterator<Item = &'static Field> {
 fn field_ui(ui: &mut Ui, field: &'static Field, settings: &Settings, commands: &mut Vec<Command>) {
     let Some(value) = settings.get(field.path) else { return };
     let tokens = Tokens::in_ui(ui);
-    let name = text::words(field.path.split_once('.').map_or(field.path, |(_, name)| name));
+    let (section, name) = field.path.split_once('.').unwrap_or(("", field.path));
+    let full_name = text::words(&format!("{section} {name}"));
+    let name = text::words(name);
     let changed = Settings::default().get(field.path).as_ref() != Some(&value);
     ui.push_id(field.path, |ui| {
         ui.add_space(2.0);
@@ -73,7 +75,8 @@ fn field_ui(ui: &mut Ui, field: &'static Field, settings: &Settings, commands: &
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     ui.add_space(space::MEDIUM);
                     let mut on = *on;
-                    let switch = ui.checkbox(&mut on, "").on_hover_text(field.help).accessible_name(&name);
+                    let switch =
+                        ui.checkbox(&mut on, "").on_hover_text(field.help).accessible_name(&full_name);
                     if switch.changed() {
                         commands.push(Command::Set { path: field.path, value: on.into() });
                     }
@@ -86,7 +89,7 @@ fn field_ui(ui: &mut Ui, field: &'static Field, settings: &Settings, commands: &
                 });
             }
         });
-        if let Some(value) = value_ui(ui, field, &name, &value) {
+        if let Some(value) = value_ui(ui, field, &full_name, &value) {
             commands.push(Command::Set { path: field.path, value });
         }
     });

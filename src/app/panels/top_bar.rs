@@ -12,7 +12,7 @@ use super::super::scene::Origin;
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
-use super::icon_button;
+use super::{ICON_BUTTON, icon_button};
 use crate::capture::demo::SCENES;
 
 /// The bar at the top.
@@ -41,6 +41,11 @@ fn menu_button(icon: egui_material_icons::MaterialIcon, name: &str) -> Button<'_
     Button::new((icon.rich_text().size(16.0), name))
 }
 
+fn item<'a>(name: &'a str, keys: &'a str) -> Button<'a> {
+    let button = Button::new(name);
+    if keys.is_empty() { button } else { button.shortcut_text(keys) }
+}
+
 fn menu_ui(ui: &mut Ui, icon: egui_material_icons::MaterialIcon, name: &str, contents: impl FnOnce(&mut Ui)) {
     let (response, _) =
         egui::containers::menu::MenuButton::from_button(menu_button(icon, name)).ui(ui, |ui| {
@@ -58,7 +63,7 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ("Open path…", "", Command::TypePath(Purpose::OpenFile)),
             ("Load settings…", "", Command::AskPath(Purpose::LoadSettings)),
         ] {
-            if ui.add(Button::new(name).shortcut_text(keys)).clicked() {
+            if ui.add(item(name, keys)).accessible_name(name).clicked() {
                 commands.push(command);
             }
         }
@@ -88,7 +93,8 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ("Save settings…", "", true, Command::AskPath(Purpose::SaveSettings)),
         ] {
             let button = ui
-                .add_enabled(enabled, Button::new(name).shortcut_text(keys))
+                .add_enabled(enabled, item(name, keys))
+                .accessible_name(name)
                 .on_disabled_hover_text("The whole capture is not pruned with these settings yet.");
             if button.clicked() {
                 commands.push(command);
@@ -131,8 +137,7 @@ fn title_ui(ui: &mut Ui, state: &State) {
 }
 
 fn keys_ui(ui: &mut Ui) {
-    let button =
-        Button::new(ICON_KEYBOARD.rich_text().size(17.0)).min_size(egui::Vec2::splat(space::CONTROL));
+    let button = Button::new(ICON_KEYBOARD.rich_text().size(16.0)).min_size(ICON_BUTTON);
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
         egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
             for (keys, help) in keyboard::HELP {

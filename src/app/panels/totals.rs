@@ -5,7 +5,7 @@ use egui::{Align, Layout, RichText, Ui};
 use super::super::scene::Content;
 use super::super::state::State;
 use super::super::text;
-use super::super::theme::{Tokens, figure_style, space};
+use super::super::theme::{Tokens, figure_style};
 
 /// Height of a figure with its name.
 const FIGURE: f32 = 38.0;

@@ -5,7 +5,7 @@ use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
 use super::super::command::Command;
-use super::super::panels::{choice_ui, icon_button};
+use super::super::panels::{ICON_BUTTON, choice_ui, icon_button};
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
@@ -37,7 +37,7 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.heading("What is left, from anywhere");
     ui.horizontal(|ui| {
         let Some(scene) = &state.scene else { return };
-        let buttons = 2.0 * (space::CONTROL + 20.0);
+        let buttons = 2.0 * ICON_BUTTON.x;
         let gaps = 3.0 * ui.spacing().item_spacing.x;
         let columns = (ui.available_width() - buttons - gaps).max(80.0);
         let choices =

@@ -8,11 +8,13 @@ use super::super::theme::Tokens;
 use crate::color::srgb8_from_linear;
 use crate::preprocess::{CameraInspection, PixelClass, Verdict};
 
+const HINT: &str = "Point at a pixel to see what became of it.";
+
 /// Two lines below the source picture: what was recorded, and what became of it.
 pub(super) fn readout_ui(ui: &mut Ui, state: &State, pixel: Option<(usize, usize)>) {
     let tokens = Tokens::in_ui(ui);
     let (recorded, verdict) = match pixel {
-        None => ("Point at a pixel to see what became of it.".to_owned(), String::new()),
+        None => (camera_facts(state), HINT.to_owned()),
         Some((x, y)) => match state.inspection_here().map(|i| &i.cameras[state.source.camera]) {
             Some(camera) if camera.verdict.get(x, y).is_some() => {
                 (recorded(camera, x, y), verdict(state, camera, x, y))
@@ -22,7 +24,24 @@ pub(super) fn readout_ui(ui: &mut Ui, state: &State, pixel: Option<(usize, usize
     };
     ui.spacing_mut().item_spacing.y = 1.0;
     ui.add(egui::Label::new(RichText::new(recorded).small().color(tokens.text_weak)).truncate());
-    ui.add(egui::Label::new(RichText::new(verdict).color(tokens.text)).truncate());
+    let color = if pixel.is_some() { tokens.text } else { tokens.text_weak };
+    ui.add(egui::Label::new(RichText::new(verdict).color(color)).truncate());
+}
+
+/// The camera shown at this frame, in figures.
+fn camera_facts(state: &State) -> String {
+    let Some(camera) = state.inspection_here().map(|inspection| &inspection.cameras[state.source.camera])
+    else {
+        return "Working out what is redundant here.".to_owned();
+    };
+    let pixels = camera.verdict.len() as u64;
+    let kept = camera.verdict.as_slice().iter().filter(|verdict| verdict.is_kept()).count() as u64;
+    format!(
+        "{} of {} pixels represent themselves ({})",
+        text::count(kept),
+        text::count(pixels),
+        text::percent(kept, pixels)
+    )
 }
 
 fn recorded(camera: &CameraInspection, x: usize, y: usize) -> String {

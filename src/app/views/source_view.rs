@@ -1,6 +1,6 @@
 //! The left view: what a camera saw, and what became of each of its pixels.
 
-use egui::{Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
+use egui::{Rect, Sense, Ui, Vec2, pos2, vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
 
 use super::super::command::Command;

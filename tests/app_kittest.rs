@@ -1,0 +1,200 @@
+//! Drives the whole window as a person does, off screen: open, look, turn thresholds, cancel, save, open again, fail.
+
+mod app_driver;
+
+use app_driver::{Window, click, demo, open, pick, settle, shows, small_demo, type_path, wait};
+use egui::{Key, Modifiers, PointerButton};
+use egui_kittest::kittest::Queryable;
+use overlook::app::Start;
+
+const SIZE: [f32; 2] = [1280.0, 800.0];
+
+fn drag(window: &mut Window, name: &str, by: egui::Vec2) {
+    let start = window.get_by_label(name).rect().center();
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    window.event(egui::Event::PointerMoved(start));
+    window.event(button(start, true));
+    window.step();
+    for share in [0.3, 0.6, 1.0] {
+        window.event(egui::Event::PointerMoved(start + by * share));
+        window.step();
+    }
+    window.event(button(start + by, false));
+    window.run_steps(2);
+}
+
+#[test]
+fn a_demo_opens_and_both_views_show_it() {
+    let mut window = open(small_demo(), SIZE);
+    wait(&mut window, "the first live picture", |window| window.state().live_coverage().is_some());
+    settle(&mut window);
+    let (report, current) = window.state().report().unwrap();
+    assert!(current && report.samples_kept < report.samples_in);
+    assert_eq!(report.samples_in, 3 * 4 * 96 * 72);
+    let (_, coverage) = window.state().live_coverage().unwrap();
+    assert!(coverage > 0.1, "{coverage}");
+    assert!(shows(&window, "Samples kept") && shows(&window, "dB by pruning"));
+    assert!(window.state().notices().is_empty());
+}
+
+#[test]
+fn a_changed_threshold_previews_at_once_and_reruns_the_capture() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let before = window.state().report().unwrap().0.samples_kept;
+    pick(&mut window, "Pruning method", "Off");
+    assert!(!window.state().report().unwrap().1, "the old numbers are marked as out of date");
+    assert!(shows(&window, "out of date"));
+    settle(&mut window);
+    let (report, current) = window.state().report().unwrap();
+    assert!(current && report.samples_kept > before);
+    click(&mut window, "Reset pruning.method");
+    settle(&mut window);
+    assert_eq!(window.state().report().unwrap().0.samples_kept, before);
+}
+
+#[test]
+fn cancelled_work_stops_and_can_be_rerun() {
+    let mut window = open(demo(4, 200, (160, 120)), SIZE);
+    wait(&mut window, "the first live picture", |window| window.state().live_coverage().is_some());
+    wait(&mut window, "the long work", |window| window.query_by_label("Cancel").is_some());
+    window.key_press(Key::Escape);
+    wait(&mut window, "the long work to stop", |window| window.query_by_label("Rerun").is_some());
+    assert!(window.state().report().is_none());
+    click(&mut window, "Rerun");
+    wait(&mut window, "the long work again", |window| window.query_by_label("Cancel").is_some());
+    click(&mut window, "Cancel");
+    wait(&mut window, "the long work to stop", |window| window.query_by_label("Rerun").is_some());
+}
+
+#[test]
+fn time_plays_steps_and_is_scrubbed() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    window.key_press(Key::Period);
+    window.run_steps(2);
+    assert_eq!(window.state().frame(), 1);
+    window.key_press(Key::Comma);
+    window.run_steps(2);
+    assert_eq!(window.state().frame(), 0);
+    let width = window.get_by_label("Timeline").rect().width();
+    drag(&mut window, "Timeline", egui::vec2(width * 0.4, 0.0));
+    assert_eq!(window.state().frame(), 3);
+    settle(&mut window);
+    click(&mut window, "Play");
+    wait(&mut window, "time to pass", |window| window.state().frame() != 3);
+    click(&mut window, "Pause");
+    settle(&mut window);
+}
+
+#[test]
+fn the_live_view_orbits_jumps_and_comes_home() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let home = window.state().live_position().unwrap();
+    drag(&mut window, "Live picture", egui::vec2(60.0, 10.0));
+    let orbited = window.state().live_position().unwrap();
+    assert_ne!(home, orbited);
+    settle(&mut window);
+    pick(&mut window, "Go to camera", "left");
+    settle(&mut window);
+    assert_ne!(orbited, window.state().live_position().unwrap());
+    window.key_press(Key::F);
+    settle(&mut window);
+    assert_eq!(home, window.state().live_position().unwrap());
+    window.key_down(Key::W);
+    window.run_steps(3);
+    window.key_up(Key::W);
+    window.run_steps(2);
+    assert_ne!(home, window.state().live_position().unwrap());
+}
+
+#[test]
+fn every_overlay_and_coloring_can_be_chosen() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    for overlay in [
+        "Who won",
+        "Sampling ratio",
+        "Background / foreground",
+        "Tile occupancy",
+        "Depth",
+        "Normals",
+        "Picture",
+    ] {
+        pick(&mut window, "Source shows", overlay);
+        settle(&mut window);
+    }
+    for coloring in ["Camera", "Background / foreground", "Sampling rate", "Picture"] {
+        pick(&mut window, "Live view shows", coloring);
+        settle(&mut window);
+    }
+    window.hover_at(window.get_by_label("Source picture").rect().center());
+    window.run_steps(3);
+    assert!(shows(&window, "Kept:") || shows(&window, "Dropped:"));
+    click(&mut window, "Report");
+    assert!(shows(&window, "Who stands for whom"));
+    click(&mut window, "Light theme");
+    settle(&mut window);
+    assert!(window.state().notices().is_empty());
+}
+
+#[test]
+fn a_store_is_saved_and_opened_again_without_source_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("small.ovl");
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let kept = window.state().report().unwrap().0.samples_kept;
+    type_path(&mut window, "Save", "Save store to path…", &path, "Save this path");
+    wait(&mut window, "the file", |window| window.state().notices().iter().any(|n| n.starts_with("Saved")));
+    assert!(path.is_file());
+    type_path(&mut window, "Open", "Open path…", &path, "Open this path");
+    wait(&mut window, "the store", |window| shows(window, "This store holds no source frames"));
+    settle(&mut window);
+    assert_eq!(window.state().report().unwrap().0.samples_kept, kept);
+    assert!(window.state().live_coverage().unwrap().1 > 0.1);
+}
+
+#[test]
+fn a_broken_file_gives_a_readable_message_and_the_window_stays_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let truncated = folder.path().join("truncated.ovl");
+    std::fs::write(&truncated, b"FORM\0\0").unwrap();
+    let nonsense = folder.path().join("transforms.json");
+    std::fs::write(&nonsense, b"{ this is not json").unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    for (count, path) in [&truncated, &nonsense, &folder.path().join("missing.ovl")].into_iter().enumerate() {
+        type_path(&mut window, "Open", "Open path…", path, "Open this path");
+        wait(&mut window, "the message", |window| window.state().notices().len() > count);
+        let message = window.state().notices().pop().unwrap();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        assert!(message.contains(&name) && message.starts_with("Could not open"), "{message}");
+        assert!(!message.contains('\n'), "{message}");
+    }
+    assert!(window.state().scene_name().is_some(), "what was open stays open");
+    for _ in 0..3 {
+        window.key_press(Key::Escape);
+        window.run_steps(2);
+    }
+    assert!(window.state().notices().is_empty());
+    window.key_press(Key::Period);
+    settle(&mut window);
+    assert_eq!(window.state().frame(), 1);
+}
+
+#[test]
+fn a_path_that_does_not_exist_at_the_start_leaves_ways_to_go_on() {
+    let mut window = open(Start::Path("/no/such/capture".into()), SIZE);
+    wait(&mut window, "the message", |window| !window.state().notices().is_empty());
+    click(&mut window, "Dismiss");
+    assert!(shows(&window, "Nothing is open"));
+    click(&mut window, "Demo");
+    assert!(window.query_by_label("Orrery").is_some());
+}
