@@ -141,6 +141,10 @@ fn the_whole_chain_runs_from_a_demo_to_scores() {
     assert!(made["samples_kept"].as_u64().unwrap() < made["samples_in"].as_u64().unwrap());
     assert_eq!(made["bytes_store"], std::fs::metadata(here.join("scene.ovl")).unwrap().len());
 
+    success(here, &["preprocess", "scene", "--out", "again.ovl", "--threads", "1"]);
+    let bytes = |name: &str| std::fs::read(here.join(name)).unwrap();
+    assert!(bytes("scene.ovl") == bytes("again.ovl"), "the same bytes with one and with two threads");
+
     let info = json(here, &["info", "scene.ovl", "--json"]);
     assert_keys(&info, &["spans", "settings", "cameras", "frames"]);
     assert_eq!(info["kind"], "store");
