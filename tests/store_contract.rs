@@ -302,6 +302,20 @@ fn another_major_version_is_unsupported_and_a_minor_one_is_read() {
 }
 
 #[test]
+fn a_setting_that_is_no_more_is_told_and_the_samples_are_read() {
+    let (_folder, path, bytes) = small_store();
+    let renamed = tampered(&bytes, *b"SETT", |settings| {
+        let text = String::from_utf8(settings.to_vec()).unwrap();
+        let position = text.find("across_spans").unwrap();
+        settings[position..position + 12].copy_from_slice(b"across_bands");
+    });
+    assert_same(&read_bytes(&path, &renamed).unwrap(), &small_set(), &small_report());
+    let warnings = Store::open(&path).unwrap().info().warnings.clone();
+    assert!(warnings.len() == 1 && warnings[0].contains("pruning.across_bands"), "{warnings:?}");
+    assert!(refusal(&path, &tampered(&bytes, *b"SETT", |settings| settings[0] = b'!')).contains("TOML"));
+}
+
+#[test]
 fn unknown_chunks_are_skipped() {
     let (_folder, path, bytes) = small_store();
     let comment = b"ANNO\0\0\0\x05hello\0";

@@ -33,6 +33,8 @@ pub struct StoreInfo {
     pub up_in_world: DVec3,
     /// How the store was made.
     pub settings: Settings,
+    /// Settings that the store was made with and this Overlook does not have, one line each.
+    pub warnings: Vec<String>,
     /// What was dropped and why.
     pub report: Report,
     /// The images, in the order they are painted in.
@@ -92,9 +94,8 @@ impl Store {
         let chunks = Chunks::collect(&mut form, path)?;
         let Head { name, up_in_world, cameras, frame_numbers } =
             decode_head(&chunks.head).map_err(|what| in_chunk(path, HEAD, what))?;
-        let settings = std::str::from_utf8(&chunks.settings)
-            .map_err(|error| in_chunk(path, SETTINGS, error))
-            .and_then(|text| Settings::from_toml(text, &format!("{}: settings", path.display())))?;
+        let (settings, warnings) =
+            decode_settings(&chunks.settings).map_err(|what| in_chunk(path, SETTINGS, what))?;
         let report = serde_json::from_slice(&chunks.report).map_err(|error| in_chunk(path, REPORT, error))?;
         let images = decode_index(&chunks.index).map_err(|what| in_chunk(path, INDEX, what))?;
         let info = StoreInfo {
@@ -104,6 +105,7 @@ impl Store {
             frame_numbers,
             up_in_world,
             settings,
+            warnings,
             report,
             images,
             bytes: form.size(),
@@ -227,6 +229,24 @@ impl Chunks {
         let version = version.ok_or_else(|| in_chunk(path, HEAD, "it is missing"))?;
         Ok(Self { version, head, settings, report, index })
     }
+}
+
+/// Settings come and go between versions; the samples are none the worse. What this Overlook does not know is left out
+/// and told.
+fn decode_settings(toml: &[u8]) -> Result<(Settings, Vec<String>), String> {
+    let text = std::str::from_utf8(toml).map_err(|error| error.to_string())?;
+    let table: toml::Table = text.parse().map_err(|_| "it is not TOML".to_owned())?;
+    let mut settings = Settings::default();
+    let mut warnings = Vec::new();
+    for (section, values) in table {
+        for (name, value) in values.as_table().cloned().unwrap_or_default() {
+            let stated = format!("{section}.{name} = {value}");
+            if settings.set(&format!("{section}.{name}"), value).is_err() {
+                warnings.push(format!("made with {stated}, which this Overlook does not know"));
+            }
+        }
+    }
+    Ok((settings, warnings))
 }
 
 fn checked_version(head: &[u8], path: &Path) -> Result<(u16, u16)> {
