@@ -5,7 +5,7 @@
 mod common;
 
 use common::{Folder, PIXELS, entry, flat, picture, plain};
-use exr::prelude::FlatSamples;
+use exr::prelude::{AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, WritableImage};
 use overlook::capture::exr::ExrFile;
 use overlook::error::{Error, Result};
 use overlook::settings::CaptureSettings;
@@ -68,16 +68,16 @@ fn a_frame_recorded_twice_is_named() {
 fn a_frame_of_another_size_is_named() {
     let large = |folder: &Folder, _: &mut Value, _: &mut Vec<Value>| {
         let pixels = 3 * PIXELS / 2;
-        let image = exr::prelude::Image::from_channels(
+        let image = Image::from_channels(
             (9, 4),
-            exr::prelude::AnyChannels::sort(
+            AnyChannels::sort(
                 ["R", "G", "B", "Z"]
-                    .map(|name| exr::prelude::AnyChannel::new(name, FlatSamples::F32(vec![1.0; pixels])))
+                    .map(|name| AnyChannel::new(name, FlatSamples::F32(vec![1.0; pixels])))
                     .into_iter()
                     .collect(),
             ),
         );
-        exr::prelude::WritableImage::write(&image).to_file(folder.path("right/0001.exr")).unwrap();
+        image.write().to_file(folder.path("right/0001.exr")).unwrap();
     };
     let error = error_of(large);
     assert_names(&error, RIGHT_1);
@@ -216,6 +216,55 @@ fn compressions_that_cannot_be_read_say_so() {
     }
 }
 
+/// A smooth picture that every compression makes smaller, so that none of it is stored raw.
+fn smooth(compression: Compression) -> Vec<u8> {
+    let ramp = |scale: f32| (0..64 * 48).map(|i| scale * (1.0 + (i / 64) as f32)).collect::<Vec<_>>();
+    let half = |scale: f32| FlatSamples::F16(ramp(scale).into_iter().map(half::f16::from_f32).collect());
+    let channels = [("R", half(0.1)), ("G", half(0.2)), ("B", half(0.3)), ("Z", FlatSamples::F32(ramp(1.0)))]
+        .map(|(name, samples)| AnyChannel::new(name, samples));
+    let encoding = Encoding { compression, ..Encoding::UNCOMPRESSED };
+    let image =
+        Image::from_encoded_channels((64, 48), encoding, AnyChannels::sort(channels.into_iter().collect()));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write().non_parallel().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
+}
+
+const COMPRESSIONS: [Compression; 8] = [
+    Compression::Uncompressed,
+    Compression::RLE,
+    Compression::ZIP1,
+    Compression::ZIP16,
+    Compression::PIZ,
+    Compression::PXR24,
+    Compression::B44,
+    Compression::DWAA(None),
+];
+
+fn decode_smooth(bytes: &[u8]) -> Result<()> {
+    let file = ExrFile::from_bytes(bytes.to_vec(), PLACE)?;
+    let window = file.window(Some((64, 48)))?;
+    let all: Vec<usize> = (0..file.channels().len()).collect();
+    file.decode(&all, window).map(drop)
+}
+
+#[test]
+fn a_block_that_claims_absurd_sizes_is_refused_before_they_are_allocated() {
+    let bytes = smooth(Compression::DWAA(None));
+    decode_smooth(&bytes).unwrap();
+    // Two blocks of 32 rows: the offset table of two entries points right behind itself, at the first block's
+    // position and length (4 bytes each), which its sizes follow (8 bytes each, after a version).
+    let table = (0..bytes.len() - 8).find(|&at| bytes[at..at + 8] == (at as u64 + 16).to_le_bytes()).unwrap();
+    let at = table + 16 + 8;
+    for size in 1..10 {
+        let mut absurd = bytes.clone();
+        absurd[at + 8 * size..][..8].copy_from_slice(&(1_u64 << 60).to_le_bytes());
+        let error = decode_smooth(&absurd).unwrap_err();
+        assert_clear(&error);
+        assert_names(&error.to_string(), &["DWA block"]);
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -227,6 +276,21 @@ proptest! {
             bytes[at] ^= 1 << bit;
         }
         if let Err(error) = decode(&bytes) {
+            assert_clear(&error);
+        }
+    }
+
+    #[test]
+    fn no_compression_panics_or_aborts_on_flipped_bits(
+        compression in prop::sample::select(&COMPRESSIONS[..]),
+        flips in prop::collection::vec((any::<prop::sample::Index>(), 0..8_u8), 1..4),
+    ) {
+        let mut bytes = smooth(compression);
+        for (index, bit) in flips {
+            let at = index.index(bytes.len());
+            bytes[at] ^= 1 << bit;
+        }
+        if let Err(error) = decode_smooth(&bytes) {
             assert_clear(&error);
         }
     }

@@ -83,6 +83,11 @@ fn bad_input_exits_with_1_and_one_line_that_names_it() {
     ] {
         assert!(trouble(folder.path(), arguments).contains("missing"));
     }
+    assert!(
+        trouble(folder.path(), &["preprocess", "x", "--out", "no/where.ovl"])
+            .contains("folder no does not exist")
+    );
+    assert!(trouble(folder.path(), &["preprocess", "x", "--out", "."]).contains("is a folder"));
     assert!(trouble(folder.path(), &["info", "broken.ovl"]).contains("broken.ovl"));
     assert!(
         trouble(folder.path(), &["preprocess", "x", "--out", "y", "--settings", "bad.toml"])
@@ -135,6 +140,10 @@ fn the_whole_chain_runs_from_a_demo_to_scores() {
     assert_eq!(made["threads"], 2);
     assert!(made["samples_kept"].as_u64().unwrap() < made["samples_in"].as_u64().unwrap());
     assert_eq!(made["bytes_store"], std::fs::metadata(here.join("scene.ovl")).unwrap().len());
+
+    success(here, &["preprocess", "scene", "--out", "again.ovl", "--threads", "1"]);
+    let bytes = |name: &str| std::fs::read(here.join(name)).unwrap();
+    assert!(bytes("scene.ovl") == bytes("again.ovl"), "the same bytes with one and with two threads");
 
     let info = json(here, &["info", "scene.ovl", "--json"]);
     assert_keys(&info, &["spans", "settings", "cameras", "frames"]);

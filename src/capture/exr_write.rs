@@ -154,8 +154,7 @@ mod tests {
         let names: Vec<&str> = file.channels().iter().map(|channel| channel.name.as_str()).collect();
         assert_eq!(names, ["A", "B", "G", "R", "Z"]);
         let planes = file.decode(&[0, 1, 2, 3, 4], file.window(None).unwrap()).unwrap();
-        let values: Vec<_> = planes.into_iter().map(|plane| plane.values).collect();
-        assert_eq!(values, [[1.0, 0.0], [-0.25, 0.0], [HALF_MAX, 0.0], [0.5, 0.0], [4.0, MISS_DEPTH]]);
+        assert_eq!(planes, [[1.0, 0.0], [-0.25, 0.0], [HALF_MAX, 0.0], [0.5, 0.0], [4.0, MISS_DEPTH]]);
     }
 
     #[test]

@@ -54,12 +54,13 @@ enum Contents {
         version: String,
         settings: Box<Settings>,
         report: Box<Report>,
+        warnings: Vec<String>,
     },
 }
 
 impl InfoArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let info = if Store::is_store(&self.path) { of_store(&self.path)? } else { of_capture(&self.path)? };
+        let info = if Store::is_store(&self.path)? { of_store(&self.path)? } else { of_capture(&self.path)? };
         if self.json { output::print_json(&info) } else { output::print(&info.text(&self.path)) }
     }
 }
@@ -90,6 +91,7 @@ fn of_store(path: &Path) -> Result<Info, Failure> {
             version: format!("{}.{}", info.version.0, info.version.1),
             settings: Box::new(info.settings.clone()),
             report: Box::new(info.report.clone()),
+            warnings: info.warnings.clone(),
         },
     })
 }
@@ -115,19 +117,18 @@ impl Info {
         for camera in &self.cameras {
             let _ = writeln!(text, "  camera {:<16} {}×{}", camera.name, camera.width, camera.height);
         }
+        let (Contents::Capture { warnings, .. } | Contents::Store { warnings, .. }) = &self.contents;
+        for warning in warnings {
+            let _ = writeln!(text, "  warning: {warning}");
+        }
         let path = path.display();
         let _ = match &self.contents {
-            Contents::Capture { pixels, normals, warnings } => {
-                for warning in warnings {
-                    let _ = writeln!(text, "  warning: {warning}");
-                }
-                write!(
-                    text,
-                    "  {} pixels, {}\nNext: overlook preprocess {path} --out scene.ovl",
-                    output::count(*pixels),
-                    if *normals { "with normals" } else { "normals to be estimated from depth" }
-                )
-            }
+            Contents::Capture { pixels, normals, .. } => write!(
+                text,
+                "  {} pixels, {}\nNext: overlook preprocess {path} --out scene.ovl",
+                output::count(*pixels),
+                if *normals { "with normals" } else { "normals to be estimated from depth" }
+            ),
             Contents::Store { samples, bytes, spans, report, .. } => write!(
                 text,
                 "  {} samples ({} of {} pixels) over {spans} spans in {}\nNext: overlook {path}",

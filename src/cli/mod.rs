@@ -71,7 +71,7 @@ struct SettingsArgs {
     /// Settings to start from (TOML; `overlook settings` prints them all).
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// Change one setting, as in --set pruning.depth_tolerance=2; may be given several times.
+    /// Change one setting, as in --set pruning.rate=paper; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     set: Vec<String>,
 }
@@ -105,9 +105,12 @@ impl From<Error> for Failure {
     }
 }
 
-/// Runs the program with the arguments it was started with.
+/// Opens the window on a capture or store, or on the built-in scene.
+pub type OpenWindow = fn(Option<PathBuf>) -> Result<(), Error>;
+
+/// Runs the program with the arguments it was started with. The window is handed in: commands need none.
 #[must_use]
-pub fn run() -> ExitCode {
+pub fn run(open_window: OpenWindow) -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
@@ -116,7 +119,7 @@ pub fn run() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
     };
-    match cli.run() {
+    match cli.run(open_window) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Usage(what)) => {
             eprintln!("overlook: {what}");
@@ -130,7 +133,7 @@ pub fn run() -> ExitCode {
 }
 
 impl Cli {
-    fn run(self) -> Result<(), Failure> {
+    fn run(self, open_window: OpenWindow) -> Result<(), Failure> {
         use_threads(self.threads)?;
         match self.command {
             Some(Command::Demo(args)) => args.run(),
@@ -139,12 +142,12 @@ impl Cli {
             Some(Command::Render(args)) => args.run(),
             Some(Command::Evaluate(args)) => args.run(),
             Some(Command::Settings(args)) => args.run(),
-            None => open_window(self.path),
+            None => explore(self.path, open_window),
         }
     }
 }
 
-fn open_window(path: Option<PathBuf>) -> Result<(), Failure> {
+fn explore(path: Option<PathBuf>, open_window: OpenWindow) -> Result<(), Failure> {
     if let Some(path) = &path
         && !path.exists()
     {
@@ -153,7 +156,7 @@ fn open_window(path: Option<PathBuf>) -> Result<(), Failure> {
             "is neither a command nor a capture or store; see overlook --help",
         )));
     }
-    Ok(crate::app::run(path)?)
+    Ok(open_window(path)?)
 }
 
 fn use_threads(threads: Option<u16>) -> Result<(), Failure> {

@@ -93,12 +93,12 @@ mod tests {
     #[test]
     fn holes_are_transparent() {
         let mut picture = Picture {
-            color: crate::grid::Grid::filled(2, 1, [1.0, 0.0, 0.214_041]),
+            color: crate::grid::Grid::filled(2, 1, [1.0, 0.0, 0.25]),
             inverse_depth: crate::grid::Grid::filled(2, 1, 1.0),
             image: crate::grid::Grid::filled(2, 1, 0),
         };
         picture.image[(1, 0)] = NO_IMAGE;
         let png = png_of(&picture);
-        assert_eq!([png[(0, 0)].0, png[(1, 0)].0], [[255, 0, 128, 255], [255, 0, 128, 0]]);
+        assert_eq!([png[(0, 0)].0, png[(1, 0)].0], [[255, 0, 137, 255], [255, 0, 137, 0]]);
     }
 }

@@ -59,6 +59,7 @@ struct PreprocessOutput {
 impl PreprocessArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let settings = self.settings.over(Settings::default())?;
+        self.check_out()?;
         let capture = self.open(&settings.capture)?;
         output::warn(&capture.warnings);
         let seconds_decode_only = if self.measure_decode { Some(self.decode_seconds()?) } else { None };
@@ -82,6 +83,24 @@ impl PreprocessArgs {
             report,
         };
         if self.json { output::print_json(&result) } else { output::print(&self.text(&result)) }
+    }
+
+    /// Long work must not end in "no such folder".
+    fn check_out(&self) -> Result<()> {
+        let folder = self.out.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+            return Err(Error::invalid(
+                self.out.display(),
+                format!("the folder {} does not exist; create it first", folder.display()),
+            ));
+        }
+        if self.out.is_dir() {
+            return Err(Error::invalid(
+                self.out.display(),
+                "is a folder; name a file in it, as in scene.ovl",
+            ));
+        }
+        Ok(())
     }
 
     fn open(&self, settings: &CaptureSettings) -> Result<Capture> {

@@ -25,7 +25,7 @@ pub(super) struct RenderArgs {
     /// The vantages: a manifest of the same form as a capture's. Where its pictures exist, they are the truth.
     #[arg(long, value_name = "TRANSFORMS")]
     views: PathBuf,
-    /// Folder for the pictures, each at its view's own file_path.
+    /// Folder for the pictures, each under its view's own name.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// How a sample is painted [default: as the store says].

@@ -29,7 +29,7 @@ fn documented_toml(settings: &Settings) -> String {
     let mut section = String::new();
     for line in settings.to_toml().lines() {
         if let Some(name) = line.strip_prefix('[').and_then(|line| line.strip_suffix(']')) {
-            section = name.to_owned();
+            name.clone_into(&mut section);
         } else if let Some((name, _)) = line.split_once(" = ") {
             let path = format!("{section}.{name}");
             if let Some(field) = Settings::fields().find(|field| field.path == path) {

@@ -11,6 +11,7 @@ use crate::capture::Capture;
 
 /// One camera's part of a [`Report`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct CameraReport {
     /// The camera's name.
     pub name: String,
@@ -43,6 +44,7 @@ pub struct SpanReport {
 
 /// The account that preprocessing gives of itself. Written into the store and printed by `preprocess --json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Report {
     /// Per camera, in the capture's order.
     pub cameras: Vec<CameraReport>,

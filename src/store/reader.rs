@@ -1,6 +1,7 @@
 //! Reads a store: as a whole, or image by image.
 
 use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -32,6 +33,8 @@ pub struct StoreInfo {
     pub up_in_world: DVec3,
     /// How the store was made.
     pub settings: Settings,
+    /// Settings that the store was made with and this Overlook does not have, one line each.
+    pub warnings: Vec<String>,
     /// What was dropped and why.
     pub report: Report,
     /// The images, in the order they are painted in.
@@ -63,14 +66,17 @@ pub struct Store {
 }
 
 impl Store {
-    /// Whether the file at `path` begins as a store does. A file that cannot be read is not one.
-    #[must_use]
-    pub fn is_store(path: &Path) -> bool {
-        use std::io::Read;
-        let mut start = [0; FORM_HEADER as usize];
-        File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok()
-            && start[..4] == *b"FORM"
-            && start[8..] == STORE
+    /// Whether the file at `path` is an IFF file, as every store is: told by its first four bytes, whatever its name.
+    ///
+    /// # Errors
+    /// `Io` where it cannot be read.
+    pub fn is_store(path: &Path) -> Result<bool> {
+        if path.is_dir() {
+            return Ok(false);
+        }
+        let mut start = [0; 4];
+        let mut file = File::open(path).map_err(|error| Error::io(path, error))?;
+        Ok(file.read_exact(&mut start).is_ok() && start == *b"FORM")
     }
 
     /// Reads what the store says of itself, and no image.
@@ -88,9 +94,8 @@ impl Store {
         let chunks = Chunks::collect(&mut form, path)?;
         let Head { name, up_in_world, cameras, frame_numbers } =
             decode_head(&chunks.head).map_err(|what| in_chunk(path, HEAD, what))?;
-        let settings = std::str::from_utf8(&chunks.settings)
-            .map_err(|error| in_chunk(path, SETTINGS, error))
-            .and_then(|text| Settings::from_toml(text, &format!("{}: settings", path.display())))?;
+        let (settings, warnings) =
+            decode_settings(&chunks.settings).map_err(|what| in_chunk(path, SETTINGS, what))?;
         let report = serde_json::from_slice(&chunks.report).map_err(|error| in_chunk(path, REPORT, error))?;
         let images = decode_index(&chunks.index).map_err(|what| in_chunk(path, INDEX, what))?;
         let info = StoreInfo {
@@ -100,6 +105,7 @@ impl Store {
             frame_numbers,
             up_in_world,
             settings,
+            warnings,
             report,
             images,
             bytes: form.size(),
@@ -223,6 +229,24 @@ impl Chunks {
         let version = version.ok_or_else(|| in_chunk(path, HEAD, "it is missing"))?;
         Ok(Self { version, head, settings, report, index })
     }
+}
+
+/// Settings come and go between versions; the samples are none the worse. What this Overlook does not know is left out
+/// and told.
+fn decode_settings(toml: &[u8]) -> Result<(Settings, Vec<String>), String> {
+    let text = std::str::from_utf8(toml).map_err(|error| error.to_string())?;
+    let table: toml::Table = text.parse().map_err(|_| "it is not TOML".to_owned())?;
+    let mut settings = Settings::default();
+    let mut warnings = Vec::new();
+    for (section, values) in table {
+        for (name, value) in values.as_table().cloned().unwrap_or_default() {
+            let stated = format!("{section}.{name} = {value}");
+            if settings.set(&format!("{section}.{name}"), value).is_err() {
+                warnings.push(format!("made with {stated}, which this Overlook does not know"));
+            }
+        }
+    }
+    Ok((settings, warnings))
 }
 
 fn checked_version(head: &[u8], path: &Path) -> Result<(u16, u16)> {

@@ -47,7 +47,7 @@ pub(super) fn slate() -> Material {
     Material::new(Pattern::Marble(0.2), rgb(0x0048_5058), rgb(0x0098_a0a2))
 }
 
-/// An old map, for want of a better word for what the eye makes of it.
+/// Rivers on old paper: from across the room, a map.
 pub(super) fn map_canvas() -> Material {
     Material::new(Pattern::Marble(0.3), rgb(0x00d8_b078), rgb(0x002c_4a68))
 }

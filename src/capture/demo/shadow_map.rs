@@ -6,7 +6,7 @@
 use glam::{DVec2, DVec3};
 
 /// Cells along each side of the grid.
-const CELLS: usize = 96;
+const CELLS: usize = 64;
 
 /// A solid as the sun sees it.
 #[derive(Clone, Copy, Debug)]
@@ -60,23 +60,35 @@ impl ShadowMap {
         map
     }
 
+    /// Lists the solids of each cell: first counts them, then puts each in its place.
     fn fill(&mut self, deepest: f64) {
-        let mut lists: Vec<Vec<u32>> = vec![Vec::new(); CELLS * CELLS];
-        for (index, outline) in self.outlines.iter().enumerate() {
-            let margin = DVec2::splat(self.spread * (outline.above - deepest));
-            let (x0, y0) = self.cell(outline.low - margin);
-            let (x1, y1) = self.cell(outline.high + margin);
-            for y in y0..=y1 {
-                for list in &mut lists[y * CELLS + x0..=y * CELLS + x1] {
-                    list.push(index as u32);
-                }
+        let spans: Vec<_> = self
+            .outlines
+            .iter()
+            .map(|outline| {
+                let margin = DVec2::splat(self.spread * (outline.above - deepest));
+                (self.cell(outline.low - margin), self.cell(outline.high + margin))
+            })
+            .collect();
+        let cells_of = |((x0, y0), (x1, y1)): ((usize, usize), (usize, usize))| {
+            (y0..=y1).flat_map(move |y| y * CELLS + x0..=y * CELLS + x1)
+        };
+        let mut starts = vec![0_u32; CELLS * CELLS + 1];
+        for cell in spans.iter().copied().flat_map(cells_of) {
+            starts[cell + 1] += 1;
+        }
+        for cell in 0..CELLS * CELLS {
+            starts[cell + 1] += starts[cell];
+        }
+        let mut next = starts.clone();
+        self.items = vec![0; starts[CELLS * CELLS] as usize];
+        for (index, span) in spans.into_iter().enumerate() {
+            for cell in cells_of(span) {
+                self.items[next[cell] as usize] = index as u32;
+                next[cell] += 1;
             }
         }
-        self.starts.push(0);
-        for list in lists {
-            self.items.extend(list);
-            self.starts.push(self.items.len() as u32);
-        }
+        self.starts = starts;
     }
 
     fn cell(&self, place: DVec2) -> (usize, usize) {

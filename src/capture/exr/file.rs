@@ -5,31 +5,36 @@
 
 use std::collections::HashSet;
 use std::io::Cursor;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use exr::block::UncompressedBlock;
 use exr::block::reader::ChunksReader;
+use exr::compression::Compression;
 use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use half::f16;
 
+use super::guard::{self, guarded};
 use crate::error::{Error, Result};
 
 /// Largest width and height that is believed.
 pub const MAX_SIDE: usize = 32_768;
 /// Largest number of pixels that is believed: 16 k × 16 k.
 const MAX_PIXELS: usize = 1 << 28;
+/// No compression makes more than a thousand bytes of one, and a pixel has at least one.
+const MAX_PIXELS_PER_BYTE: usize = 1100;
 /// Largest file that is read: one frame of the largest believable size with a dozen float channels stays below it.
 const MAX_FILE_BYTES: u64 = 4 << 30;
 
 /// One channel of a file.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ChannelInfo {
     /// Layer and suffix, as in `ViewLayer.Depth.Z`, whether the file has one part or one part per pass.
     pub name: String,
     /// Whether its samples are half floats.
     pub is_half: bool,
+    /// Largest relative error that the file's numbers were rounded with; 0 where they are whole `f32`.
+    pub step_relative: f32,
     part: usize,
     index: usize,
 }
@@ -45,14 +50,8 @@ pub struct Window {
     pub height: usize,
 }
 
-/// One channel, row-major over the asked-for window; NaN where the file's data window does not reach.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plane {
-    /// One value per pixel.
-    pub values: Vec<f32>,
-    /// Whether the file holds half floats.
-    pub is_half: bool,
-}
+/// One channel as `f32`, row-major over the asked-for window; NaN where the file's data window does not reach.
+pub type Plane = Vec<f32>;
 
 /// An OpenEXR file whose header has been read and found believable.
 pub struct ExrFile {
@@ -99,6 +98,7 @@ impl ExrFile {
             channels.extend(header.channels.list.iter().enumerate().map(|(index, channel)| ChannelInfo {
                 name: full_name(prefix.as_deref(), &channel.name.to_string()),
                 is_half: channel.sample_type == SampleType::F16,
+                step_relative: step_relative(channel.sample_type, header.compression),
                 part,
                 index,
             }));
@@ -153,19 +153,24 @@ impl ExrFile {
     /// # Errors
     /// `Invalid` for damaged data, `Unsupported` for what the decoder does not know.
     pub fn decode(&self, wanted: &[usize], window: Window) -> Result<Vec<Plane>> {
-        believable(window, &self.place)?;
-        let mut planes: Vec<Plane> = wanted
-            .iter()
-            .map(|&channel| Plane {
-                values: vec![f32::NAN; window.width * window.height],
-                is_half: self.channels[channel].is_half,
-            })
-            .collect();
+        self.check_length(window)?;
         for &channel in wanted {
-            believable(self.data[self.channels[channel].part], &self.place)?;
+            self.check_length(self.data[self.channels[channel].part])?;
         }
+        let mut planes = vec![vec![f32::NAN; window.width * window.height]; wanted.len()];
         guarded(&self.place, || self.decode_blocks(wanted, window, &mut planes))?;
         Ok(planes)
+    }
+
+    /// Refuses a window that the file is too short to fill, before it is allocated.
+    fn check_length(&self, window: Window) -> Result<()> {
+        let Window { width, height, .. } = believable(window, &self.place)?;
+        if width * height / MAX_PIXELS_PER_BYTE <= self.bytes.len() {
+            return Ok(());
+        }
+        let bytes = self.bytes.len();
+        let what = format!("{bytes} bytes are too few for {width}×{height} pixels; save it again");
+        Err(Error::invalid(&self.place, what))
     }
 
     fn decode_blocks(
@@ -180,13 +185,15 @@ impl ExrFile {
             block.level == exr::math::Vec2(0, 0) && is_wanted_part(block.layer)
         })?;
         let expected = chunks.expected_chunk_count();
+        let meta = chunks.meta_data().clone();
         let mut seen = HashSet::with_capacity(expected.min(MAX_SIDE));
-        chunks.decompress_sequential(false, |meta, block| {
-            let header = &meta.headers[block.index.layer];
+        for chunk in chunks {
+            let chunk = chunk?;
+            guard::check_chunk(&chunk, &meta)?;
+            let block = UncompressedBlock::decompress_chunk(chunk, &meta, false)?;
             seen.insert((block.index.layer, block.index.pixel_position));
-            self.copy_block(header, &block, wanted, window, planes);
-            Ok(())
-        })?;
+            self.copy_block(&meta.headers[block.index.layer], &block, wanted, window, planes);
+        }
         // Every block carries its own position; a damaged one may name a neighbor's and leave a gap behind.
         if seen.len() == expected {
             Ok(())
@@ -217,7 +224,7 @@ impl ExrFile {
             }
             let first_x = origin.x + line.location.position.0 as i64 - window.x;
             let row = y as usize * window.width;
-            let row = &mut planes[slot].values[row..row + window.width];
+            let row = &mut planes[slot][row..row + window.width];
             let start = (-first_x).max(0) as usize;
             let end = (window.width as i64 - first_x).clamp(0, line.location.sample_count as i64) as usize;
             if start >= end {
@@ -242,6 +249,15 @@ fn copy_samples<const BYTES: usize>(
     let (samples, _) = bytes.as_chunks::<BYTES>();
     for (value, sample) in target.iter_mut().zip(&samples[start..]) {
         *value = decode(*sample);
+    }
+}
+
+/// Half a unit in the last of the 11 binary digits of a half float, or of the 16 that PXR24 leaves of a float.
+fn step_relative(sample_type: SampleType, compression: Compression) -> f32 {
+    match (sample_type, compression) {
+        (SampleType::F16, _) => 1.0 / 2048.0,
+        (SampleType::F32, Compression::PXR24) => 1.0 / 65_536.0,
+        _ => 0.0,
     }
 }
 
@@ -299,33 +315,4 @@ fn unreadable(path: &Path, place: &str, error: std::io::Error) -> Error {
     } else {
         Error::io(path, error)
     }
-}
-
-/// Runs the decoder and turns its errors, and its panics, into ours.
-///
-/// The decoder checks its input in places by assertions and by indexing; on a damaged file those may fail, and a
-/// damaged file must never take the program down.
-fn guarded<T>(place: &str, decode: impl FnOnce() -> exr::error::Result<T>) -> Result<T> {
-    match catch_unwind(AssertUnwindSafe(decode)) {
-        Ok(Ok(value)) => Ok(value),
-        Ok(Err(exr::error::Error::NotSupported(what))) => {
-            Err(Error::unsupported(place, format!("{}; save it again with ZIP compression", one_line(&what))))
-        }
-        Ok(Err(error)) => Err(damaged(place, &error.to_string())),
-        Err(_) => Err(damaged(place, "the decoder gave up")),
-    }
-}
-
-fn damaged(place: &str, what: &str) -> Error {
-    Error::invalid(
-        place,
-        format!(
-            "damaged, or not an OpenEXR picture ({}); save it again with ZIP compression",
-            one_line(what)
-        ),
-    )
-}
-
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -12,8 +12,9 @@ pub mod assemble;
 pub mod channels;
 pub mod depth;
 pub mod file;
+mod guard;
 
 pub use assemble::{Layers, NormalSpace};
 pub use channels::{ChannelNames, ChannelWishes};
 pub use depth::{DepthKind, DepthRules};
-pub use file::{ExrFile, MAX_SIDE, Window};
+pub use file::{ExrFile, MAX_SIDE, Plane, Window};

@@ -4,13 +4,11 @@ use std::path::Path;
 
 use super::files::{Format, PictureFiles, format_of};
 use super::png;
-use crate::capture::exr::{ChannelNames, ChannelWishes, DepthKind, ExrFile, Layers, Window};
+use crate::capture::exr::{ChannelNames, ChannelWishes, DepthKind, ExrFile, Layers, Plane, Window};
 use crate::capture::{Camera, Frame};
 use crate::color::linear_from_srgb;
 use crate::error::{Error, Result};
 
-/// Largest relative error of a half float: half a unit in the last of its 11 binary digits.
-const HALF_STEP_RELATIVE: f32 = 1.0 / 2048.0;
 /// What must be in the files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Need {
@@ -140,10 +138,10 @@ fn no_depth(place: &str) -> Error {
 /// The planes read so far.
 #[derive(Default)]
 struct Parts {
-    color: [Vec<f32>; 3],
-    alpha: Option<Vec<f32>>,
+    color: [Plane; 3],
+    alpha: Option<Plane>,
     depth: Option<DepthPart>,
-    normal: Option<[Vec<f32>; 3]>,
+    normal: Option<[Plane; 3]>,
 }
 
 struct DepthPart {
@@ -211,7 +209,7 @@ fn read_color_file(files: &PictureFiles, camera: &Camera, place: &str, need: Nee
     if files.is_linear == Some(false) {
         color.iter_mut().flatten().for_each(|value| *value = linear_from_srgb(*value));
     }
-    let alpha = picture.names.alpha.map(|_| planes.take().0);
+    let alpha = picture.names.alpha.map(|_| planes.take());
     let depth = depth.map(|channels| planes.take_depth(channels, &picture, camera));
     let normal = wants_normals.then(|| planes.take_three());
     Ok(Parts { color, alpha, depth, normal })
@@ -241,12 +239,7 @@ fn median_of_hits(values: &[f32]) -> f32 {
     if hits.is_empty() { 0.0 } else { *hits.select_nth_unstable_by(middle, f32::total_cmp).1 }
 }
 
-fn read_normal_file(
-    path: &Path,
-    files: &PictureFiles,
-    camera: &Camera,
-    place: &str,
-) -> Result<[Vec<f32>; 3]> {
+fn read_normal_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<[Plane; 3]> {
     let place = &format!("{place}, normal file {}", path.display());
     if format_of(path, place)? == Format::Png {
         return Err(Error::unsupported(place, "normals in PNG are too coarse; save them as EXR"));
@@ -267,39 +260,37 @@ impl DepthChannels {
 }
 
 /// Decoded planes, taken in the order they were asked for.
-struct Planes(std::vec::IntoIter<crate::capture::exr::file::Plane>);
+struct Planes(std::vec::IntoIter<Plane>);
 
 impl Planes {
     fn decode(picture: &Picture, wanted: &[usize]) -> Result<Self> {
         Ok(Self(picture.file.decode(wanted, picture.window)?.into_iter()))
     }
 
-    fn take(&mut self) -> (Vec<f32>, bool) {
-        self.0.next().map(|plane| (plane.values, plane.is_half)).unwrap_or_default()
+    fn take(&mut self) -> Plane {
+        self.0.next().unwrap_or_default()
     }
 
-    fn take_three(&mut self) -> [Vec<f32>; 3] {
-        [(); 3].map(|()| self.take().0)
+    fn take_three(&mut self) -> [Plane; 3] {
+        [(); 3].map(|()| self.take())
     }
 
     fn take_depth(&mut self, channels: DepthChannels, picture: &Picture, camera: &Camera) -> DepthPart {
-        let name = |index: usize| picture.file.channels()[index].name.clone();
-        let half_step = |is_half| if is_half { HALF_STEP_RELATIVE } else { 0.0 };
         match channels {
             DepthChannels::One(index, kind) => {
-                let (values, is_half) = self.take();
-                let rules = picture.files.depth_rules(kind, is_half);
+                let channel = &picture.file.channels()[index];
+                let rules = picture.files.depth_rules(kind, channel.is_half);
                 DepthPart {
-                    inverse_depth: rules.inverse_depth_plane(&values, camera),
-                    step_relative: half_step(is_half),
-                    name: name(index),
+                    inverse_depth: rules.inverse_depth_plane(&self.take(), camera),
+                    step_relative: channel.step_relative,
+                    name: channel.name.clone(),
                 }
             }
             DepthChannels::Position([x, ..]) => {
-                let planes = [(); 3].map(|()| self.take());
-                let is_half = planes[0].1;
-                let rules = picture.files.depth_rules(DepthKind::WorldPosition, is_half);
-                let xyz = [&planes[0].0, &planes[1].0, &planes[2].0].map(Vec::as_slice);
+                let channel = &picture.file.channels()[x];
+                let planes = self.take_three();
+                let xyz = planes.each_ref().map(Vec::as_slice);
+                let rules = picture.files.depth_rules(DepthKind::WorldPosition, channel.is_half);
                 let inverse_depth = rules.inverse_depth_from_positions(xyz, camera);
                 // A position errs by a share of its coordinates, which may be larger than its depth.
                 let coordinate_per_depth = xyz
@@ -309,8 +300,8 @@ impl Planes {
                     .fold(1.0, f32::max);
                 DepthPart {
                     inverse_depth,
-                    step_relative: half_step(is_half) * coordinate_per_depth,
-                    name: name(x),
+                    step_relative: channel.step_relative * coordinate_per_depth,
+                    name: channel.name.clone(),
                 }
             }
         }

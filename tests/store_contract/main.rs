@@ -1,100 +1,22 @@
 //! The store as a contract: what is written comes back exactly; what was damaged is refused; what stood there before
 //! stays until the new store is whole.
 
+mod builder;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::{DAffine3, DQuat, DVec3};
 use half::f16;
-use overlook::capture::{Camera, Intrinsics};
 use overlook::error::Error;
 use overlook::job::Job;
-use overlook::preprocess::{OctNormal, Report, SampleImage, SampleSet, SampleTile, Span, TILE};
-use overlook::settings::Settings;
+use overlook::preprocess::{Report, SampleImage, SampleSet};
 use overlook::store::{self, Store};
 use proptest::prelude::*;
 
+use builder::{any_set, small_report, small_set};
+
 /// Bytes from the start of a store to its first chunk.
 const FIRST_CHUNK: usize = 12;
-
-fn camera(name: &str, width: u32, height: u32) -> Camera {
-    Camera {
-        name: name.to_owned(),
-        intrinsics: Intrinsics::from_horizontal_angle(width, height, 0.9),
-        world_from_camera: DAffine3::from_rotation_translation(
-            DQuat::from_rotation_y(0.3),
-            DVec3::new(0.1, -2.0, 1.0 / 3.0),
-        ),
-    }
-}
-
-/// An image whose tiles have the given masks, cut to the picture; `values` seeds its planes.
-fn image(
-    (camera_index, camera): (u32, &Camera),
-    span: Span,
-    masks: &[u16],
-    values: &[u32],
-    normals: bool,
-) -> SampleImage {
-    let (width, height) = camera.intrinsics.size();
-    let mut tiles = Vec::new();
-    let mut first = 0;
-    let mut masks = masks.iter().copied().cycle();
-    for tile_y in 0..height.div_ceil(TILE) {
-        for tile_x in 0..width.div_ceil(TILE) {
-            let columns = (width - tile_x * TILE).min(TILE);
-            let inside = if columns == TILE { u16::MAX } else { (1 << columns) - 1 };
-            let mut mask = || masks.next().unwrap_or(0) & inside;
-            let rows = std::array::from_fn(|row| if tile_y * TILE + row < height { mask() } else { 0 });
-            let tile = SampleTile { tile_x: tile_x as u16, tile_y: tile_y as u16, first, rows };
-            if tile.count() > 0 {
-                first += tile.count() as u32;
-                tiles.push(tile);
-            }
-        }
-    }
-    let count = first as usize;
-    let value = |i: usize| values[i % values.len()].wrapping_add(i as u32 / 7);
-    let half = |bits: u32| f16::from_bits((bits & 0x3FFF) as u16 | (bits >> 1 & 0x8000) as u16);
-    SampleImage {
-        camera: camera_index,
-        span,
-        tiles,
-        color: (0..count).map(|i| [value(i), value(i + 1), value(i + 2) >> 3].map(half)).collect(),
-        // Zero is a sample at infinity.
-        inverse_depth: (0..count)
-            .map(|i| if value(i).is_multiple_of(5) { 0.0 } else { f32::from_bits(value(i) & 0x7F00_FFFF) })
-            .collect(),
-        normal: normals
-            .then(|| (0..count).map(|i| OctNormal([value(i) as i8, (value(i) >> 8) as i8])).collect()),
-    }
-}
-
-fn set_of(cameras: Vec<Camera>, frames: usize, images: Vec<SampleImage>) -> SampleSet {
-    SampleSet {
-        name: "Kristallisation ❄".to_owned(),
-        cameras,
-        frame_numbers: (0..frames as i64).map(|frame| 3 * frame - 4).collect(),
-        up_in_world: DVec3::new(0.0, 0.6, 0.8),
-        settings: Settings::default(),
-        images: images.into_iter().filter(|image| !image.is_empty()).map(Arc::new).collect(),
-    }
-}
-
-fn small_set() -> SampleSet {
-    let cameras = vec![camera("left", 20, 18), camera("right", 17, 5)];
-    let images = vec![
-        image((0, &cameras[0]), Span { start: 0, end: 2 }, &[0xFFFF, 0x00F0, 0], &[7, 0x3C00_1234], true),
-        image((1, &cameras[1]), Span { start: 1, end: 2 }, &[0x1001], &[0x1_0000, 5, 99], false),
-    ];
-    set_of(cameras, 2, images)
-}
-
-fn small_report() -> Report {
-    let mut report = Report { samples_in: 890, seconds: 0.1 + 0.2, ..Report::default() };
-    report.pruned.insert("static".to_owned(), 17);
-    report
-}
 
 fn assert_same(read: &(SampleSet, Report), samples: &SampleSet, report: &Report) {
     let (set, read_report) = read;
@@ -133,11 +55,11 @@ fn refusal(path: &Path, bytes: &[u8]) -> String {
 }
 
 /// Offset and payload length of the first chunk with this id.
-fn chunk(bytes: &[u8], id: &[u8; 4]) -> (usize, usize) {
+fn chunk(bytes: &[u8], id: [u8; 4]) -> (usize, usize) {
     let mut offset = FIRST_CHUNK;
     loop {
         let length = u32::from_be_bytes(bytes[offset + 4..offset + 8].try_into().unwrap()) as usize;
-        if bytes[offset..offset + 4] == *id {
+        if bytes[offset..offset + 4] == id {
             return (offset, length);
         }
         offset += 8 + length + length % 2;
@@ -145,7 +67,7 @@ fn chunk(bytes: &[u8], id: &[u8; 4]) -> (usize, usize) {
 }
 
 /// Changes the payload of a chunk and mends its checksum.
-fn tampered(bytes: &[u8], id: &[u8; 4], change: impl FnOnce(&mut [u8])) -> Vec<u8> {
+fn tampered(bytes: &[u8], id: [u8; 4], change: impl FnOnce(&mut [u8])) -> Vec<u8> {
     let (offset, length) = chunk(bytes, id);
     let mut bytes = bytes.to_vec();
     let (start, end) = (offset + 8, offset + 8 + length - 4);
@@ -159,27 +81,6 @@ fn with_form_length(mut bytes: Vec<u8>) -> Vec<u8> {
     let length = bytes.len() as u32 - 8;
     bytes[4..8].copy_from_slice(&length.to_be_bytes());
     bytes
-}
-
-fn any_set() -> impl Strategy<Value = SampleSet> {
-    let mask = prop_oneof![Just(0_u16), Just(u16::MAX), any::<u16>()];
-    let parts = (
-        (1..40_u32, 1..40_u32, 1..4_usize),
-        prop::collection::vec(prop::collection::vec(mask, 1..40), 0..5),
-        prop::collection::vec(any::<u32>(), 1..20),
-        any::<bool>(),
-    );
-    parts.prop_map(|((width, height, frames), masks, values, normals)| {
-        let cameras = vec![camera("a", width, height), camera("b", height, width)];
-        let images = masks.iter().enumerate().map(|(i, masks)| {
-            let index = (i % 2) as u32;
-            let start = (i % frames) as u32;
-            let span = Span { start, end: start + 1 + (i as u32 % (frames as u32 - start)) };
-            image((index, &cameras[index as usize]), span, masks, &values, normals)
-        });
-        let images = images.collect();
-        set_of(cameras, frames, images)
-    })
 }
 
 proptest! {
@@ -211,7 +112,7 @@ fn one_image_is_read_without_the_others() {
     let (_folder, path, mut bytes) = small_store();
     let samples = small_set();
     // The first image is destroyed; the second is none the worse.
-    let (first, length) = chunk(&bytes, b"IMAG");
+    let (first, length) = chunk(&bytes, *b"IMAG");
     bytes[first + 8..first + 8 + length].fill(0xEE);
     std::fs::write(&path, &bytes).unwrap();
     let store = Store::open(&path).unwrap();
@@ -225,11 +126,12 @@ fn one_image_is_read_without_the_others() {
 }
 
 #[test]
-fn the_same_set_gives_the_same_bytes_with_one_and_with_many_threads() {
+fn the_same_set_gives_the_same_bytes_whatever_the_threads_and_the_time_it_took() {
     let (_folder, path) = scratch();
     let write_with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| store::write(&path, &small_set(), &small_report(), &Job::new())).unwrap();
+        let report = Report { seconds: threads as f64, ..small_report() };
+        pool.install(|| store::write(&path, &small_set(), &report, &Job::new())).unwrap();
         std::fs::read(&path).unwrap()
     };
     assert_eq!(write_with(1), write_with(5));
@@ -251,12 +153,11 @@ fn a_store_cut_short_anywhere_is_refused() {
 fn no_damaged_byte_goes_unnoticed() {
     let (_folder, path, bytes) = small_store();
     for position in 0..bytes.len() {
-        for flip in [0x01, 0x80, 0xFF] {
-            let mut damaged = bytes.clone();
-            damaged[position] ^= flip;
-            if let Ok(read) = read_bytes(&path, &damaged) {
-                assert_same(&read, &small_set(), &small_report());
-            }
+        let mut damaged = bytes.clone();
+        // From one flipped bit to all eight, all over the file.
+        damaged[position] ^= (position % 255) as u8 + 1;
+        if let Ok(read) = read_bytes(&path, &damaged) {
+            assert_same(&read, &small_set(), &small_report());
         }
     }
 }
@@ -275,26 +176,42 @@ fn other_files_are_refused() {
     let image = [b"FORM".as_slice(), &bytes[4..8], b"ILBM", &bytes[12..]].concat();
     assert!(refusal(&path, &image).contains("type 'OVLK'"));
     assert!(refusal(&path, &[b"RIFF", &bytes[4..]].concat()).contains("type 'OVLK'"));
-    assert!(!Store::is_store(&path));
+    assert!(!Store::is_store(&path).unwrap());
     std::fs::write(&path, &bytes).unwrap();
-    assert!(Store::is_store(&path));
+    assert!(Store::is_store(&path).unwrap());
 }
 
 #[test]
 fn a_folder_and_a_missing_file_are_refused() {
     let (folder, path) = scratch();
     assert!(store::read(folder.path(), &Job::new()).is_err());
+    assert!(!Store::is_store(folder.path()).unwrap());
+    assert!(Store::is_store(&path).is_err());
     assert!(matches!(store::read(&path, &Job::new()), Err(Error::Io { .. })));
 }
 
 #[test]
 fn another_major_version_is_unsupported_and_a_minor_one_is_read() {
     let (_folder, path, bytes) = small_store();
-    let newer = tampered(&bytes, b"HEAD", |head| head[1] = 2);
+    let newer = tampered(&bytes, *b"HEAD", |head| head[1] = 2);
     assert!(matches!(read_bytes(&path, &newer), Err(Error::Unsupported { .. })));
     assert!(refusal(&path, &newer).contains("version 2.0"));
-    let minor = tampered(&bytes, b"HEAD", |head| head[3] = 9);
+    let minor = tampered(&bytes, *b"HEAD", |head| head[3] = 9);
     assert_same(&read_bytes(&path, &minor).unwrap(), &small_set(), &small_report());
+}
+
+#[test]
+fn a_setting_that_is_no_more_is_told_and_the_samples_are_read() {
+    let (_folder, path, bytes) = small_store();
+    let renamed = tampered(&bytes, *b"SETT", |settings| {
+        let text = String::from_utf8(settings.to_vec()).unwrap();
+        let position = text.find("across_spans").unwrap();
+        settings[position..position + 12].copy_from_slice(b"across_bands");
+    });
+    assert_same(&read_bytes(&path, &renamed).unwrap(), &small_set(), &small_report());
+    let warnings = Store::open(&path).unwrap().info().warnings.clone();
+    assert!(warnings.len() == 1 && warnings[0].contains("pruning.across_bands"), "{warnings:?}");
+    assert!(refusal(&path, &tampered(&bytes, *b"SETT", |settings| settings[0] = b'!')).contains("TOML"));
 }
 
 #[test]
@@ -308,13 +225,13 @@ fn unknown_chunks_are_skipped() {
 #[test]
 fn missing_doubled_and_misplaced_chunks_are_refused() {
     let (_folder, path, bytes) = small_store();
-    for id in [b"HEAD", b"SETT", b"REPT", b"INDX"] {
+    for id in [*b"HEAD", *b"SETT", *b"REPT", *b"INDX"] {
         let (offset, _) = chunk(&bytes, id);
         let mut renamed = bytes.clone();
         renamed[offset..offset + 4].copy_from_slice(b"ANNO");
         refusal(&path, &renamed);
     }
-    let (head, length) = chunk(&bytes, b"HEAD");
+    let (head, length) = chunk(&bytes, *b"HEAD");
     let end = head + 8 + length + length % 2;
     let doubled = [&bytes[..end], &bytes[head..]].concat();
     assert!(refusal(&path, &with_form_length(doubled)).contains("two of them"));
@@ -325,7 +242,7 @@ fn missing_doubled_and_misplaced_chunks_are_refused() {
 #[test]
 fn huge_lengths_are_refused_without_being_allocated() {
     let (_folder, path, bytes) = small_store();
-    for id in [b"HEAD", b"SETT", b"REPT", b"INDX", b"IMAG"] {
+    for id in [*b"HEAD", *b"SETT", *b"REPT", *b"INDX", *b"IMAG"] {
         let (offset, _) = chunk(&bytes, id);
         for length in [u32::MAX, u32::MAX - 1, 0x8000_0000, bytes.len() as u32, 0, 3] {
             let mut absurd = bytes.clone();
@@ -335,7 +252,7 @@ fn huge_lengths_are_refused_without_being_allocated() {
     }
     // Counts inside chunks: cameras' name, images, tiles, samples, first plane.
     let huge = u32::MAX.to_be_bytes();
-    for (id, position) in [(b"HEAD", 4), (b"INDX", 0), (b"IMAG", 12), (b"IMAG", 16), (b"IMAG", 22)] {
+    for (id, position) in [(*b"HEAD", 4), (*b"INDX", 0), (*b"IMAG", 12), (*b"IMAG", 16), (*b"IMAG", 22)] {
         refusal(
             &path,
             &tampered(&bytes, id, |payload| payload[position..position + 4].copy_from_slice(&huge)),
@@ -349,12 +266,12 @@ fn a_bomb_is_refused() {
     // A picture of 2^20 × 2^20 pixels would have an occupancy of 512 MiB; the plane in the file is one byte.
     let name = small_set().name.len();
     let width = 4 + 4 + name + 24 + 4 + 4 + "left".len();
-    let absurd = tampered(&bytes, b"HEAD", |head| {
+    let absurd = tampered(&bytes, *b"HEAD", |head| {
         head[width..width + 8].copy_from_slice(&[0, 16, 0, 0, 0, 16, 0, 0]);
     });
     assert!(refusal(&path, &absurd).contains("'IMAG'"));
     // Both index entries for one chunk.
-    let twice = tampered(&bytes, b"INDX", |index| index.copy_within(4..32, 32));
+    let twice = tampered(&bytes, *b"INDX", |index| index.copy_within(4..32, 32));
     assert!(refusal(&path, &twice).contains("overlap"));
 }
 
@@ -378,7 +295,8 @@ fn values_that_break_the_promises_are_neither_written_nor_read() {
     broken(&|image| image.tiles.swap(0, 1));
     broken(&|image| image.tiles[1].rows[0] = 0x8000);
     broken(&|image| image.color.truncate(1));
-    let report = Report { seconds: f64::NAN, ..Report::default() };
+    let mut report = small_report();
+    report.cameras[0].color_noise_steps = f32::NAN;
     assert!(store::write(&path, &small_set(), &report, &Job::new()).is_err());
 }
 
