@@ -23,7 +23,7 @@ pub fn run(path: Option<PathBuf>) -> Result<()> {
             .with_title("Overlook")
             .with_app_id("overlook")
             .with_inner_size([1280.0, 800.0])
-            .with_min_inner_size([960.0, 600.0])
+            .with_min_inner_size([1024.0, 640.0])
             .with_drag_and_drop(true),
         renderer: if has_graphics_card() { eframe::Renderer::Wgpu } else { eframe::Renderer::Glow },
         ..Default::default()

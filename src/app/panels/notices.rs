@@ -6,6 +6,7 @@ use egui_material_icons::icons::{ICON_CHECK_CIRCLE, ICON_CLOSE, ICON_ERROR, ICON
 use super::super::command::Command;
 use super::super::state::{Notice, NoticeKind, State};
 use super::super::theme::{Tokens, space};
+use super::super::views::source_view::FOOTER;
 use super::icon_button;
 
 /// Messages shown at once; older ones wait.
@@ -18,7 +19,9 @@ pub(super) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<
     if state.notices.is_empty() {
         return;
     }
-    let offset = egui::vec2(space::LARGE + 4.0, -(space::TIMELINE + space::STATUS + space::LARGE));
+    // Over the lower edge of the pictures: what is written below them stays readable.
+    let below = space::STATUS + space::TIMELINE + FOOTER + 2.0 * space::LARGE;
+    let offset = egui::vec2(space::LARGE + 8.0, -below);
     Area::new(Id::unique("notices")).order(Order::Foreground).anchor(Align2::LEFT_BOTTOM, offset).show(
         ctx,
         |ui| {

@@ -42,6 +42,9 @@ pub(super) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>)
             if ui.add(rerun).accessible_name("Rerun").clicked() {
                 commands.push(Command::Rerun);
             }
+        } else if state.is_stale() {
+            let text = "A threshold changed: this frame shows it now, the whole capture follows.";
+            ui.label(RichText::new(text).color(tokens.warning));
         } else {
             ui.label(RichText::new("Ready").color(tokens.text_weak));
         }

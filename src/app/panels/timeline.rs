@@ -89,7 +89,7 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             bar.min.y = bar.max.y - (rect.height() - 6.0) * count as f32 / highest;
             let current = frame == state.timeline.frame;
             let color = if state.is_stale() { tokens.invalid } else { tokens.moving };
-            painter.rect_filled(bar, 0.0, if current { color } else { color.gamma_multiply(0.55) });
+            painter.rect_filled(bar, 0.0, if current { color } else { color.gamma_multiply(0.45) });
         }
     }
     let x = here.center().x;

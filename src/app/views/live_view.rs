@@ -17,6 +17,9 @@ use super::{colormap, legend};
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
 
+/// Width from which the whole heading fits beside the buttons.
+const WIDE: f32 = 400.0;
+
 /// Largest side of the live view in pixels that is asked for, so that turning stays smooth on large displays.
 const LARGEST_SIDE: f32 = 1600.0;
 
@@ -35,7 +38,8 @@ pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comman
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
-        ui.heading("What is left, from anywhere");
+        let narrow = ui.available_width() < WIDE;
+        ui.heading(if narrow { "What is left" } else { "What is left, from anywhere" });
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| places_ui(ui, state, commands));
     });
     let choices = ColorBy::ALL.map(|color_by| (color_by, color_by.name(), color_by.help()));
@@ -153,7 +157,7 @@ fn facts_ui(ui: &mut Ui, state: &State) {
             let [width, height] = shown.picture.image.size;
             let reused = if stats.background_reused { ", background reused" } else { "" };
             format!(
-                "{} samples painted in {} ms{reused} at {width}×{height}",
+                "{} samples painted at {width}×{height} in {} ms{reused}",
                 text::count(stats.samples),
                 text::significant(stats.milliseconds)
             )
@@ -170,6 +174,6 @@ fn facts_ui(ui: &mut Ui, state: &State) {
         None => String::new(),
     };
     ui.add(egui::Label::new(RichText::new(holes).color(tokens.text_weak)).truncate());
-    let help = "Drag to orbit, Shift + drag to shift, wheel to zoom, W A S D to fly.";
+    let help = "Drag to orbit, Shift + drag to shift, wheel to zoom, W A S D to fly, double-click for home.";
     ui.add(egui::Label::new(RichText::new(help).small().color(tokens.text_weak)).truncate());
 }

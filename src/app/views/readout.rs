@@ -10,24 +10,21 @@ use crate::color::srgb8_from_linear;
 use crate::preprocess::registration::Outcome;
 use crate::preprocess::{CameraInspection, PixelClass, Rule, Verdict};
 
-/// Three lines below the source picture: what was recorded, what became of it, and what the other cameras say.
+const HINT: &str = "Point at a pixel to see what became of it, and why.";
+const MOUSE: &str = "Wheel to zoom, drag to shift, double-click to fit.";
+
+/// Three lines below the source picture: what became of the pixel, what was recorded, and what the other cameras say.
 pub(super) fn readout_ui(ui: &mut Ui, state: &State, pixel: Option<(usize, usize)>) {
     let tokens = Tokens::in_ui(ui);
-    let [recorded, verdict, others] = match pixel {
-        Some((x, y)) => about_pixel(state, x, y),
-        None => [
-            camera_facts(state),
-            String::new(),
-            "Point at a pixel to see what became of it. Wheel to zoom, drag to shift.".to_owned(),
-        ],
+    let (lines, color) = match pixel {
+        Some((x, y)) => (about_pixel(state, x, y), tokens.text),
+        None => ([camera_facts(state), HINT.to_owned(), MOUSE.to_owned()], tokens.text_weak),
     };
     ui.spacing_mut().item_spacing.y = 1.0;
-    let color = if pixel.is_some() { tokens.text } else { tokens.text_weak };
-    let first = if pixel.is_some() { verdict } else { recorded.clone() };
-    let second = if pixel.is_some() { recorded } else { String::new() };
-    ui.add(Label::new(RichText::new(first).color(color)).truncate());
-    ui.add(Label::new(RichText::new(second).color(tokens.text_weak)).truncate());
-    ui.add(Label::new(RichText::new(others).small().color(tokens.text_weak)).truncate());
+    let [first, second, third] = lines.map(RichText::new);
+    ui.add(Label::new(first.color(color)).truncate());
+    ui.add(Label::new(second.color(tokens.text_weak)).truncate());
+    ui.add(Label::new(third.small().color(tokens.text_weak)).truncate());
 }
 
 /// The camera shown at this frame, in figures.
@@ -47,7 +44,7 @@ fn camera_facts(state: &State) -> String {
 
 fn about_pixel(state: &State, x: usize, y: usize) -> [String; 3] {
     let (Some(scene), Some(inspection)) = (&state.scene, state.inspection_here()) else {
-        return [format!("Pixel {x}, {y}"), "Its verdict is being worked out.".to_owned(), String::new()];
+        return ["Its verdict is being worked out.".to_owned(), format!("Pixel {x}, {y}"), String::new()];
     };
     let shown = state.source.camera;
     let camera = &inspection.cameras[shown];
@@ -62,7 +59,7 @@ fn about_pixel(state: &State, x: usize, y: usize) -> [String; 3] {
             format!("{name}: {}", outcome(argument.outcome, argument.log2_ratio))
         })
         .collect();
-    [recorded(camera, x, y), verdict(&scene.cameras, camera.verdict[(x, y)]), others.join(" · ")]
+    [verdict(&scene.cameras, camera.verdict[(x, y)]), recorded(camera, x, y), others.join(" · ")]
 }
 
 fn recorded(camera: &CameraInspection, x: usize, y: usize) -> String {

@@ -12,7 +12,7 @@ use super::source_image::{Legend, Overlay};
 use super::{legend, readout};
 
 /// Height of the legend and the read-out below a picture.
-pub(super) const FOOTER: f32 = 84.0;
+pub(crate) const FOOTER: f32 = 84.0;
 
 /// Width of a list of cameras.
 pub(super) const CAMERA_LIST: f32 = 104.0;
