@@ -181,6 +181,31 @@ fn a_broken_file_gives_a_readable_message_and_the_window_stays_up() {
     assert_eq!(window.state().frame(), 1);
 }
 
+#[derive(Debug)]
+struct Dropped(std::path::PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &std::path::Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn a_folder_dropped_on_the_window_is_opened() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let dropped = std::sync::Arc::new(Dropped(folder.path().to_path_buf()));
+    window.input_mut().dropped_files.push(dropped);
+    wait(&mut window, "the message", |window| !window.state().notices().is_empty());
+    let message = window.state().notices().remove(0);
+    assert!(message.contains(&folder.path().display().to_string()), "{message}");
+}
+
 #[test]
 fn a_path_that_does_not_exist_at_the_start_leaves_ways_to_go_on() {
     let mut window = open(Start::Path("/no/such/capture".into()), SIZE);

@@ -98,17 +98,21 @@ impl Lanes {
     /// # Errors
     /// `Io` where the operating system gives no thread.
     pub(super) fn start(outbox: &Outbox) -> Result<Self> {
-        let pool = background_pool()?;
-        let measure_pool = pool.clone();
+        let background = pool("prune", rayon::current_num_threads())?;
+        // A frame that this lane decodes may be awaited by every thread of the shared pool; its own thread finishes it.
+        let decoder = pool("decode", 1)?;
+        let measuring = background.clone();
         let progress = outbox.clone();
         let mut renderer = CpuRenderer::new();
         Ok(Self {
             open: Lane::start("Open", Supersede::Always, outbox.clone(), open)?,
             whole: Lane::start("Prune", Supersede::Always, outbox.clone(), move |request, job| {
-                pool.install(|| prune_whole(request, &progress, job))
+                background.install(|| prune_whole(request, &progress, job))
             })?,
             inspect: Lane::start("Inspect frame", Supersede::Alternate, outbox.clone(), inspect)?,
-            source: Lane::start("Source picture", Supersede::Never, outbox.clone(), paint_source)?,
+            source: Lane::start("Source picture", Supersede::Never, outbox.clone(), move |request, _| {
+                paint_source(request, &decoder)
+            })?,
             live: Lane::start("Live view", Supersede::Never, outbox.clone(), move |key: LiveKey, job| {
                 let picture = live_image::paint(&mut renderer, &key, job)?;
                 Ok(Message::LivePainted { key, picture: Arc::new(picture) })
@@ -117,7 +121,7 @@ impl Lanes {
                 "Measure accuracy",
                 Supersede::Always,
                 outbox.clone(),
-                move |request, job| measure_pool.install(|| measure(&request, job)),
+                move |request, job| measuring.install(|| measure(&request, job)),
             )?,
             file: Lane::start("File", Supersede::Never, outbox.clone(), file)?,
             dialog: Lane::start("Dialog", Supersede::Never, outbox.clone(), |purpose, _| {
@@ -138,10 +142,11 @@ impl Lanes {
     }
 }
 
-/// Threads for whole-capture work: in the pool that the views share, a picture would wait behind minutes of pruning.
-fn background_pool() -> Result<Arc<rayon::ThreadPool>> {
+/// Threads of their own: in the pool that the views share, a picture would wait behind minutes of pruning.
+fn pool(name: &'static str, threads: usize) -> Result<Arc<rayon::ThreadPool>> {
     rayon::ThreadPoolBuilder::new()
-        .thread_name(|index| format!("prune {index}"))
+        .num_threads(threads)
+        .thread_name(move |index| format!("{name} {index}"))
         .build()
         .map(Arc::new)
         .map_err(|error| Error::invalid("thread pool", error.to_string()))
@@ -223,10 +228,13 @@ fn inspect(request: InspectRequest, job: &Job) -> Result<Message> {
     Ok(Message::Inspected { scene: scene.id, inspected })
 }
 
-fn paint_source((scene, key): (Arc<Scene>, SourceKey), _job: &Job) -> Result<Message> {
+fn paint_source((scene, key): (Arc<Scene>, SourceKey), decoder: &rayon::ThreadPool) -> Result<Message> {
     let frame = match &key.inspection {
         Some(inspection) => inspection.cameras[key.camera].frame.clone(),
-        None => capture_of(&scene)?.frame(key.camera, key.frame)?,
+        None => {
+            let capture = capture_of(&scene)?;
+            decoder.install(|| capture.frame(key.camera, key.frame))?
+        }
     };
     let picture = source_image::paint(&key, &frame);
     Ok(Message::SourcePainted { key, picture: Arc::new(picture) })

@@ -90,24 +90,16 @@ impl Plan {
 
     fn ask_source(&mut self, state: &State, lanes: &Lanes) {
         let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
-        let inspection = if needs_verdicts(state.source.overlay) {
-            let here = state.inspection_here().cloned();
-            let shows_this_camera = self
-                .source
-                .as_ref()
-                .is_some_and(|key| key.scene == scene.id && key.camera == state.source.camera);
-            // Until this frame's verdicts arrive the last picture is better than a flash of another kind.
-            if here.is_none() && shows_this_camera {
-                return;
-            }
-            here
-        } else {
-            None
-        };
+        // Verdicts of a frame just passed are better than a flash of another kind: in motion they may never catch up.
+        let inspection = state
+            .inspected
+            .as_ref()
+            .filter(|_| needs_verdicts(state.source.overlay))
+            .map(|inspected| inspected.inspection.clone());
         let key = SourceKey {
             scene: scene.id,
             camera: state.source.camera,
-            frame: state.timeline.frame,
+            frame: inspection.as_ref().map_or(state.timeline.frame, |inspection| inspection.frame),
             overlay: state.source.overlay,
             against: state.source.against,
             dark: state.dark,

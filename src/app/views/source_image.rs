@@ -150,10 +150,15 @@ pub(crate) enum Legend {
 /// log₂ r at either end of the scale: eight times denser or coarser.
 pub(crate) const RATIO_RANGE: f32 = 3.0;
 
+/// Largest side of a texture that every graphics card of the last ten years takes.
+const LARGEST_TEXTURE: usize = 4096;
+
 /// The left picture.
 pub(crate) struct SourcePicture {
-    /// Its pixels.
+    /// Its pixels; of a very large picture every second, third, …
     pub image: Arc<ColorImage>,
+    /// Columns and rows of the picture itself.
+    pub size: [usize; 2],
     /// What they mean.
     pub legend: Legend,
 }
@@ -172,8 +177,21 @@ pub(crate) fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
         (Overlay::Tiles, Some(camera)) => tiles(camera, &picture),
         _ => (picture, Legend::Plain),
     };
+    let size = [pixels.width(), pixels.height()];
+    let pixels = thinned(pixels);
     let image = ColorImage::new([pixels.width(), pixels.height()], pixels.into_vec());
-    SourcePicture { image: Arc::new(image), legend }
+    SourcePicture { image: Arc::new(image), size, legend }
+}
+
+/// Every n-th pixel of a picture that graphics cards may refuse as a texture.
+fn thinned(pixels: Grid<Color32>) -> Grid<Color32> {
+    let step = pixels.width().max(pixels.height()).div_ceil(LARGEST_TEXTURE).max(1);
+    if step == 1 {
+        return pixels;
+    }
+    Grid::from_fn(pixels.width().div_ceil(step), pixels.height().div_ceil(step), |x, y| {
+        pixels[(x * step, y * step)]
+    })
 }
 
 fn display_color(linear: [half::f16; 3]) -> Color32 {
@@ -328,6 +346,13 @@ mod tests {
         assert_eq!(legend, Legend::Winners { kept: 256, lost_to: vec![0, 0, 256], dropped: 0 });
         assert_eq!(pixels[(0, 0)], Color32::WHITE);
         assert_ne!(pixels[(20, 0)], Color32::WHITE);
+    }
+
+    #[test]
+    fn a_very_large_picture_still_fits_a_texture() {
+        let thin = thinned(Grid::filled(LARGEST_TEXTURE * 2 + 1, 2, Color32::WHITE));
+        assert_eq!(thin.size(), (2731, 1));
+        assert_eq!(thinned(Grid::filled(5, 4, Color32::WHITE)).size(), (5, 4));
     }
 
     #[test]

@@ -98,7 +98,7 @@ fn picture_ui(
         egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
         return None;
     };
-    let size = shown.texture.size_vec2();
+    let size = Vec2::from(shown.picture.size.map(|side| side as f32));
     let look = &state.source;
     let scale = (canvas.width() / size.x).min(canvas.height() / size.y) * look.zoom;
     let drawn = size * scale;
