@@ -18,6 +18,7 @@ pub(super) const HELP: &[(&str, &str)] = &[
     ("Esc", "close a message, or cancel"),
     ("Ctrl + O", "open a file"),
     ("Ctrl + S", "save the store"),
+    ("Ctrl + Q", "quit"),
 ];
 
 /// Distance flown per second, in pivot distances.
@@ -38,6 +39,9 @@ pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
     }
     if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::S))) {
         commands.push(Command::AskPath(Purpose::SaveStore));
+    }
+    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::Q))) {
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
     }
     if ctx.egui_wants_keyboard_input() || state.typed_path.is_some() || state.scene.is_none() {
         return;

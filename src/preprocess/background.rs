@@ -1,7 +1,7 @@
 //! The background: every camera's static pixels, pruned against each other once for all frames.
 
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
 
 use glam::Vec3;
 
@@ -12,7 +12,9 @@ use super::temporal::{CameraScan, TemporalScan};
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
-use crate::settings::{CaptureSettings, RenderSettings, Settings, StoreSettings};
+use crate::settings::{
+    CaptureSettings, NormalSettings, RenderSettings, Settings, SpanSettings, StoreSettings,
+};
 
 /// Static pixels of all cameras with their verdicts.
 #[derive(Debug)]
@@ -44,15 +46,12 @@ impl Background {
         }
     }
 
-    fn new(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &Job) -> Result<Self> {
+    /// Prunes static layers, which need their rates yet, against each other.
+    fn prune(capture: &Capture, mut layers: Vec<Layer>, settings: &Settings, job: &Job) -> Result<Self> {
         let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
-        let mut layers = Vec::with_capacity(capture.cameras.len());
-        for (camera, scan_of_camera) in capture.cameras.iter().zip(&scan.cameras) {
+        for (layer, camera) in layers.iter_mut().zip(&capture.cameras) {
             job.check()?;
-            let is_static = scan_of_camera.static_pixels(&settings.spans, scan.frames);
-            let mut layer = static_layer(scan_of_camera, &is_static);
-            builder.complete(&mut layer, camera, |class| class == PixelClass::Background);
-            layers.push(layer);
+            builder.rate(layer, camera, |class| class == PixelClass::Background);
         }
         let rig = Rig::new(&capture.cameras);
         let statuses = pruning::no_statuses(&layers);
@@ -61,6 +60,27 @@ impl Background {
             .iter()
             .map(|camera| camera.iter().map(|status| status.load(Ordering::Relaxed)).collect());
         Ok(Self { statuses: statuses.collect(), decided, layers })
+    }
+}
+
+/// The last results that depend on settings but on no frame, each with the settings it was made with: whoever looks at
+/// frame after frame, or turns one threshold, pays once for what stays.
+#[derive(Debug, Default)]
+pub(super) struct Memo {
+    static_layers: Mutex<Option<(StaticKey, Arc<Vec<Layer>>)>>,
+    background: Mutex<Option<(Settings, Arc<Background>)>>,
+}
+
+type StaticKey = (NormalSettings, SpanSettings);
+
+fn remembered<K: PartialEq, V: Clone>(memo: &Mutex<Option<(K, V)>>, key: &K) -> Option<V> {
+    let memo = memo.lock().ok()?;
+    memo.as_ref().filter(|(made_with, _)| made_with == key).map(|(_, value)| value.clone())
+}
+
+fn remember<K, V>(memo: &Mutex<Option<(K, V)>>, key: K, value: V) {
+    if let Ok(mut memo) = memo.lock() {
+        *memo = Some((key, value));
     }
 }
 
@@ -93,16 +113,31 @@ impl TemporalScan {
             capture: CaptureSettings::default(),
             ..settings.clone()
         };
-        if let Ok(memo) = self.background.lock()
-            && let Some((made_with, background)) = memo.as_ref()
-            && *made_with == key
-        {
-            return Ok(background.clone());
+        if let Some(background) = remembered(&self.memo.background, &key) {
+            return Ok(background);
         }
-        let background = Arc::new(Background::new(capture, self, settings, job)?);
-        if let Ok(mut memo) = self.background.lock() {
-            *memo = Some((key, background.clone()));
-        }
+        let layers = self.static_layers(capture, settings, job)?;
+        let background = Arc::new(Background::prune(capture, layers.as_ref().clone(), settings, job)?);
+        remember(&self.memo.background, key, background.clone());
         Ok(background)
+    }
+
+    /// Every camera's static pixels with normals, not rated yet: no pruning threshold touches them.
+    fn static_layers(&self, capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<Vec<Layer>>> {
+        let key = (settings.normals.clone(), settings.spans.clone());
+        if let Some(layers) = remembered(&self.memo.static_layers, &key) {
+            return Ok(layers);
+        }
+        let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
+        let mut layers = Vec::with_capacity(capture.cameras.len());
+        for (camera, scan) in capture.cameras.iter().zip(&self.cameras) {
+            job.check()?;
+            let mut layer = static_layer(scan, &scan.static_pixels(&settings.spans, self.frames));
+            builder.estimate_normals(&mut layer, camera, |class| class == PixelClass::Background);
+            layers.push(layer);
+        }
+        let layers = Arc::new(layers);
+        remember(&self.memo.static_layers, key, layers.clone());
+        Ok(layers)
     }
 }

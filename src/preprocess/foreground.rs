@@ -46,7 +46,9 @@ pub fn prune_frame(
             let recorded = capture.frame(camera, frame)?;
             let mut layer = background.layers[camera].clone();
             overlay(&mut layer, &recorded);
-            builder.complete(&mut layer, &capture.cameras[camera], |class| class == PixelClass::Foreground);
+            let foreground = |class| class == PixelClass::Foreground;
+            builder.estimate_normals(&mut layer, &capture.cameras[camera], foreground);
+            builder.rate(&mut layer, &capture.cameras[camera], foreground);
             Ok((recorded, layer))
         })
         .collect::<Result<_>>()?;

@@ -52,42 +52,50 @@ impl<'a> LayerBuilder<'a> {
         Self { settings, rate: Rate::resolve(settings.pruning.rate, cameras), antialiased }
     }
 
-    /// Fills in normals (where they are not given or not wanted), footprints and ranks of the pixels for which `wanted`
-    /// holds, from colors and depths of the whole layer.
-    pub fn complete(&self, layer: &mut Layer, camera: &Camera, wanted: impl Fn(PixelClass) -> bool + Sync) {
+    /// Estimates the normals of the pixels for which `wanted` holds, where they are not given or not wanted as given.
+    pub fn estimate_normals(
+        &self,
+        layer: &mut Layer,
+        camera: &Camera,
+        wanted: impl Fn(PixelClass) -> bool + Sync,
+    ) {
         let width = layer.width.max(1);
-        let rays = Rays::new(camera);
         let rotation = camera.world_from_camera.matrix3.as_mat3();
         let view = DepthView::new(&layer.inverse_depth, camera, &self.settings.normals);
-        let mixed = if self.antialiased && self.settings.pruning.mixed_pixels != MixedPixels::Keep {
+        let estimated = self.settings.normals.source == NormalSource::Estimated;
+        layer.normal.par_chunks_mut(width).enumerate().for_each(|(y, normals)| {
+            for (x, normal) in normals.iter_mut().enumerate() {
+                let pixel = y * width + x;
+                let missing = estimated || *normal == Vec3::ZERO;
+                if !missing || layer.inverse_depth[pixel] <= 0.0 || !wanted(layer.class[pixel]) {
+                    continue;
+                }
+                let estimate = view.estimate(self.settings.normals.estimator, x, y);
+                let trusted = estimate.confidence >= MIN_CONFIDENCE;
+                *normal = if trusted { rotation * estimate.normal_in_camera } else { Vec3::ZERO };
+            }
+        });
+    }
+
+    /// Fills in footprints and ranks of the pixels for which `wanted` holds, from colors, depths and normals.
+    pub fn rate(&self, layer: &mut Layer, camera: &Camera, wanted: impl Fn(PixelClass) -> bool + Sync) {
+        let width = layer.width.max(1);
+        let rays = Rays::new(camera);
+        let pruning = &self.settings.pruning;
+        let mixed = if self.antialiased && pruning.mixed_pixels != MixedPixels::Keep {
             mixed_pixels::detect(layer, camera, self.settings.normals.edge)
         } else {
             Vec::new()
         };
-        let estimated = self.settings.normals.source == NormalSource::Estimated;
-        let rows = layer
-            .normal
-            .par_chunks_mut(width)
-            .zip(layer.footprint.par_chunks_mut(width))
-            .zip(layer.rank.par_chunks_mut(width));
-        rows.enumerate().for_each(|(y, ((normals, footprints), ranks))| {
-            for x in 0..normals.len() {
+        let rows = layer.footprint.par_chunks_mut(width).zip(layer.rank.par_chunks_mut(width));
+        rows.enumerate().for_each(|(y, (footprints, ranks))| {
+            for x in 0..footprints.len() {
                 let pixel = y * width + x;
                 if !wanted(layer.class[pixel]) {
                     continue;
                 }
-                let inverse_depth = layer.inverse_depth[pixel];
-                if inverse_depth > 0.0 && (estimated || normals[x] == Vec3::ZERO) {
-                    let estimate = view.estimate(self.settings.normals.estimator, x, y);
-                    normals[x] = if estimate.confidence >= MIN_CONFIDENCE {
-                        rotation * estimate.normal_in_camera
-                    } else {
-                        Vec3::ZERO
-                    };
-                }
-                let ray = rays.at(x, y);
-                let pruning = &self.settings.pruning;
-                footprints[x] = footprint(self.rate, &rays, ray, inverse_depth, normals[x], pruning);
+                let (inverse_depth, normal) = (layer.inverse_depth[pixel], layer.normal[pixel]);
+                footprints[x] = footprint(self.rate, &rays, rays.at(x, y), inverse_depth, normal, pruning);
                 ranks[x] = if pruning.method == PruningMethod::FirstCamera { 0 } else { rank(footprints[x]) };
                 if mixed.get(pixel).is_some_and(|mixed| *mixed) {
                     ranks[x] |= MIXED;

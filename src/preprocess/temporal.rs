@@ -9,19 +9,19 @@
 //! past) of color and of relative depth stays within a tolerance plus what the measured noise explains; a background
 //! sample is the mean over all frames.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use half::f16;
 use rayon::prelude::*;
 
-use super::background::Background;
+use super::background::Memo;
 use super::noise::{Noise, NoiseMeter, granted_range_sigmas};
 use crate::capture::{Capture, Frame, INVALID_INVERSE_DEPTH};
 use crate::color;
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
-use crate::settings::{Settings, SpanLevels, SpanSettings};
+use crate::settings::{SpanLevels, SpanSettings};
 
 /// Threshold-independent facts about one camera over all frames.
 #[derive(Debug)]
@@ -46,15 +46,14 @@ pub struct CameraScan {
     pub noise: Noise,
 }
 
-/// [`CameraScan`] for every camera, and the pruned background of the last settings asked for.
+/// [`CameraScan`] for every camera, and what was last made of it.
 #[derive(Debug)]
 pub struct TemporalScan {
     /// Frames that were scanned.
     pub frames: usize,
     /// Per camera, in the capture's order.
     pub cameras: Vec<CameraScan>,
-    /// The background depends on the settings but not on the frame: whoever looks at frame after frame pays once.
-    pub(super) background: Mutex<Option<(Settings, Arc<Background>)>>,
+    pub(super) memo: Memo,
 }
 
 impl CameraScan {
@@ -294,6 +293,6 @@ pub fn scan(capture: &Capture, job: &Job) -> Result<TemporalScan> {
     Ok(TemporalScan {
         frames,
         cameras: sums.into_par_iter().map(|sum| sum.finish(frames)).collect(),
-        background: Mutex::new(None),
+        memo: Memo::default(),
     })
 }

@@ -1,0 +1,100 @@
+//! Speed of each stage on built-in scenes. `cargo bench` prints medians; compare two runs of one machine only.
+
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Duration;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use overlook::capture::Capture;
+use overlook::capture::demo::{Demo, DemoSpec};
+use overlook::job::Job;
+use overlook::preprocess::{inspect_frame, preprocess, scan};
+use overlook::render::{CpuRenderer, Vantage};
+use overlook::settings::{CaptureSettings, Kernel, RenderSettings, Settings};
+use overlook::store;
+
+/// A scene whose frames are traced before anything is timed.
+fn recorded(scene: &str, frames: usize, size: (u32, u32)) -> (Demo, Capture) {
+    let spec = DemoSpec {
+        scene: scene.to_owned(),
+        cameras: None,
+        frames: Some(frames),
+        size: Some(size),
+        noise: None,
+    };
+    let demo = Demo::new(&spec).expect("a built-in scene");
+    let capture = demo.capture(&CaptureSettings { cache: 4096 });
+    for camera in 0..capture.cameras.len() {
+        for frame in 0..frames {
+            capture.frame(camera, frame).expect("a traced frame");
+        }
+    }
+    (demo, capture)
+}
+
+fn preprocessing(c: &mut Criterion) {
+    let (_, capture) = recorded("nine-cameras", 3, (640, 480));
+    let job = Job::new();
+    let settings = Settings::default();
+    let mut group = c.benchmark_group("nine 640×480 cameras");
+    group.sample_size(10).measurement_time(Duration::from_secs(8));
+    group.throughput(Throughput::Elements(capture.pixel_count()));
+    group.bench_function("scan of three frames", |b| {
+        b.iter(|| scan(&capture, &settings, &job).expect("a scan"))
+    });
+    let scanned = scan(&capture, &settings, &job).expect("a scan");
+    group.throughput(Throughput::Elements(capture.pixel_count() / 3));
+    let mut tolerance = 24.0;
+    group.bench_function("one frame after a threshold change", |b| {
+        b.iter(|| {
+            // Another value each time, so that nothing is taken from an earlier run.
+            tolerance = if tolerance > 30.0 { 24.0 } else { tolerance + 0.01 };
+            let mut changed = settings.clone();
+            changed.pruning.color_tolerance = tolerance;
+            inspect_frame(&capture, Some(&scanned), &changed, 1, &job).expect("an inspection")
+        });
+    });
+    group.bench_function("one frame more", |b| {
+        b.iter(|| inspect_frame(&capture, Some(&scanned), &settings, 1, &job).expect("an inspection"));
+    });
+    group.finish();
+}
+
+fn rendering(c: &mut Criterion) {
+    let (demo, capture) = recorded("nine-cameras", 2, (640, 480));
+    let job = Job::new();
+    let samples = preprocess(&capture, &Settings::default(), &job).expect("preprocessed").samples;
+    let home = demo.home();
+    let mut group = c.benchmark_group("rendering 640×480");
+    group.sample_size(20).measurement_time(Duration::from_secs(6));
+    for kernel in Kernel::ALL {
+        let settings = RenderSettings { kernel: *kernel, ..RenderSettings::default() };
+        let vantage = |frame| Vantage { camera: home.clone(), frame };
+        group.bench_function(format!("{kernel}, everything"), |b| {
+            b.iter(|| CpuRenderer::new().render(&samples, &vantage(0), &settings, &job).expect("a picture"));
+        });
+        let mut still = CpuRenderer::new();
+        group.bench_function(format!("{kernel}, over the cached background"), |b| {
+            b.iter(|| still.render(&samples, &vantage(0), &settings, &job).expect("a picture"));
+        });
+    }
+    group.finish();
+}
+
+fn storing(c: &mut Criterion) {
+    let (_, capture) = recorded("orrery", 4, (480, 360));
+    let job = Job::new();
+    let preprocessed = preprocess(&capture, &Settings::default(), &job).expect("preprocessed");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("bench.ovl");
+    let mut group = c.benchmark_group("store");
+    group.sample_size(10).throughput(Throughput::Bytes(preprocessed.samples.bytes()));
+    group.bench_function("write", |b| {
+        b.iter(|| store::write(&path, &preprocessed.samples, &preprocessed.report, &job).expect("written"));
+    });
+    group.bench_function("read", |b| b.iter(|| black_box(Arc::new(store::read(&path, &job).expect("read")))));
+    group.finish();
+}
+
+criterion_group!(stages, preprocessing, rendering, storing);
+criterion_main!(stages);
