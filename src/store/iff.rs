@@ -171,7 +171,10 @@ impl<R: Read + Seek> FormReader<R> {
         let length = u64::from(u32::from_be_bytes([header[4], header[5], header[6], header[7]]));
         if length + CHUNK_HEADER != size {
             let stated = length + CHUNK_HEADER;
-            return Err(malformed(4, format!("the file says it has {stated} bytes but has {size}")));
+            return Err(malformed(
+                4,
+                format!("the file says it has {stated} bytes but has {size}; copy it again"),
+            ));
         }
         Ok(Self { inner, size })
     }
@@ -216,7 +219,12 @@ impl<R: Read + Seek> FormReader<R> {
         let mut payload = vec![0; header.length as usize];
         self.inner.seek(SeekFrom::Start(header.offset + CHUNK_HEADER))?;
         self.inner.read_exact(&mut payload)?;
-        let damaged = || malformed(header.offset, format!("chunk {} is damaged", name(header.id)));
+        let damaged = || {
+            malformed(
+                header.offset,
+                format!("chunk {} is damaged; copy or make the file again", name(header.id)),
+            )
+        };
         let stated = payload.split_off(payload.len().checked_sub(CHECKSUM as usize).ok_or_else(damaged)?);
         if stated != checksum(header.id, &payload).to_be_bytes() {
             return Err(damaged());
