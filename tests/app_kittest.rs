@@ -2,12 +2,30 @@
 
 mod app_driver;
 
-use app_driver::{Window, choose, click, demo, open, pick, settle, shows, small_demo, type_path, wait};
+use app_driver::{Window, choose, click, demo, open, settle, type_path, wait};
 use egui::{Key, Modifiers, PointerButton};
 use egui_kittest::kittest::Queryable;
 use overlook::app::Start;
 
 const SIZE: [f32; 2] = [1280.0, 800.0];
+
+/// A small recording of a built-in scene, quick to trace and to prune.
+fn small_demo() -> Start {
+    demo(3, 4, (96, 72))
+}
+
+/// Picks an entry of a drop-down list.
+fn pick(window: &mut Window, list: &str, entry: &str) {
+    click(window, list);
+    // The list's own button may already show the entry; the popup's comes last.
+    window.get_all_by_label(entry).last().unwrap().click();
+    window.run_steps(3);
+}
+
+/// Whether some label on screen holds `text`.
+fn shows(window: &Window, text: &str) -> bool {
+    window.query_all_by_label_contains(text).next().is_some()
+}
 
 fn drag(window: &mut Window, name: &str, by: egui::Vec2) {
     let start = window.get_by_label(name).rect().center();

@@ -3,7 +3,7 @@
 
 mod app_driver;
 
-use app_driver::{Window, choose, click, demo, open, settle, wait};
+use app_driver::{Window, choose, click, demo, open, settle, type_path, wait};
 use egui_kittest::kittest::Queryable;
 use image::RgbaImage;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -77,6 +77,20 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     click(&mut window, "Report");
     settle(&mut window);
     shoot(&mut window, "tiles_light");
+}
+
+#[test]
+fn the_window_shows_a_store_without_source_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("orrery.ovl");
+    let mut window = open(orrery(), [1280.0, 800.0]);
+    settle(&mut window);
+    type_path(&mut window, "Save", "Save store to path…", &path, "Save this path");
+    wait(&mut window, "the file", |_| path.is_file());
+    let mut window = open(overlook::app::Start::Path(path), [1280.0, 800.0]);
+    wait(&mut window, "the store", |window| window.state().scene_name().is_some());
+    settle(&mut window);
+    shoot(&mut window, "store");
 }
 
 #[test]

@@ -229,12 +229,11 @@ fn inspect(request: InspectRequest, job: &Job) -> Result<Message> {
 }
 
 fn paint_source((scene, key): (Arc<Scene>, SourceKey), decoder: &rayon::ThreadPool) -> Result<Message> {
-    let frame = match &key.inspection {
-        Some(inspection) => inspection.cameras[key.camera].frame.clone(),
-        None => {
-            let capture = capture_of(&scene)?;
-            decoder.install(|| capture.frame(key.camera, key.frame))?
-        }
+    let frame = if let Some(inspection) = &key.inspection {
+        inspection.cameras[key.camera].frame.clone()
+    } else {
+        let capture = capture_of(&scene)?;
+        decoder.install(|| capture.frame(key.camera, key.frame))?
     };
     let picture = source_image::paint(&key, &frame);
     Ok(Message::SourcePainted { key, picture: Arc::new(picture) })

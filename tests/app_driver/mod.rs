@@ -14,11 +14,6 @@ const PATIENCE: Duration = Duration::from_mins(3);
 /// A window with a harness around it.
 pub(crate) type Window = Harness<'static, OverlookApp>;
 
-/// A small recording of a built-in scene, quick to trace and to prune.
-pub(crate) fn small_demo() -> Start {
-    demo(3, 4, (96, 72))
-}
-
 /// A recording of the orrery.
 pub(crate) fn demo(cameras: usize, frames: usize, size: (u32, u32)) -> Start {
     Start::Demo(DemoSpec {
@@ -64,19 +59,6 @@ pub(crate) fn click(window: &mut Window, name: &str) {
 /// Clicks one of a row of choices.
 pub(crate) fn choose(window: &mut Window, row: &str, choice: &str) {
     click(window, &format!("{row}: {choice}"));
-}
-
-/// Picks an entry of a drop-down list.
-pub(crate) fn pick(window: &mut Window, list: &str, entry: &str) {
-    click(window, list);
-    // The list's own button may already show the entry; the popup's comes last.
-    window.get_all_by_label(entry).last().unwrap().click();
-    window.run_steps(3);
-}
-
-/// Whether some label on screen holds `text`.
-pub(crate) fn shows(window: &Window, text: &str) -> bool {
-    window.query_all_by_label_contains(text).next().is_some()
 }
 
 /// Types a path into the path field that a menu entry opens, and takes it.

@@ -19,18 +19,21 @@ pub(super) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<
     if state.notices.is_empty() {
         return;
     }
-    // Over the lower edge of the pictures: what is written below them stays readable.
-    let below = space::STATUS + space::TIMELINE + FOOTER + 2.0 * space::LARGE;
-    let offset = egui::vec2(space::LARGE + 8.0, -below);
-    Area::new(Id::unique("notices")).order(Order::Foreground).anchor(Align2::LEFT_BOTTOM, offset).show(
-        ctx,
-        |ui| {
-            ui.set_width(WIDTH);
-            for notice in state.notices.iter().rev().take(SHOWN).rev() {
-                notice_ui(ui, notice, commands);
-            }
-        },
-    );
+    let left = space::LARGE + 8.0;
+    let (align, offset) = if state.scene.is_some() {
+        // Over the lower edge of the pictures: what is written below them stays readable.
+        let below = space::STATUS + space::TIMELINE + FOOTER + 2.0 * space::LARGE;
+        (Align2::LEFT_BOTTOM, egui::vec2(left, -below))
+    } else {
+        // Above the ways to open something.
+        (Align2::LEFT_TOP, egui::vec2(left, space::TOP_BAR + space::TOTALS + space::LARGE))
+    };
+    Area::new(Id::unique("notices")).order(Order::Foreground).anchor(align, offset).show(ctx, |ui| {
+        ui.set_width(WIDTH);
+        for notice in state.notices.iter().rev().take(SHOWN).rev() {
+            notice_ui(ui, notice, commands);
+        }
+    });
 }
 
 fn notice_ui(ui: &mut egui::Ui, notice: &Notice, commands: &mut Vec<Command>) {

@@ -107,8 +107,8 @@ fn matrix_ui(ui: &mut Ui, report: &Report) {
     if cameras == 0 {
         return;
     }
-    let name_width = 66.0;
-    let cell = ((ui.available_width() - name_width) / cameras as f32).clamp(10.0, 44.0);
+    let name_width = 78.0;
+    let cell = ((ui.available_width() - name_width) / cameras as f32).clamp(3.0, 44.0);
     let most = report.witnesses.iter().flatten().copied().max().unwrap_or(0).max(1) as f32;
     let small = egui::TextStyle::Small.resolve(ui.style());
     let (area, _) = ui.allocate_exact_size(
@@ -161,8 +161,17 @@ fn camera_name(
     tokens: &Tokens,
 ) {
     painter.circle_filled(at + vec2(5.0, 0.0), 4.0, colormap::camera(index));
-    let short: String = name.chars().take(9).collect();
-    painter.text(at + vec2(14.0, 0.0), egui::Align2::LEFT_CENTER, short, font.clone(), tokens.text);
+    painter.text(at + vec2(14.0, 0.0), egui::Align2::LEFT_CENTER, short(name, 11), font.clone(), tokens.text);
+}
+
+/// The first characters of a name, and whether there are more.
+fn short(name: &str, length: usize) -> String {
+    if name.chars().count() <= length {
+        return name.to_owned();
+    }
+    let mut text: String = name.chars().take(length - 1).collect();
+    text.push('…');
+    text
 }
 
 fn cameras_ui(ui: &mut Ui, report: &Report) {
@@ -185,8 +194,7 @@ fn cameras_ui(ui: &mut Ui, report: &Report) {
                 ui.horizontal(|ui| {
                     let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
                     ui.painter().circle_filled(dot.center(), 4.0, colormap::camera(index));
-                    let short: String = camera.name.chars().take(12).collect();
-                    ui.label(short).on_hover_text(&camera.name);
+                    ui.label(short(&camera.name, 12)).on_hover_text(&camera.name);
                 });
                 ui.label(text::count(camera.background_kept + camera.foreground_kept));
                 ui.label(text::percent(camera.background_pixels, camera.pixels / frames));

@@ -14,6 +14,15 @@ use crate::preprocess::TILE;
 /// Height of a line of legend.
 const LINE: f32 = 22.0;
 
+/// Width that a swatch needs beside its name.
+const SWATCH_WIDTH: f32 = 26.0;
+
+/// Width of `+9 more`.
+const MORE_WIDTH: f32 = 56.0;
+
+/// Width of the swatch of holes with its name.
+const HOLE_WIDTH: f32 = 150.0;
+
 /// The legend of the left picture.
 pub(super) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, legend: &Legend) {
     let tokens = Tokens::in_ui(ui);
@@ -40,14 +49,17 @@ pub(super) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, lege
             let total = kept + dropped + lost_to.iter().sum::<u64>();
             let label = RichText::new(format!("kept {}", text::percent(*kept, total)));
             ui.label(label.small()).on_hover_text("Kept pixels show their own picture.");
-            for (winner, count) in lost_to.iter().enumerate().filter(|(_, count)| **count > 0) {
-                let name = state
-                    .scene
-                    .as_ref()
-                    .and_then(|scene| scene.cameras.get(winner))
-                    .map_or("?", |camera| camera.name.as_str());
-                swatch_ui(ui, camera_color(winner), &format!("{name} {}", text::percent(*count, total)));
-            }
+            let mut winners: Vec<_> = lost_to.iter().enumerate().filter(|(_, count)| **count > 0).collect();
+            winners.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+            let cameras = state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+            let entries: Vec<_> = winners
+                .into_iter()
+                .filter_map(|(winner, count)| {
+                    let name = &cameras.get(winner)?.name;
+                    Some((camera_color(winner), format!("{name} {}", text::percent(*count, total))))
+                })
+                .collect();
+            swatches_ui(ui, &entries, 0.0);
         }
     });
 }
@@ -60,9 +72,12 @@ pub(super) fn live_legend_ui(ui: &mut Ui, state: &State) {
             ColorBy::Picture => {}
             ColorBy::Camera => {
                 let cameras = state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
-                for (index, camera) in cameras.iter().enumerate() {
-                    swatch_ui(ui, camera_color(index), &camera.name);
-                }
+                let entries: Vec<_> = cameras
+                    .iter()
+                    .enumerate()
+                    .map(|(index, camera)| (camera_color(index), camera.name.clone()))
+                    .collect();
+                swatches_ui(ui, &entries, HOLE_WIDTH);
             }
             ColorBy::Span => {
                 swatch_ui(ui, tokens.static_over_time, "stored once");
@@ -105,9 +120,7 @@ pub(super) fn tile_shares(
 fn line_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
     ui.scope_builder(egui::UiBuilder::new().max_rect(rect).id_salt("legend"), |ui| {
-        egui::ScrollArea::horizontal()
-            .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden)
-            .show(ui, |ui| ui.horizontal_centered(contents));
+        ui.horizontal_centered(contents);
     });
 }
 
@@ -122,6 +135,30 @@ fn swatch_ui(ui: &mut Ui, color: Color32, name: &str) {
     ui.painter().rect_filled(rect, 2.0, color);
     ui.label(RichText::new(name).small());
     ui.add_space(6.0);
+}
+
+/// As many swatches as fit before the last `reserved` points of the line; the others are named on hover.
+fn swatches_ui(ui: &mut Ui, entries: &[(Color32, String)], reserved: f32) {
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let mut room = ui.available_width() - reserved - MORE_WIDTH;
+    let mut shown = 0;
+    for (_, name) in entries {
+        let galley = ui.painter().layout_no_wrap(name.clone(), font.clone(), Color32::PLACEHOLDER);
+        room -= galley.size().x + SWATCH_WIDTH;
+        if room < 0.0 {
+            break;
+        }
+        shown += 1;
+    }
+    for (color, name) in &entries[..shown] {
+        swatch_ui(ui, *color, name);
+    }
+    if shown < entries.len() {
+        let more: Vec<_> = entries[shown..].iter().map(|(_, name)| name.as_str()).collect();
+        let label = format!("+{} more", more.len());
+        ui.label(RichText::new(label).small()).on_hover_text(more.join("\n"));
+        ui.add_space(6.0);
+    }
 }
 
 /// A color bar between the names of its ends.

@@ -116,7 +116,9 @@ fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State
         let Some(apex) = shape.apex.map(|apex| canvas.min + apex.to_vec2()) else { continue };
         if canvas.contains(apex) {
             let galley = painter.layout_no_wrap(camera.name.clone(), font.clone(), tokens.on_scrim);
-            let plate = Rect::from_min_size(apex + vec2(6.0, -18.0), galley.size() + vec2(8.0, 4.0));
+            let size = galley.size() + vec2(8.0, 4.0);
+            let corner = (apex + vec2(6.0, -18.0)).clamp(canvas.min, (canvas.max - size).max(canvas.min));
+            let plate = Rect::from_min_size(corner, size);
             painter.rect_filled(plate, 4.0, tokens.scrim);
             painter.galley(plate.min + vec2(4.0, 2.0), galley, tokens.on_scrim);
         }
