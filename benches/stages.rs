@@ -40,7 +40,7 @@ fn preprocessing(c: &mut Criterion) {
     group.sample_size(10).measurement_time(Duration::from_secs(8));
     group.throughput(Throughput::Elements(capture.pixel_count()));
     group.bench_function("scan of three frames", |b| {
-        b.iter(|| scan(&capture, &settings, &job).expect("a scan"))
+        b.iter(|| scan(&capture, &settings, &job).expect("a scan"));
     });
     let scanned = scan(&capture, &settings, &job).expect("a scan");
     group.throughput(Throughput::Elements(capture.pixel_count() / 3));

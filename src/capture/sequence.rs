@@ -102,7 +102,7 @@ mod tests {
             })
         };
         pool.install(|| {
-            (0..64).into_par_iter().for_each(|i| assert_eq!(split((0, i % 3)).unwrap().size(), (64, 1)))
+            (0..64).into_par_iter().for_each(|i| assert_eq!(split((0, i % 3)).unwrap().size(), (64, 1)));
         });
     }
 }

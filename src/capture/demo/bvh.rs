@@ -15,7 +15,10 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    fn union(self, other: Self) -> Self {
+    /// Holds nothing.
+    pub(super) const EMPTY: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+
+    pub(super) fn union(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
@@ -25,6 +28,17 @@ impl Bounds {
 
     fn distance_squared(&self, point: DVec3) -> f64 {
         (self.low - point).max(point - self.high).max(DVec3::ZERO).length_squared()
+    }
+
+    /// The box and `margin` more on every side, m.
+    pub(super) fn grown(self, margin: f64) -> Self {
+        Self { low: self.low - DVec3::splat(margin), high: self.high + DVec3::splat(margin) }
+    }
+
+    /// Whether two boxes come within `distance` of each other, m.
+    pub(super) fn is_within(&self, distance: f64, other: &Self) -> bool {
+        let apart = (self.low - other.high).max(other.low - self.high).max(DVec3::ZERO);
+        apart.length_squared() <= distance * distance
     }
 
     fn is_met_by(&self, ray: &BoundsRay, t_max: f64) -> bool {
@@ -216,13 +230,13 @@ mod tests {
     #[test]
     fn the_hierarchy_finds_the_hit_that_trying_every_solid_finds() {
         for scene in ALL {
-            let world = (scene.world)(0.3);
+            let world = scene.world(0.3);
             for index in 0..400 {
                 let angle = f64::from(index) * 2.399_963;
                 let origin = DVec3::new(1.7 * angle.cos(), -1.9, 0.4 + 0.004 * f64::from(index));
                 let target = DVec3::new(0.9 * (angle * 3.0).sin(), 0.4 * (angle * 7.0).cos(), 0.9);
                 let direction = target - origin;
-                let found = world.hit(origin, direction).map(|hit| hit.t);
+                let found = world.hit((origin, direction)).map(|hit| hit.t);
                 assert_eq!(found, nearest_by_brute_force(&world, origin, direction));
             }
         }

@@ -13,13 +13,13 @@ use super::props;
 use super::rig::{Rig, Vantage};
 use super::shapes::Shape;
 use super::texture::{Material, Pattern, hash};
-use super::world::{Builder, Light, World, upright_to};
+use super::world::{Builder, Light, upright_to};
 
 const BENCH_TOP_M: f64 = 0.9;
 const SLAB_TOP_M: f64 = BENCH_TOP_M + 0.06;
 
 /// The scene at a moment, 0 to 1: the crystals grow from first to last, the ball's bounces close a loop.
-pub(super) fn world(moment: f64) -> World {
+pub(super) fn stage(moment: f64) -> Builder {
     let mut stage = Builder::new(Light {
         to_sun: DVec3::new(-0.36, -0.3, 0.95).normalize_or_zero(),
         sun: Vec3::new(0.95, 0.88, 0.76),
@@ -33,9 +33,11 @@ pub(super) fn world(moment: f64) -> World {
     laboratory(&mut stage);
     glassware(&mut stage);
     molecule(&mut stage, DVec3::new(-0.52, 0.22, BENCH_TOP_M));
-    crystals(&mut stage, DVec3::new(0.08, 0.02, SLAB_TOP_M), moment);
-    ball(&mut stage, moment);
-    stage.build()
+    stage.moving(|stage| {
+        crystals(stage, DVec3::new(0.08, 0.02, SLAB_TOP_M), moment);
+        ball(stage, moment);
+    });
+    stage
 }
 
 fn block(half: [f64; 3], round: f64) -> Shape {

@@ -1,8 +1,8 @@
 //! Built-in scenes, traced on demand: exact depth and normals at pixel centers, truth for any vantage.
 //!
 //! ```text
-//! orrery, nine_cameras, four_cameras ── world (solids, light) ── trace ── Frame
-//!        └─ props, palette, texture       shapes, hits, bvh, shade └─ camera_noise
+//! orrery, nine_cameras, four_cameras ── world (solids, light) ──┬─────────────────── trace ── Frame
+//!        └─ props, palette, texture      shapes, hits, bvh, shade └─ recording, still, retrace ─┘ └─ camera_noise
 //! ```
 //!
 //! Surfaces are diffuse: a point has one color at a time, whoever looks. World space is in meters, z up.
@@ -14,11 +14,15 @@ mod hits;
 mod nine_cameras;
 mod orrery;
 mod palette;
+mod part;
 mod props;
+mod recording;
+mod retrace;
 mod rig;
 mod shade;
 mod shadow_map;
 mod shapes;
+mod still;
 mod texture;
 mod trace;
 mod world;
@@ -28,10 +32,12 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use self::camera_noise::CameraNoise;
+use self::part::Part;
+use self::recording::Recording;
 use self::rig::Rig;
 use self::trace::Picture;
-use self::world::World;
-use super::{Camera, Capture, CaptureParts, Frame, FrameSource, View};
+use self::world::{Builder, World};
+use super::{Camera, Capture, CaptureParts, Frame, View};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 
@@ -71,8 +77,8 @@ pub struct DemoSpec {
 struct Scene {
     name: &'static str,
     description: &'static str,
-    /// The scene at a moment of its animation, 0 to 1.
-    world: fn(f64) -> World,
+    /// The solids at a moment of the animation, 0 to 1, in the same order at every moment.
+    stage: fn(f64) -> Builder,
     rig: fn() -> Rig,
     frames: usize,
     size: (u32, u32),
@@ -83,10 +89,17 @@ struct Scene {
     seed: u64,
 }
 
+impl Scene {
+    /// The scene at a moment of its animation, 0 to 1.
+    fn world(&self, moment: f64) -> World {
+        (self.stage)(moment).build()
+    }
+}
+
 const ORRERY: Scene = Scene {
     name: "orrery",
     description: "a brass orrery on a table: 5 cameras, 48 frames that loop, normals",
-    world: orrery::world,
+    stage: orrery::stage,
     rig: orrery::rig,
     frames: 48,
     size: (480, 360),
@@ -99,7 +112,7 @@ const ORRERY: Scene = Scene {
 const NINE_CAMERAS: Scene = Scene {
     name: "nine-cameras",
     description: "a living room with a toy train: 9 cameras, 60 frames, anti-aliased and noisy color, no normals",
-    world: nine_cameras::world,
+    stage: nine_cameras::stage,
     rig: nine_cameras::rig,
     frames: 60,
     size: (640, 480),
@@ -112,7 +125,7 @@ const NINE_CAMERAS: Scene = Scene {
 const FOUR_CAMERAS: Scene = Scene {
     name: "four-cameras",
     description: "crystals that grow on a laboratory bench: 4 cameras, 300 frames, normals",
-    world: four_cameras::world,
+    stage: four_cameras::stage,
     rig: four_cameras::rig,
     frames: 300,
     size: (320, 240),
@@ -132,6 +145,8 @@ pub struct Demo {
     novel: Vec<Camera>,
     frames: usize,
     noise: f32,
+    /// The solids at rest, the same at every moment.
+    still: Arc<Part>,
 }
 
 impl Demo {
@@ -159,7 +174,8 @@ impl Demo {
         check(scene, "rows", f64::from(size.1), 1.0..=f64::from(MAX_SIZE))?;
         check(scene, "noise", f64::from(noise), 0.0..=1.0)?;
         let novel = rig.novel.iter().map(|vantage| vantage.camera(size)).collect();
-        Ok(Self { scene, cameras: rig.cameras(cameras, size), novel, frames, noise })
+        let still = scene.world(0.0).still;
+        Ok(Self { scene, cameras: rig.cameras(cameras, size), novel, frames, noise, still })
     }
 
     /// The scene as a capture whose frames are traced when asked for.
@@ -173,7 +189,7 @@ impl Demo {
             has_normals: self.scene.normals,
             antialiased_color: self.scene.antialiased,
             warnings: Vec::new(),
-            source: Arc::new(self.clone()),
+            source: Arc::new(Recording::new(self.clone())),
         };
         Capture::new(parts, settings.cache as usize * 1024 * 1024)
     }
@@ -209,24 +225,15 @@ impl Demo {
     /// What a camera anywhere would record: exact, without noise. Frames beyond the last go on with the animation.
     #[must_use]
     pub fn render(&self, camera: &Camera, frame: usize) -> Frame {
-        self.picture(camera, frame, None)
+        trace::picture(&self.world(frame), camera, self.wanted(None))
     }
 
-    fn picture(&self, camera: &Camera, frame: usize, noise: Option<CameraNoise>) -> Frame {
-        let Scene { antialiased, normals, .. } = *self.scene;
-        let world = (self.scene.world)(frame as f64 / self.frames as f64);
-        trace::picture(&world, camera, Picture { antialiased, normals, noise })
-    }
-}
-
-impl FrameSource for Demo {
-    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
-        let noise = CameraNoise::new(self.noise, self.scene.seed, camera, frame);
-        Ok(self.picture(&self.cameras[camera], frame, noise))
+    fn world(&self, frame: usize) -> World {
+        (self.scene.stage)(frame as f64 / self.frames as f64).build_around(self.still.clone())
     }
 
-    fn place(&self, camera: usize, frame: usize) -> String {
-        format!("demo {}, camera '{}', frame {frame}", self.scene.name, self.cameras[camera].name)
+    fn wanted(&self, noise: Option<CameraNoise>) -> Picture {
+        Picture { antialiased: self.scene.antialiased, normals: self.scene.normals, noise }
     }
 }
 

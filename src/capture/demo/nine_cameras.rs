@@ -10,13 +10,13 @@ use super::props;
 use super::rig::{Rig, Vantage};
 use super::shapes::Shape;
 use super::texture::{Material, Pattern};
-use super::world::{Builder, Light, World};
+use super::world::{Builder, Light};
 
 const TRACK_CENTER: DVec3 = DVec3::new(0.25, -0.35, 0.0);
 const TRACK_RADIUS_M: f64 = 0.8;
 
 /// The scene at a moment of its loop, 0 to 1.
-pub(super) fn world(moment: f64) -> World {
+pub(super) fn stage(moment: f64) -> Builder {
     let mut stage = Builder::new(Light {
         to_sun: DVec3::new(0.62, -0.42, 0.78).normalize_or_zero(),
         sun: Vec3::new(0.98, 0.86, 0.66),
@@ -33,7 +33,7 @@ pub(super) fn world(moment: f64) -> World {
     table(&mut stage);
     pendulum_clock(&mut stage, moment);
     railway(&mut stage, moment);
-    stage.build()
+    stage
 }
 
 fn block(half: [f64; 3], round: f64) -> Shape {
@@ -150,8 +150,10 @@ fn pendulum_clock(stage: &mut Builder, moment: f64) {
     let swing = 0.17 * (TAU * 3.0 * moment).sin();
     let pivot = place + DVec3::new(0.02, 0.0, 1.52);
     let bob = pivot + DVec3::new(0.0, swing.sin(), -swing.cos()) * 0.85;
-    stage.add_bar((pivot, bob), (0.006, 0.006), brass());
-    stage.add_turned(Shape::cylinder(0.075, 0.012), bob, upright, brass());
+    stage.moving(|stage| {
+        stage.add_bar((pivot, bob), (0.006, 0.006), brass());
+        stage.add_turned(Shape::cylinder(0.075, 0.012), bob, upright, brass());
+    });
 }
 
 fn railway(stage: &mut Builder, moment: f64) {
@@ -167,7 +169,8 @@ fn railway(stage: &mut Builder, moment: f64) {
     }
     let colors = [0x00b0_302c, 0x002c_5c9c, 0x00d8_a430, 0x003c_7c48];
     for (index, color) in colors.into_iter().enumerate() {
-        carriage(stage, TAU * (moment - 0.052 * index as f64), index == 0, color);
+        let angle = TAU * (moment - 0.052 * index as f64);
+        stage.moving(|stage| carriage(stage, angle, index == 0, color));
     }
 }
 

@@ -11,7 +11,7 @@ use super::props;
 use super::rig::{Rig, Vantage};
 use super::shapes::Shape;
 use super::texture::{Material, Pattern};
-use super::world::{Builder, Lamp, Light, World};
+use super::world::{Builder, Lamp, Light};
 
 const TABLE_TOP_M: f64 = 0.76;
 const SUN: DVec3 = DVec3::new(0.0, 0.0, TABLE_TOP_M + 0.42);
@@ -68,7 +68,7 @@ fn planets() -> [Planet; 5] {
 }
 
 /// The scene at a moment of its loop, 0 to 1.
-pub(super) fn world(moment: f64) -> World {
+pub(super) fn stage(moment: f64) -> Builder {
     let mut stage = Builder::new(Light {
         to_sun: DVec3::new(0.42, -0.55, 0.83).normalize_or_zero(),
         sun: Vec3::new(0.98, 0.88, 0.7),
@@ -82,7 +82,7 @@ pub(super) fn world(moment: f64) -> World {
     set(&mut stage);
     furniture(&mut stage);
     instrument(&mut stage, moment);
-    stage.build()
+    stage
 }
 
 fn set(stage: &mut Builder) {
@@ -151,9 +151,14 @@ fn arm(stage: &mut Builder, planet: &Planet, height: f64, moment: f64) {
     let turn = TAU * (planet.start + planet.revolutions * moment);
     let outward = DVec3::new(turn.cos(), turn.sin(), 0.0);
     let root = DVec3::new(0.0, 0.0, TABLE_TOP_M + height);
+    stage.add(Shape::cylinder(0.028, 0.012), root, brass());
+    stage.moving(|stage| outer_arm(stage, planet, (root, outward), moment));
+}
+
+/// What of an arm turns about its `root`, toward `outward`.
+fn outer_arm(stage: &mut Builder, planet: &Planet, (root, outward): (DVec3, DVec3), moment: f64) {
     let elbow = root + outward * planet.orbit;
     let center = DVec3::new(elbow.x, elbow.y, SUN.z);
-    stage.add(Shape::cylinder(0.028, 0.012), root, brass());
     stage.add_bar((root - outward * 0.09, elbow), (0.007, 0.006), brass());
     stage.add(Shape::Sphere { radius: 0.02 }, root - outward * 0.1, dark_brass());
     stage.add(Shape::Sphere { radius: 0.011 }, elbow, dark_brass());
@@ -182,7 +187,8 @@ fn gear(stage: &mut Builder, center: DVec3, radius: f64, teeth: usize, turns: f6
         let rotation = DMat3::from_rotation_z(angle);
         let block =
             Shape::Block { half: DVec3::new(0.008, 0.3 * PI * radius / teeth as f64, 0.0055), round: 0.0 };
-        stage.add_turned(block, center + rotation * DVec3::X * radius, rotation, dark_brass());
+        let place = center + rotation * DVec3::X * radius;
+        stage.moving(|stage| stage.add_turned(block, place, rotation, dark_brass()));
     }
 }
 

@@ -8,6 +8,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::part::Part;
 use super::world::{Hit, Light, World};
 
 /// Heights above the surface at which its surroundings are felt, as shares of [`Light::contact`], and their weights, the
@@ -34,18 +35,57 @@ pub(super) fn sky(direction: DVec3) -> Vec3 {
 
 /// Linear color that the point sends in every direction under the given [`irradiance`].
 pub(super) fn reflected(world: &World, hit: &Hit, irradiance: Vec3) -> Vec3 {
-    let (color, glow) = world.surface_color(hit);
+    sent(world.surface_color(hit), irradiance)
+}
+
+/// As [`reflected`], with the reflectance and glow of the point known.
+pub(super) fn sent((color, glow): (Vec3, f32), irradiance: Vec3) -> Vec3 {
     color * (irradiance + Vec3::splat(glow))
 }
 
 /// Light that arrives at the point: the radiance of a white surface there.
 pub(super) fn irradiance(world: &World, hit: &Hit) -> Vec3 {
-    let light = &world.light;
+    let open = openness(world, &world.still, hit).min(openness(world, &world.moving, hit));
+    irradiance_through(&world.light, hit, &open)
+}
+
+/// What solids leave open of a point's surroundings. That of several parts of a world is the minimum of each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Openness {
+    /// By how much the cone of light to the point clears the solids: −1 fully shaded to 1 not touched.
+    clear: f64,
+    /// Distance of the solids to each of [`CONTACT_TAPS`], m, at most its height.
+    free: [f64; CONTACT_TAPS.len()],
+}
+
+impl Openness {
+    /// What both leave open.
+    pub(super) fn min(self, other: Self) -> Self {
+        let mut free = self.free;
+        for (free, other) in free.iter_mut().zip(other.free) {
+            *free = free.min(other);
+        }
+        Self { clear: self.clear.min(other.clear), free }
+    }
+}
+
+/// What one part of the world leaves open of the surroundings of a point.
+pub(super) fn openness(world: &World, part: &Part, hit: &Hit) -> Openness {
+    Openness { clear: sun_clearance(world, part, hit), free: free_distances(world, part, hit) }
+}
+
+/// Where the surroundings of a point on a surface are felt lie within [`Light::contact`] of here.
+pub(super) fn contact_center(light: &Light, point: DVec3, normal: DVec3) -> DVec3 {
+    point + normal * light.contact
+}
+
+/// Light that arrives at the point past what solids leave open.
+pub(super) fn irradiance_through(light: &Light, hit: &Hit, open: &Openness) -> Vec3 {
     let toward_sun = hit.normal.dot(light.to_sun);
-    let sun = if toward_sun > 0.0 { sunlight(world, hit, toward_sun) * toward_sun as f32 } else { 0.0 };
+    let sun = if toward_sun > 0.0 { sunlight(open.clear) * toward_sun as f32 } else { 0.0 };
     let up = 0.5 + 0.5 * hit.normal.z as f32;
     let above = light.horizon.lerp(light.zenith, 0.5 + 0.5 * up);
-    let sky = light.ground.lerp(above, up) * contact(world, hit);
+    let sky = light.ground.lerp(above, up) * skylight(light.contact, open.free);
     light.sun * sun + sky + lamp(light, hit)
 }
 
@@ -61,20 +101,28 @@ fn lamp(light: &Light, hit: &Hit) -> Vec3 {
     lamp.color * (facing * near * near) as f32
 }
 
-/// Share of the sun's disc that the point sees, 0 to 1.
-fn sunlight(world: &World, hit: &Hit, toward_sun: f64) -> f32 {
-    let spread = world.light.sun_spread;
+/// Share of the sun's disc that a point sees past what the cone of light to it clears, 0 to 1.
+fn sunlight(clear: f64) -> f32 {
+    let t = (0.5 + 0.5 * clear).clamp(0.0, 1.0);
+    (t * t * (3.0 - 2.0 * t)) as f32
+}
+
+/// By how much the cone of light to a point clears the solids of a part: −1 fully shaded to 1 not touched.
+fn sun_clearance(world: &World, part: &Part, hit: &Hit) -> f64 {
+    let toward_sun = hit.normal.dot(world.light.to_sun);
     let mut clear: f64 = 1.0;
-    world.shadows.for_each_toward_sun(hit.point, |index, from, to| {
+    if toward_sun <= 0.0 {
+        return clear;
+    }
+    part.for_each_toward_sun(hit.point, |index, from, to| {
         clear = clear.min(if index == hit.solid && world.solids[index].is_convex() {
-            toward_sun / spread
+            toward_sun / world.light.sun_spread
         } else {
             clearance(world, index, hit.point, (from, to))
         });
         clear > -1.0
     });
-    let t = (0.5 + 0.5 * clear).clamp(0.0, 1.0);
-    (t * t * (3.0 - 2.0 * t)) as f32
+    clear
 }
 
 /// By how much the cone of light clears one solid between two distances from the point: −1 fully shaded, 0 the cone's
@@ -103,11 +151,11 @@ fn clearance(world: &World, index: usize, point: DVec3, (from, to): (f64, f64)) 
     clear
 }
 
-/// Share of the skylight that reaches the point past its surroundings, 0 to 1.
-fn contact(world: &World, hit: &Hit) -> f32 {
+/// Distance of the solids of a part to each of the point's [`CONTACT_TAPS`], m, at most its height.
+fn free_distances(world: &World, part: &Part, hit: &Hit) -> [f64; CONTACT_TAPS.len()] {
     let reach = world.light.contact;
     let mut free = CONTACT_TAPS.map(|(share, _)| share * reach);
-    world.bvh.for_each_near(hit.point + hit.normal * reach, reach, |index| {
+    part.for_each_near(contact_center(&world.light, hit.point, hit.normal), reach, |index| {
         let solid = &world.solids[index];
         if index == hit.solid && solid.is_convex() {
             return;
@@ -122,6 +170,11 @@ fn contact(world: &World, hit: &Hit) -> f32 {
             }
         }
     });
+    free
+}
+
+/// Share of the skylight that reaches a point past its surroundings, 0 to 1.
+fn skylight(reach: f64, free: [f64; CONTACT_TAPS.len()]) -> f32 {
     let mut open = 1.0;
     for (free, (share, weight)) in free.into_iter().zip(CONTACT_TAPS) {
         let missing = 1.0 - free.max(0.0) / (share * reach);
@@ -139,16 +192,18 @@ mod tests {
     #[test]
     fn solids_that_the_shadow_map_leaves_out_cast_no_shadow() {
         for scene in ALL {
-            let world = (scene.world)(0.6);
+            let world = scene.world(0.6);
             for index in 0..150 {
                 let (sin, cos) = (f64::from(index) * 2.399_963).sin_cos();
                 let direction = DVec3::new(0.7 * sin, 1.0, 0.5 * cos - 0.3);
-                let Some(hit) = world.hit(DVec3::new(0.3, -1.9, 1.6), direction) else { continue };
+                let Some(hit) = world.hit((DVec3::new(0.3, -1.9, 1.6), direction)) else { continue };
                 let mut listed = vec![false; world.solids.len()];
-                world.shadows.for_each_toward_sun(hit.point, |solid, _, _| {
-                    listed[solid] = true;
-                    true
-                });
+                for part in [&*world.still, &world.moving] {
+                    part.for_each_toward_sun(hit.point, |solid, _, _| {
+                        listed[solid] = true;
+                        true
+                    });
+                }
                 listed[hit.solid] = true;
                 for (solid, _) in listed.iter().enumerate().filter(|(_, listed)| !**listed) {
                     assert!(clearance(&world, solid, hit.point, (0.0, 20.0)) >= 1.0 - 1e-9);

@@ -5,6 +5,8 @@
 
 use glam::{DVec2, DVec3};
 
+use super::bvh::Bounds;
+
 /// Cells along each side of the grid.
 const CELLS: usize = 64;
 
@@ -31,11 +33,18 @@ pub(super) struct ShadowMap {
     /// Where each cell's list starts in `items`; one more than there are cells.
     starts: Vec<u32>,
     items: Vec<u32>,
+    /// Height along the sun's rays that no lit point lies below, m.
+    deepest: f64,
 }
 
 impl ShadowMap {
-    /// A map over solids that are given by their centers and half axes (half extent times direction), world space.
-    pub(super) fn new(to_sun: DVec3, spread: f64, solids: impl Iterator<Item = (DVec3, [DVec3; 3])>) -> Self {
+    /// A map over solids that are given by their centers and half axes (half extent times direction), world space. No
+    /// lit point may lie deeper along the sun's rays than these solids and `ground_m`.
+    pub(super) fn new(
+        (to_sun, spread): (DVec3, f64),
+        ground_m: f64,
+        solids: impl Iterator<Item = (DVec3, [DVec3; 3])>,
+    ) -> Self {
         let across = {
             let u = to_sun.any_orthonormal_vector();
             [u, to_sun.cross(u)]
@@ -44,7 +53,7 @@ impl ShadowMap {
             solids.map(|(center, half_axes)| outline(across, to_sun, center, half_axes)).collect();
         let low = outlines.iter().fold(DVec2::INFINITY, |low, o| low.min(o.low));
         let high = outlines.iter().fold(DVec2::NEG_INFINITY, |high, o| high.max(o.high));
-        let deepest = outlines.iter().fold(f64::INFINITY, |deepest, o| deepest.min(o.below));
+        let deepest = outlines.iter().fold(ground_m, |deepest, o| deepest.min(o.below));
         let cells_per_m = DVec2::splat(CELLS as f64) / (high - low).max(DVec2::splat(1e-6));
         let mut map = Self {
             across,
@@ -55,18 +64,19 @@ impl ShadowMap {
             cells_per_m,
             starts: Vec::new(),
             items: Vec::new(),
+            deepest,
         };
-        map.fill(deepest);
+        map.fill();
         map
     }
 
     /// Lists the solids of each cell: first counts them, then puts each in its place.
-    fn fill(&mut self, deepest: f64) {
+    fn fill(&mut self) {
         let spans: Vec<_> = self
             .outlines
             .iter()
             .map(|outline| {
-                let margin = DVec2::splat(self.spread * (outline.above - deepest));
+                let margin = DVec2::splat(self.spread * (outline.above - self.deepest));
                 (self.cell(outline.low - margin), self.cell(outline.high + margin))
             })
             .collect();
@@ -89,6 +99,23 @@ impl ShadowMap {
             }
         }
         self.starts = starts;
+    }
+
+    /// How deep along the sun's rays the solids, or the ground below them, reach, m.
+    pub(super) fn deepest(&self) -> f64 {
+        self.deepest
+    }
+
+    /// Whether the cone of light to any point of a box may touch a solid.
+    pub(super) fn may_shade(&self, points: &Bounds) -> bool {
+        let half = 0.5 * (points.high - points.low);
+        let half_axes = [DVec3::X * half.x, DVec3::Y * half.y, DVec3::Z * half.z];
+        let lit = outline(self.across, self.to_sun, points.low + half, half_axes);
+        self.outlines.iter().any(|outline| {
+            let to = outline.above - lit.below;
+            let beside = (outline.low - lit.high).max(lit.low - outline.high).max_element();
+            to > 0.0 && beside < self.spread * to
+        })
     }
 
     fn cell(&self, place: DVec2) -> (usize, usize) {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3, DVec4};
 
 /// A solid around the origin of its own space.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Shape {
     /// A ball.
     Sphere {

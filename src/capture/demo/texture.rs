@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 pub(super) const FINEST_M: f32 = 0.006;
 
 /// A surface's color: a pattern between two colors.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Material {
     /// What decides between the colors.
     pub(super) pattern: Pattern,
@@ -23,7 +23,7 @@ pub(super) struct Material {
 }
 
 /// How the two colors of a [`Material`] are laid out; lengths in meters.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Pattern {
     /// The first color alone.
     Plain,
