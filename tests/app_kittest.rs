@@ -199,6 +199,22 @@ fn a_broken_file_gives_a_readable_message_and_the_window_stays_up() {
     assert_eq!(window.state().frame(), 1);
 }
 
+#[test]
+fn one_camera_and_one_frame_are_enough() {
+    let mut window = open(demo(1, 1, (64, 48)), SIZE);
+    settle(&mut window);
+    for overlay in ["Who won", "Sampling", "Tiles"] {
+        choose(&mut window, "Source shows", overlay);
+        settle(&mut window);
+    }
+    window.key_press(Key::Space);
+    window.key_press(Key::Num7);
+    click(&mut window, "Report");
+    settle(&mut window);
+    assert_eq!(window.state().frame(), 0);
+    assert!(window.state().notices().is_empty());
+}
+
 #[derive(Debug)]
 struct Dropped(std::path::PathBuf);
 

@@ -97,9 +97,13 @@ fn figures(state: &State) -> Vec<Figure> {
         accuracy_figure(state),
         figure(
             "Preprocessing",
-            of_report(&|r| format!("{} s", text::significant(r.seconds))),
+            match report.map(|r| r.seconds).filter(|seconds| *seconds > 0.0) {
+                Some(seconds) => format!("{} s", text::significant(seconds)),
+                None => "–".to_owned(),
+            },
             String::new(),
-            "Seconds that pruning the whole capture took.",
+            "Seconds that pruning the whole capture took; a store does not record them, so that equal input gives equal \
+             files.",
         ),
         render_figure(state),
     ]

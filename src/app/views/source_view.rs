@@ -20,7 +20,10 @@ pub(super) const CAMERA_LIST: f32 = 104.0;
 /// The view.
 pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if !state.has_capture() {
-        ui.heading("What a camera saw");
+        ui.horizontal(|ui| {
+            ui.set_min_height(space::CONTROL);
+            ui.heading("What a camera saw");
+        });
         let text = "A store keeps only what was not redundant. Open the capture it was made from to see the source \
                     pictures and why each pixel went.";
         empty_ui(ui, ICON_HIDE_IMAGE, "This store holds no source frames", text, |ui| {
