@@ -12,8 +12,7 @@ use super::world::World;
 use crate::capture::{Frame, FrameSource};
 use crate::error::Result;
 
-/// Most bytes kept of all cameras together: twice what nine cameras of 640×480 take. Frames of cameras beyond are traced
-/// in full.
+/// Most bytes kept of all cameras together: nine of 640×480 fit. Frames of cameras beyond are traced in full.
 const KEPT_BYTES: usize = 384 * 1024 * 1024;
 
 /// A recording of a demo.
