@@ -8,6 +8,7 @@ use overlook::capture::{Camera, Capture, Frame};
 use overlook::color::steps_from_linear;
 use overlook::settings::CaptureSettings;
 use rayon::ThreadPoolBuilder;
+use rayon::prelude::*;
 
 fn spec(scene: &str) -> DemoSpec {
     DemoSpec { scene: scene.to_owned(), cameras: None, frames: None, size: None, noise: None }
@@ -307,5 +308,25 @@ fn truth_views_lie_between_the_cameras_and_come_with_their_pictures() {
         let truth = views[6].truth.as_ref().unwrap()().unwrap();
         assert_eq!(truth, demo.render(&views[6].camera, views[6].frame_number as usize));
         assert_eq!(demo.home().intrinsics.size(), (32, 24));
+    }
+}
+
+#[test]
+fn many_workers_may_ask_for_frames_of_one_camera_at_once() {
+    for scene in names() {
+        let demo = small(scene, (30, 22));
+        let capture = capture(&demo);
+        let ask = || (0..24_usize).into_par_iter().map(|frame| capture.frame(0, frame).unwrap()).collect();
+        let pool = ThreadPoolBuilder::new().num_threads(4).build().unwrap();
+        // A crowd in the shared pool and one in its own, on the same frames.
+        let (here, there): (Vec<_>, Vec<_>) = std::thread::scope(|scope| {
+            let here = scope.spawn(ask);
+            let there = pool.install(ask);
+            (here.join().unwrap(), there)
+        });
+        for (frame, (here, there)) in here.iter().zip(&there).enumerate() {
+            assert_eq!(**here, demo.render(&capture.cameras[0], frame));
+            assert_eq!(here, there);
+        }
     }
 }

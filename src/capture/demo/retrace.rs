@@ -5,6 +5,9 @@
 //! tiles that a moving solid may cover, shade or dim, by boxes; asks the moving solids about the rays and points of
 //! these tiles; and takes the minimum. A pixel keeps its color unless a minimum changed: its own, or, where color is
 //! filtered over the pixel, one of its samples' or neighbors'.
+//!
+//! The one thing that no minimum decides is which of two solids is seen where their faces lie in one plane: such rays ask
+//! the whole world again.
 
 use std::sync::Arc;
 

@@ -288,3 +288,28 @@ impl World {
         (color, solid.material.glow)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::capture::demo::ALL;
+
+    #[test]
+    fn the_part_at_rest_is_the_same_at_every_moment_and_nothing_else_is() {
+        for scene in ALL {
+            let first = scene.world(0.0);
+            let mut has_moved = vec![false; first.solids.len()];
+            for step in 0..=40 {
+                let now = scene.world(f64::from(step) / 40.0);
+                assert!(now.still.members().eq(first.still.members()));
+                assert!(now.moving.members().eq(first.moving.members()));
+                assert_eq!(now.solids.len(), first.solids.len());
+                assert_eq!(format!("{:?}", now.light), format!("{:?}", first.light));
+                for (index, has_moved) in has_moved.iter_mut().enumerate() {
+                    *has_moved |= now.solids[index] != first.solids[index];
+                }
+            }
+            let moved = (0..has_moved.len()).filter(|index| has_moved[*index]);
+            assert!(moved.eq(first.moving.members()), "{} marks what moves", scene.name);
+        }
+    }
+}
