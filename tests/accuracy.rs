@@ -5,6 +5,7 @@ use std::path::Path;
 use overlook::capture::transforms::{open, open_views};
 use overlook::evaluate::{Compared, compare};
 use overlook::job::Job;
+use overlook::preprocess::scan;
 use overlook::settings::{CaptureSettings, Settings};
 
 #[test]
@@ -35,4 +36,18 @@ fn pruning_by_rate_costs_little_and_first_camera_wins_costs_clearly_more() {
     assert!(ours.2 < 0.005 && first.2 > 3.0 * ours.2, "coverage lost: {} by rate, {}", ours.2, first.2);
     let (ours, all) = (&comparison.as_set, &comparison.no_pruning);
     assert!(ours.samples_kept * 10 < all.samples_kept * 8, "{} of {}", ours.samples_kept, all.samples_kept);
+}
+
+#[test]
+fn both_estimators_come_close_to_the_normals_that_the_renderer_gave() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let capture = open(&folder, &CaptureSettings::default()).unwrap();
+    let scan = scan(&capture, &Settings::default(), &Job::new()).unwrap();
+    for camera in &scan.cameras {
+        assert_eq!(camera.normal_errors.len(), 2);
+        for errors in &camera.normal_errors {
+            println!("{errors:?}");
+            assert!(errors.median_degrees < 10.0 && errors.trusted > 0.4, "{errors:?}");
+        }
+    }
 }

@@ -18,6 +18,7 @@ pub mod inspection;
 pub mod layer;
 pub mod mixed_pixels;
 pub mod noise;
+pub mod normal_errors;
 pub mod normals;
 mod octahedral;
 pub mod pack;
@@ -74,7 +75,7 @@ pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<P
 /// As [`preprocess`].
 pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<TemporalScan>> {
     settings.validate("settings")?;
-    Ok(Arc::new(temporal::scan(capture, job)?))
+    Ok(Arc::new(temporal::scan(capture, &settings.normals, job)?))
 }
 
 /// Everything after [`scan`]: cheap enough to be repeated whenever a threshold changes.

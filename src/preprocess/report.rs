@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::background::Background;
+use super::normal_errors::NormalErrors;
 use super::pruning::Decided;
 use super::{SampleSet, Span, TemporalScan, Verdict};
 use crate::capture::Capture;
@@ -31,6 +32,8 @@ pub struct CameraReport {
     pub color_noise_steps: f32,
     /// Measured depth noise: relative standard deviation over time of static pixels.
     pub depth_noise_relative: f32,
+    /// Estimated against given normals on the first frame; empty where none are given.
+    pub normal_errors: Vec<NormalErrors>,
 }
 
 /// Samples kept in one span.
@@ -93,6 +96,7 @@ impl Tally {
                 invalid: scan.invalid,
                 color_noise_steps: scan.noise.color_steps_overall,
                 depth_noise_relative: scan.noise.depth_relative,
+                normal_errors: scan.normal_errors.clone(),
                 ..CameraReport::default()
             })
             .collect();

@@ -16,12 +16,13 @@ use rayon::prelude::*;
 
 use super::background::Memo;
 use super::noise::{Noise, NoiseMeter, granted_range_sigmas};
+use super::normal_errors::{NormalErrors, compare_with_given};
 use crate::capture::{Capture, Frame, INVALID_INVERSE_DEPTH};
 use crate::color;
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
-use crate::settings::{SpanLevels, SpanSettings};
+use crate::settings::{NormalSettings, SpanLevels, SpanSettings};
 
 /// Threshold-independent facts about one camera over all frames.
 #[derive(Debug)]
@@ -44,6 +45,8 @@ pub struct CameraScan {
     pub depth_step_relative: f32,
     /// Noise of static pixels.
     pub noise: Noise,
+    /// Estimated against given normals on the first frame; empty where none are given.
+    pub normal_errors: Vec<NormalErrors>,
 }
 
 /// [`CameraScan`] for every camera, and what was last made of it.
@@ -121,6 +124,7 @@ struct CameraSum {
     previous: Option<Arc<Frame>>,
     depth_step_relative: f32,
     has_normals: bool,
+    normal_errors: Vec<NormalErrors>,
 }
 
 impl CameraSum {
@@ -132,6 +136,7 @@ impl CameraSum {
             previous: None,
             depth_step_relative: 0.0,
             has_normals: false,
+            normal_errors: Vec::new(),
         }
     }
 
@@ -194,6 +199,7 @@ impl CameraSum {
             invalid: pixels.iter().map(|sum| u64::from(sum.invalid)).sum(),
             depth_step_relative: self.depth_step_relative,
             noise: self.meter.noise(),
+            normal_errors: self.normal_errors,
         }
     }
 }
@@ -259,7 +265,7 @@ fn measure_noise(meter: &mut NoiseMeter, before: &Frame, after: &Frame, steps: &
 ///
 /// # Errors
 /// Whatever the capture gives (naming file and frame), and `Cancelled`.
-pub fn scan(capture: &Capture, job: &Job) -> Result<TemporalScan> {
+pub fn scan(capture: &Capture, normals: &NormalSettings, job: &Job) -> Result<TemporalScan> {
     let frames = capture.frame_count();
     job.start("Reading frames", frames * capture.cameras.len());
     let mut sums: Vec<CameraSum> = capture
@@ -284,6 +290,9 @@ pub fn scan(capture: &Capture, job: &Job) -> Result<TemporalScan> {
                     decoded
                 })
                 .collect::<Result<_>>()?;
+            if let (0, Some(first)) = (range.start, decoded.first()) {
+                sum.normal_errors = compare_with_given(first, &capture.cameras[camera], normals);
+            }
             for frame in decoded {
                 sum.add(frame);
             }
