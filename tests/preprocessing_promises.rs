@@ -78,7 +78,7 @@ fn assert_covered(scene: &Scene, capture: &Capture, inspection: &FrameInspection
             // Rounding, and depth as half floats.
             let rounding = 2e-3 * (z + seen_z);
             // Estimated normals are off by some degrees, and a pixel without any is compared along its depth.
-            let estimated = if scene.normals { 0.0 } else { footprint + 0.6 * (point - seen).length() };
+            let estimated = if scene.normals { 0.0 } else { footprint + 0.8 * (point - seen).length() };
             let slack = f64::from(settings.pruning.depth_tolerance) * footprint + rounding + estimated;
             assert!(distance < slack, "the point lies {distance} off the witness's surface, {slack} at most");
         }

@@ -27,6 +27,11 @@ const DEPTH_BINS: usize = 128 + 1;
 /// A brightness class with fewer differences than this is not believed and takes the value of all classes together.
 const MIN_DIFFERENCES: u64 = 500;
 
+/// Where more than half of a picture moves, the median no longer speaks of noise. No renderer and no sensor worth
+/// recording with is noisier than this: standard deviation of color, 8-bit sRGB steps, and of depth, relative.
+const MAX_COLOR_STEPS: f32 = 8.0;
+const MAX_DEPTH_RELATIVE: f32 = 0.01;
+
 /// √2 · Φ⁻¹(0.75): from the median absolute difference of two draws to their standard deviation.
 const MEDIAN_DIFFERENCE_PER_SIGMA: f32 = 0.953_87;
 
@@ -98,7 +103,11 @@ impl NoiseMeter {
         let color_sigma = |bins: &[u64]| {
             // Bin 0 means "no difference that matters", so that noise-free input measures exactly 0.
             median_bin(bins).map_or(0.0, |bin| {
-                if bin < 1.0 { 0.0 } else { bin * COLOR_BIN_STEPS / MEDIAN_DIFFERENCE_PER_SIGMA }
+                if bin < 1.0 {
+                    0.0
+                } else {
+                    (bin * COLOR_BIN_STEPS / MEDIAN_DIFFERENCE_PER_SIGMA).min(MAX_COLOR_STEPS)
+                }
             })
         };
         let color_steps_overall = color_sigma(&overall);
@@ -112,7 +121,8 @@ impl NoiseMeter {
             if bin < 1.0 {
                 0.0
             } else {
-                ((bin - 1.0) / DEPTH_BINS_PER_OCTAVE - DEPTH_OCTAVES).exp2() / MEDIAN_DIFFERENCE_PER_SIGMA
+                let difference = ((bin - 1.0) / DEPTH_BINS_PER_OCTAVE - DEPTH_OCTAVES).exp2();
+                (difference / MEDIAN_DIFFERENCE_PER_SIGMA).min(MAX_DEPTH_RELATIVE)
             }
         });
         Noise { color_steps, color_steps_overall, depth_relative }
@@ -211,6 +221,17 @@ mod tests {
         // A quarter of outliers lifts the median to the 67th percentile of the rest: at most 1.45 times.
         assert!((1.4..2.2).contains(&noise.color_at(100.0)), "{}", noise.color_at(100.0));
         assert!((0.9e-3..1.6e-3).contains(&noise.depth_relative), "{}", noise.depth_relative);
+    }
+
+    #[test]
+    fn a_picture_that_moves_as_a_whole_is_not_taken_for_a_noisy_one() {
+        let mut meter = NoiseMeter::default();
+        for i in 0..2000 {
+            meter.add_color(20.0, 220.0);
+            meter.add_depth(0.1 + i as f32 * 1e-4, 0.9);
+        }
+        let noise = meter.noise();
+        assert!(noise.color_at(20.0) <= MAX_COLOR_STEPS && noise.depth_relative <= MAX_DEPTH_RELATIVE);
     }
 
     #[test]
