@@ -10,7 +10,7 @@ use glam::{DMat3, DVec3, DVec4, Vec3};
 
 use super::palette::{brass, dark_brass, marble, plaster, rgb, slate, turned_wood, walnut};
 use super::props;
-use super::rig::{Rig, Vantage};
+use super::rig::{Rig, vantage};
 use super::shapes::Shape;
 use super::texture::{Material, Pattern, hash};
 use super::world::{Builder, Light, upright_to};
@@ -181,12 +181,6 @@ fn ball(stage: &mut Builder, moment: f64) {
 
 /// Four cameras before the bench, the last close to the slab.
 pub(super) fn rig() -> Rig {
-    let vantage = |name, eye: [f64; 3], target: [f64; 3], angle_x_deg| Vantage {
-        name,
-        eye: eye.into(),
-        target: target.into(),
-        angle_x_deg,
-    };
     let middle = [0.1, 0.15, 1.05];
     Rig {
         cameras: vec![

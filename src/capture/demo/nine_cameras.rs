@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::palette::{brass, dark_brass, map_canvas, marble, oak, plaster, rgb, turned_wood, walnut};
 use super::props;
-use super::rig::{Rig, Vantage};
+use super::rig::{Rig, vantage};
 use super::shapes::Shape;
 use super::texture::{Material, Pattern};
 use super::world::{Builder, Light};
@@ -207,12 +207,6 @@ fn carriage(stage: &mut Builder, angle: f64, is_engine: bool, color: u32) {
 
 /// Nine cameras on the two open sides, the last close to the table.
 pub(super) fn rig() -> Rig {
-    let vantage = |name, eye: [f64; 3], target: [f64; 3], angle_x_deg| Vantage {
-        name,
-        eye: eye.into(),
-        target: target.into(),
-        angle_x_deg,
-    };
     let middle = [-0.05, 0.35, 0.6];
     Rig {
         cameras: vec![

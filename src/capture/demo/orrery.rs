@@ -8,7 +8,7 @@ use super::palette::{
     brass, brick, dark_brass, map_canvas, marble, plaster, rgb, slate, turned_wood, walnut,
 };
 use super::props;
-use super::rig::{Rig, Vantage};
+use super::rig::{Rig, vantage};
 use super::shapes::Shape;
 use super::texture::{Material, Pattern};
 use super::world::{Builder, Lamp, Light};
@@ -208,12 +208,6 @@ fn zodiac_ring(stage: &mut Builder) {
 
 /// Five cameras around the open sides, the last close to the globe.
 pub(super) fn rig() -> Rig {
-    let vantage = |name, eye: [f64; 3], target: [f64; 3], angle_x_deg| Vantage {
-        name,
-        eye: eye.into(),
-        target: target.into(),
-        angle_x_deg,
-    };
     let middle = [0.0, 0.1, 0.98];
     Rig {
         cameras: vec![

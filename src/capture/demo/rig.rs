@@ -14,6 +14,11 @@ pub(super) struct Vantage {
     pub(super) angle_x_deg: f64,
 }
 
+/// A place at `eye` that looks at `target`, both in world space, meters, with a horizontal angle of view in degrees.
+pub(super) fn vantage(name: &'static str, eye: [f64; 3], target: [f64; 3], angle_x_deg: f64) -> Vantage {
+    Vantage { name, eye: eye.into(), target: target.into(), angle_x_deg }
+}
+
 /// The cameras of a scene: those with a name, more where more are asked for, and places where none stands.
 #[derive(Clone, Debug)]
 pub(super) struct Rig {
