@@ -1,6 +1,8 @@
 //! Keeps a damaged file from taking the program down with the decoder.
 
+use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Once;
 
 use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::compression::Compression;
@@ -48,7 +50,11 @@ pub(super) fn check_chunk(chunk: &Chunk, meta: &MetaData) -> exr::error::Result<
 /// The decoder checks its input in places by assertions and by indexing; on a damaged file those may fail, and a
 /// damaged file must never take the program down.
 pub(super) fn guarded<T>(place: &str, decode: impl FnOnce() -> exr::error::Result<T>) -> Result<T> {
-    match catch_unwind(AssertUnwindSafe(decode)) {
+    silence_expected_panics();
+    let outer = EXPECTED.replace(true);
+    let outcome = catch_unwind(AssertUnwindSafe(decode));
+    EXPECTED.set(outer);
+    match outcome {
         Ok(Ok(value)) => Ok(value),
         Ok(Err(exr::error::Error::NotSupported(what))) => {
             Err(Error::unsupported(place, format!("{}; save it again with ZIP compression", one_line(&what))))
@@ -56,6 +62,24 @@ pub(super) fn guarded<T>(place: &str, decode: impl FnOnce() -> exr::error::Resul
         Ok(Err(error)) => Err(damaged(place, &error.to_string())),
         Err(_) => Err(damaged(place, "the decoder gave up")),
     }
+}
+
+thread_local! {
+    /// Whether a panic of this thread is caught and told as an error.
+    static EXPECTED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Keeps panics that are told as errors from being printed as well; all others are printed as before.
+fn silence_expected_panics() {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let print = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            if !EXPECTED.get() {
+                print(panic);
+            }
+        }));
+    });
 }
 
 fn damaged(place: &str, what: &str) -> Error {
