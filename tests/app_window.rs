@@ -65,41 +65,121 @@ fn colors_on(display: &str, folder: &Path) -> usize {
     picture.pixels().map(|pixel| pixel.0).collect::<std::collections::HashSet<_>>().len()
 }
 
-#[test]
-fn the_program_opens_a_window_that_answers_and_closes() {
-    for program in ["Xvfb", "xdotool", "import"] {
-        if !has(program) {
-            println!("SKIPPED: {program} is not installed, so no real window was opened");
-            return;
-        }
+/// Colors in a part of the display that a picture in the source view covers, and that its empty state leaves bare.
+fn colors_in_source_view(display: &str, folder: &Path) -> usize {
+    let shot = folder.join("shot.png");
+    let taken = Command::new("import").args(["-window", "root"]).arg(&shot).env("DISPLAY", display).status();
+    assert!(taken.unwrap().success());
+    let picture = image::open(&shot).unwrap().crop_imm(30, 215, 420, 80).to_rgb8();
+    picture.pixels().map(|pixel| pixel.0).collect::<std::collections::HashSet<_>>().len()
+}
+
+/// Whether the programs are there that the tests need; says so where they are not.
+fn can_drive_a_window() -> bool {
+    let missing = ["Xvfb", "xdotool", "import"].into_iter().find(|program| !has(program));
+    if let Some(program) = missing {
+        println!("SKIPPED: {program} is not installed, so no real window was opened");
     }
-    let folder = tempfile::tempdir().unwrap();
-    let (_server, display) = start_display();
+    missing.is_none()
+}
+
+/// The program on a display of its own, with the keyboard, at its first picture.
+fn start_program(display: &str, folder: &Path, arguments: &[&Path]) -> Guard {
     let program = Command::new(env!("CARGO_BIN_EXE_overlook"))
-        .env("DISPLAY", &display)
+        .args(arguments)
+        .env("DISPLAY", display)
         .env_remove("WAYLAND_DISPLAY")
-        .env("XDG_DATA_HOME", folder.path())
+        .env("XDG_DATA_HOME", folder)
+        // No dialog of somebody's desktop: the window's own path field takes over.
+        .env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/nonexistent")
+        .env("PATH", folder)
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    let mut program = Guard(program);
+    let program = Guard(program);
     let id =
-        wait_for("the window", || xdotool(&display, &["search", "--onlyvisible", "--name", "^Overlook$"]));
+        wait_for("the window", || xdotool(display, &["search", "--onlyvisible", "--name", "^Overlook$"]));
     let id = id.lines().next().unwrap().to_owned();
     // Without a window manager nothing gives the window the keyboard.
-    wait_for("the keyboard", || xdotool(&display, &["windowfocus", "--sync", &id]));
-    wait_for("the first picture", || (colors_on(&display, folder.path()) > 2000).then_some(()));
+    wait_for("the keyboard", || xdotool(display, &["windowfocus", "--sync", &id]));
+    wait_for("the first picture", || (colors_on(display, folder) > 2000).then_some(()));
+    program
+}
+
+fn quit(display: &str, mut program: Guard) {
+    xdotool(display, &["key", "ctrl+q"]).unwrap();
+    let status = wait_for("the program to end", || program.0.try_wait().unwrap());
+    assert!(status.success(), "{status}");
+}
+
+/// Drags from a place on the display by some pixels to the right, at a person's pace.
+fn drag(display: &str, from: [&str; 2], right: &str) {
+    let pause = || std::thread::sleep(Duration::from_millis(150));
+    xdotool(display, &["mousemove", from[0], from[1]]).unwrap();
+    pause();
+    xdotool(display, &["mousedown", "1"]).unwrap();
+    for _ in 0..2 {
+        pause();
+        xdotool(display, &["mousemove_relative", "--sync", "--", right, "0"]).unwrap();
+    }
+    pause();
+    xdotool(display, &["mouseup", "1"]).unwrap();
+}
+
+#[test]
+fn the_program_opens_a_window_that_answers_and_closes() {
+    if !can_drive_a_window() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (_server, display) = start_display();
+    let mut program = start_program(&display, folder.path(), &[]);
     for keys in ["period", "period", "comma", "2", "space", "space", "w"] {
         xdotool(&display, &["key", keys]).unwrap();
     }
     // The theme switch at the right end of the top bar, then a drag in the live view.
     xdotool(&display, &["mousemove", "1252", "22", "click", "1"]).unwrap();
-    xdotool(&display, &["mousemove", "700", "400", "mousedown", "1"]).unwrap();
-    xdotool(&display, &["mousemove_relative", "--sync", "80", "10", "mouseup", "1"]).unwrap();
+    drag(&display, ["700", "400"], "40");
     std::thread::sleep(Duration::from_millis(500));
     assert!(program.0.try_wait().unwrap().is_none(), "the program is still there");
     assert!(colors_on(&display, folder.path()) > 2000, "the window still shows pictures");
-    xdotool(&display, &["key", "ctrl+q"]).unwrap();
-    let status = wait_for("the program to end", || program.0.try_wait().unwrap());
-    assert!(status.success(), "{status}");
+    quit(&display, program);
+}
+
+#[test]
+fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
+    if !can_drive_a_window() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let capture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let store = folder.path().join("saved.ovl");
+    let path = store.to_str().unwrap();
+    let (_server, display) = start_display();
+    let program = start_program(&display, folder.path(), &[&capture]);
+
+    // The depth tolerance's slider; the rerun that this starts is cancelled, and the next one runs through.
+    drag(&display, ["1093", "357"], "15");
+    xdotool(&display, &["key", "Escape"]).unwrap();
+    drag(&display, ["1123", "357"], "15");
+    std::thread::sleep(Duration::from_secs(2));
+    xdotool(&display, &["key", "ctrl+s"]).unwrap();
+    std::thread::sleep(Duration::from_secs(1));
+    xdotool(&display, &["key", "ctrl+a"]).unwrap();
+    xdotool(&display, &["type", "--delay", "20", path]).unwrap();
+    xdotool(&display, &["key", "Return"]).unwrap();
+    wait_for("the store", || store.exists().then_some(()));
+    let (samples, report) = overlook::store::read(&store, &overlook::job::Job::new()).unwrap();
+    assert!(samples.settings.pruning.depth_tolerance > 1.5, "{}", samples.settings.pruning.depth_tolerance);
+    assert_eq!(report.samples_kept, samples.sample_count());
+
+    xdotool(&display, &["key", "ctrl+o"]).unwrap();
+    std::thread::sleep(Duration::from_secs(1));
+    xdotool(&display, &["key", "ctrl+a"]).unwrap();
+    xdotool(&display, &["type", "--delay", "20", path]).unwrap();
+    xdotool(&display, &["key", "Return"]).unwrap();
+    wait_for("the store in place of the capture", || {
+        (colors_in_source_view(&display, folder.path()) < 20).then_some(())
+    });
+    quit(&display, program);
 }
