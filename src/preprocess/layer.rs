@@ -31,8 +31,7 @@ pub struct Layer {
     pub rank: Vec<u32>,
     /// Background, foreground or nothing.
     pub class: Vec<PixelClass>,
-    /// Standard deviation of the color noise left in foreground and in background samples is looked up here; the
-    /// background's is averaged away.
+    /// Noise of a single frame. Foreground samples carry it; in background samples it is averaged away.
     pub noise: super::noise::Noise,
     /// Relative quantization step of depth.
     pub depth_step_relative: f32,

@@ -40,7 +40,8 @@ use crate::settings::Settings;
 
 use background::Background;
 use foreground::{PrunedFrame, prune_frame};
-use pruning::Rig;
+use layer::Layer;
+use pruning::{Decided, Rig};
 use report::Tally;
 
 pub use inspection::{CameraInspection, FrameInspection, PairArgument, PixelClass, Rule, Verdict};
@@ -167,24 +168,24 @@ fn inspect_camera(background: &Background, pruned: &PrunedFrame, camera: usize) 
     }
 }
 
-fn pack_background(background: &Background, frames: usize, settings: &Settings) -> Vec<SampleImage> {
-    let span = Span { start: 0, end: frames as u32 };
-    let layers = background.layers.iter().zip(&background.decided).enumerate();
-    layers
+/// The kept samples of every camera over one span.
+fn pack_all(span: Span, layers: &[Layer], decided: &[Decided], settings: &Settings) -> Vec<SampleImage> {
+    let cameras = layers.iter().zip(decided).enumerate();
+    cameras
         .filter_map(|(camera, (layer, decided))| {
             pack::pack(camera, span, layer, decided, settings.store.normals)
         })
         .collect()
 }
 
+fn pack_background(background: &Background, frames: usize, settings: &Settings) -> Vec<SampleImage> {
+    let span = Span { start: 0, end: frames as u32 };
+    pack_all(span, &background.layers, &background.decided, settings)
+}
+
 fn pack_foreground(pruned: &PrunedFrame, frame: usize, settings: &Settings) -> Vec<SampleImage> {
     let span = Span { start: frame as u32, end: frame as u32 + 1 };
-    let layers = pruned.layers.iter().zip(&pruned.decided).enumerate();
-    layers
-        .filter_map(|(camera, (layer, decided))| {
-            pack::pack(camera, span, layer, decided, settings.store.normals)
-        })
-        .collect()
+    pack_all(span, &pruned.layers, &pruned.decided, settings)
 }
 
 fn sample_set(capture: &Capture, settings: &Settings, images: Vec<SampleImage>) -> SampleSet {

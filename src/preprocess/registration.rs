@@ -48,7 +48,6 @@ pub struct Registration {
     offset_in_world: Vec3,
     source: Rays,
     target: Rays,
-    /// The target's optical axis in world orientation: planar depth is the product with it.
     target_width: u32,
     target_height: u32,
 }

@@ -191,8 +191,8 @@ pub(super) fn is_edge(surfels: &Grid<Surfel>, x: usize, y: usize) -> bool {
 
 /// Fills a grid row by row, in parallel unless the caller is itself one of many parallel workers.
 ///
-/// A worker that waits for rows takes up other work meanwhile. Were that work to ask the frame cache for the very frame
-/// whose rows it waits for, it would wait for itself forever; hence a worker traces its frame alone.
+/// A worker that waits for rows takes up other work meanwhile, and that may be the very frame whose rows it waits for:
+/// traced twice, with two frames in memory. Hence a worker traces its frame alone.
 pub(super) fn rows<T: Send + Sync>(
     width: usize,
     height: usize,
