@@ -1,7 +1,6 @@
 //! The work itself: one lane per kind, all of it calls into the engine.
 
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::message::{Message, Purpose};
@@ -169,26 +168,15 @@ fn open(request: OpenRequest, job: &Job) -> Result<Message> {
 }
 
 fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Message> {
-    if is_store(&path)? {
+    if store::Store::is_store(&path)? {
         let bytes = std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len();
         let (samples, report) = store::read(&path, job)?;
         return Ok(Message::Opened(Arc::new(Scene::of_store(path, samples, report, bytes))));
     }
     let capture = transforms::open(&path, settings)?;
-    let folder = if path.is_dir() { path.as_path() } else { path.parent().unwrap_or(Path::new(".")) };
-    let novel = folder.join("novel").join("transforms.json");
-    let truth = if novel.is_file() { transforms::open_views(&novel)? } else { Vec::new() };
+    let truth = transforms::truth_beside(&path)
+        .map_or_else(|| Ok(Vec::new()), |views| transforms::open_views(&views))?;
     open_capture(Origin::Path(path), capture, truth)
-}
-
-/// A store is told by its first four bytes, not by its name.
-fn is_store(path: &Path) -> Result<bool> {
-    if path.is_dir() {
-        return Ok(false);
-    }
-    let mut id = [0; 4];
-    let mut file = std::fs::File::open(path).map_err(|error| Error::io(path, error))?;
-    Ok(file.read_exact(&mut id).is_ok() && &id == b"FORM")
 }
 
 fn open_capture(origin: Origin, capture: Capture, truth: Vec<View>) -> Result<Message> {

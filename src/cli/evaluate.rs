@@ -1,7 +1,7 @@
 //! `overlook evaluate`: accuracy, speed and size of one setting.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
@@ -67,7 +67,7 @@ impl EvaluateArgs {
         if !self.hold_out.is_empty() {
             return Ok(hold_out::split(&capture, &self.hold_out)?);
         }
-        let views = self.views.clone().or_else(|| novel_views(&self.capture)).ok_or_else(|| {
+        let views = self.views.clone().or_else(|| transforms::truth_beside(&self.capture)).ok_or_else(|| {
             Failure::Usage(format!(
                 "{} comes without truth views; name some with --views, or hold out a camera with --hold-out {}",
                 self.capture.display(),
@@ -77,13 +77,6 @@ impl EvaluateArgs {
         let views = transforms::open_views(&views)?;
         Ok((capture, views))
     }
-}
-
-/// The truth views that stand beside a capture.
-fn novel_views(capture: &Path) -> Option<PathBuf> {
-    let folder = if capture.is_dir() { capture } else { capture.parent()? };
-    let views = folder.join("novel").join("transforms.json");
-    views.is_file().then_some(views)
 }
 
 /// One line per view, then the mean. `PSNR dB` counts pixels that got a sample, `all dB` holes as black too.

@@ -68,6 +68,14 @@ pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     ))
 }
 
+/// The manifest of truth vantages that stands beside a capture (a folder, or its manifest), where there is one.
+#[must_use]
+pub fn truth_beside(capture: &Path) -> Option<PathBuf> {
+    let folder = if capture.is_dir() { capture } else { capture.parent()? };
+    let views = folder.join("novel").join("transforms.json");
+    views.is_file().then_some(views)
+}
+
 /// Reads vantages, and where the pictures exist their truth, from a manifest of the same form.
 ///
 /// A true picture needs no depth: where none is recorded, every pixel of it counts as a sample at infinity.
