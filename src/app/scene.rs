@@ -77,7 +77,7 @@ impl Scene {
 
     /// A scene of a store.
     pub(super) fn of_store(path: PathBuf, samples: SampleSet, report: Report, bytes: u64) -> Self {
-        let typical_depth = samples.images.first().map_or(1.0, |image| median_depth(&image.inverse_depth));
+        let typical_depth = samples.images.first().map_or(1.0, |image| median_depth(&image.inverse_depths()));
         Self {
             id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
             origin: Origin::Path(path),

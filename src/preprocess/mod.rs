@@ -13,6 +13,7 @@
 //! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add.
 
 pub mod background;
+pub mod depth_plane;
 pub mod foreground;
 pub mod inspection;
 pub mod layer;
@@ -44,6 +45,7 @@ use layer::Layer;
 use pruning::{Decided, Rig};
 use report::Tally;
 
+pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES};
 pub use inspection::{CameraInspection, FrameInspection, PairArgument, PixelClass, Rule, Verdict};
 pub use report::Report;
 pub use samples::{OctNormal, Sample, SampleImage, SampleSet, SampleTile, Span, TILE};

@@ -1,5 +1,6 @@
 //! From dense layers with verdicts to sparse sample images.
 
+use super::depth_plane::DepthPlane;
 use super::layer::Layer;
 use super::pruning::Decided;
 use super::{OctNormal, SampleImage, SampleTile, Span, TILE};
@@ -22,14 +23,8 @@ pub fn pack(
             masks[(y / TILE) * tiles_across + x / TILE][y % TILE] |= 1 << (x % TILE);
         }
     }
-    let mut image = SampleImage {
-        camera: camera as u32,
-        span,
-        tiles: Vec::new(),
-        color: Vec::new(),
-        inverse_depth: Vec::new(),
-        normal: normals.then(Vec::new),
-    };
+    let (mut tiles, mut color, mut inverse_depth) = (Vec::new(), Vec::new(), Vec::new());
+    let mut normal = normals.then(Vec::new);
     for (index, rows) in masks.into_iter().enumerate() {
         if rows == [0; TILE] {
             continue;
@@ -37,23 +32,24 @@ pub fn pack(
         let tile = SampleTile {
             tile_x: (index % tiles_across) as u16,
             tile_y: (index / tiles_across) as u16,
-            first: image.inverse_depth.len() as u32,
+            first: inverse_depth.len() as u32,
             rows,
         };
-        image.tiles.push(tile);
+        tiles.push(tile);
         for (row, &mask) in rows.iter().enumerate() {
             for column in (0..TILE).filter(|column| mask >> column & 1 == 1) {
                 let x = tile.tile_x as usize * TILE + column;
                 let pixel = (tile.tile_y as usize * TILE + row) * layer.width + x;
-                image.color.push(layer.color[pixel]);
-                image.inverse_depth.push(layer.inverse_depth[pixel]);
-                if let Some(normal) = &mut image.normal {
+                color.push(layer.color[pixel]);
+                inverse_depth.push(layer.inverse_depth[pixel]);
+                if let Some(normal) = &mut normal {
                     normal.push(OctNormal::encode(layer.normal[pixel]));
                 }
             }
         }
     }
-    image.color.shrink_to_fit();
-    image.inverse_depth.shrink_to_fit();
+    color.shrink_to_fit();
+    let depth = DepthPlane::pack(&tiles, &inverse_depth);
+    let image = SampleImage { camera: camera as u32, span, tiles, color, depth, normal };
     (!image.is_empty()).then_some(image)
 }

@@ -1,30 +1,35 @@
 //! Composition: the foreground of a frame over the background, by depth, and from sums to a picture.
 //!
 //! Painting foreground over a cached background gives the very picture that painting both anew would give, because both
-//! do this: each layer is splatted for itself, then the nearer surface wins, and layers that show one surface are blended.
+//! do this: each layer is painted for itself, then the nearer surface wins, and layers that show one surface are blended.
 
 use rayon::prelude::*;
 
-use super::splat::{Layer, Sum, inverse_depth_of, mean_color, ordinal_of, surface_limit};
+use super::blend::Sum;
+use super::frame_samples::FrameSamples;
+use super::keys::{inverse_depth_of, slot_of};
 use super::vantage::{NO_IMAGE, Picture};
-use crate::capture::Camera;
 use crate::grid::Grid;
-use crate::settings::RenderSettings;
 
-/// Finds a sample's image and own color by its ordinal.
-pub(super) trait Palette: Sync {
-    /// Index in `SampleSet::images`, and linear color.
-    fn look_up(&self, ordinal: u32) -> (u32, [f32; 3]);
+/// What was painted of some images.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Layer {
+    /// See [`super::keys`]; row-major.
+    pub(super) keys: Vec<u64>,
+    /// Blended colors; empty for kernels that do not blend.
+    pub(super) sums: Vec<Sum>,
+    /// Samples that were projected.
+    pub(super) samples: u64,
 }
 
-/// Puts layers together and resolves them to a picture of `target`'s size.
+/// Puts layers together and resolves them to a picture of `width` columns.
 pub(super) fn compose(
     layers: [&Layer; 2],
-    target: &Camera,
-    settings: &RenderSettings,
-    palette: &impl Palette,
+    width: usize,
+    surface_ratio: f32,
+    frame: &FrameSamples<'_>,
 ) -> Picture {
-    let (width, height) = target.intrinsics.size();
+    let height = layers[0].keys.len() / width;
     let mut color = vec![[0.0; 3]; width * height];
     let mut inverse_depth = vec![0.0; width * height];
     let mut image = vec![NO_IMAGE; width * height];
@@ -39,10 +44,9 @@ pub(super) fn compose(
             if key == 0 {
                 continue;
             }
-            let (found, own_color) = palette.look_up(ordinal_of(key));
-            images[x] = found;
-            let limit = surface_limit(nearest, target, settings);
-            let mut sum: Sum = [0; 4];
+            images[x] = frame.image_of(slot_of(key));
+            let limit = nearest * surface_ratio;
+            let mut sum: Sum = [0.0; 4];
             for layer in layers {
                 if inverse_depth_of(layer.keys[pixel]) >= limit
                     && let Some(part) = layer.sums.get(pixel)
@@ -50,7 +54,11 @@ pub(super) fn compose(
                     (0..4).for_each(|channel| sum[channel] += part[channel]);
                 }
             }
-            colors[x] = mean_color(sum).unwrap_or(own_color);
+            colors[x] = if sum[3] > 0.0 {
+                [sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]]
+            } else {
+                frame.color_of(slot_of(key))
+            };
         }
     });
     Picture {

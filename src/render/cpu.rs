@@ -7,14 +7,18 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::compose::{Palette, compose};
-use super::splat::{Layer, Source, splat};
+use super::blend::blend;
+use super::compose::{Layer, compose};
+use super::cull::{Reach, bands, bounds};
+use super::frame_samples::FrameSamples;
+use super::project::{Projector, focal};
+use super::surface::{Stage, surface};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::SampleSet;
-use crate::settings::RenderSettings;
+use crate::settings::{Kernel, RenderSettings};
 
 /// Largest picture that is rendered, pixels: 16K by 8K.
 pub const MAX_PIXELS: usize = 1 << 27;
@@ -32,58 +36,6 @@ struct CachedBackground {
     camera: Camera,
     settings: RenderSettings,
     layer: Arc<Layer>,
-}
-
-/// Images at one frame, by index in the set, with the ordinal of each one's first sample.
-struct Painted<'a> {
-    set: &'a SampleSet,
-    images: Vec<usize>,
-    first_ordinals: Vec<u32>,
-}
-
-impl Palette for Painted<'_> {
-    fn look_up(&self, ordinal: u32) -> (u32, [f32; 3]) {
-        let position = self.first_ordinals.partition_point(|&first| first <= ordinal) - 1;
-        let image = self.images[position];
-        let index = (ordinal - self.first_ordinals[position]) as usize;
-        (image as u32, self.set.images[image].color[index].map(half::f16::to_f32))
-    }
-}
-
-impl<'a> Painted<'a> {
-    /// The images at `frame`, those that outlast it first; how many of those there are.
-    fn at(set: &'a SampleSet, frame: usize) -> (Self, usize) {
-        let at_frame = || {
-            set.images
-                .iter()
-                .enumerate()
-                .filter(move |(_, image)| image.span.contains(frame))
-                .map(|(index, _)| index)
-        };
-        let lasting = |index: &usize| set.images[*index].span.len() > 1;
-        let mut images: Vec<usize> = at_frame().filter(lasting).collect();
-        let background = images.len();
-        images.extend(at_frame().filter(|index| !lasting(index)));
-        let mut next = 0_u32;
-        let first_ordinals = images
-            .iter()
-            .map(|&index| {
-                let first = next;
-                next = next.saturating_add(set.images[index].len() as u32);
-                first
-            })
-            .collect();
-        (Self { set, images, first_ordinals }, background)
-    }
-
-    fn sources(&self, range: std::ops::Range<usize>) -> Vec<Source<'a>> {
-        range
-            .map(|position| Source {
-                image: &self.set.images[self.images[position]],
-                first_ordinal: self.first_ordinals[position],
-            })
-            .collect()
-    }
 }
 
 impl CpuRenderer {
@@ -106,26 +58,43 @@ impl CpuRenderer {
     ) -> Result<(Picture, RenderStats)> {
         let started = Instant::now();
         check(samples, vantage)?;
-        let (painted, lasting) = Painted::at(samples, vantage.frame);
-        let reused = self.cached(samples, &painted.images[..lasting], vantage, settings);
+        let frame = FrameSamples::at(samples, vantage.frame)?;
+        let reused = self.cached(samples, &frame.images[..frame.lasting_images], vantage, settings);
         let background_reused = reused.is_some();
+        let projectors: Vec<Projector> =
+            samples.cameras.iter().map(|camera| Projector::new(camera, &vantage.camera)).collect();
+        let per_footprint: Vec<f32> = samples.cameras.iter().map(|camera| 1.0 / focal(camera)).collect();
+        let surface_ratio = 1.0 / (1.0 + settings.depth_tolerance / focal(&vantage.camera));
+        let stage = Stage {
+            frame: &frame,
+            projectors: &projectors,
+            per_footprint: &per_footprint,
+            width: vantage.camera.intrinsics.width as usize,
+            kernel: settings.kernel,
+            job,
+        };
         let background = if let Some(layer) = reused {
             layer
         } else {
-            let sources = painted.sources(0..lasting);
-            let layer = Arc::new(splat(samples, &sources, &vantage.camera, settings, job)?);
+            let layer = Arc::new(paint(&stage, frame.lasting(), &vantage.camera, surface_ratio)?);
             self.background = Some(CachedBackground {
                 samples: samples.clone(),
-                images: painted.images[..lasting].to_vec(),
+                images: frame.images[..frame.lasting_images].to_vec(),
                 camera: vantage.camera.clone(),
                 settings: settings.clone(),
                 layer: layer.clone(),
             });
             layer
         };
-        let sources = painted.sources(lasting..painted.images.len());
-        let foreground = splat(samples, &sources, &vantage.camera, settings, job)?;
-        let picture = compose([&background, &foreground], &vantage.camera, settings, &painted);
+        let foreground = paint(&stage, frame.passing(), &vantage.camera, surface_ratio)?;
+        let mut picture = compose([&background, &foreground], stage.width, surface_ratio, &frame);
+        if settings.kernel == crate::settings::Kernel::Gather {
+            let keys: Vec<u64> =
+                background.keys.iter().zip(&foreground.keys).map(|(a, b)| *a.max(b)).collect();
+            let colors =
+                super::gather::Gather::new(&frame, 0..frame.tiles.len(), &vantage.camera).gather(&keys, stage.width);
+            picture.color = crate::grid::Grid::from_vec(stage.width, keys.len() / stage.width, colors);
+        }
         let painted_samples = foreground.samples + if background_reused { 0 } else { background.samples };
         let stats = RenderStats {
             samples: painted_samples,
@@ -150,6 +119,29 @@ impl CpuRenderer {
             && cached.settings == *settings;
         same.then(|| cached.layer.clone())
     }
+}
+
+/// Paints some tiles of the frame.
+fn paint(stage: &Stage<'_>, tiles: std::ops::Range<usize>, target: &Camera, surface_ratio: f32) -> Result<Layer> {
+    let (width, height) = target.intrinsics.size();
+    let samples = stage.frame.sample_count(tiles.clone());
+    let reach = match stage.kernel {
+        Kernel::Point => Reach { pixels: 0.0, source_pixels: 0.0 },
+        Kernel::Block => Reach { pixels: 1.0, source_pixels: 0.0 },
+        Kernel::Surfel | Kernel::Gather => Reach { pixels: 2.0, source_pixels: 8.0 },
+    };
+    let found = bounds(stage.frame, tiles.clone(), stage.projectors, target, reach);
+    let threads = rayon::current_num_threads();
+    let count = if threads == 1 { 1 } else { 2 * threads };
+    let bands = bands(&found, tiles.start, height, count);
+    let mut keys = vec![0; width * height];
+    surface(stage, &bands, &mut keys)?;
+    let sums = if matches!(stage.kernel, Kernel::Block | Kernel::Surfel) {
+        blend(stage, &bands, &keys, surface_ratio)?
+    } else {
+        Vec::new()
+    };
+    Ok(Layer { keys, sums, samples })
 }
 
 fn check(samples: &SampleSet, vantage: &Vantage) -> Result<()> {

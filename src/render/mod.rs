@@ -8,10 +8,18 @@
 //! The background layer depends on the vantage alone and is kept while the vantage is still; the foreground of each frame
 //! is painted over it by depth, as the paper does.
 
+mod blend;
 mod compose;
 pub mod cpu;
+mod cull;
+mod dense_tile;
+mod footprint;
+mod frame_samples;
+mod gather;
+mod keys;
 mod project;
-mod splat;
+mod simd;
+mod surface;
 pub mod vantage;
 
 pub use cpu::CpuRenderer;

@@ -2,33 +2,44 @@
 //!
 //! Unprojecting `ray · z`, moving to the target camera and projecting is linear in `(ray, 1/z)` before the division:
 //! `P = M·ray + o·w` with `w = 1/z`. `P.xy / P.z` is the position in target pixels and `w / P.z` the target's inverse
-//! depth, for points at infinity (`w = 0`) as well. Along a row `M·ray` grows by a constant: one addition a pixel.
+//! depth, for points at infinity (`w = 0`) as well. Along a row `M·ray` grows by a constant.
+//!
+//! Sums are not contracted (no fused multiply-add): every machine and every vector width gives the same bits.
 
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
 use crate::capture::Camera;
-use crate::preprocess::{SampleImage, TILE};
+use crate::preprocess::TILE;
 
-/// Carries samples of one camera into a vantage.
+/// Carries pixels of one camera, with their inverse depths, into another.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Projector {
     first_pixel: Vec3,
-    per_column: Vec3,
-    per_row: Vec3,
-    origin: Vec3,
+    /// Growth of `M·ray` from one column to the next.
+    pub(super) per_column: Vec3,
+    /// Growth of `M·ray` from one row to the next.
+    pub(super) per_row: Vec3,
+    /// The source camera's center in the target, before the division.
+    pub(super) origin: Vec3,
+    /// Focal length of the target over that of the source: target pixels a source pixel covers, seen from equally far.
+    pub(super) focal_ratio: f32,
 }
 
-/// A sample in the vantage.
+/// The sixteen pixels of a tile's row in the target.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Projected {
-    /// Target pixels; centers at +0.5. Finite, but perhaps outside the picture.
-    pub(super) u: f32,
+pub(super) struct ProjectedRow {
+    /// Target pixels, centers at +0.5; meaningless where `reciprocal` is not positive.
+    pub(super) u: [f32; TILE],
     /// See `u`.
-    pub(super) v: f32,
-    /// Reciprocal of planar z in the target, 0 at infinity.
-    pub(super) inverse_depth: f32,
-    /// Index into the planes of the sample's image.
-    pub(super) index: usize,
+    pub(super) v: [f32; TILE],
+    /// `1 / P.z`: not positive behind the target camera. Times the source's inverse depth it is the target's; for any
+    /// depth it is the distance from the source over that from the target.
+    pub(super) reciprocal: [f32; TILE],
+}
+
+/// Mean focal length in pixels.
+pub(super) fn focal(camera: &Camera) -> f32 {
+    (camera.intrinsics.fx * camera.intrinsics.fy).sqrt() as f32
 }
 
 impl Projector {
@@ -47,37 +58,31 @@ impl Projector {
             per_column: (image_from_source.x_axis / s.fx).as_vec3(),
             per_row: (image_from_source.y_axis / s.fy).as_vec3(),
             origin: (image_from_camera * target_from_source.translation).as_vec3(),
+            focal_ratio: focal(target) / focal(source),
         }
     }
 
-    /// Calls `paint` for every sample of one tile that lies in front of the vantage.
-    pub(super) fn project_tile(&self, image: &SampleImage, tile: usize, mut paint: impl FnMut(Projected)) {
-        let tile = &image.tiles[tile];
-        let mut index = tile.first as usize;
-        let (x, y) = (tile.tile_x as usize * TILE, tile.tile_y as usize * TILE);
-        for (row, &mask) in tile.rows.iter().enumerate() {
-            if mask == 0 {
-                continue;
-            }
-            let mut ray = self.first_pixel + self.per_column * x as f32 + self.per_row * (y + row) as f32;
-            for column in 0..TILE {
-                if mask >> column & 1 == 1 {
-                    let inverse_depth = image.inverse_depth[index];
-                    let point = ray + self.origin * inverse_depth;
-                    if point.z > 0.0 {
-                        let reciprocal = point.z.recip();
-                        paint(Projected {
-                            u: point.x * reciprocal,
-                            v: point.y * reciprocal,
-                            inverse_depth: inverse_depth * reciprocal,
-                            index,
-                        });
-                    }
-                    index += 1;
-                }
-                ray += self.per_column;
-            }
+    /// `M·ray` of the center of pixel `(x, y)`; fractions of pixels are welcome.
+    #[inline(always)]
+    pub(super) fn ray(&self, x: f32, y: f32) -> Vec3 {
+        self.first_pixel + self.per_column * x + self.per_row * y
+    }
+
+    /// Sixteen pixels of a row from `ray` on, with their inverse depths.
+    #[inline(always)]
+    pub(super) fn row(&self, ray: Vec3, inverse_depth: &[f32; TILE]) -> ProjectedRow {
+        let mut row = ProjectedRow { u: [0.0; TILE], v: [0.0; TILE], reciprocal: [0.0; TILE] };
+        for column in 0..TILE {
+            let (along, w) = (column as f32, inverse_depth[column]);
+            let x = ray.x + self.per_column.x * along + self.origin.x * w;
+            let y = ray.y + self.per_column.y * along + self.origin.y * w;
+            let z = ray.z + self.per_column.z * along + self.origin.z * w;
+            let reciprocal = 1.0 / z;
+            row.u[column] = x * reciprocal;
+            row.v[column] = y * reciprocal;
+            row.reciprocal[column] = reciprocal;
         }
+        row
     }
 }
 
@@ -85,8 +90,6 @@ impl Projector {
 mod tests {
     use super::*;
     use crate::capture::Intrinsics;
-    use crate::preprocess::{SampleTile, Span};
-    use half::f16;
 
     #[test]
     fn projecting_along_rows_agrees_with_unprojecting_and_projecting() {
@@ -104,27 +107,18 @@ mod tests {
             DVec3::ZERO,
             DVec3::Z,
         );
-        let depths: Vec<f32> = (0..256).map(|i| 1.0 / (3.0 + 0.01 * i as f32)).collect();
-        let image = SampleImage {
-            camera: 0,
-            span: Span { start: 0, end: 1 },
-            tiles: vec![SampleTile { tile_x: 1, tile_y: 2, first: 0, rows: [u16::MAX; TILE] }],
-            color: vec![[f16::ZERO; 3]; 256],
-            inverse_depth: depths,
-            normal: None,
-        };
-        let mut seen = 0;
-        Projector::new(&source, &target).project_tile(&image, 0, |projected| {
-            let (x, y) = (16 + projected.index % 16, 32 + projected.index / 16);
-            let z = f64::from(image.inverse_depth[projected.index]).recip();
-            let point = source.unproject(DVec2::new(x as f64 + 0.5, y as f64 + 0.5), z);
-            let (pixel, depth) = target.project(point).unwrap();
-            assert!(
-                (pixel.x as f32 - projected.u).abs() < 1e-3 && (pixel.y as f32 - projected.v).abs() < 1e-3
-            );
-            assert!((depth as f32 * projected.inverse_depth - 1.0).abs() < 1e-5);
-            seen += 1;
-        });
-        assert_eq!(seen, 256);
+        let projector = Projector::new(&source, &target);
+        for y in 0..48 {
+            let depths: [f32; TILE] = std::array::from_fn(|i| 1.0 / (3.0 + 0.01 * (i + y) as f32));
+            let row = projector.row(projector.ray(16.0, y as f32), &depths);
+            for (column, depth) in depths.iter().enumerate() {
+                let z = f64::from(*depth).recip();
+                let center = DVec2::new(16.5 + column as f64, 0.5 + y as f64);
+                let (pixel, found_z) = target.project(source.unproject(center, z)).unwrap();
+                assert!((pixel.x as f32 - row.u[column]).abs() < 1e-3);
+                assert!((pixel.y as f32 - row.v[column]).abs() < 1e-3);
+                assert!((found_z as f32 * depth * row.reciprocal[column] - 1.0).abs() < 1e-5);
+            }
+        }
     }
 }

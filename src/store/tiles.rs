@@ -16,7 +16,7 @@
 use half::f16;
 
 use crate::capture::Camera;
-use crate::preprocess::{OctNormal, SampleImage, SampleTile, Span, TILE};
+use crate::preprocess::{DepthPlane, OctNormal, SampleImage, SampleTile, Span, TILE};
 
 use super::bytes::ByteReader;
 use super::codec::{append_plane, take_plane};
@@ -56,10 +56,10 @@ pub(super) fn check(image: &SampleImage, cameras: &[Camera], frames: usize) -> R
         last_place = place;
     }
     let normals = image.normal.as_ref().map_or(first, Vec::len);
-    if [image.color.len(), image.inverse_depth.len(), normals] != [first; 3] {
+    if [image.color.len(), normals] != [first; 2] || !image.depth.fits(&image.tiles) {
         return Err("the planes do not have one value per sample".to_owned());
     }
-    if image.inverse_depth.iter().any(|w| !w.is_finite() || *w < 0.0) {
+    if image.inverse_depths().iter().any(|w| !w.is_finite() || *w < 0.0) {
         return Err("an inverse depth is negative or not finite".to_owned());
     }
     if image.color.iter().flatten().any(|value| !value.is_finite()) {
@@ -92,7 +92,7 @@ pub(super) fn encode(image: &SampleImage, camera: &Camera) -> Vec<u8> {
         let deltas = deltas_16(image.color.iter().map(|color| color[channel].to_bits()));
         append_byte_planes(&mut payload, &deltas);
     }
-    append_byte_planes(&mut payload, &deltas_32(image.inverse_depth.iter().map(|w| w.to_bits())));
+    append_byte_planes(&mut payload, &deltas_32(image.inverse_depths().iter().map(|w| w.to_bits())));
     if let Some(normals) = &image.normal {
         for axis in 0..2 {
             append_plane(&mut payload, &deltas_8(normals.iter().map(|normal| normal.0[axis] as u8)));
@@ -126,7 +126,8 @@ pub(super) fn decode(payload: &[u8], cameras: &[Camera], frames: usize) -> Resul
     }
     let [red, green, blue] = channels;
     let color = red.iter().zip(&green).zip(&blue).map(|((r, g), b)| [*r, *g, *b].map(f16::from_bits));
-    let inverse_depth = values_32(&take_byte_planes(&mut reader, sample_count)?);
+    let depth_bits = values_32(&take_byte_planes(&mut reader, sample_count)?);
+    let inverse_depth: Vec<f32> = depth_bits.into_iter().map(f32::from_bits).collect();
     let normal = if flags & HAS_NORMALS == 0 {
         None
     } else {
@@ -134,14 +135,8 @@ pub(super) fn decode(payload: &[u8], cameras: &[Camera], frames: usize) -> Resul
         Some(first.into_iter().zip(second).map(|(a, b)| OctNormal([a as i8, b as i8])).collect())
     };
     reader.finish()?;
-    let image = SampleImage {
-        camera: camera_index,
-        span,
-        tiles,
-        color: color.collect(),
-        inverse_depth: inverse_depth.into_iter().map(f32::from_bits).collect(),
-        normal,
-    };
+    let depth = DepthPlane::pack(&tiles, &inverse_depth);
+    let image = SampleImage { camera: camera_index, span, tiles, color: color.collect(), depth, normal };
     check(&image, cameras, frames)?;
     Ok(image)
 }

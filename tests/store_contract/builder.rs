@@ -6,7 +6,7 @@ use glam::{DAffine3, DQuat, DVec3};
 use half::f16;
 use overlook::capture::{Camera, Intrinsics};
 use overlook::preprocess::report::CameraReport;
-use overlook::preprocess::{OctNormal, Report, SampleImage, SampleSet, SampleTile, Span, TILE};
+use overlook::preprocess::{DepthPlane, OctNormal, Report, SampleImage, SampleSet, SampleTile, Span, TILE};
 use overlook::settings::Settings;
 use proptest::prelude::*;
 
@@ -49,15 +49,17 @@ fn image(
     let count = first as usize;
     let value = |i: usize| values[i % values.len()].wrapping_add(i as u32 / 7);
     let half = |bits: u32| f16::from_bits((bits & 0x3FFF) as u16 | (bits >> 1 & 0x8000) as u16);
+    // Zero is a sample at infinity.
+    let inverse_depth: Vec<f32> = (0..count)
+        .map(|i| if value(i).is_multiple_of(5) { 0.0 } else { f32::from_bits(value(i) & 0x7F00_FFFF) })
+        .collect();
+    let depth = DepthPlane::pack(&tiles, &inverse_depth);
     SampleImage {
         camera: camera_index,
         span,
         tiles,
         color: (0..count).map(|i| [value(i), value(i + 1), value(i + 2) >> 3].map(half)).collect(),
-        // Zero is a sample at infinity.
-        inverse_depth: (0..count)
-            .map(|i| if value(i).is_multiple_of(5) { 0.0 } else { f32::from_bits(value(i) & 0x7F00_FFFF) })
-            .collect(),
+        depth,
         normal: normals
             .then(|| (0..count).map(|i| OctNormal([value(i) as i8, (value(i) >> 8) as i8])).collect()),
     }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use half::f16;
 use overlook::error::Error;
 use overlook::job::Job;
-use overlook::preprocess::{Report, SampleImage, SampleSet};
+use overlook::preprocess::{DepthPlane, Report, SampleImage, SampleSet};
 use overlook::store::{self, Store};
 use proptest::prelude::*;
 
@@ -287,8 +287,14 @@ fn values_that_break_the_promises_are_neither_written_nor_read() {
         assert!(matches!(error, Error::Invalid { .. }), "{error}");
         assert_eq!(std::fs::read(&path).unwrap(), before);
     };
-    broken(&|image| image.inverse_depth[0] = f32::NAN);
-    broken(&|image| image.inverse_depth[0] = -1.0);
+    for depth in [f32::NAN, -1.0] {
+        broken(&|image| {
+            let mut depths = image.inverse_depths();
+            depths[0] = depth;
+            image.depth = DepthPlane::pack(&image.tiles, &depths);
+        });
+    }
+    broken(&|image| image.depth = DepthPlane::pack(&image.tiles[..1], &image.inverse_depths()));
     broken(&|image| image.color[0][1] = f16::INFINITY);
     broken(&|image| image.camera = 2);
     broken(&|image| image.span.end = 3);

@@ -1,0 +1,251 @@
+//! The inverse depths of a sample image in three bytes each, bit for bit.
+//!
+//! The depths of one tile lie close together, and positive floats order like integers: what is kept is the distance from
+//! the tile's smallest depth, counted in representable floats. Three bytes hold 2²⁴ of them, two octaves of depth; tiles that
+//! span more (a silhouette before the sky, whose inverse depth is 0) keep a fourth byte.
+//!
+//! ```text
+//! low    one u16 per sample
+//! high   one u8 per sample of a narrow tile; two (low byte first) per sample of a wide tile
+//! tiles  farthest: bits of the tile's smallest inverse depth      distance = low | high << 16
+//!        nearest:  bits of its largest                            bits     = farthest + distance
+//!        first_high: where its bytes of `high` begin; the tile is wide where nearest − farthest ≥ 2²⁴
+//! ```
+
+use super::{SampleTile, TILE};
+
+/// Samples a tile has at most.
+pub const TILE_SAMPLES: usize = TILE * TILE;
+
+/// Distances from this on need a fourth byte.
+const WIDE: u32 = 1 << 24;
+
+/// Depths of one tile: where they lie, and between which bounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DepthTile {
+    /// Bits of the smallest inverse depth.
+    pub farthest: u32,
+    /// Bits of the largest inverse depth.
+    pub nearest: u32,
+    /// Index of the tile's first byte in the high plane.
+    pub first_high: u32,
+}
+
+impl DepthTile {
+    /// Whether samples of this tile have two high bytes.
+    #[must_use]
+    pub fn is_wide(self) -> bool {
+        self.nearest - self.farthest >= WIDE
+    }
+
+    /// Smallest and largest inverse depth.
+    #[must_use]
+    pub fn bounds(self) -> (f32, f32) {
+        (f32::from_bits(self.farthest), f32::from_bits(self.nearest))
+    }
+}
+
+/// Inverse depths of a [`super::SampleImage`]; see the module's page.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DepthPlane {
+    tiles: Vec<DepthTile>,
+    low: Vec<u16>,
+    high: Vec<u8>,
+}
+
+impl DepthPlane {
+    /// Packs one inverse depth per sample, in the order of the samples of `tiles`. Every bit pattern survives; what is
+    /// left over because the numbers do not match the tiles is cut off.
+    #[must_use]
+    pub fn pack(tiles: &[SampleTile], inverse_depth: &[f32]) -> Self {
+        let mut plane = Self::default();
+        plane.low.reserve_exact(inverse_depth.len());
+        let mut rest = inverse_depth;
+        for tile in tiles {
+            let (depths, after) = rest.split_at(tile.count().min(rest.len()));
+            rest = after;
+            plane.push_tile(depths);
+        }
+        plane.high.shrink_to_fit();
+        plane
+    }
+
+    fn push_tile(&mut self, depths: &[f32]) {
+        let bits = || depths.iter().map(|depth| depth.to_bits());
+        let tile = DepthTile {
+            farthest: bits().min().unwrap_or(0),
+            nearest: bits().max().unwrap_or(0),
+            first_high: self.high.len() as u32,
+        };
+        for distance in bits().map(|bits| bits - tile.farthest) {
+            self.low.push(distance as u16);
+            self.high.push((distance >> 16) as u8);
+            if tile.is_wide() {
+                self.high.push((distance >> 24) as u8);
+            }
+        }
+        self.tiles.push(tile);
+    }
+
+    /// Depths in the plane.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.low.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.low.is_empty()
+    }
+
+    /// Where the depths of each tile lie, in the order of the tiles of the image.
+    #[must_use]
+    pub fn tiles(&self) -> &[DepthTile] {
+        &self.tiles
+    }
+
+    /// Low halves, one per sample; see the module's page.
+    #[must_use]
+    pub fn low(&self) -> &[u16] {
+        &self.low
+    }
+
+    /// High bytes; see the module's page.
+    #[must_use]
+    pub fn high(&self) -> &[u8] {
+        &self.high
+    }
+
+    /// The inverse depth of sample `nth` (from 0) of tile `tile`, whose first sample is `first`.
+    #[inline]
+    #[must_use]
+    pub fn get(&self, tile: usize, first: u32, nth: usize) -> f32 {
+        let place = &self.tiles[tile];
+        let low = u32::from(self.low[first as usize + nth]);
+        let high = if place.is_wide() {
+            let at = place.first_high as usize + 2 * nth;
+            u32::from(self.high[at]) | u32::from(self.high[at + 1]) << 8
+        } else {
+            u32::from(self.high[place.first_high as usize + nth])
+        };
+        f32::from_bits(place.farthest + (low | high << 16))
+    }
+
+    /// The inverse depths of tile `tile`, whose first sample is `first` and which has `count`, into the front of `depths`;
+    /// the rest of it is left as it is.
+    #[inline]
+    pub fn unpack_tile(&self, tile: usize, first: u32, count: usize, depths: &mut [f32; TILE_SAMPLES]) {
+        let place = &self.tiles[tile];
+        let low = &self.low[first as usize..first as usize + count];
+        let first_high = place.first_high as usize;
+        let depths = &mut depths[..count];
+        if place.is_wide() {
+            let (high, _) = self.high[first_high..first_high + 2 * count].as_chunks::<2>();
+            for ((depth, &low), high) in depths.iter_mut().zip(low).zip(high) {
+                let high = u32::from(u16::from_le_bytes(*high));
+                *depth = f32::from_bits(place.farthest + (u32::from(low) | high << 16));
+            }
+        } else {
+            let high = &self.high[first_high..first_high + count];
+            for ((depth, &low), &high) in depths.iter_mut().zip(low).zip(high) {
+                *depth = f32::from_bits(place.farthest + (u32::from(low) | u32::from(high) << 16));
+            }
+        }
+    }
+
+    /// Every inverse depth, in the order of the samples of `tiles`.
+    #[must_use]
+    pub fn unpack(&self, tiles: &[SampleTile]) -> Vec<f32> {
+        let mut all = Vec::with_capacity(self.len());
+        let mut depths = [0.0; TILE_SAMPLES];
+        let mut first = 0;
+        for (index, tile) in tiles.iter().enumerate().take(self.tiles.len()) {
+            let count = tile.count().min(self.len() - first);
+            self.unpack_tile(index, first as u32, count, &mut depths);
+            all.extend_from_slice(&depths[..count]);
+            first += count;
+        }
+        all
+    }
+
+    /// Whether the plane holds one depth for every sample of `tiles`, and nothing else.
+    #[must_use]
+    pub fn fits(&self, tiles: &[SampleTile]) -> bool {
+        let mut high = 0;
+        let tiles_fit = self.tiles.len() == tiles.len()
+            && self.tiles.iter().zip(tiles).all(|(place, tile)| {
+                let begins_here = place.first_high as usize == high && place.farthest <= place.nearest;
+                high += tile.count() << usize::from(place.is_wide());
+                begins_here
+            });
+        tiles_fit && high == self.high.len() && self.low.len() == tiles.iter().map(SampleTile::count).sum::<usize>()
+    }
+
+    /// Bytes the plane occupies in memory.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.tiles.as_slice())
+            + size_of_val(self.low.as_slice())
+            + size_of_val(self.high.as_slice())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn tiles_of(counts: &[usize]) -> Vec<SampleTile> {
+        let mut first = 0;
+        let tiles = counts.iter().enumerate().map(|(place, &count)| {
+            let mut rows = [0_u16; TILE];
+            (0..count).for_each(|nth| rows[nth / TILE] |= 1 << (nth % TILE));
+            let tile = SampleTile { tile_x: place as u16, tile_y: 0, first, rows };
+            first += count as u32;
+            tile
+        });
+        tiles.collect()
+    }
+
+    proptest! {
+        #[test]
+        fn every_bit_of_every_depth_comes_back(
+            counts in prop::collection::vec(1_usize..=TILE_SAMPLES, 1..6),
+            seed in any::<u64>(),
+            spread in 0_u32..32,
+        ) {
+            let tiles = tiles_of(&counts);
+            let mut state = seed | 1;
+            let depths: Vec<f32> = (0..counts.iter().sum())
+                .map(|_| {
+                    state ^= state << 13;
+                    state ^= state >> 7;
+                    state ^= state << 17;
+                    f32::from_bits(0x3c00_0000 ^ ((state >> 32) as u32 >> spread))
+                })
+                .collect();
+            let plane = DepthPlane::pack(&tiles, &depths);
+            let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+            prop_assert_eq!(bits(&plane.unpack(&tiles)), bits(&depths));
+            for (index, tile) in tiles.iter().enumerate() {
+                let (far, near) = (plane.tiles()[index].farthest, plane.tiles()[index].nearest);
+                for nth in 0..tile.count() {
+                    let depth = plane.get(index, tile.first, nth).to_bits();
+                    prop_assert_eq!(depth, depths[tile.first as usize + nth].to_bits());
+                    prop_assert!((far..=near).contains(&depth));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_tile_of_one_surface_takes_three_bytes_a_sample_and_one_with_sky_four() {
+        let tiles = tiles_of(&[256, 256]);
+        let mut depths: Vec<f32> = (0..512).map(|i| 1.0 / (3.0 + 0.001 * i as f32)).collect();
+        let records = 2 * size_of::<DepthTile>();
+        assert_eq!(DepthPlane::pack(&tiles, &depths).bytes(), 3 * 512 + records);
+        depths[300] = 0.0;
+        assert_eq!(DepthPlane::pack(&tiles, &depths).bytes(), 3 * 256 + 4 * 256 + records);
+    }
+}

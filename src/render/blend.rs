@@ -1,0 +1,220 @@
+//! The blend stage: the colors of all samples of the nearest surface, weighted and summed in every pixel.
+//!
+//! `block` weighs bilinearly over the 2×2 pixels around a sample (the paper, §3.3, "a coarse blending within a 4-pixel
+//! region"). `surfel` weighs by the sample's oriented footprint, by its sampling rate and by how closely its camera looks
+//! along with the vantage.
+//!
+//! Source: for screen-space filters joined with projected footprints, Zwicker et al., *Surface Splatting*, SIGGRAPH 2001,
+//! equation 11. What differs: the kernel is `(1 − q/q₀)²` instead of a Gaussian, so that it ends, and only samples within a
+//! tolerance of the nearest surface take part.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::cull::Band;
+use super::dense_tile::{DenseTile, slopes};
+use super::footprint::footprints;
+use super::keys::inverse_depth_of;
+use super::project::{ProjectedRow, Projector};
+use super::simd::{self, Work};
+use super::surface::Stage;
+use crate::error::Result;
+use crate::preprocess::{SampleImage, SampleTile, TILE, TILE_SAMPLES};
+use crate::settings::Kernel;
+
+/// One pixel's sum of weighted colors, and of weights.
+pub(super) type Sum = [f32; 4];
+
+/// Variance of the reconstruction filter, squared source pixels, and of the screen filter, squared target pixels.
+const SOURCE_VARIANCE: f32 = 0.25;
+const SCREEN_VARIANCE: f32 = 0.16;
+
+/// The squared distance, in standard deviations, at which a footprint's weight has fallen to 0.
+const KERNEL_END: f32 = 6.0;
+
+/// Sums of every pixel of `bands`, over the samples at most `surface_ratio` behind the nearest depth in `keys`.
+///
+/// # Errors
+/// `Cancelled`.
+pub(super) fn blend(stage: &Stage<'_>, bands: &[Band], keys: &[u64], surface_ratio: f32) -> Result<Vec<Sum>> {
+    let mut sums = vec![[0.0; 4]; keys.len()];
+    let (mut rest, mut rest_keys) = (sums.as_mut_slice(), keys);
+    let mut parts = Vec::new();
+    for band in bands {
+        let (part, after) = rest.split_at_mut(band.rows.len() * stage.width);
+        let (part_keys, after_keys) = rest_keys.split_at(part.len());
+        parts.push(BandBlend { stage, band, keys: part_keys, surface_ratio, sums: part });
+        (rest, rest_keys) = (after, after_keys);
+    }
+    parts.into_par_iter().try_for_each(simd::run)?;
+    Ok(sums)
+}
+
+struct BandBlend<'a> {
+    stage: &'a Stage<'a>,
+    band: &'a Band,
+    keys: &'a [u64],
+    surface_ratio: f32,
+    sums: &'a mut [Sum],
+}
+
+/// The colors of a tile's samples, in their order.
+struct TileColors([f32; 3 * TILE_SAMPLES]);
+
+impl TileColors {
+    #[inline(always)]
+    fn unpack(&mut self, image: &SampleImage, tile: &SampleTile) {
+        use half::slice::HalfFloatSliceExt;
+        let first = tile.first as usize;
+        let colors = image.color[first..first + tile.count()].as_flattened();
+        colors.convert_to_f32_slice(&mut self.0[..colors.len()]);
+    }
+
+    #[inline(always)]
+    fn get(&self, nth: usize) -> [f32; 3] {
+        [self.0[3 * nth].max(0.0), self.0[3 * nth + 1].max(0.0), self.0[3 * nth + 2].max(0.0)]
+    }
+}
+
+impl Work for BandBlend<'_> {
+    type Output = Result<()>;
+
+    #[inline(always)]
+    fn run(self) -> Result<()> {
+        let Self { stage, band, keys, surface_ratio, sums } = self;
+        let mut dense = DenseTile::new();
+        let mut colors = TileColors([0.0; 3 * TILE_SAMPLES]);
+        let mut canvas = Canvas { width: stage.width, rows: band.rows.clone(), keys, surface_ratio, sums };
+        for &number in &band.tiles {
+            stage.job.check()?;
+            let (image, tile) = stage.frame.tile(number as usize);
+            let camera = image.camera as usize;
+            let projector = &stage.projectors[camera];
+            dense.unpack(stage.frame, number as usize);
+            colors.unpack(image, tile);
+            let (x, y) = (tile.tile_x as usize * TILE, tile.tile_y as usize * TILE);
+            let mut nth = 0;
+            for row in (0..TILE).filter(|row| tile.rows[*row] != 0) {
+                let w = &dense.inverse_depth[row];
+                let projected = projector.row(projector.ray(x as f32, (y + row) as f32), w);
+                let samples = Samples { mask: tile.rows[row], first: nth, colors: &colors, w };
+                if stage.kernel == Kernel::Surfel {
+                    let slopes = slopes(&dense, row, stage.per_footprint[camera]);
+                    canvas.footprints(projector, &projected, &slopes, &samples);
+                } else {
+                    canvas.blocks(&projected, &samples);
+                }
+                nth += tile.rows[row].count_ones() as usize;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The samples of a row.
+struct Samples<'a> {
+    mask: u16,
+    first: usize,
+    colors: &'a TileColors,
+    w: &'a [f32; TILE],
+}
+
+impl Samples<'_> {
+    /// Column, inverse depth and color of every sample.
+    #[inline(always)]
+    fn for_each(&self, mut visit: impl FnMut(usize, f32, [f32; 3])) {
+        let (mut left, mut nth) = (self.mask, self.first);
+        while left != 0 {
+            let column = left.trailing_zeros() as usize;
+            visit(column, self.w[column], self.colors.get(nth));
+            left &= left - 1;
+            nth += 1;
+        }
+    }
+}
+
+struct Canvas<'a> {
+    width: usize,
+    rows: Range<usize>,
+    keys: &'a [u64],
+    surface_ratio: f32,
+    sums: &'a mut [Sum],
+}
+
+impl Canvas<'_> {
+    #[inline(always)]
+    fn add(&mut self, x: usize, y: usize, depth: f32, weight: f32, color: [f32; 3]) {
+        let pixel = (y - self.rows.start) * self.width + x;
+        if depth >= inverse_depth_of(self.keys[pixel]) * self.surface_ratio {
+            let sum = &mut self.sums[pixel];
+            let parts = [color[0] * weight, color[1] * weight, color[2] * weight, weight];
+            (0..4).for_each(|channel| sum[channel] += parts[channel]);
+        }
+    }
+
+    #[inline(always)]
+    fn blocks(&mut self, projected: &ProjectedRow, samples: &Samples<'_>) {
+        let (width, top, bottom) = (self.width as f32, self.rows.start as f32, self.rows.end as f32);
+        samples.for_each(|i, w, color| {
+            let (u, v, reciprocal) = (projected.u[i] - 0.5, projected.v[i] - 0.5, projected.reciprocal[i]);
+            let (left, above) = (u.floor(), v.floor());
+            let inside = left >= -1.0 && left < width && above >= top - 1.0 && above < bottom;
+            if !inside || reciprocal <= 0.0 {
+                return;
+            }
+            let (along, down) = (u - left, v - above);
+            for (dy, share_y) in [(0.0, 1.0 - down), (1.0, down)] {
+                for (dx, share_x) in [(0.0, 1.0 - along), (1.0, along)] {
+                    let (x, y) = (left + dx, above + dy);
+                    if x >= 0.0 && x < width && y >= top && y < bottom {
+                        self.add(x as usize, y as usize, w * reciprocal, share_x * share_y, color);
+                    }
+                }
+            }
+        });
+    }
+
+    #[inline(always)]
+    fn footprints(
+        &mut self,
+        projector: &Projector,
+        projected: &ProjectedRow,
+        slopes: &[[f32; TILE]; 2],
+        samples: &Samples<'_>,
+    ) {
+        let found = footprints(projector, projected, samples.w, slopes);
+        let (width, top, bottom) = (self.width as f32, self.rows.start as f32, self.rows.end as f32);
+        samples.for_each(|i, _, color| {
+            if projected.reciprocal[i] <= 0.0 {
+                return;
+            }
+            let [a, b, c, d] = [0, 1, 2, 3].map(|entry| found.jacobian[entry][i]);
+            let xx = SOURCE_VARIANCE * (a * a + b * b) + SCREEN_VARIANCE;
+            let yy = SOURCE_VARIANCE * (c * c + d * d) + SCREEN_VARIANCE;
+            let xy = SOURCE_VARIANCE * (a * c + b * d);
+            let area = (a * d - b * c).abs().max(0.05);
+            let determinant = xx * yy - xy * xy;
+            let (half_width, half_height) = ((KERNEL_END * xx).sqrt(), (KERNEL_END * yy).sqrt());
+            let limit = 64.0_f32;
+            let (half_width, half_height) = (half_width.min(limit), half_height.min(limit));
+            let (u, v) = (projected.u[i], projected.v[i]);
+            let left = (u - half_width - 0.5).ceil().max(0.0);
+            let right = (u + half_width - 0.5).floor().min(width - 1.0);
+            let above = (v - half_height - 0.5).ceil().max(top);
+            let below = (v + half_height - 0.5).floor().min(bottom - 1.0);
+            if !(left <= right && above <= below) {
+                return;
+            }
+            for y in above as usize..=below as usize {
+                for x in left as usize..=right as usize {
+                    let (dx, dy) = (x as f32 + 0.5 - u, y as f32 + 0.5 - v);
+                    let q = (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / determinant;
+                    let share = (1.0 - q / KERNEL_END).max(0.0);
+                    let depth = found.inverse_depth[i] + found.slope_x[i] * dx + found.slope_y[i] * dy;
+                    self.add(x, y, depth, share * share / area, color);
+                }
+            }
+        });
+    }
+}

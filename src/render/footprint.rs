@@ -1,0 +1,85 @@
+//! Oriented footprints: the patch of surface that a sample stands for, as the vantage sees it.
+//!
+//! A plane has an inverse depth that is linear in the pixels of *any* pinhole camera. From the slope of the inverse depths
+//! around a sample follow, without a normal and exactly for planes: the Jacobian of target pixels by source pixels, hence the
+//! parallelogram that the source pixel covers in the target, and the slope of the target's own inverse depth over it.
+//!
+//! Source: for splats as oriented, projected reconstruction filters, Zwicker et al., *Surface Splatting*, SIGGRAPH 2001.
+//! What differs: tangents come from neighboring depths instead of stored normals, and each pixel gets the depth of the
+//! sample's plane there, not that of its center.
+
+use super::project::{ProjectedRow, Projector};
+use crate::preprocess::TILE;
+
+/// A footprint never stretches beyond this many times its size seen face on: what is steeper is not known well enough.
+pub(super) const MAX_STRETCH: f32 = 4.0;
+
+/// Neighboring footprints overlap by this factor, so that no crack opens between them.
+const OVERLAP: f32 = 1.1;
+
+/// The footprints of a row of sixteen samples.
+pub(super) struct Footprints {
+    /// The target's inverse depth at the sample.
+    pub(super) inverse_depth: [f32; TILE],
+    /// Its growth from one target column to the next, …
+    pub(super) slope_x: [f32; TILE],
+    /// … from one target row to the next, …
+    pub(super) slope_y: [f32; TILE],
+    /// … and how far it may deviate in all.
+    pub(super) deviation: [f32; TILE],
+    /// Jacobian of target pixels by source pixels: `[∂u/∂column, ∂u/∂row, ∂v/∂column, ∂v/∂row]`.
+    pub(super) jacobian: [[f32; TILE]; 4],
+    /// Half the extent in target columns.
+    pub(super) half_width: [f32; TILE],
+    /// Half the extent in target rows.
+    pub(super) half_height: [f32; TILE],
+}
+
+/// The footprints of a row of samples with inverse depths `w` whose slopes are `slopes`.
+#[inline(always)]
+pub(super) fn footprints(
+    projector: &Projector,
+    row: &ProjectedRow,
+    w: &[f32; TILE],
+    slopes: &[[f32; TILE]; 2],
+) -> Footprints {
+    let zero = [0.0; TILE];
+    let mut found = Footprints {
+        inverse_depth: zero,
+        slope_x: zero,
+        slope_y: zero,
+        deviation: zero,
+        jacobian: [zero; 4],
+        half_width: zero,
+        half_height: zero,
+    };
+    let (across, down, origin) = (projector.per_column, projector.per_row, projector.origin);
+    for i in 0..TILE {
+        let (u, v, reciprocal) = (row.u[i], row.v[i], row.reciprocal[i]);
+        let (wx, wy) = (slopes[0][i], slopes[1][i]);
+        let target_w = w[i] * reciprocal;
+        let z_across = across.z + origin.z * wx;
+        let z_down = down.z + origin.z * wy;
+        let a = (across.x + origin.x * wx - u * z_across) * reciprocal;
+        let b = (down.x + origin.x * wy - u * z_down) * reciprocal;
+        let c = (across.y + origin.y * wx - v * z_across) * reciprocal;
+        let d = (down.y + origin.y * wy - v * z_down) * reciprocal;
+        let w_across = (wx - target_w * z_across) * reciprocal;
+        let w_down = (wy - target_w * z_down) * reciprocal;
+        let determinant = a * d - b * c;
+        // Edge on, the plane says nothing about its depth in the target.
+        let inverse = if determinant.abs() > 1e-6 { 1.0 / determinant } else { 0.0 };
+        let largest = MAX_STRETCH * projector.focal_ratio * reciprocal;
+        found.inverse_depth[i] = target_w;
+        found.slope_x[i] = (w_across * d - w_down * c) * inverse;
+        found.slope_y[i] = (w_down * a - w_across * b) * inverse;
+        found.deviation[i] = 0.5 * OVERLAP * (w_across.abs() + w_down.abs());
+        found.jacobian[0][i] = a;
+        found.jacobian[1][i] = b;
+        found.jacobian[2][i] = c;
+        found.jacobian[3][i] = d;
+        found.half_width[i] = (0.5 * OVERLAP * (a.abs() + b.abs())).min(largest);
+        found.half_height[i] = (0.5 * OVERLAP * (c.abs() + d.abs())).min(largest);
+    }
+    found
+}

@@ -1,0 +1,89 @@
+//! Runs hot loops with the widest vector instructions that the processor has.
+//!
+//! Work is plain Rust that the compiler vectorizes; it is compiled once per level, and the level is chosen at run time. As
+//! no level contracts or reorders sums, all give the same bits: a test compares them.
+#![expect(unsafe_code, reason = "a function compiled for more instructions may only be called where they exist")]
+
+/// A loop that profits from wide vectors. `run` must be `#[inline(always)]`, and so must what it calls.
+pub(super) trait Work {
+    /// What it gives.
+    type Output;
+
+    /// Does the work.
+    fn run(self) -> Self::Output;
+}
+
+/// A set of instructions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Level {
+    /// What every processor of the target has.
+    Portable,
+    /// AVX2 and what comes with it.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// AVX-512 with byte, word, doubleword and shorter vectors.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Level {
+    /// The widest that this processor has.
+    #[cfg(target_arch = "x86_64")]
+    pub(super) fn best() -> Self {
+        let has_avx2 = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt");
+        let has_avx512 = has_avx2
+            && is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl");
+        if has_avx512 {
+            Self::Avx512
+        } else if has_avx2 {
+            Self::Avx2
+        } else {
+            Self::Portable
+        }
+    }
+
+    /// The widest that this processor has.
+    #[cfg(not(target_arch = "x86_64"))]
+    pub(super) fn best() -> Self {
+        Self::Portable
+    }
+}
+
+/// Does the work at the best level.
+pub(super) fn run<W: Work>(work: W) -> W::Output {
+    run_at(Level::best(), work)
+}
+
+/// Does the work at a level, or at the best there is where that is less.
+pub(super) fn run_at<W: Work>(level: Level, work: W) -> W::Output {
+    #[cfg(target_arch = "x86_64")]
+    match level.min(Level::best()) {
+        Level::Portable => {}
+        // SAFETY: `Level::best` has just found every feature that `avx2` is compiled for.
+        Level::Avx2 => return unsafe { avx2(work) },
+        // SAFETY: `Level::best` has just found every feature that `avx512` is compiled for.
+        Level::Avx512 => return unsafe { avx512(work) },
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = level;
+    work.run()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn avx2<W: Work>(work: W) -> W::Output {
+    work.run()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
+fn avx512<W: Work>(work: W) -> W::Output {
+    work.run()
+}
