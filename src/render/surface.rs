@@ -185,9 +185,9 @@ impl Window<'_> {
                 let (x, y) = (edges[corner & 1][i], edges[2 + (corner >> 1)][i]);
                 let (pixel, inside) = self.pixel(x, y);
                 let seen = inside && projected.reciprocal[i] > 0.0 && w[i] >= 0.0;
-                let depth = depth_at(&found, projected, i, x, y);
+                let (depth, covered) = depth_at(&found, projected, i, x, y);
                 pixels[i] = pixel;
-                uppers[i] = if seen { nearness(depth, CORE) } else { 0 };
+                uppers[i] = if seen && covered { nearness(depth, CORE) } else { 0 };
             }
             self.raise(&pixels, &uppers, slots);
         }
@@ -199,7 +199,10 @@ impl Window<'_> {
             let (top, bottom) = (self.rows.start, self.rows.end);
             for y in clamp(edges[2][i], top, bottom)..clamp(edges[3][i] + 1.0, top, bottom) {
                 for x in columns.clone() {
-                    let depth = depth_at(&found, projected, i, x as f32, y as f32);
+                    let (depth, covered) = depth_at(&found, projected, i, x as f32, y as f32);
+                    if !covered {
+                        continue;
+                    }
                     let pixel = &mut self.keys[(y - top) * self.width + x];
                     *pixel = (*pixel).max(key(nearness(depth, CORE), slots | i as u32));
                 }
@@ -216,8 +219,13 @@ fn depth_at(
     i: usize,
     x: f32,
     y: f32,
-) -> f32 {
+) -> (f32, bool) {
     let (dx, dy) = (x + 0.5 - projected.u[i], y + 0.5 - projected.v[i]);
+    let (across, down) = (
+        found.inverse[0][i] * dx + found.inverse[1][i] * dy,
+        found.inverse[2][i] * dx + found.inverse[3][i] * dy,
+    );
+    let covered = across.abs().max(down.abs()) <= 0.5 * *super::footprint::OVERLAP || dx.abs().max(dy.abs()) <= 0.5;
     let deviation = (found.slope_x[i] * dx + found.slope_y[i] * dy).clamp(-found.deviation[i], found.deviation[i]);
-    (found.inverse_depth[i] + deviation).max(0.0)
+    ((found.inverse_depth[i] + deviation).max(0.0), covered)
 }
