@@ -3,6 +3,7 @@
 //! Results go to stdout, as text or with `--json` as one document; progress and trouble go to stderr. The exit code is 0
 //! on success, 1 on bad input (with one line that says what, where, and what to do) and 2 on bad usage.
 
+mod bench;
 mod demo;
 mod evaluate;
 mod info;
@@ -61,6 +62,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Score settings: accuracy, speed and size, against no pruning and against first camera wins.
     Evaluate(evaluate::EvaluateArgs),
+    /// Measure how fast each stage is, beside the limits of this machine.
+    Bench(bench::BenchArgs),
     /// Print every setting with its meaning, unit, range and value, as TOML.
     Settings(settings::SettingsCommandArgs),
 }
@@ -141,6 +144,7 @@ impl Cli {
             Some(Command::Preprocess(args)) => args.run(),
             Some(Command::Render(args)) => args.run(),
             Some(Command::Evaluate(args)) => args.run(),
+            Some(Command::Bench(args)) => args.run(),
             Some(Command::Settings(args)) => args.run(),
             None => explore(self.path, open_window),
         }
