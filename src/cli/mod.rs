@@ -30,6 +30,7 @@ Examples:
   overlook preprocess scene --out scene.ovl                 drop what is redundant
   overlook render scene.ovl --views scene/novel/transforms.json --out pictures
   overlook evaluate scene                                   accuracy against no pruning and first camera wins
+  overlook bench                                            speed of each stage beside the limits of this machine
 
 Exit codes: 0 success, 1 bad input (one line on stderr says what, where and what to do), 2 bad usage.";
 

@@ -1,5 +1,5 @@
-//! The machine's own limits, measured in the same run as the stages: how fast memory can be read, and how fast points that
-//! are already projected can be put into a picture by depth.
+//! The machine's own limits, measured in the same run as the stages: how fast memory can be read, and how fast points
+//! that are already projected can be put into a picture by depth.
 //!
 //! ```text
 //! read     sum of a buffer that no cache holds                                           ─▶ GB/s
@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Neither does any work of the method. Scattering is what every splatting renderer does at least, without unprojecting,
-//! projecting, colors or merging; *random* means points on evenly distributed random pixels, in no order; *camera order* means the
-//! samples of the scene where they fall in the picture, in the order in which the set holds them.
+//! projecting, colors or merging. *Random* points lie on evenly distributed random pixels, in no order; points in *camera
+//! order* are the samples of the scene where they fall in the picture, in the order in which the set holds them.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;

@@ -166,3 +166,44 @@ fn measure_limits(limits: &mut LimitMeter, pools: &[ThreadPool], bench: &Bench<'
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    fn names(only: &[&str]) -> Vec<String> {
+        let only = only.iter().map(|part| (*part).to_owned()).collect();
+        let cases = wanted_cases(&Options { threads: 1, quick: false, only });
+        cases.unwrap().iter().flat_map(Case::names).collect()
+    }
+
+    #[test]
+    fn every_stage_has_a_name_of_its_own() {
+        let all = names(&[]);
+        assert_eq!(all.iter().collect::<BTreeSet<_>>().len(), all.len());
+        for name in
+            ["preprocess/scan", "render/point/unpruned/640x480", "render/block/still-vantage/1280x720"]
+        {
+            assert!(all.iter().any(|found| found == name), "{name} in {all:?}");
+        }
+        assert_eq!(names(&["store/", "preprocess/pack"]), ["preprocess/pack", "store/write", "store/read"]);
+    }
+
+    #[test]
+    fn one_thread_is_measured_once_where_it_is_all_there_is() {
+        let counts = |threads| -> Vec<usize> {
+            pools(threads).unwrap().iter().map(ThreadPool::current_num_threads).collect()
+        };
+        assert_eq!((counts(1), counts(3)), (vec![1], vec![1, 3]));
+    }
+
+    #[test]
+    fn a_cancelled_measurement_gives_no_report() {
+        let job = Job::new();
+        job.cancel();
+        let options = Options { threads: 1, quick: true, only: Vec::new() };
+        assert!(matches!(measure(&options, &job), Err(Error::Cancelled)));
+    }
+}

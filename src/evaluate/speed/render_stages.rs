@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::Bench;
 use super::backend::Backend;
-use super::measure::{Times, repeat};
+use super::measure::repeat;
 use super::report::{Bound, Measured, Painting};
 use super::scene::{FRAMES, Scene};
 use crate::error::Result;
@@ -48,11 +48,13 @@ pub(super) fn cases(sizes: [(u32, u32); 2]) -> Vec<PaintCase> {
     cases
 }
 
-/// What was seen of the last picture of a stage.
-#[derive(Clone, Copy, Default)]
-struct Seen {
-    holes: u64,
-    background_reused: bool,
+/// What one stage paints over and over.
+struct Round<'a> {
+    name: String,
+    set: &'a Arc<SampleSet>,
+    vantages: Vec<Vantage>,
+    /// Samples that have to be painted each time.
+    samples: u64,
 }
 
 impl PaintCase {
@@ -76,74 +78,68 @@ impl PaintCase {
     /// # Errors
     /// `Cancelled`, and what painting gives.
     pub(super) fn measure(&self, bench: &Bench<'_>) -> Result<Vec<Measured>> {
-        let scene = bench.scene;
-        let set = match self.what {
-            What::Unpruned => &scene.unpruned,
-            What::Pruned => &scene.pruned,
-            What::Frames => &scene.split,
-        };
-        let moving = self.moving_vantages(scene);
-        let (times, seen) = self.paint(bench, set, &moving)?;
-        let everything = samples_at(set, 0, |_| true);
-        let mut full = self.measured(set, everything, times, seen);
-        let mut names = self.names().into_iter();
-        full.name = names.next().unwrap_or_default();
-        let Some(still_name) = names.next() else { return Ok(vec![full]) };
-        let still: Vec<Vantage> =
-            (0..FRAMES).map(|frame| scene.vantages(self.size, frame)[0].clone()).collect();
-        let (times, seen) = self.paint(bench, set, &still)?;
-        let speedup = full.times.median_ms() / times.median_ms();
-        let changing = samples_at(set, 0, |frames| frames == 1);
-        let mut still = self.measured(set, changing, times, seen);
-        still.name = still_name;
-        if let Bound::Scatter(painting) = &mut still.bound {
-            painting.speedup_over_full_repaint = Some(speedup);
+        let rounds = self.rounds(bench.scene);
+        let mut stages = rounds.map(|round| self.paint(bench, &round)).collect::<Result<Vec<_>>>()?;
+        if let [full, still] = stages.as_mut_slice()
+            && let Bound::Scatter(painting) = &mut still.bound
+        {
+            painting.speedup_over_full_repaint = Some(full.times.median_ms() / still.times.median_ms());
         }
-        Ok(vec![full, still])
+        Ok(stages)
     }
 
-    /// Vantages of which no two in a row are the same: what was cached for one serves no other.
-    fn moving_vantages(&self, scene: &Scene) -> Vec<Vantage> {
-        let frames = if self.what == What::Frames { FRAMES } else { 1 };
-        (0..frames).flat_map(|frame| scene.vantages(self.size, frame)).collect()
+    /// First everything anew each time, no two vantages in a row being the same, so that what was cached for one serves no
+    /// other; then, for the split set, one vantage through the frames.
+    fn rounds<'a>(&self, scene: &'a Scene) -> impl Iterator<Item = Round<'a>> + use<'a> {
+        let (set, frames) = match self.what {
+            What::Unpruned => (&scene.unpruned, 1),
+            What::Pruned => (&scene.pruned, 1),
+            What::Frames => (&scene.split, FRAMES),
+        };
+        let size = self.size;
+        let moving = (0..frames).flat_map(|frame| scene.vantages(size, frame)).collect();
+        let still = (0..frames).map(|frame| scene.vantages(size, frame)[0].clone()).collect();
+        let rounds =
+            [(moving, samples_at(set, 0, |_| true)), (still, samples_at(set, 0, |frames| frames == 1))];
+        self.names().into_iter().zip(rounds).map(move |(name, (vantages, samples))| Round {
+            name,
+            set,
+            vantages,
+            samples,
+        })
     }
 
-    /// Times of painting one vantage after the other, over and over.
-    fn paint(&self, bench: &Bench<'_>, set: &Arc<SampleSet>, vantages: &[Vantage]) -> Result<(Times, Seen)> {
+    /// Paints one vantage after the other.
+    fn paint(&self, bench: &Bench<'_>, round: &Round<'_>) -> Result<Measured> {
         let settings = RenderSettings { kernel: self.kernel, ..RenderSettings::default() };
         let mut painter = self.backend.start()?;
-        let mut turns = vantages.iter().cycle();
-        let mut seen = Seen::default();
+        let mut turns = round.vantages.iter().cycle();
+        let (mut holes, mut background_reused) = (0, false);
         let times = repeat(bench.budget, bench.job, || {
             let Some(vantage) = turns.next() else { return Ok(None) };
-            let painted = painter.paint(set, vantage, &settings, bench.job)?;
-            seen = Seen { holes: painted.holes, background_reused: painted.background_reused };
+            let painted = painter.paint(round.set, vantage, &settings, bench.job)?;
+            (holes, background_reused) = (painted.holes, painted.background_reused);
             Ok(Some(painted))
         })?;
-        Ok((times, seen))
-    }
-
-    /// The stage, without its name, of painting `samples` of the set.
-    fn measured(&self, set: &SampleSet, samples: u64, times: Times, seen: Seen) -> Measured {
         let (width, height) = self.size;
         let pixels = f64::from(width) * f64::from(height);
-        Measured {
-            name: String::new(),
+        Ok(Measured {
+            name: round.name.clone(),
             backend: self.backend,
             threads: rayon::current_num_threads(),
-            samples,
+            samples: round.samples,
             times,
             bound: Bound::Scatter(Painting {
                 kernel: self.kernel,
                 width,
                 height,
-                coverage: 1.0 - seen.holes as f64 / pixels,
-                bytes_per_sample: set.bytes() as f64 / set.sample_count().max(1) as f64,
-                background_reused: seen.background_reused,
+                coverage: 1.0 - holes as f64 / pixels,
+                bytes_per_sample: round.set.bytes() as f64 / round.set.sample_count().max(1) as f64,
+                background_reused,
                 fraction_of_same_size_limit: 0.0,
                 speedup_over_full_repaint: None,
             }),
-        }
+        })
     }
 }
 

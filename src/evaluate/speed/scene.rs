@@ -1,9 +1,9 @@
 //! What the stages work on: a built-in scene as nine cameras see it, the same in every run.
 //!
 //! ```text
-//! nine-cameras, 3 frames ── Capture ─┬─ frame 0, pruning off ──▶ unpruned: every pixel a sample, in one span of all frames
-//!                                    │                  └─ split ─▶ resting and moving: a tenth of each picture in spans of one frame
-//!                                    └─ frame 0, defaults ─────▶ pruned, in one span of all frames
+//! nine-cameras, 3 frames ─┬─ frame 0, pruning off ─▶ unpruned: every pixel a sample, in one span of all frames
+//!                         │                    └───▶ split: the same, a tenth of each picture in spans of one frame
+//!                         └─ frame 0, defaults ────▶ pruned, in one span of all frames
 //! ```
 
 use std::sync::Arc;
@@ -166,11 +166,15 @@ fn tiles_where(image: &SampleImage, span: Span, keep: impl Fn(&SampleTile) -> bo
 
 #[cfg(test)]
 mod tests {
+    use std::sync::LazyLock;
+
     use super::*;
     use crate::render::CpuRenderer;
     use crate::settings::RenderSettings;
 
     const SIZE: (u32, u32) = (96, 64);
+
+    static SCENE: LazyLock<Scene> = LazyLock::new(scene);
 
     fn scene() -> Scene {
         Scene::new(SIZE, &Job::new()).unwrap()
@@ -178,7 +182,7 @@ mod tests {
 
     #[test]
     fn two_scenes_are_the_same() {
-        let (a, b) = (scene(), scene());
+        let (a, b) = (&*SCENE, scene());
         for (a, b) in [(&a.unpruned, &b.unpruned), (&a.pruned, &b.pruned), (&a.split, &b.split)] {
             assert_eq!(a.images, b.images);
         }
@@ -187,7 +191,7 @@ mod tests {
 
     #[test]
     fn every_pixel_of_nine_cameras_is_a_sample_and_pruning_drops_some() {
-        let scene = scene();
+        let scene = &*SCENE;
         assert_eq!(scene.unpruned.sample_count(), 9 * 96 * 64);
         assert!(scene.unpruned.images.is_sorted_by_key(|image| image.camera));
         assert!(scene.pruned.sample_count() < scene.unpruned.sample_count());
@@ -197,7 +201,7 @@ mod tests {
 
     #[test]
     fn the_split_set_shows_the_same_samples_at_every_frame_and_a_tenth_of_them_moves() {
-        let scene = scene();
+        let scene = &*SCENE;
         for frame in 0..FRAMES {
             let at_frame: Vec<_> = scene.split.images_at(frame).collect();
             let samples: usize = at_frame.iter().map(|image| image.len()).sum();
@@ -216,7 +220,7 @@ mod tests {
 
     #[test]
     fn the_scene_fills_the_picture() {
-        let scene = scene();
+        let scene = &*SCENE;
         for vantage in scene.vantages(SIZE, 0) {
             let settings = RenderSettings::default();
             let (picture, _) =
