@@ -5,36 +5,16 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use overlook::capture::Capture;
-use overlook::capture::demo::{Demo, DemoSpec};
+use overlook::evaluate::speed::scene::recorded;
 use overlook::job::Job;
 use overlook::preprocess::{inspect_frame, preprocess, scan};
 use overlook::render::{CpuRenderer, Vantage};
-use overlook::settings::{CaptureSettings, Kernel, RenderSettings, Settings};
+use overlook::settings::{Kernel, RenderSettings, Settings};
 use overlook::store;
 
-/// A scene whose frames are traced before anything is timed.
-fn recorded(scene: &str, frames: usize, size: (u32, u32)) -> (Demo, Capture) {
-    let spec = DemoSpec {
-        scene: scene.to_owned(),
-        cameras: None,
-        frames: Some(frames),
-        size: Some(size),
-        noise: None,
-    };
-    let demo = Demo::new(&spec).expect("a built-in scene");
-    let capture = demo.capture(&CaptureSettings { cache: 4096 });
-    for camera in 0..capture.cameras.len() {
-        for frame in 0..frames {
-            capture.frame(camera, frame).expect("a traced frame");
-        }
-    }
-    (demo, capture)
-}
-
 fn preprocessing(c: &mut Criterion) {
-    let (_, capture) = recorded("nine-cameras", 3, (640, 480));
     let job = Job::new();
+    let (_, capture) = recorded("nine-cameras", 3, (640, 480), &job).expect("a recorded scene");
     let settings = Settings::default();
     let mut group = c.benchmark_group("nine 640×480 cameras");
     group.sample_size(10).measurement_time(Duration::from_secs(8));
@@ -61,8 +41,8 @@ fn preprocessing(c: &mut Criterion) {
 }
 
 fn rendering(c: &mut Criterion) {
-    let (demo, capture) = recorded("nine-cameras", 2, (640, 480));
     let job = Job::new();
+    let (demo, capture) = recorded("nine-cameras", 2, (640, 480), &job).expect("a recorded scene");
     let samples = preprocess(&capture, &Settings::default(), &job).expect("preprocessed").samples;
     let home = demo.home();
     let mut group = c.benchmark_group("rendering 640×480");
@@ -82,8 +62,8 @@ fn rendering(c: &mut Criterion) {
 }
 
 fn storing(c: &mut Criterion) {
-    let (_, capture) = recorded("orrery", 4, (480, 360));
     let job = Job::new();
+    let (_, capture) = recorded("orrery", 4, (480, 360), &job).expect("a recorded scene");
     let preprocessed = preprocess(&capture, &Settings::default(), &job).expect("preprocessed");
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("bench.ovl");

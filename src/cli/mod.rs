@@ -3,6 +3,7 @@
 //! Results go to stdout, as text or with `--json` as one document; progress and trouble go to stderr. The exit code is 0
 //! on success, 1 on bad input (with one line that says what, where, and what to do) and 2 on bad usage.
 
+mod bench;
 mod demo;
 mod evaluate;
 mod info;
@@ -29,6 +30,7 @@ Examples:
   overlook preprocess scene --out scene.ovl                 drop what is redundant
   overlook render scene.ovl --views scene/novel/transforms.json --out pictures
   overlook evaluate scene                                   accuracy against no pruning and first camera wins
+  overlook bench                                            speed of each stage beside the limits of this machine
 
 Exit codes: 0 success, 1 bad input (one line on stderr says what, where and what to do), 2 bad usage.";
 
@@ -61,6 +63,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Score settings: accuracy, speed and size, against no pruning and against first camera wins.
     Evaluate(evaluate::EvaluateArgs),
+    /// Measure how fast each stage is, beside the limits of this machine.
+    Bench(bench::BenchArgs),
     /// Print every setting with its meaning, unit, range and value, as TOML.
     Settings(settings::SettingsCommandArgs),
 }
@@ -141,6 +145,7 @@ impl Cli {
             Some(Command::Preprocess(args)) => args.run(),
             Some(Command::Render(args)) => args.run(),
             Some(Command::Evaluate(args)) => args.run(),
+            Some(Command::Bench(args)) => args.run(),
             Some(Command::Settings(args)) => args.run(),
             None => explore(self.path, open_window),
         }

@@ -4,9 +4,12 @@
 //! SampleSet ─ render at each view ─▶ Picture ─┐
 //! View ─────────────────── truth ─▶ Frame ────┴ metrics ─▶ ViewScore … ─▶ Evaluation
 //! ```
+//!
+//! [`speed`] measures the stages for themselves, beside the machine's own limits.
 
 pub mod hold_out;
 pub mod metrics;
+pub mod speed;
 
 use std::sync::Arc;
 

@@ -1,0 +1,121 @@
+//! `overlook bench`: speed of each stage, and the limits of the machine.
+
+use std::fmt::Write;
+
+use clap::Args;
+
+use super::{Failure, output, progress};
+use crate::evaluate::speed::limits::Limit;
+use crate::evaluate::speed::machine::Machine;
+use crate::evaluate::speed::{self, LimitKind, Options, SpeedReport, StageSpeed};
+
+/// Arguments of `overlook bench`.
+#[derive(Debug, Args)]
+pub(super) struct BenchArgs {
+    /// Measure only stages with PART in their name, as in render/point; may be given several times.
+    #[arg(long, value_name = "PART")]
+    only: Vec<String>,
+    /// Few repeats on a small scene: shows that everything works, not how fast it is.
+    #[arg(long)]
+    quick: bool,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+impl BenchArgs {
+    pub(super) fn run(self) -> Result<(), Failure> {
+        let options =
+            Options { threads: rayon::current_num_threads(), quick: self.quick, only: self.only.clone() };
+        let report = progress::watched(|job| speed::measure(&options, job))?;
+        if !report.machine.optimized {
+            output::warn(&["this is no release build; its times say nothing".to_owned()]);
+        }
+        if self.json { output::print_json(&report) } else { output::print(&text(&report)) }
+    }
+}
+
+fn text(report: &SpeedReport) -> String {
+    let mut text = machine_line(&report.machine);
+    let _ = write!(
+        text,
+        "\n{} samples of nine cameras, {} after pruning; {:.0} % fall in the picture",
+        output::count(report.samples),
+        output::count(report.samples_pruned),
+        100.0 * report.samples_in_picture
+    );
+    let _ = write!(
+        text,
+        "\n\n{:>7} {:>10} {:>11} {:>16} {:>16}",
+        "threads", "read GB/s", "picture", "scatter M/s", "in camera order"
+    );
+    for limit in &report.limits {
+        limit_lines(&mut text, limit);
+    }
+    let _ = write!(
+        text,
+        "\n\n{:<44} {:>7} {:>10} {:>8} {:>9} {:>18} {:>7} {:>7}",
+        "stage", "threads", "median ms", "± ms", "M/s", "of limit", "cover", "repeats"
+    );
+    for stage in &report.stages {
+        stage_lines(&mut text, stage);
+    }
+    text
+}
+
+fn machine_line(machine: &Machine) -> String {
+    format!(
+        "{} ({} {}), {} threads, {}",
+        machine.cpu.as_deref().unwrap_or("unknown processor"),
+        machine.os,
+        machine.arch,
+        machine.threads_available,
+        if machine.simd.is_empty() {
+            "vector instructions unknown".to_owned()
+        } else {
+            machine.simd.join(" ")
+        }
+    )
+}
+
+/// One line per size of picture; threads and reading on the first.
+fn limit_lines(text: &mut String, limit: &Limit) {
+    for (index, scatter) in limit.scatter.iter().enumerate() {
+        let (threads, read) = if index == 0 {
+            (limit.threads.to_string(), format!("{:.1}", limit.read_gb_per_s))
+        } else {
+            (String::new(), String::new())
+        };
+        let _ = write!(
+            text,
+            "\n{threads:>7} {read:>10} {:>11} {:>16.0} {:>16.0}",
+            format!("{}×{}", scatter.width, scatter.height),
+            scatter.random_mpts_per_s,
+            scatter.camera_order_mpts_per_s
+        );
+    }
+}
+
+fn stage_lines(text: &mut String, stage: &StageSpeed) {
+    let limit = match stage.limit {
+        LimitKind::Scatter => "scatter",
+        LimitKind::Read => "read",
+    };
+    let coverage = stage.painting.as_ref().map(|painting| painting.coverage);
+    let _ = write!(
+        text,
+        "\n{:<44} {:>7} {:>10.2} {:>8.2} {:>9.1} {:>10.2} % {:<7} {} {:>5}",
+        stage.name,
+        stage.threads,
+        stage.median_ms,
+        stage.spread_ms,
+        stage.mpts_per_s,
+        100.0 * stage.fraction_of_limit,
+        limit,
+        output::number(coverage, 4, 7),
+        stage.repeats
+    );
+    if let Some(speedup) = stage.painting.as_ref().and_then(|painting| painting.speedup_over_full_repaint) {
+        let _ = write!(text, "   {speedup:.1} × faster than painting all anew");
+    }
+}

@@ -1,0 +1,209 @@
+//! Speed: how fast each stage is, and how fast this machine could be at most.
+//!
+//! ```text
+//! Scene (seeded) ─┬─ limits ──────────────────────────────────────┐
+//!                 ├─ preprocess_stages ─┐                         │
+//!                 └─ render_stages ─────┴─ repeat ─▶ Times ─ against ─▶ SpeedReport
+//! ```
+//!
+//! Every stage is measured with one thread and with all. The limits are measured before the stages and again after them, and
+//! all their repeats count together, so that a machine that grows slower or faster meanwhile tilts no share.
+
+pub mod backend;
+pub mod limits;
+pub mod machine;
+pub mod measure;
+mod preprocess_stages;
+mod render_stages;
+pub mod report;
+pub mod scene;
+
+use rayon::ThreadPool;
+
+use crate::error::{Error, Result};
+use crate::job::Job;
+use limits::LimitMeter;
+use machine::Machine;
+use measure::Budget;
+use preprocess_stages::PreprocessCase;
+use render_stages::PaintCase;
+use report::Measured;
+use scene::Scene;
+
+pub use report::{LimitKind, Painting, SpeedReport, StageSpeed};
+
+/// What is measured, and how thoroughly.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// What *all threads* means; at least 1.
+    pub threads: usize,
+    /// Few repeats on a small scene: to see that everything works.
+    pub quick: bool,
+    /// Parts of the names of the stages that are measured; all stages where empty.
+    pub only: Vec<String>,
+}
+
+impl Options {
+    /// Columns and rows of the cameras, which is also the first size of picture that is painted.
+    fn camera_size(&self) -> (u32, u32) {
+        if self.quick { (160, 120) } else { (640, 480) }
+    }
+
+    fn picture_sizes(&self) -> [(u32, u32); 2] {
+        [self.camera_size(), if self.quick { (320, 180) } else { (1280, 720) }]
+    }
+
+    fn budget(&self) -> Budget {
+        if self.quick { Budget::QUICK } else { Budget::FULL }
+    }
+
+    fn wants(&self, name: &str) -> bool {
+        self.only.is_empty() || self.only.iter().any(|part| name.contains(part.as_str()))
+    }
+}
+
+/// What every measurement needs.
+#[derive(Clone, Copy)]
+struct Bench<'a> {
+    scene: &'a Scene,
+    budget: Budget,
+    job: &'a Job,
+}
+
+/// Something to measure; its stages are measured together.
+enum Case {
+    Preprocess(PreprocessCase),
+    Paint(PaintCase),
+}
+
+impl Case {
+    fn names(&self) -> Vec<String> {
+        match self {
+            Self::Preprocess(case) => vec![case.name()],
+            Self::Paint(case) => case.names(),
+        }
+    }
+
+    fn measure(&self, bench: &Bench<'_>) -> Result<Vec<Measured>> {
+        match self {
+            Self::Preprocess(case) => Ok(vec![case.measure(bench)?]),
+            Self::Paint(case) => case.measure(bench),
+        }
+    }
+}
+
+/// Measures the stages and the machine's limits.
+///
+/// # Errors
+/// `Invalid` where no stage has the wanted name; `Cancelled`; whatever a stage gives.
+pub fn measure(options: &Options, job: &Job) -> Result<SpeedReport> {
+    let cases = wanted_cases(options)?;
+    let scene = Scene::new(options.camera_size(), job)?;
+    let bench = Bench { scene: &scene, budget: options.budget(), job };
+    let pools = pools(options.threads)?;
+    let mut limits = LimitMeter::new(&scene, &options.picture_sizes(), options.quick);
+    measure_limits(&mut limits, &pools, &bench)?;
+    let mut measured = Vec::new();
+    for (index, case) in cases.iter().enumerate() {
+        for pool in &pools {
+            job.start(case.names().join(", "), cases.len());
+            job.advance(index);
+            measured.extend(pool.install(|| case.measure(&bench))?);
+        }
+    }
+    measure_limits(&mut limits, &pools, &bench)?;
+    let limit = |threads| limits.limit(threads);
+    let stages = measured.into_iter().map(|stage| {
+        let limit = limit(stage.threads);
+        stage.against(&limit)
+    });
+    Ok(SpeedReport {
+        version: env!("CARGO_PKG_VERSION"),
+        quick: options.quick,
+        machine: Machine::this(),
+        samples: scene.unpruned.sample_count(),
+        samples_pruned: scene.pruned.sample_count(),
+        samples_in_picture: limits.in_picture(),
+        limits: pools.iter().map(|pool| limit(pool.current_num_threads())).collect(),
+        stages: stages.filter(|stage| options.wants(&stage.name)).collect(),
+    })
+}
+
+fn wanted_cases(options: &Options) -> Result<Vec<Case>> {
+    let before_painting = preprocess_stages::cases().into_iter().map(Case::Preprocess);
+    let painting = render_stages::cases(options.picture_sizes()).into_iter().map(Case::Paint);
+    let (wanted, others): (Vec<Case>, Vec<Case>) =
+        before_painting.chain(painting).partition(|case| case.names().iter().any(|name| options.wants(name)));
+    if wanted.is_empty() {
+        let names: Vec<_> = others.iter().flat_map(Case::names).collect();
+        return Err(Error::invalid(
+            options.only.join(", "),
+            format!("is in no stage's name; there are {}", names.join(", ")),
+        ));
+    }
+    Ok(wanted)
+}
+
+/// One thread, and all.
+fn pools(threads: usize) -> Result<Vec<ThreadPool>> {
+    let mut counts = vec![1, threads.max(1)];
+    counts.dedup();
+    let pool = |threads| {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(move |index| format!("bench {index} of {threads}"))
+            .build()
+            .map_err(|error| Error::unsupported(format!("{threads} threads"), error.to_string()))
+    };
+    counts.into_iter().map(pool).collect()
+}
+
+fn measure_limits(limits: &mut LimitMeter, pools: &[ThreadPool], bench: &Bench<'_>) -> Result<()> {
+    bench.job.start("Measuring the machine's limits", pools.len());
+    for pool in pools {
+        pool.install(|| limits.measure(bench))?;
+        bench.job.advance(1);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    fn names(only: &[&str]) -> Vec<String> {
+        let only = only.iter().map(|part| (*part).to_owned()).collect();
+        let cases = wanted_cases(&Options { threads: 1, quick: false, only });
+        cases.unwrap().iter().flat_map(Case::names).collect()
+    }
+
+    #[test]
+    fn every_stage_has_a_name_of_its_own() {
+        let all = names(&[]);
+        assert_eq!(all.iter().collect::<BTreeSet<_>>().len(), all.len());
+        for name in
+            ["preprocess/scan", "render/point/unpruned/640x480", "render/block/still-vantage/1280x720"]
+        {
+            assert!(all.iter().any(|found| found == name), "{name} in {all:?}");
+        }
+        assert_eq!(names(&["store/", "preprocess/pack"]), ["preprocess/pack", "store/write", "store/read"]);
+    }
+
+    #[test]
+    fn one_thread_is_measured_once_where_it_is_all_there_is() {
+        let counts = |threads| -> Vec<usize> {
+            pools(threads).unwrap().iter().map(ThreadPool::current_num_threads).collect()
+        };
+        assert_eq!((counts(1), counts(3)), (vec![1], vec![1, 3]));
+    }
+
+    #[test]
+    fn a_cancelled_measurement_gives_no_report() {
+        let job = Job::new();
+        job.cancel();
+        let options = Options { threads: 1, quick: true, only: Vec::new() };
+        assert!(matches!(measure(&options, &job), Err(Error::Cancelled)));
+    }
+}

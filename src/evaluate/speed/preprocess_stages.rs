@@ -1,0 +1,160 @@
+//! Preprocessing and storing: the pass over time, normals, one frame pruned anew, packing, the file.
+
+use super::Bench;
+use super::backend::Backend;
+use super::measure::{Times, repeat};
+use super::report::{Bound, Measured};
+use crate::error::{Error, Result};
+use crate::preprocess::background::Background;
+use crate::preprocess::foreground::prune_frame;
+use crate::preprocess::normals::DepthView;
+use crate::preprocess::pruning::Rig;
+use crate::preprocess::{Report, Span, Verdict, inspect_frame, pack, scan};
+use crate::settings::{NormalEstimator, Settings};
+use crate::store;
+
+/// Bytes of a pixel's color (three half floats) and depth.
+const PIXEL_BYTES: u64 = 3 * 2 + DEPTH_BYTES;
+const DEPTH_BYTES: u64 = 4;
+
+/// A stage before painting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PreprocessCase {
+    /// What stays the same over all recorded frames.
+    Scan,
+    /// Normals of every pixel at one frame.
+    Normals(NormalEstimator),
+    /// All verdicts of one frame after a pruning threshold changed, the background's included.
+    Reprune,
+    /// From verdicts to sparse images, one frame.
+    Pack,
+    /// The pruned set to a file.
+    StoreWrite,
+    /// The pruned set from a file that the system has in memory.
+    StoreRead,
+}
+
+/// Every stage before painting.
+pub(super) fn cases() -> Vec<PreprocessCase> {
+    let normals = NormalEstimator::ALL.iter().copied().map(PreprocessCase::Normals);
+    let others = [
+        PreprocessCase::Reprune,
+        PreprocessCase::Pack,
+        PreprocessCase::StoreWrite,
+        PreprocessCase::StoreRead,
+    ];
+    std::iter::once(PreprocessCase::Scan).chain(normals).chain(others).collect()
+}
+
+impl PreprocessCase {
+    /// The stage that comes of it.
+    pub(super) fn name(self) -> String {
+        match self {
+            Self::Scan => "preprocess/scan".to_owned(),
+            Self::Normals(estimator) => format!("preprocess/normals/{estimator}"),
+            Self::Reprune => "preprocess/re-prune-frame".to_owned(),
+            Self::Pack => "preprocess/pack".to_owned(),
+            Self::StoreWrite => "store/write".to_owned(),
+            Self::StoreRead => "store/read".to_owned(),
+        }
+    }
+
+    /// Measures with the threads of the current pool.
+    ///
+    /// # Errors
+    /// `Cancelled`, and what the stage gives.
+    pub(super) fn measure(self, bench: &Bench<'_>) -> Result<Measured> {
+        let all_frames = bench.scene.capture.pixel_count();
+        let one_frame = bench.scene.unpruned.sample_count();
+        let pruned = &bench.scene.pruned;
+        let (times, samples, bytes) = match self {
+            Self::Scan => (scan_frames(bench)?, all_frames, all_frames * PIXEL_BYTES),
+            Self::Normals(estimator) => {
+                (estimate_normals(bench, estimator)?, one_frame, one_frame * DEPTH_BYTES)
+            }
+            Self::Reprune => (reprune(bench)?, one_frame, one_frame * PIXEL_BYTES),
+            Self::Pack => {
+                let verdicts = one_frame * size_of::<(u32, Verdict)>() as u64;
+                (pack_frame(bench)?, one_frame, verdicts + pruned.sample_count() * PIXEL_BYTES)
+            }
+            Self::StoreWrite => (write_store(bench)?, pruned.sample_count(), pruned.bytes()),
+            Self::StoreRead => (read_store(bench)?, pruned.sample_count(), pruned.bytes()),
+        };
+        Ok(Measured {
+            name: self.name(),
+            backend: Backend::Cpu,
+            threads: rayon::current_num_threads(),
+            samples,
+            times,
+            bound: Bound::Read { bytes },
+        })
+    }
+}
+
+fn scan_frames(bench: &Bench<'_>) -> Result<Times> {
+    let settings = Settings::default();
+    repeat(bench.budget, bench.job, || scan(&bench.scene.capture, &settings, bench.job))
+}
+
+fn estimate_normals(bench: &Bench<'_>, estimator: NormalEstimator) -> Result<Times> {
+    let settings = Settings::default().normals;
+    let capture = &bench.scene.capture;
+    let frames = (0..capture.cameras.len()).map(|camera| capture.frame(camera, 0));
+    let frames = frames.collect::<Result<Vec<_>>>()?;
+    repeat(bench.budget, bench.job, || {
+        let views = frames.iter().zip(&capture.cameras).map(|(frame, camera)| {
+            bench.job.check()?;
+            let view = DepthView::new(frame.inverse_depth.as_slice(), camera, &settings);
+            Ok(view.estimate_all(estimator))
+        });
+        views.collect::<Result<Vec<_>>>()
+    })
+}
+
+fn reprune(bench: &Bench<'_>) -> Result<Times> {
+    let capture = &bench.scene.capture;
+    let mut settings = Settings::default();
+    let scanned = scan(capture, &settings, bench.job)?;
+    let tolerance = settings.pruning.color_tolerance;
+    let mut turn = 0_u8;
+    repeat(bench.budget, bench.job, || {
+        // Another value each time, so that nothing is taken from an earlier run.
+        turn = turn.wrapping_add(1);
+        settings.pruning.color_tolerance = tolerance + 0.01 * f32::from(turn);
+        inspect_frame(capture, Some(&scanned), &settings, 1, bench.job)
+    })
+}
+
+fn pack_frame(bench: &Bench<'_>) -> Result<Times> {
+    let capture = &bench.scene.capture;
+    let settings = Settings::default();
+    let rig = Rig::new(&capture.cameras);
+    let pruned = prune_frame(capture, &rig, &Background::none(capture), &settings, 0, bench.job)?;
+    let span = Span { start: 0, end: 1 };
+    repeat(bench.budget, bench.job, || {
+        let cameras = pruned.layers.iter().zip(&pruned.decided).enumerate();
+        let images = cameras.map(|(camera, (layer, decided))| {
+            pack::pack(camera, span, layer, decided, settings.store.normals)
+        });
+        Ok(images.collect::<Vec<_>>())
+    })
+}
+
+/// A folder that vanishes with what is in it.
+fn folder() -> Result<tempfile::TempDir> {
+    tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))
+}
+
+fn write_store(bench: &Bench<'_>) -> Result<Times> {
+    let folder = folder()?;
+    let path = folder.path().join("speed.ovl");
+    let report = Report::default();
+    repeat(bench.budget, bench.job, || store::write(&path, &bench.scene.pruned, &report, bench.job))
+}
+
+fn read_store(bench: &Bench<'_>) -> Result<Times> {
+    let folder = folder()?;
+    let path = folder.path().join("speed.ovl");
+    store::write(&path, &bench.scene.pruned, &Report::default(), bench.job)?;
+    repeat(bench.budget, bench.job, || store::read(&path, bench.job))
+}

@@ -1,0 +1,209 @@
+//! What was measured, with every figure as a share of a limit too.
+
+use serde::Serialize;
+
+use super::backend::Backend;
+use super::limits::Limit;
+use super::machine::Machine;
+use super::measure::Times;
+use crate::settings::Kernel;
+
+/// The speed of every stage, beside the limits of the machine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SpeedReport {
+    /// Version of the program.
+    pub version: &'static str,
+    /// Whether few repeats on a small scene were asked for: the figures only show that everything works.
+    pub quick: bool,
+    /// What it ran on.
+    pub machine: Machine,
+    /// Samples of the unpruned set: every pixel of every camera.
+    pub samples: u64,
+    /// Samples of the pruned set.
+    pub samples_pruned: u64,
+    /// Share of the unpruned samples that fall in the picture, 0 to 1.
+    pub samples_in_picture: f64,
+    /// The machine's limits, by thread count.
+    pub limits: Vec<Limit>,
+    /// The stages, in the order in which they were measured; a name and a thread count occur once together.
+    pub stages: Vec<StageSpeed>,
+}
+
+/// The speed of one stage with some number of threads.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StageSpeed {
+    /// What was done to what, as `render/block/pruned/640x480`.
+    pub name: String,
+    /// What did it.
+    pub backend: Backend,
+    /// Threads.
+    pub threads: usize,
+    /// Samples (or pixels, before pruning) that were worked on.
+    pub samples: u64,
+    /// Median of the repeats, milliseconds.
+    pub median_ms: f64,
+    /// Interquartile range of the repeats, milliseconds.
+    pub spread_ms: f64,
+    /// Repeats.
+    pub repeats: usize,
+    /// Samples a second at the median, millions.
+    pub mpts_per_s: f64,
+    /// What it is held against.
+    pub limit: LimitKind,
+    /// That limit at the same thread count: million points a second or 10⁹ bytes a second, see [`LimitKind`].
+    pub limit_value: f64,
+    /// What the stage reached of it; above 1 where the stage's order of work is kinder to memory than the limit's.
+    pub fraction_of_limit: f64,
+    /// Bytes that were read or written at least once; for stages held against reading.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bytes: Option<u64>,
+    /// For stages that paint.
+    #[serde(flatten)]
+    pub painting: Option<Painting>,
+}
+
+/// What a stage is held against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LimitKind {
+    /// [`Limit::scatter_mpts_per_s`], against samples a second.
+    Scatter,
+    /// [`Limit::read_gb_per_s`], against bytes a second.
+    Read,
+}
+
+/// What is known about a stage that paints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Painting {
+    /// How a sample was painted.
+    pub kernel: Kernel,
+    /// Columns of the picture.
+    pub width: u32,
+    /// Rows of the picture.
+    pub height: u32,
+    /// Share of the picture that got a sample, 0 to 1. The scene fills the picture: what is missing are gaps.
+    pub coverage: f64,
+    /// Memory of the sample set, bytes a sample.
+    pub bytes_per_sample: f64,
+    /// Whether the samples that outlast the frame came from a cache.
+    pub background_reused: bool,
+    /// Samples a second as a share of scattering random points into a picture of this very size.
+    pub fraction_of_same_size_limit: f64,
+    /// How many times faster this is than painting all samples of the same set, with the same threads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speedup_over_full_repaint: Option<f64>,
+}
+
+/// A stage that was measured, before the limits are known.
+pub(super) struct Measured {
+    pub(super) name: String,
+    pub(super) backend: Backend,
+    pub(super) threads: usize,
+    pub(super) samples: u64,
+    pub(super) times: Times,
+    pub(super) bound: Bound,
+}
+
+/// What a measured stage will be held against.
+pub(super) enum Bound {
+    /// Reading memory.
+    Read {
+        /// See [`StageSpeed::bytes`].
+        bytes: u64,
+    },
+    /// Scattering; the painting's own fraction is not known yet.
+    Scatter(Painting),
+}
+
+impl Measured {
+    /// Holds the stage against the limits at its thread count.
+    pub(super) fn against(self, limit: &Limit) -> StageSpeed {
+        let mpts_per_s = self.times.millions_per_s(self.samples);
+        let (kind, limit_value, reached) = match &self.bound {
+            Bound::Read { bytes } => (LimitKind::Read, limit.read_gb_per_s, self.times.gb_per_s(*bytes)),
+            Bound::Scatter(_) => (LimitKind::Scatter, limit.scatter_mpts_per_s, mpts_per_s),
+        };
+        let (bytes, painting) = match self.bound {
+            Bound::Read { bytes } => (Some(bytes), None),
+            Bound::Scatter(painting) => {
+                let same_size =
+                    limit.scatter_at(painting.width, painting.height).unwrap_or(limit.scatter_mpts_per_s);
+                let fraction_of_same_size_limit = mpts_per_s / same_size;
+                (None, Some(Painting { fraction_of_same_size_limit, ..painting }))
+            }
+        };
+        StageSpeed {
+            name: self.name,
+            backend: self.backend,
+            threads: self.threads,
+            samples: self.samples,
+            median_ms: self.times.median_ms(),
+            spread_ms: self.times.spread_ms(),
+            repeats: self.times.repeats(),
+            mpts_per_s,
+            limit: kind,
+            limit_value,
+            fraction_of_limit: reached / limit_value,
+            bytes,
+            painting,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::speed::limits::ScatterLimit;
+
+    fn limit() -> Limit {
+        let of_size = |width, height, random_mpts_per_s| ScatterLimit {
+            width,
+            height,
+            random_mpts_per_s,
+            camera_order_mpts_per_s: 1000.0,
+        };
+        Limit {
+            threads: 2,
+            read_gb_per_s: 10.0,
+            scatter_mpts_per_s: 500.0,
+            scatter_camera_order_mpts_per_s: 1000.0,
+            gpu_copy_gb_per_s: None,
+            scatter: vec![of_size(640, 480, 500.0), of_size(1280, 720, 200.0)],
+        }
+    }
+
+    fn measured(bound: Bound) -> StageSpeed {
+        let measured = Measured {
+            name: "stage".to_owned(),
+            backend: Backend::Cpu,
+            threads: 2,
+            samples: 1_000_000,
+            times: Times::of(vec![10.0]),
+            bound,
+        };
+        measured.against(&limit())
+    }
+
+    #[test]
+    fn painting_is_a_share_of_scattering() {
+        let stage = measured(Bound::Scatter(Painting {
+            kernel: Kernel::Point,
+            width: 1280,
+            height: 720,
+            coverage: 1.0,
+            bytes_per_sample: 10.0,
+            background_reused: false,
+            fraction_of_same_size_limit: 0.0,
+            speedup_over_full_repaint: None,
+        }));
+        assert_eq!((stage.mpts_per_s, stage.limit_value, stage.fraction_of_limit), (100.0, 500.0, 0.2));
+        assert_eq!(stage.painting.unwrap().fraction_of_same_size_limit, 0.5);
+    }
+
+    #[test]
+    fn reading_is_a_share_of_the_memorys_bytes() {
+        let stage = measured(Bound::Read { bytes: 20_000_000 });
+        assert_eq!((stage.mpts_per_s, stage.limit_value, stage.fraction_of_limit), (100.0, 10.0, 0.2));
+        assert_eq!((stage.bytes, stage.painting), (Some(20_000_000), None));
+    }
+}

@@ -1,0 +1,130 @@
+//! `overlook bench` as a script meets it: one JSON document with figures that can be true. How fast anything is, no test says.
+
+use std::collections::BTreeSet;
+use std::process::{Command, Output};
+
+use overlook::settings::Kernel;
+use serde_json::Value;
+
+fn bench(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_overlook"))
+        .args(["bench", "--quick", "--threads", "2"])
+        .args(arguments)
+        .env_remove("RUST_LOG")
+        .output()
+        .unwrap()
+}
+
+fn measured(arguments: &[&str]) -> Value {
+    let output = bench(arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn positive(object: &Value, key: &str) -> f64 {
+    let value = object[key].as_f64().unwrap_or_else(|| panic!("no number '{key}' in {object}"));
+    assert!(value.is_finite() && value > 0.0, "{key} = {value} in {object}");
+    value
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
+}
+
+fn stages(document: &Value) -> &Vec<Value> {
+    document["stages"].as_array().unwrap()
+}
+
+fn name(stage: &Value) -> &str {
+    stage["name"].as_str().unwrap()
+}
+
+#[test]
+fn every_stage_is_measured_with_one_thread_and_with_all_and_held_against_a_limit() {
+    let document = measured(&["--json"]);
+    assert_eq!(document["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(document["samples"], 9 * 160 * 120);
+    assert!(document["machine"]["threads_available"].as_u64().unwrap() >= 1);
+    assert!(document["machine"]["simd"].is_array());
+
+    let limits = document["limits"].as_array().unwrap();
+    let threads: Vec<_> = limits.iter().map(|limit| limit["threads"].as_u64().unwrap()).collect();
+    assert_eq!(threads, [1, 2]);
+    for limit in limits {
+        positive(limit, "read_gb_per_s");
+        positive(limit, "scatter_mpts_per_s");
+        assert!(limit["gpu_copy_gb_per_s"].is_null());
+    }
+
+    let mut met = BTreeSet::new();
+    for stage in stages(&document) {
+        let threads = stage["threads"].as_u64().unwrap();
+        assert!(met.insert((name(stage), threads)), "{} with {threads} threads twice", name(stage));
+        let (median_ms, rate) = (positive(stage, "median_ms"), positive(stage, "mpts_per_s"));
+        assert!(stage["spread_ms"].as_f64().unwrap() >= 0.0 && stage["repeats"].as_u64().unwrap() >= 2);
+        assert!(close(rate, positive(stage, "samples") / median_ms / 1e3), "{stage}");
+        let limit = limits.iter().find(|limit| limit["threads"] == threads).unwrap();
+        let (reached, limit) = match stage["limit"].as_str().unwrap() {
+            "scatter" => (rate, &limit["scatter_mpts_per_s"]),
+            "read" => (positive(stage, "bytes") / median_ms / 1e6, &limit["read_gb_per_s"]),
+            other => panic!("there is no limit '{other}'"),
+        };
+        assert!(close(positive(stage, "fraction_of_limit"), reached / limit.as_f64().unwrap()), "{stage}");
+    }
+    let with = |threads| met.iter().filter(move |(_, found)| *found == threads).map(|(name, _)| *name);
+    assert!(with(1).eq(with(2)), "one thread and all");
+    for part in ["preprocess/scan", "preprocess/normals/plane", "preprocess/re-prune-frame", "store/read"] {
+        assert!(with(1).any(|name| name == part), "{part}");
+    }
+    for kernel in Kernel::ALL {
+        for set in ["unpruned/160x120", "unpruned/320x180", "pruned/160x120", "still-vantage/320x180"] {
+            assert!(with(1).any(|name| name == format!("render/{kernel}/{set}")), "{kernel} {set}");
+        }
+    }
+}
+
+#[test]
+fn painting_says_what_it_painted_and_a_still_vantage_keeps_its_background() {
+    let document = measured(&["--json", "--only", "render/block"]);
+    assert!(stages(&document).iter().all(|stage| name(stage).starts_with("render/block/")));
+    for stage in stages(&document) {
+        assert_eq!(stage["backend"], "cpu");
+        assert_eq!(stage["kernel"], "block");
+        let size = format!("{}x{}", stage["width"], stage["height"]);
+        assert!(name(stage).ends_with(&size), "{stage}");
+        assert!((0.9..=1.0).contains(&positive(stage, "coverage")), "{stage}");
+        assert!((6.0..32.0).contains(&positive(stage, "bytes_per_sample")), "{stage}");
+        positive(stage, "fraction_of_same_size_limit");
+        let still = name(stage).contains("still-vantage");
+        assert_eq!(stage["background_reused"], still, "{stage}");
+        assert_eq!(stage.get("speedup_over_full_repaint").is_some(), still);
+        let share = positive(stage, "samples") / document["samples"].as_f64().unwrap();
+        if still {
+            positive(stage, "speedup_over_full_repaint");
+            assert!((0.05..0.2).contains(&share), "{share} of the samples change");
+        } else if !name(stage).contains("/pruned/") {
+            assert_eq!(share, 1.0, "{stage}");
+        }
+    }
+}
+
+#[test]
+fn the_table_shows_what_was_asked_for() {
+    let output = bench(&["--only", "normals/cross", "--only", "preprocess/pack"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    let lines = |part: &str| text.lines().filter(|line| line.contains(part)).count();
+    assert_eq!((lines("preprocess/normals/cross"), lines("preprocess/pack")), (2, 2), "{text}");
+    assert_eq!((lines("plane"), lines("render/")), (0, 0), "{text}");
+}
+
+#[test]
+fn a_stage_that_does_not_exist_is_named_beside_those_that_do() {
+    let output = bench(&["--only", "teapot", "--json"]);
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(output.stdout.is_empty());
+    assert!(
+        stderr.lines().count() == 1 && stderr.contains("teapot") && stderr.contains("store/write"),
+        "{stderr}"
+    );
+}
