@@ -25,7 +25,8 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    fn is_empty(self) -> bool {
+    /// Whether there is no pixel in it.
+    pub(super) fn is_empty(self) -> bool {
         self.left >= self.right || self.top >= self.bottom
     }
 }

@@ -9,7 +9,7 @@
 //! is painted over it by depth, as the paper does.
 
 mod blend;
-mod compose;
+mod blocks;
 pub mod cpu;
 mod cull;
 mod dense_tile;
@@ -17,7 +17,10 @@ mod footprint;
 mod frame_samples;
 mod gather;
 mod keys;
+mod lookup;
 mod project;
+mod resolve;
+mod silhouette;
 mod simd;
 mod surface;
 pub mod vantage;
