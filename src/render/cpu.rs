@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::compose::{Palette, compose};
+use super::fill::fill;
 use super::splat::{Layer, Source, splat};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::capture::Camera;
@@ -96,7 +97,8 @@ impl CpuRenderer {
     /// Paints the samples of the vantage's frame.
     ///
     /// # Errors
-    /// `Cancelled`; `Invalid` where the frame does not exist, or the picture has no pixel or absurdly many.
+    /// `Cancelled`; `Invalid` where the frame does not exist, the picture has no pixel or absurdly many, or
+    /// [`Vantage::validate`] refuses.
     pub fn render(
         &mut self,
         samples: &Arc<SampleSet>,
@@ -125,12 +127,16 @@ impl CpuRenderer {
         };
         let sources = painted.sources(lasting..painted.images.len());
         let foreground = splat(samples, &sources, &vantage.camera, settings, job)?;
-        let picture = compose([&background, &foreground], &vantage.camera, settings, &painted);
+        let mut picture = compose([&background, &foreground], &vantage.camera, settings, &painted);
+        let filling = Instant::now();
+        fill(&mut picture, &vantage.camera, settings);
+        let fill_ms = filling.elapsed().as_secs_f64() * 1e3;
         let painted_samples = foreground.samples + if background_reused { 0 } else { background.samples };
         let stats = RenderStats {
             samples: painted_samples,
             holes: picture.holes(),
             milliseconds: started.elapsed().as_secs_f64() * 1e3,
+            fill_ms,
             background_reused,
         };
         Ok((picture, stats))
@@ -153,6 +159,7 @@ impl CpuRenderer {
 }
 
 fn check(samples: &SampleSet, vantage: &Vantage) -> Result<()> {
+    vantage.validate()?;
     let place = format!("vantage '{}'", vantage.camera.name);
     let (width, height) = vantage.camera.intrinsics.size();
     let pixels = width.saturating_mul(height);

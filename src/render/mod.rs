@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! SampleSet ─ images at the frame ─ project ─▶ splat (depth, then color) ─▶ Layer (background) ─┐
-//!                                                                          Layer (foreground) ─┴ compose ─▶ resolve ─▶ Picture
+//!                                                                          Layer (foreground) ─┴ compose ─▶ resolve ─▶ fill ─▶ Picture
 //! ```
 //!
 //! The background layer depends on the vantage alone and is kept while the vantage is still; the foreground of each frame
@@ -10,9 +10,11 @@
 
 mod compose;
 pub mod cpu;
+mod fill;
 mod project;
 mod splat;
 pub mod vantage;
 
 pub use cpu::CpuRenderer;
+pub use fill::fill;
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};

@@ -113,6 +113,11 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
         let image = picture.image[(x, y)];
         if image == NO_IMAGE {
+            let filled = picture.inverse_depth[(x, y)] >= 0.0;
+            if filled && key.color_by == ColorBy::Picture {
+                let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
+                return Color32::from_rgb(r, g, b);
+            }
             return if ((x + y) / STRIPE).is_multiple_of(2) { tokens.hole } else { tokens.hole_stripe };
         }
         let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);

@@ -1,0 +1,140 @@
+//! Hole filling: colors and inverse depths for pixels that no sample reached, taken from the surface behind.
+//!
+//! Sources: Gortler, Grzeszczuk, Szeliski and Cohen, *The Lumigraph*, 1996, §3.4 (pull: average to coarser levels; push:
+//! fill what is missing from them); Grossman and Dally, *Point Sample Rendering*, 1998 (the same for point samples); Solh
+//! and `AlRegib`, *Hierarchical Hole-Filling for Depth-Based View Synthesis*, 2012 (depth: a hole beside a near object is
+//! background that the object used to hide, so the near side must stay out of it).
+//!
+//! What differs: a pyramid in which the farther side always wins grows the near side wherever a coarse cell holds nothing
+//! else, and lets a sliver of sky win over a whole wall elsewhere. So the surface is chosen first, for every hole pixel by
+//! itself, among the painted pixels that it sees across its own hole ([`rays`]); the pyramid ([`pyramid`]) then blends
+//! colors of that surface alone.
+//!
+//! ```text
+//!      near  near  near |  hole  hole  hole  hole | far  far      across the hole two surfaces face each other: the farther
+//!                  ◀──────── p ──────────────────▶                one is what was hidden
+//!
+//!      near  near | hole | near  near                             one surface on both sides: a gap in it
+//! ```
+//!
+//! The mask is kept: [`Picture::image`] stays [`NO_IMAGE`] in filled pixels, and painted pixels are not touched.
+
+mod pyramid;
+mod rays;
+
+use rayon::prelude::*;
+
+use super::vantage::{NO_IMAGE, Picture};
+use crate::capture::Camera;
+use crate::settings::{Fill, RenderSettings};
+use pyramid::{Cell, Pyramid};
+use rays::{Hit, Rays};
+
+/// Widths up to this many times the narrowest one have a say in which surface is behind: in a corner of a near object the
+/// narrowest runs from near to near, and only a longer one gets out.
+const WIDTHS: f32 = 4.0;
+
+/// Tells surfaces apart by their inverse depths.
+#[derive(Clone, Copy, Debug)]
+struct Tolerance {
+    footprints: f32,
+    focal_px: f32,
+}
+
+impl Tolerance {
+    fn new(target: &Camera, settings: &RenderSettings) -> Self {
+        let focal_px = (target.intrinsics.fx * target.intrinsics.fy).sqrt() as f32;
+        Self { footprints: settings.depth_tolerance, focal_px }
+    }
+
+    /// By which factor inverse depths of one surface may differ over `distance_px`: what the renderer blends within a pixel,
+    /// and one footprint more per pixel, which is what a surface at 45° to the line of sight does.
+    fn factor(self, distance_px: f32) -> f32 {
+        1.0 + (self.footprints + distance_px) / self.focal_px
+    }
+}
+
+/// The surface that a hole pixel is filled from.
+struct Surface {
+    /// Smallest and largest inverse depth of it that the pixel sees.
+    range: [f32; 2],
+    /// The mean of what the pixel sees of it, nearby pixels counting more.
+    mean: Cell,
+}
+
+/// Fills the holes of `picture` as the settings say. Color and inverse depth of filled pixels are set and the latter is no
+/// longer negative, but [`Picture::image`] still says that no sample reached them. A picture without any sample stays as it is.
+/// The result does not depend on the number of threads.
+pub fn fill(picture: &mut Picture, target: &Camera, settings: &RenderSettings) {
+    let (width, height) = picture.image.size();
+    let image = picture.image.as_slice();
+    let is_hole = |image: &u32| *image == NO_IMAGE;
+    let nothing_to_do = settings.fill == Fill::None
+        || !image.par_iter().with_min_len(4096).any(is_hole)
+        || image.par_iter().with_min_len(4096).all(is_hole);
+    if nothing_to_do {
+        return;
+    }
+    let tolerance = Tolerance::new(target, settings);
+    let (pyramid, rays) =
+        rayon::join(|| Pyramid::pull(picture, tolerance), || Rays::cast(image, (width, height)));
+    let filled: Vec<Vec<(usize, Cell)>> = (0..height)
+        .into_par_iter()
+        .map(|y| {
+            let holes = (0..width).filter(|x| is_hole(&image[y * width + x]));
+            let answer = |x| {
+                let surface = surface_behind(picture, &rays, (x, y), tolerance);
+                let range = surface.as_ref().map(|surface| surface.range);
+                let blended = pyramid.push((x, y), range, tolerance);
+                blended.or(surface.map(|surface| surface.mean)).map(|cell| (x, cell))
+            };
+            holes.filter_map(answer).collect()
+        })
+        .collect();
+    let rows = picture.color.as_mut_slice().par_chunks_mut(width);
+    let rows = rows.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
+    rows.zip(filled).for_each(|((colors, inverse_depths), filled)| {
+        for (x, cell) in filled {
+            colors[x] = cell.color;
+            inverse_depths[x] = cell.inverse_depth;
+        }
+    });
+}
+
+/// The farthest surface that lies across the hole where it is narrow; `None` where the pixel sees nothing painted.
+fn surface_behind(
+    picture: &Picture,
+    rays: &Rays,
+    pixel: (usize, usize),
+    tolerance: Tolerance,
+) -> Option<Surface> {
+    let inverse_depth = |hit: &Hit| picture.inverse_depth.as_slice()[hit.pixel];
+    let pairs = rays.pairs(pixel);
+    // A ray that leaves the picture leaves the width open: it counts as if the hole went on as far on that side.
+    let width_px = |pair: &[Option<Hit>; 2]| match pair {
+        [Some(a), Some(b)] => a.distance_px + b.distance_px,
+        [Some(only), None] | [None, Some(only)] => 2.0 * only.distance_px,
+        [None, None] => f32::INFINITY,
+    };
+    let closed = pairs.iter().filter(|pair| pair.iter().all(Option::is_some));
+    let narrowest = closed.map(width_px).fold(f32::INFINITY, f32::min);
+    let behind = pairs
+        .iter()
+        .filter(|pair| width_px(pair) <= WIDTHS * narrowest)
+        .flat_map(|pair| pair.iter().flatten())
+        .min_by(|a, b| {
+            inverse_depth(a).total_cmp(&inverse_depth(b)).then(a.distance_px.total_cmp(&b.distance_px))
+        })?;
+    let far = inverse_depth(behind);
+    let mut range = [far; 2];
+    let mut mean = Cell::EMPTY;
+    for hit in pairs.into_iter().flatten().flatten() {
+        let factor = tolerance.factor(hit.distance_px + behind.distance_px);
+        let near = inverse_depth(&hit);
+        if near.max(far) <= near.min(far) * factor {
+            range = [range[0].min(near), range[1].max(near)];
+            mean.add(hit.distance_px.powi(-2), picture.color.as_slice()[hit.pixel], near);
+        }
+    }
+    Some(Surface { range, mean: mean.normalized() })
+}

@@ -1,0 +1,151 @@
+//! The pyramid: means of ever larger blocks of painted pixels, each of one surface alone.
+//!
+//! ```text
+//! pull    level 1: 2×2 pixels a cell    level 2: 4×4    …    top: the whole picture
+//! push    a hole pixel blends the four cells around it at level 1, covers what they leave open from level 2, and so on
+//! ```
+//!
+//! A cell covers only as much as its block was painted. Pushing reads bilinearly at every level, so that neither the cells'
+//! borders nor the change from one level to the next is seen.
+
+use rayon::prelude::*;
+
+use super::super::vantage::{NO_IMAGE, Picture};
+use super::Tolerance;
+
+/// A mean with its weight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cell {
+    /// Linear Rec.709.
+    pub(super) color: [f32; 3],
+    /// Reciprocal of planar z.
+    pub(super) inverse_depth: f32,
+    /// In a pyramid the share of the block that the surface covers, 0 to 1; 0 where nothing is painted.
+    pub(super) weight: f32,
+}
+
+impl Cell {
+    /// Nothing.
+    pub(super) const EMPTY: Self = Self { color: [0.0; 3], inverse_depth: 0.0, weight: 0.0 };
+
+    /// Adds a color; the cell is a sum until it is normalized.
+    pub(super) fn add(&mut self, weight: f32, color: [f32; 3], inverse_depth: f32) {
+        (0..3).for_each(|channel| self.color[channel] += weight * color[channel]);
+        self.inverse_depth += weight * inverse_depth;
+        self.weight += weight;
+    }
+
+    /// The mean of what was added.
+    pub(super) fn normalized(self) -> Self {
+        let scale = self.weight.recip();
+        let color = self.color.map(|channel| channel * scale);
+        Self { color, inverse_depth: self.inverse_depth * scale, weight: self.weight }
+    }
+}
+
+struct Level {
+    width: usize,
+    height: usize,
+    cells: Vec<Cell>,
+}
+
+/// All levels above the picture itself, finest first.
+pub(super) struct Pyramid {
+    levels: Vec<Level>,
+}
+
+/// A pixel is done when less than this share of it is open.
+const DONE: f32 = 1.0 / 256.0;
+
+impl Pyramid {
+    /// Pulls a picture: every cell is the mean of the farthest surface in its block.
+    pub(super) fn pull(picture: &Picture, tolerance: Tolerance) -> Self {
+        let (width, height) = picture.image.size();
+        let pixel = |x: usize, y: usize| {
+            let pixel = y * width + x;
+            let painted = picture.image.as_slice()[pixel] != NO_IMAGE;
+            Cell {
+                color: picture.color.as_slice()[pixel],
+                inverse_depth: picture.inverse_depth.as_slice()[pixel],
+                weight: f32::from(u8::from(painted)),
+            }
+        };
+        let mut levels = vec![halve((width, height), tolerance.factor(2.0), pixel)];
+        while let Some(finer) = levels.last()
+            && finer.cells.len() > 1
+        {
+            let factor = tolerance.factor((2 << levels.len()) as f32);
+            levels.push(halve((finer.width, finer.height), factor, |x, y| finer.cells[y * finer.width + x]));
+        }
+        Self { levels }
+    }
+
+    /// The color and inverse depth for a hole pixel, from cells of the surface whose inverse depths lie in `range`, or of
+    /// any where it is `None`; `None` where there is no such cell.
+    pub(super) fn push(
+        &self,
+        (x, y): (usize, usize),
+        range: Option<[f32; 2]>,
+        tolerance: Tolerance,
+    ) -> Option<Cell> {
+        let mut sum = Cell::EMPTY;
+        for (index, level) in self.levels.iter().enumerate() {
+            let block = (2 << index) as f32;
+            let factor = tolerance.factor(block);
+            let [farthest, nearest] = range.map_or([0.0, f32::INFINITY], |[f, n]| [f / factor, n * factor]);
+            let open = 1.0 - sum.weight;
+            level.around((x as f32 + 0.5) / block, (y as f32 + 0.5) / block, |cell, share| {
+                if cell.weight > 0.0 && (farthest..=nearest).contains(&cell.inverse_depth) {
+                    sum.add(open * share * cell.weight, cell.color, cell.inverse_depth);
+                }
+            });
+            if sum.weight > 1.0 - DONE {
+                break;
+            }
+        }
+        (sum.weight > 0.0).then(|| sum.normalized())
+    }
+}
+
+impl Level {
+    /// The four cells around a position with their bilinear shares; at the picture's edge the outermost cells go on.
+    fn around(&self, u: f32, v: f32, mut visit: impl FnMut(&Cell, f32)) {
+        let ends = |position: f32, count: usize| {
+            let first = (position - 0.5).floor();
+            let share = position - 0.5 - first;
+            let inside = |index: f32| (index.max(0.0) as usize).min(count - 1);
+            [(inside(first), 1.0 - share), (inside(first + 1.0), share)]
+        };
+        let columns = ends(u, self.width);
+        for (row, share_y) in ends(v, self.height) {
+            for (column, share_x) in columns {
+                visit(&self.cells[row * self.width + column], share_x * share_y);
+            }
+        }
+    }
+}
+
+/// The next coarser level; inverse depths of one surface differ at most by `factor`.
+fn halve((width, height): (usize, usize), factor: f32, finer: impl Fn(usize, usize) -> Cell + Sync) -> Level {
+    let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
+    let mut cells = vec![Cell::EMPTY; columns * rows];
+    cells.par_chunks_mut(columns).enumerate().with_min_len(16).for_each(|(row, cells)| {
+        for (column, cell) in cells.iter_mut().enumerate() {
+            // The last block of an odd picture is smaller: its pixels count twice.
+            let (right, below) = ((2 * column + 1).min(width - 1), (2 * row + 1).min(height - 1));
+            let block = [(2 * column, 2 * row), (right, 2 * row), (2 * column, below), (right, below)]
+                .map(|(x, y)| finer(x, y));
+            let painted = || block.iter().filter(|part| part.weight > 0.0);
+            let farthest = painted().map(|part| part.inverse_depth).fold(f32::INFINITY, f32::min);
+            let mut sum = Cell::EMPTY;
+            for part in painted().filter(|part| part.inverse_depth <= farthest * factor) {
+                sum.add(part.weight, part.color, part.inverse_depth);
+            }
+            if sum.weight > 0.0 {
+                *cell = sum.normalized();
+                cell.weight /= 4.0;
+            }
+        }
+    });
+    Level { width: columns, height: rows, cells }
+}

@@ -1,0 +1,157 @@
+//! What a hole pixel sees across its own hole: the first painted pixel in each of eight directions.
+//!
+//! ```text
+//!     forward    1 2 3        backward is the same sweep over the picture turned by 180°:
+//!                0 p 0'       0' to 3' lie opposite of 0 to 3
+//!                3'2'1'
+//! ```
+//!
+//! Steps are counted in one sweep per half of the directions, in bands of rows that do not wait for each other; a ray that
+//! leaves its band goes on from the row where it enters the one before.
+
+use rayon::prelude::*;
+
+use super::super::vantage::NO_IMAGE;
+
+/// Rows of a band.
+const BAND: usize = 64;
+
+/// No painted pixel before the band or the picture ends, or within 65,534 steps.
+const NONE: u16 = u16::MAX;
+
+/// Steps to the first painted pixel to the left, up left, up, and up right; 0 in painted pixels.
+type Steps = [u16; 4];
+
+/// Columns that one step in each direction goes to the right.
+const COLUMNS: [isize; 4] = [-1, -1, 0, 1];
+
+/// A painted pixel at the far end of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Hit {
+    /// Index of the pixel, row-major.
+    pub(super) pixel: usize,
+    /// Distance to it.
+    pub(super) distance_px: f32,
+}
+
+/// Rays from every hole pixel.
+pub(super) struct Rays {
+    size: (usize, usize),
+    forward: Vec<Steps>,
+    backward: Vec<Steps>,
+}
+
+impl Rays {
+    /// Casts all rays over a picture of `size` whose holes hold [`NO_IMAGE`].
+    pub(super) fn cast(image: &[u32], size: (usize, usize)) -> Self {
+        let last = image.len() - 1;
+        let (forward, backward) = rayon::join(
+            || sweep(size.0, image.len(), |pixel| image[pixel] == NO_IMAGE),
+            || sweep(size.0, image.len(), |pixel| image[last - pixel] == NO_IMAGE),
+        );
+        Self { size, forward, backward }
+    }
+
+    /// What the hole pixel `(x, y)` sees in four directions, each with the opposite one.
+    pub(super) fn pairs(&self, (x, y): (usize, usize)) -> [[Option<Hit>; 2]; 4] {
+        let (width, height) = self.size;
+        let last = width * height - 1;
+        let turned = (width - 1 - x, height - 1 - y);
+        [0, 1, 2, 3].map(|direction| {
+            let back = follow(&self.backward, width, turned, direction);
+            [
+                follow(&self.forward, width, (x, y), direction),
+                back.map(|hit| Hit { pixel: last - hit.pixel, ..hit }),
+            ]
+        })
+    }
+}
+
+fn sweep(width: usize, count: usize, is_hole: impl Fn(usize) -> bool + Sync) -> Vec<Steps> {
+    let mut steps = vec![[0; 4]; count];
+    steps.par_chunks_mut(BAND * width).enumerate().for_each(|(band, steps)| {
+        let first = band * BAND * width;
+        for local in 0..steps.len() {
+            if !is_hole(first + local) {
+                continue;
+            }
+            let x = local % width;
+            let has = [x > 0, x > 0 && local >= width, local >= width, x + 1 < width && local >= width];
+            // Wrapping, as the first row's upper neighbors are never looked at.
+            let above = local.wrapping_sub(width);
+            let neighbors = [local.wrapping_sub(1), above.wrapping_sub(1), above, above.wrapping_add(1)];
+            for direction in 0..4 {
+                let next = if has[direction] { steps[neighbors[direction]][direction] } else { NONE };
+                steps[local][direction] = next.saturating_add(1);
+            }
+        }
+    });
+    steps
+}
+
+/// Follows one ray from band to band.
+fn follow(steps: &[Steps], width: usize, from: (usize, usize), direction: usize) -> Option<Hit> {
+    let (mut x, mut y) = from;
+    let mut taken = 0;
+    let found = loop {
+        match steps[y * width + x][direction] {
+            NONE if direction == 0 => return None,
+            NONE => {
+                let rows = y % BAND + 1;
+                y = y.checked_sub(rows)?;
+                x = x.checked_add_signed(COLUMNS[direction] * rows as isize).filter(|&x| x < width)?;
+                taken += rows;
+            }
+            found => break found as usize,
+        }
+    };
+    let columns = COLUMNS[direction] * found as isize;
+    let rows = if direction == 0 { 0 } else { found };
+    let length = if COLUMNS[direction] != 0 && direction != 0 { std::f32::consts::SQRT_2 } else { 1.0 };
+    Some(Hit {
+        pixel: (y - rows) * width + x.checked_add_signed(columns)?,
+        distance_px: (taken + found) as f32 * length,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The same by walking.
+    fn walk(
+        image: &[u32],
+        (width, height): (usize, usize),
+        from: (usize, usize),
+        step: (i32, i32),
+    ) -> Option<Hit> {
+        let mut taken = 0;
+        loop {
+            taken += 1;
+            let x = usize::try_from(from.0 as i32 + taken * step.0).ok().filter(|x| *x < width)?;
+            let y = usize::try_from(from.1 as i32 + taken * step.1).ok().filter(|y| *y < height)?;
+            if image[y * width + x] != NO_IMAGE {
+                let length = if step.0 != 0 && step.1 != 0 { std::f32::consts::SQRT_2 } else { 1.0 };
+                return Some(Hit { pixel: y * width + x, distance_px: taken as f32 * length });
+            }
+        }
+    }
+
+    #[test]
+    fn rays_find_what_walking_finds_within_and_across_bands() {
+        for (width, height, every) in [(1, 1, 2), (1, 200, 41), (90, 1, 17), (37, 150, 300), (70, 131, 5)] {
+            let image: Vec<u32> = (0..width * height)
+                .map(|i| if (i * 7919 + i / 3) % every == every - 1 { 3 } else { NO_IMAGE })
+                .collect();
+            let rays = Rays::cast(&image, (width, height));
+            for pixel in (0..image.len()).filter(|&pixel| image[pixel] == NO_IMAGE) {
+                let from = (pixel % width, pixel / width);
+                let pairs = rays.pairs(from);
+                for (pair, (x, y)) in pairs.iter().zip([(-1, 0), (-1, -1), (0, -1), (1, -1)]) {
+                    assert_eq!(pair[0], walk(&image, (width, height), from, (x, y)), "{from:?}");
+                    assert_eq!(pair[1], walk(&image, (width, height), from, (-x, -y)), "{from:?}");
+                }
+            }
+        }
+    }
+}
