@@ -60,6 +60,15 @@ struct Surface {
     range: [f32; 2],
     /// The mean of what the pixel sees of it, nearby pixels counting more.
     mean: Cell,
+    /// Distance to the remotest painted pixel that it sees of it.
+    reach_px: f32,
+}
+
+/// What a hole pixel of some row is filled with.
+struct Filled {
+    x: u32,
+    color: [f32; 3],
+    inverse_depth: f32,
 }
 
 /// Fills the holes of `picture` as the settings say. Color and inverse depth of filled pixels are set and the latter is no
@@ -78,25 +87,26 @@ pub fn fill(picture: &mut Picture, target: &Camera, settings: &RenderSettings) {
     let tolerance = Tolerance::new(target, settings);
     let (pyramid, rays) =
         rayon::join(|| Pyramid::pull(picture, tolerance), || Rays::cast(image, (width, height)));
-    let filled: Vec<Vec<(usize, Cell)>> = (0..height)
+    let filled: Vec<Vec<Filled>> = (0..height)
         .into_par_iter()
         .map(|y| {
-            let holes = (0..width).filter(|x| is_hole(&image[y * width + x]));
-            let answer = |x| {
+            let row = &image[y * width..][..width];
+            let mut filled = Vec::with_capacity(row.iter().filter(|image| is_hole(image)).count());
+            for x in (0..width).filter(|x| is_hole(&row[*x])) {
                 let surface = surface_behind(picture, &rays, (x, y), tolerance);
-                let range = surface.as_ref().map(|surface| surface.range);
-                let blended = pyramid.push((x, y), range, tolerance);
-                blended.or(surface.map(|surface| surface.mean)).map(|cell| (x, cell))
-            };
-            holes.filter_map(answer).collect()
+                if let Some(cell) = pyramid.push((x, y), surface.as_ref(), tolerance) {
+                    filled.push(Filled { x: x as u32, color: cell.color, inverse_depth: cell.inverse_depth });
+                }
+            }
+            filled
         })
         .collect();
     let rows = picture.color.as_mut_slice().par_chunks_mut(width);
     let rows = rows.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
     rows.zip(filled).for_each(|((colors, inverse_depths), filled)| {
-        for (x, cell) in filled {
-            colors[x] = cell.color;
-            inverse_depths[x] = cell.inverse_depth;
+        for Filled { x, color, inverse_depth } in filled {
+            colors[x as usize] = color;
+            inverse_depths[x as usize] = inverse_depth;
         }
     });
 }
@@ -128,13 +138,15 @@ fn surface_behind(
     let far = inverse_depth(behind);
     let mut range = [far; 2];
     let mut mean = Cell::EMPTY;
+    let mut reach_px: f32 = 0.0;
     for hit in pairs.into_iter().flatten().flatten() {
         let factor = tolerance.factor(hit.distance_px + behind.distance_px);
         let near = inverse_depth(&hit);
         if near.max(far) <= near.min(far) * factor {
             range = [range[0].min(near), range[1].max(near)];
+            reach_px = reach_px.max(hit.distance_px);
             mean.add(hit.distance_px.powi(-2), picture.color.as_slice()[hit.pixel], near);
         }
     }
-    Some(Surface { range, mean: mean.normalized() })
+    Some(Surface { range, mean: mean.normalized(), reach_px })
 }

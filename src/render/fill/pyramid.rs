@@ -5,13 +5,13 @@
 //! push    a hole pixel blends the four cells around it at level 1, covers what they leave open from level 2, and so on
 //! ```
 //!
-//! A cell covers only as much as its block was painted. Pushing reads bilinearly at every level, so that neither the cells'
+//! A cell covers less where little of its block was painted. Pushing reads bilinearly at every level, so that neither the cells'
 //! borders nor the change from one level to the next is seen.
 
 use rayon::prelude::*;
 
 use super::super::vantage::{NO_IMAGE, Picture};
-use super::Tolerance;
+use super::{Surface, Tolerance};
 
 /// A mean with its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,12 +47,18 @@ struct Level {
     width: usize,
     height: usize,
     cells: Vec<Cell>,
+    /// For each cell the finest level at which there is anything around it, from its own level up.
+    anything_from: Vec<u8>,
 }
 
 /// All levels above the picture itself, finest first.
 pub(super) struct Pyramid {
     levels: Vec<Level>,
 }
+
+/// Share of a block that must be painted for its mean to be as good as any: with less, what is there lies to one side.
+/// Of 0.12 to 1, one half is nearest to a smooth surface, and costs the real captures nothing.
+const ENOUGH: f32 = 0.5;
 
 /// A pixel is done when less than this share of it is open.
 const DONE: f32 = 1.0 / 256.0;
@@ -77,37 +83,67 @@ impl Pyramid {
             let factor = tolerance.factor((2 << levels.len()) as f32);
             levels.push(halve((finer.width, finer.height), factor, |x, y| finer.cells[y * finer.width + x]));
         }
+        for index in (0..levels.len()).rev() {
+            let (finer, coarser) = levels.split_at_mut(index + 1);
+            finer[index].note_empty(index, coarser.first());
+        }
         Self { levels }
     }
 
-    /// The color and inverse depth for a hole pixel, from cells of the surface whose inverse depths lie in `range`, or of
-    /// any where it is `None`; `None` where there is no such cell.
+    /// The color and inverse depth for a hole pixel. Cells of `surface` count, up to blocks as wide as the hole; what they
+    /// leave open gets the mean of what the pixel sees. Without a surface any cell counts; `None` where there is no cell.
     pub(super) fn push(
         &self,
         (x, y): (usize, usize),
-        range: Option<[f32; 2]>,
+        surface: Option<&Surface>,
         tolerance: Tolerance,
     ) -> Option<Cell> {
+        let largest_px = surface.map_or(f32::INFINITY, |surface| 2.0 * surface.reach_px);
         let mut sum = Cell::EMPTY;
-        for (index, level) in self.levels.iter().enumerate() {
-            let block = (2 << index) as f32;
-            let factor = tolerance.factor(block);
-            let [farthest, nearest] = range.map_or([0.0, f32::INFINITY], |[f, n]| [f / factor, n * factor]);
-            let open = 1.0 - sum.weight;
-            level.around((x as f32 + 0.5) / block, (y as f32 + 0.5) / block, |cell, share| {
-                if cell.weight > 0.0 && (farthest..=nearest).contains(&cell.inverse_depth) {
-                    sum.add(open * share * cell.weight, cell.color, cell.inverse_depth);
-                }
-            });
-            if sum.weight > 1.0 - DONE {
+        let first = self.levels[0].anything_from[y / 2 * self.levels[0].width + x / 2] as usize;
+        for (index, level) in self.levels.iter().enumerate().skip(first) {
+            let block_px = (2 << index) as f32;
+            if block_px > largest_px || sum.weight > 1.0 - DONE {
                 break;
             }
+            let factor = tolerance.factor(block_px);
+            let [farthest, nearest] = surface.map_or([0.0, f32::INFINITY], |surface| {
+                [surface.range[0] / factor, surface.range[1] * factor]
+            });
+            let open = 1.0 - sum.weight;
+            level.around((x as f32 + 0.5) / block_px, (y as f32 + 0.5) / block_px, |cell, share| {
+                if cell.weight > 0.0 && (farthest..=nearest).contains(&cell.inverse_depth) {
+                    let weight = open * share * (cell.weight / ENOUGH).min(1.0);
+                    sum.add(weight, cell.color, cell.inverse_depth);
+                }
+            });
+        }
+        if let Some(Surface { mean, .. }) = surface {
+            let open = (1.0 - sum.weight).max(0.0);
+            sum.add(open, mean.color, mean.inverse_depth);
         }
         (sum.weight > 0.0).then(|| sum.normalized())
     }
 }
 
 impl Level {
+    /// Sets [`Level::anything_from`] of the level with this index: what is empty around a cell is empty around its parts.
+    fn note_empty(&mut self, index: usize, coarser: Option<&Self>) {
+        let (width, height, cells) = (self.width, self.height, &self.cells);
+        self.anything_from = vec![index as u8; cells.len()];
+        let Some(coarser) = coarser else { return };
+        self.anything_from.par_chunks_mut(width).enumerate().with_min_len(16).for_each(|(row, noted)| {
+            let rows = row.saturating_sub(1)..(row + 2).min(height);
+            for (column, noted) in noted.iter_mut().enumerate() {
+                let columns = column.saturating_sub(1)..(column + 2).min(width);
+                let mut around = rows.clone().map(|row| &cells[row * width..][columns.clone()]);
+                if around.all(|cells| cells.iter().all(|cell| cell.weight == 0.0)) {
+                    *noted = coarser.anything_from[row / 2 * coarser.width + column / 2];
+                }
+            }
+        });
+    }
+
     /// The four cells around a position with their bilinear shares; at the picture's edge the outermost cells go on.
     fn around(&self, u: f32, v: f32, mut visit: impl FnMut(&Cell, f32)) {
         let ends = |position: f32, count: usize| {
@@ -147,5 +183,5 @@ fn halve((width, height): (usize, usize), factor: f32, finer: impl Fn(usize, usi
             }
         }
     });
-    Level { width: columns, height: rows, cells }
+    Level { width: columns, height: rows, cells, anything_from: Vec::new() }
 }

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Steps are counted in one sweep per half of the directions, in bands of rows that do not wait for each other; a ray that
-//! leaves its band goes on from the row where it enters the one before.
+//! leaves its band goes on from the last row of the one before, which knows what lies beyond.
 
 use rayon::prelude::*;
 
@@ -16,7 +16,7 @@ use super::super::vantage::NO_IMAGE;
 /// Rows of a band.
 const BAND: usize = 64;
 
-/// No painted pixel before the band or the picture ends, or within 65,534 steps.
+/// No painted pixel before the band or, in the last row of a band, the picture ends; none within 65,534 steps.
 const NONE: u16 = u16::MAX;
 
 /// Steps to the first painted pixel to the left, up left, up, and up right; 0 in painted pixels.
@@ -86,32 +86,46 @@ fn sweep(width: usize, count: usize, is_hole: impl Fn(usize) -> bool + Sync) -> 
             }
         }
     });
+    for last in (2 * BAND - 1..count / width).step_by(BAND) {
+        for x in 0..width {
+            let pixel = last * width + x;
+            steps[pixel] = [0, 1, 2, 3].map(|direction| {
+                let here = steps[pixel][direction];
+                let beyond = (here == NONE && direction > 0)
+                    .then(|| row_before_band((x, last), width, direction))
+                    .flatten()
+                    .map(|(x, y)| steps[y * width + x][direction].saturating_add(BAND as u16));
+                beyond.unwrap_or(here)
+            });
+        }
+    }
     steps
 }
 
-/// Follows one ray from band to band.
+/// Where a ray enters the band before its own; `None` where it leaves the picture first.
+fn row_before_band((x, y): (usize, usize), width: usize, direction: usize) -> Option<(usize, usize)> {
+    let rows = y % BAND + 1;
+    let x = x.checked_add_signed(COLUMNS[direction] * rows as isize).filter(|&x| x < width)?;
+    Some((x, y.checked_sub(rows)?))
+}
+
+/// Follows one ray to its end.
 fn follow(steps: &[Steps], width: usize, from: (usize, usize), direction: usize) -> Option<Hit> {
-    let (mut x, mut y) = from;
-    let mut taken = 0;
-    let found = loop {
-        match steps[y * width + x][direction] {
-            NONE if direction == 0 => return None,
-            NONE => {
-                let rows = y % BAND + 1;
-                y = y.checked_sub(rows)?;
-                x = x.checked_add_signed(COLUMNS[direction] * rows as isize).filter(|&x| x < width)?;
-                taken += rows;
-            }
-            found => break found as usize,
+    let at = |(x, y): (usize, usize)| steps[y * width + x][direction];
+    let mut taken = usize::from(at(from));
+    if at(from) == NONE && direction > 0 {
+        let before = row_before_band(from, width, direction)?;
+        if at(before) == NONE {
+            return None;
         }
-    };
-    let columns = COLUMNS[direction] * found as isize;
-    let rows = if direction == 0 { 0 } else { found };
-    let length = if COLUMNS[direction] != 0 && direction != 0 { std::f32::consts::SQRT_2 } else { 1.0 };
-    Some(Hit {
-        pixel: (y - rows) * width + x.checked_add_signed(columns)?,
-        distance_px: (taken + found) as f32 * length,
-    })
+        taken = usize::from(at(before)) + from.1 % BAND + 1;
+    } else if at(from) == NONE {
+        return None;
+    }
+    let x = from.0.checked_add_signed(COLUMNS[direction] * taken as isize)?;
+    let y = from.1 - if direction == 0 { 0 } else { taken };
+    let length = if direction % 2 == 1 { std::f32::consts::SQRT_2 } else { 1.0 };
+    Some(Hit { pixel: y * width + x, distance_px: taken as f32 * length })
 }
 
 #[cfg(test)]
