@@ -28,7 +28,7 @@ use super::vantage::{NO_IMAGE, Picture};
 use crate::capture::Camera;
 use crate::settings::{Fill, RenderSettings};
 use pyramid::{Cell, Pyramid};
-use rays::{Hit, Rays};
+use rays::{Rays, Sight};
 
 /// Widths up to this many times the narrowest one have a say in which surface is behind: in a corner of a near object the
 /// narrowest runs from near to near, and only a longer one gets out.
@@ -118,35 +118,31 @@ fn surface_behind(
     pixel: (usize, usize),
     tolerance: Tolerance,
 ) -> Option<Surface> {
-    let inverse_depth = |hit: &Hit| picture.inverse_depth.as_slice()[hit.pixel];
-    let pairs = rays.pairs(pixel);
+    let Sight { pixel, distance_px } = rays.sight(pixel);
+    let inverse_depth = pixel.map(|pixel| picture.inverse_depth.as_slice()[pixel]);
+    let pairs = [0, 1, 2, 3].map(|direction| (distance_px[direction], distance_px[direction + 4]));
+    let narrowest_px = pairs.iter().map(|(a, b)| a + b).fold(f32::INFINITY, f32::min);
     // A ray that leaves the picture leaves the width open: it counts as if the hole went on as far on that side.
-    let width_px = |pair: &[Option<Hit>; 2]| match pair {
-        [Some(a), Some(b)] => a.distance_px + b.distance_px,
-        [Some(only), None] | [None, Some(only)] => 2.0 * only.distance_px,
-        [None, None] => f32::INFINITY,
-    };
-    let closed = pairs.iter().filter(|pair| pair.iter().all(Option::is_some));
-    let narrowest = closed.map(width_px).fold(f32::INFINITY, f32::min);
-    let behind = pairs
-        .iter()
-        .filter(|pair| width_px(pair) <= WIDTHS * narrowest)
-        .flat_map(|pair| pair.iter().flatten())
-        .min_by(|a, b| {
-            inverse_depth(a).total_cmp(&inverse_depth(b)).then(a.distance_px.total_cmp(&b.distance_px))
-        })?;
-    let far = inverse_depth(behind);
-    let mut range = [far; 2];
-    let mut mean = Cell::EMPTY;
-    let mut reach_px: f32 = 0.0;
-    for hit in pairs.into_iter().flatten().flatten() {
-        let factor = tolerance.factor(hit.distance_px + behind.distance_px);
-        let near = inverse_depth(&hit);
-        if near.max(far) <= near.min(far) * factor {
-            range = [range[0].min(near), range[1].max(near)];
-            reach_px = reach_px.max(hit.distance_px);
-            mean.add(hit.distance_px.powi(-2), picture.color.as_slice()[hit.pixel], near);
+    let width_px = pairs.map(|(a, b)| if (a + b).is_finite() { a + b } else { 2.0 * a.min(b) });
+    let mut behind: Option<(f32, f32)> = None;
+    for direction in 0..8 {
+        let (far, distance_px) = (inverse_depth[direction], distance_px[direction]);
+        let counts = distance_px.is_finite() && width_px[direction % 4] <= WIDTHS * narrowest_px;
+        if counts && behind.is_none_or(|behind| (far, distance_px) < behind) {
+            behind = Some((far, distance_px));
         }
     }
-    Some(Surface { range, mean: mean.normalized(), reach_px })
+    let (far, far_px) = behind?;
+    let mut surface = Surface { range: [far; 2], mean: Cell::EMPTY, reach_px: 0.0 };
+    for direction in 0..8 {
+        let (near, near_px) = (inverse_depth[direction], distance_px[direction]);
+        if near_px.is_finite() && near.max(far) <= near.min(far) * tolerance.factor(near_px + far_px) {
+            surface.range = [surface.range[0].min(near), surface.range[1].max(near)];
+            surface.reach_px = surface.reach_px.max(near_px);
+            let color = picture.color.as_slice()[pixel[direction]];
+            surface.mean.add(1.0 / (near_px * near_px), color, near);
+        }
+    }
+    surface.mean = surface.mean.normalized();
+    Some(surface)
 }

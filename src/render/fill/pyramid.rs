@@ -60,8 +60,8 @@ pub(super) struct Pyramid {
 /// Of 0.12 to 1, one half is nearest to a smooth surface, and costs the real captures nothing.
 const ENOUGH: f32 = 0.5;
 
-/// A pixel is done when less than this share of it is open.
-const DONE: f32 = 1.0 / 256.0;
+/// A pixel is done when less than this share of it is open: one more level would not be seen.
+const DONE: f32 = 1.0 / 64.0;
 
 impl Pyramid {
     /// Pulls a picture: every cell is the mean of the farthest surface in its block.
@@ -111,7 +111,7 @@ impl Pyramid {
                 [surface.range[0] / factor, surface.range[1] * factor]
             });
             let open = 1.0 - sum.weight;
-            level.around((x as f32 + 0.5) / block_px, (y as f32 + 0.5) / block_px, |cell, share| {
+            level.around((x, y), index + 1, |cell, share| {
                 if cell.weight > 0.0 && (farthest..=nearest).contains(&cell.inverse_depth) {
                     let weight = open * share * (cell.weight / ENOUGH).min(1.0);
                     sum.add(weight, cell.color, cell.inverse_depth);
@@ -144,16 +144,21 @@ impl Level {
         });
     }
 
-    /// The four cells around a position with their bilinear shares; at the picture's edge the outermost cells go on.
-    fn around(&self, u: f32, v: f32, mut visit: impl FnMut(&Cell, f32)) {
-        let ends = |position: f32, count: usize| {
-            let first = (position - 0.5).floor();
-            let share = position - 0.5 - first;
-            let inside = |index: f32| (index.max(0.0) as usize).min(count - 1);
-            [(inside(first), 1.0 - share), (inside(first + 1.0), share)]
+    /// The four cells around a pixel's center with their bilinear shares; at the picture's edge the outermost cells go on.
+    /// Blocks are `1 << log2_block` pixels wide.
+    #[inline]
+    fn around(&self, (x, y): (usize, usize), log2_block: usize, mut visit: impl FnMut(&Cell, f32)) {
+        // In whole halves of a pixel, as rounding down is slow in floats.
+        let ends = |pixel: usize, count: usize| {
+            let past_center = (2 * pixel + 1) as isize - (1_isize << log2_block);
+            let first = past_center >> (log2_block + 1);
+            let rest = past_center - (first << (log2_block + 1));
+            let share = rest as f32 / (2_usize << log2_block) as f32;
+            let inside = |index: isize| (index.max(0) as usize).min(count - 1);
+            [(inside(first), 1.0 - share), (inside(first + 1), share)]
         };
-        let columns = ends(u, self.width);
-        for (row, share_y) in ends(v, self.height) {
+        let columns = ends(x, self.width);
+        for (row, share_y) in ends(y, self.height) {
             for (column, share_x) in columns {
                 visit(&self.cells[row * self.width + column], share_x * share_y);
             }

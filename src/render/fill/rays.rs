@@ -25,13 +25,13 @@ type Steps = [u16; 4];
 /// Columns that one step in each direction goes to the right.
 const COLUMNS: [isize; 4] = [-1, -1, 0, 1];
 
-/// A painted pixel at the far end of a ray.
+/// What a hole pixel sees, direction by direction; direction `i + 4` is opposite of `i`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Hit {
-    /// Index of the pixel, row-major.
-    pub(super) pixel: usize,
-    /// Distance to it.
-    pub(super) distance_px: f32,
+pub(super) struct Sight {
+    /// Index of the painted pixel, row-major; 0 where there is none.
+    pub(super) pixel: [usize; 8],
+    /// Distance to it; infinite where there is none.
+    pub(super) distance_px: [f32; 8],
 }
 
 /// Rays from every hole pixel.
@@ -52,18 +52,32 @@ impl Rays {
         Self { size, forward, backward }
     }
 
-    /// What the hole pixel `(x, y)` sees in four directions, each with the opposite one.
-    pub(super) fn pairs(&self, (x, y): (usize, usize)) -> [[Option<Hit>; 2]; 4] {
+    /// What the hole pixel `(x, y)` sees.
+    pub(super) fn sight(&self, (x, y): (usize, usize)) -> Sight {
         let (width, height) = self.size;
         let last = width * height - 1;
-        let turned = (width - 1 - x, height - 1 - y);
-        [0, 1, 2, 3].map(|direction| {
-            let back = follow(&self.backward, width, turned, direction);
-            [
-                follow(&self.forward, width, (x, y), direction),
-                back.map(|hit| Hit { pixel: last - hit.pixel, ..hit }),
-            ]
-        })
+        let (turned_x, turned_y) = (width - 1 - x, height - 1 - y);
+        let forward = self.forward[y * width + x];
+        let backward = self.backward[turned_y * width + turned_x];
+        let mut sight = Sight { pixel: [0; 8], distance_px: [f32::INFINITY; 8] };
+        for direction in 0..4 {
+            // Pixels to go back, row-major, for each step.
+            let stride = [1, width + 1, width, width - 1][direction];
+            let length = [1.0, std::f32::consts::SQRT_2][direction % 2];
+            let ahead = steps_ahead(forward[direction], &self.forward, width, (x, y), direction);
+            if ahead != NONE {
+                sight.pixel[direction] = y * width + x - ahead as usize * stride;
+                sight.distance_px[direction] = f32::from(ahead) * length;
+            }
+            let behind =
+                steps_ahead(backward[direction], &self.backward, width, (turned_x, turned_y), direction);
+            if behind != NONE {
+                let turned = turned_y * width + turned_x - behind as usize * stride;
+                sight.pixel[direction + 4] = last - turned;
+                sight.distance_px[direction + 4] = f32::from(behind) * length;
+            }
+        }
+        sight
     }
 }
 
@@ -109,23 +123,15 @@ fn row_before_band((x, y): (usize, usize), width: usize, direction: usize) -> Op
     Some((x, y.checked_sub(rows)?))
 }
 
-/// Follows one ray to its end.
-fn follow(steps: &[Steps], width: usize, from: (usize, usize), direction: usize) -> Option<Hit> {
-    let at = |(x, y): (usize, usize)| steps[y * width + x][direction];
-    let mut taken = usize::from(at(from));
-    if at(from) == NONE && direction > 0 {
-        let before = row_before_band(from, width, direction)?;
-        if at(before) == NONE {
-            return None;
-        }
-        taken = usize::from(at(before)) + from.1 % BAND + 1;
-    } else if at(from) == NONE {
-        return None;
+/// Steps to the end of one ray: those `within` its band or, where it leaves that, those of the band before as well.
+#[inline]
+fn steps_ahead(within: u16, steps: &[Steps], width: usize, from: (usize, usize), direction: usize) -> u16 {
+    if within != NONE || direction == 0 {
+        return within;
     }
-    let x = from.0.checked_add_signed(COLUMNS[direction] * taken as isize)?;
-    let y = from.1 - if direction == 0 { 0 } else { taken };
-    let length = if direction % 2 == 1 { std::f32::consts::SQRT_2 } else { 1.0 };
-    Some(Hit { pixel: y * width + x, distance_px: taken as f32 * length })
+    let rows = (from.1 % BAND + 1) as u16;
+    row_before_band(from, width, direction)
+        .map_or(NONE, |(x, y)| steps[y * width + x][direction].saturating_add(rows))
 }
 
 #[cfg(test)]
@@ -138,7 +144,7 @@ mod tests {
         (width, height): (usize, usize),
         from: (usize, usize),
         step: (i32, i32),
-    ) -> Option<Hit> {
+    ) -> Option<(usize, f32)> {
         let mut taken = 0;
         loop {
             taken += 1;
@@ -146,7 +152,7 @@ mod tests {
             let y = usize::try_from(from.1 as i32 + taken * step.1).ok().filter(|y| *y < height)?;
             if image[y * width + x] != NO_IMAGE {
                 let length = if step.0 != 0 && step.1 != 0 { std::f32::consts::SQRT_2 } else { 1.0 };
-                return Some(Hit { pixel: y * width + x, distance_px: taken as f32 * length });
+                return Some((y * width + x, taken as f32 * length));
             }
         }
     }
@@ -160,10 +166,18 @@ mod tests {
             let rays = Rays::cast(&image, (width, height));
             for pixel in (0..image.len()).filter(|&pixel| image[pixel] == NO_IMAGE) {
                 let from = (pixel % width, pixel / width);
-                let pairs = rays.pairs(from);
-                for (pair, (x, y)) in pairs.iter().zip([(-1, 0), (-1, -1), (0, -1), (1, -1)]) {
-                    assert_eq!(pair[0], walk(&image, (width, height), from, (x, y)), "{from:?}");
-                    assert_eq!(pair[1], walk(&image, (width, height), from, (-x, -y)), "{from:?}");
+                let sight = rays.sight(from);
+                let seen = |direction: usize| {
+                    let found = sight.distance_px[direction].is_finite();
+                    found.then_some((sight.pixel[direction], sight.distance_px[direction]))
+                };
+                for (direction, (x, y)) in [(-1, 0), (-1, -1), (0, -1), (1, -1)].into_iter().enumerate() {
+                    assert_eq!(seen(direction), walk(&image, (width, height), from, (x, y)), "{from:?}");
+                    assert_eq!(
+                        seen(direction + 4),
+                        walk(&image, (width, height), from, (-x, -y)),
+                        "{from:?}"
+                    );
                 }
             }
         }
