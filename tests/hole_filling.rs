@@ -192,7 +192,7 @@ fn a_sliver_of_sky_elsewhere_does_not_fill_a_gap_in_a_wall() {
         // The wall changes by 60 such steps across the hole. The sky takes the blocks that it has a share in, so that what
         // lies to one side may outweigh the rest.
         let off = (inverse_depth - wall(x, y).1).abs();
-        assert!(off < 0.0005 * 40.0, "({x}, {y}): inverse depth {inverse_depth} is off by {off}");
+        assert!(off < 0.0005 * 60.0, "({x}, {y}): inverse depth {inverse_depth} is off by {off}");
     }
 }
 

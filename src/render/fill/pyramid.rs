@@ -90,20 +90,19 @@ impl Pyramid {
         Self { levels }
     }
 
-    /// The color and inverse depth for a hole pixel. Cells of `surface` count, up to blocks as wide as the hole; what they
-    /// leave open gets the mean of what the pixel sees. Without a surface any cell counts; `None` where there is no cell.
+    /// The color and inverse depth for a hole pixel. Cells of `surface` count; where there is none, the pixel gets the
+    /// mean of what it sees. Without a surface any cell counts; `None` where there is no cell either.
     pub(super) fn push(
         &self,
         (x, y): (usize, usize),
         surface: Option<&Surface>,
         tolerance: Tolerance,
     ) -> Option<Cell> {
-        let largest_px = surface.map_or(f32::INFINITY, |surface| 2.0 * surface.reach_px);
         let mut sum = Cell::EMPTY;
         let first = self.levels[0].anything_from[y / 2 * self.levels[0].width + x / 2] as usize;
         for (index, level) in self.levels.iter().enumerate().skip(first) {
             let block_px = (2 << index) as f32;
-            if block_px > largest_px || sum.weight > 1.0 - DONE {
+            if sum.weight > 1.0 - DONE {
                 break;
             }
             let factor = tolerance.factor(block_px);
@@ -118,11 +117,10 @@ impl Pyramid {
                 }
             });
         }
-        if let Some(Surface { mean, .. }) = surface {
-            let open = (1.0 - sum.weight).max(0.0);
-            sum.add(open, mean.color, mean.inverse_depth);
+        if sum.weight > 0.0 {
+            return Some(sum.normalized());
         }
-        (sum.weight > 0.0).then(|| sum.normalized())
+        surface.map(|surface| surface.mean)
     }
 }
 
