@@ -60,6 +60,8 @@ struct Surface {
     range: [f32; 2],
     /// The mean of what the pixel sees of it, nearby pixels counting more.
     mean: Cell,
+    /// Distance to the remotest painted pixel that it sees of it.
+    reach_px: f32,
 }
 
 /// What a hole pixel of some row is filled with.
@@ -131,11 +133,12 @@ fn surface_behind(
         }
     }
     let (far, far_px) = behind?;
-    let mut surface = Surface { range: [far; 2], mean: Cell::EMPTY };
+    let mut surface = Surface { range: [far; 2], mean: Cell::EMPTY, reach_px: 0.0 };
     for direction in 0..8 {
         let (near, near_px) = (inverse_depth[direction], distance_px[direction]);
         if near_px.is_finite() && near.max(far) <= near.min(far) * tolerance.factor(near_px + far_px) {
             surface.range = [surface.range[0].min(near), surface.range[1].max(near)];
+            surface.reach_px = surface.reach_px.max(near_px);
             let color = picture.color.as_slice()[pixel[direction]];
             surface.mean.add(1.0 / (near_px * near_px), color, near);
         }

@@ -60,6 +60,9 @@ pub(super) struct Pyramid {
 /// Of 0.12 to 1, one half is nearest to a smooth surface, and costs the real captures nothing.
 const ENOUGH: f32 = 0.5;
 
+/// Blocks up to this many times as wide as the pixel sees far have a say: wider ones tell of other places.
+const BLOCKS: f32 = 8.0;
+
 /// A pixel is done when less than this share of it is open: one more level would not be seen.
 const DONE: f32 = 1.0 / 64.0;
 
@@ -98,11 +101,12 @@ impl Pyramid {
         surface: Option<&Surface>,
         tolerance: Tolerance,
     ) -> Option<Cell> {
+        let largest_px = surface.map_or(f32::INFINITY, |surface| BLOCKS * surface.reach_px);
         let mut sum = Cell::EMPTY;
         let first = self.levels[0].anything_from[y / 2 * self.levels[0].width + x / 2] as usize;
         for (index, level) in self.levels.iter().enumerate().skip(first) {
             let block_px = (2 << index) as f32;
-            if sum.weight > 1.0 - DONE {
+            if block_px > largest_px || sum.weight > 1.0 - DONE {
                 break;
             }
             let factor = tolerance.factor(block_px);
