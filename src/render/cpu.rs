@@ -130,8 +130,7 @@ impl<'a> Painting<'a> {
         (which, picture): (&Blocks, &mut Picture),
     ) -> Result<()> {
         let gathers = (self.settings.kernel == Kernel::Gather).then(|| {
-            let among =
-                |tiles| Gather::new(self.frame, tiles, self.target, self.settings.depth_tolerance);
+            let among = |tiles| Gather::new(self.frame, tiles, self.target, self.settings.depth_tolerance);
             [among(self.frame.lasting()), among(0..self.frame.tiles.len())]
         });
         let resolve = Resolve {

@@ -102,9 +102,7 @@ impl<'a> Gather<'a> {
             offset_in_world: (center - source.position_in_world()).as_vec3(),
             tolerance: depth_tolerance / focal(source),
         };
-        let ray = |x, y| {
-            target.world_from_camera.matrix3 * target.intrinsics.ray_in_camera(DVec2::new(x, y))
-        };
+        let ray = |x, y| target.world_from_camera.matrix3 * target.intrinsics.ray_in_camera(DVec2::new(x, y));
         let first = ray(0.5, 0.5);
         Self {
             lookup: Lookup::new(frame, tiles),
@@ -116,7 +114,14 @@ impl<'a> Gather<'a> {
     /// The color of the surface at inverse depth `w` in pixel `(x, y)` of the vantage, among the samples of `cameras`;
     /// `own` is the color of the nearest sample, for where nothing can be interpolated.
     #[inline(always)]
-    pub(super) fn color(&self, x: f32, y: f32, w: f32, cameras: &[u16], own: impl FnOnce() -> [f32; 3]) -> [f32; 3] {
+    pub(super) fn color(
+        &self,
+        x: f32,
+        y: f32,
+        w: f32,
+        cameras: &[u16],
+        own: impl FnOnce() -> [f32; 3],
+    ) -> [f32; 3] {
         let (mut sum, mut total) = ([0.0; 3], 0.0);
         for &camera in cameras {
             let view = &self.views[camera as usize];
@@ -236,8 +241,7 @@ impl<'a> Gather<'a> {
         let view = &self.views[camera as usize];
         let place = self.place(view, x, y, w)?;
         let limit = place.expected * view.tolerance;
-        let mut sight =
-            Sight { weight: self.weight(view, place.reciprocal, (x, y), w), ..Sight::default() };
+        let mut sight = Sight { weight: self.weight(view, place.reciprocal, (x, y), w), ..Sight::default() };
         let mut depth = 0.0;
         for (found, share) in place.quad.depth.into_iter().zip(bilinear(place.along, place.down)) {
             if found >= 0.0 && (found - place.expected).abs() <= limit {

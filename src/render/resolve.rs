@@ -185,7 +185,8 @@ impl Strip<'_> {
             let start = (block.top + row) * self.resolve.width + block.left;
             let source = start..start + columns;
             self.rows.color[to.clone()].copy_from_slice(&from.color.as_slice()[source.clone()]);
-            self.rows.inverse_depth[to.clone()].copy_from_slice(&from.inverse_depth.as_slice()[source.clone()]);
+            self.rows.inverse_depth[to.clone()]
+                .copy_from_slice(&from.inverse_depth.as_slice()[source.clone()]);
             self.rows.image[to].copy_from_slice(&from.image.as_slice()[source]);
         }
     }

@@ -35,11 +35,7 @@ pub(super) enum Pixel {
     /// One surface.
     Surface(u64),
     /// A nearer surface over a farther one, and the share of the nearer.
-    Edge {
-        near: u64,
-        far: u64,
-        share: f32,
-    },
+    Edge { near: u64, far: u64, share: f32 },
 }
 
 /// Pixels around a block that decisions in it look at.

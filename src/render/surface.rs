@@ -222,19 +222,14 @@ impl Window<'_> {
 
 /// Inverse depth of a sample's plane at the center of pixel `(x, y)`, never negative.
 #[inline(always)]
-fn depth_at(
-    found: &Footprints,
-    projected: &ProjectedRow,
-    i: usize,
-    x: f32,
-    y: f32,
-) -> (f32, bool) {
+fn depth_at(found: &Footprints, projected: &ProjectedRow, i: usize, x: f32, y: f32) -> (f32, bool) {
     let (dx, dy) = (x + 0.5 - projected.u[i], y + 0.5 - projected.v[i]);
     let (across, down) = (
         found.inverse[0][i] * dx + found.inverse[1][i] * dy,
         found.inverse[2][i] * dx + found.inverse[3][i] * dy,
     );
     let covered = across.abs().max(down.abs()) <= 0.5 * OVERLAP || dx.abs().max(dy.abs()) <= 0.5;
-    let deviation = (found.slope_x[i] * dx + found.slope_y[i] * dy).clamp(-found.deviation[i], found.deviation[i]);
+    let deviation =
+        (found.slope_x[i] * dx + found.slope_y[i] * dy).clamp(-found.deviation[i], found.deviation[i]);
     ((found.inverse_depth[i] + deviation).max(0.0), covered)
 }
