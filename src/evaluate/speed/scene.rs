@@ -216,7 +216,7 @@ mod tests {
         let [vantage, _] = scene.vantages(SIZE, 1);
         let paint = |set| {
             let settings = RenderSettings::default();
-            CpuRenderer::new().render(set, &vantage, &settings, &Job::new()).unwrap().0.inverse_depth
+            CpuRenderer::new().render(set, &vantage, &settings, &Job::new()).unwrap().0.inverse_depth.clone()
         };
         assert_eq!(paint(&scene.split), paint(&scene.unpruned));
     }
