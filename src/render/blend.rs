@@ -28,8 +28,8 @@ use crate::settings::Kernel;
 pub(super) type Sum = [f32; 4];
 
 /// Variance of the reconstruction filter, squared source pixels, and of the screen filter, squared target pixels.
-const SOURCE_VARIANCE: f32 = 0.25;
-const SCREEN_VARIANCE: f32 = 0.16;
+const SOURCE_VARIANCE: f32 = 0.15;
+const SCREEN_VARIANCE: f32 = 0.1;
 
 /// The squared distance, in standard deviations, at which a footprint's weight has fallen to 0.
 const KERNEL_END: f32 = 6.0;
@@ -130,7 +130,9 @@ impl Canvas<'_> {
     #[inline(always)]
     fn add(&mut self, x: usize, y: usize, depth: f32, weight: f32, color: [f32; 3]) {
         let pixel = (y - self.rows.start) * self.width + x;
-        if depth >= inverse_depth_of(self.keys[pixel]) * self.surface_ratio {
+        let nearest = inverse_depth_of(self.keys[pixel]);
+        // Neither what lies behind the surface nor what ends beside it: a nearer sample whose kernel only brushes the pixel.
+        if depth >= nearest * self.surface_ratio && depth * self.surface_ratio <= nearest {
             let sum = &mut self.sums[pixel];
             let parts = [color[0] * weight, color[1] * weight, color[2] * weight, weight];
             (0..4).for_each(|channel| sum[channel] += parts[channel]);

@@ -133,7 +133,9 @@ impl Resolve<'_> {
             let (start, end) = (y * self.width + columns.start, y * self.width + columns.end);
             let pairs = foreground.keys[start..end].iter().zip(&self.background.keys[start..end]);
             pairs.into_iter().any(|(&front, &back)| {
-                front != 0 && inverse_depth_of(front) >= inverse_depth_of(back) * self.surface_ratio
+                // A core sample wins over a fringe sample that lies before it.
+                front > back
+                    || front != 0 && inverse_depth_of(front) >= inverse_depth_of(back) * self.surface_ratio
             })
         })
     }
