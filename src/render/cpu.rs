@@ -144,7 +144,8 @@ fn paint(stage: &Stage<'_>, tiles: std::ops::Range<usize>, target: &Camera, surf
     Ok(Layer { keys, sums, samples })
 }
 
-fn check(samples: &SampleSet, vantage: &Vantage) -> Result<()> {
+/// Whether the vantage can be painted.
+pub(super) fn check(samples: &SampleSet, vantage: &Vantage) -> Result<()> {
     let place = format!("vantage '{}'", vantage.camera.name);
     let (width, height) = vantage.camera.intrinsics.size();
     let pixels = width.saturating_mul(height);

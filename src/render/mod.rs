@@ -8,6 +8,7 @@
 //! The background layer depends on the vantage alone and is kept while the vantage is still; the foreground of each frame
 //! is painted over it by depth, as the paper does.
 
+pub mod backend;
 mod blend;
 mod compose;
 pub mod cpu;
@@ -16,11 +17,14 @@ mod dense_tile;
 mod footprint;
 mod frame_samples;
 mod gather;
+pub mod gpu;
 mod keys;
 mod project;
 mod simd;
 mod surface;
 pub mod vantage;
 
+pub use backend::{Painter, Renderer};
 pub use cpu::CpuRenderer;
+pub use gpu::{AdapterChoice, GpuRenderer};
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};

@@ -1,0 +1,123 @@
+//! The compiled stages and the shape of what they bind.
+//!
+//! ```text
+//! group 0, the same for all   0 stage (one of several, by offset)   1 projectors   2 pieces   3 to 6 pages
+//! group 1, surface and blend  0 keys   1 sums
+//! group 1, compose            0 and 1 background's keys and sums   2 and 3 the foreground's   4 picture
+//! ```
+
+use super::context::Context;
+use super::shaders::{self, Shader};
+
+/// The compiled stages.
+#[derive(Debug)]
+pub(super) struct Pipelines {
+    pub(super) scene_layout: wgpu::BindGroupLayout,
+    pub(super) layer_layout: wgpu::BindGroupLayout,
+    pub(super) compose_layout: wgpu::BindGroupLayout,
+    pub(super) surface: wgpu::ComputePipeline,
+    pub(super) blend: wgpu::ComputePipeline,
+    pub(super) compose: wgpu::ComputePipeline,
+    /// Whether `surface` raises keys with one 64-bit maximum; else it has to run twice.
+    pub(super) one_pass: bool,
+}
+
+/// What a binding holds.
+#[derive(Clone, Copy)]
+enum Holds {
+    Stage,
+    Read,
+    Write,
+}
+
+fn layout(device: &wgpu::Device, label: &str, bindings: &[Holds]) -> wgpu::BindGroupLayout {
+    let entries: Vec<_> = bindings
+        .iter()
+        .enumerate()
+        .map(|(binding, holds)| wgpu::BindGroupLayoutEntry {
+            binding: binding as u32,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: match holds {
+                    Holds::Stage => wgpu::BufferBindingType::Uniform,
+                    Holds::Read => wgpu::BufferBindingType::Storage { read_only: true },
+                    Holds::Write => wgpu::BufferBindingType::Storage { read_only: false },
+                },
+                has_dynamic_offset: matches!(holds, Holds::Stage),
+                min_binding_size: None,
+            },
+            count: None,
+        })
+        .collect();
+    device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    shader: &Shader,
+    groups: &[Option<&wgpu::BindGroupLayout>],
+) -> wgpu::ComputePipeline {
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(shader.entry),
+        source: wgpu::ShaderSource::Wgsl(shader.source().into()),
+    });
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(shader.entry),
+        bind_group_layouts: groups,
+        immediate_size: 0,
+    });
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(shader.entry),
+        layout: Some(&layout),
+        module: &module,
+        entry_point: Some(shader.entry),
+        // Threads write all they read of what a workgroup shares.
+        compilation_options: wgpu::PipelineCompilationOptions {
+            zero_initialize_workgroup_memory: false,
+            ..Default::default()
+        },
+        cache: None,
+    })
+}
+
+impl Pipelines {
+    /// Compiles the stages; `one_pass` asks for 64-bit atomics.
+    pub(super) fn new(context: &Context, one_pass: bool) -> Self {
+        use Holds::{Read, Stage, Write};
+        let device = &context.device;
+        let scene_layout = layout(device, "scene", &[Stage, Read, Read, Read, Read, Read, Read]);
+        let layer_layout = layout(device, "layer", &[Write, Write]);
+        let compose_layout = layout(device, "compose", &[Read, Read, Read, Read, Write]);
+        let surface = if one_pass { shaders::SURFACE_64 } else { shaders::SURFACE_32 };
+        let over_layer = [Some(&scene_layout), Some(&layer_layout)];
+        Self {
+            surface: pipeline(device, &surface, &over_layer),
+            blend: pipeline(device, &shaders::BLEND, &over_layer),
+            compose: pipeline(device, &shaders::COMPOSE, &[Some(&scene_layout), Some(&compose_layout)]),
+            scene_layout,
+            layer_layout,
+            compose_layout,
+            one_pass,
+        }
+    }
+}
+
+/// A bind group of whole buffers; the first may be the stage, which is bound at an offset.
+pub(super) fn bind(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    stage: Option<&wgpu::Buffer>,
+    buffers: &[&wgpu::Buffer],
+) -> wgpu::BindGroup {
+    let stage = stage.map(|buffer| {
+        let size = std::num::NonZeroU64::new(size_of::<super::layout::GpuStage>() as u64);
+        wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
+    });
+    let resources = stage.into_iter().chain(buffers.iter().map(|buffer| buffer.as_entire_binding()));
+    let entries: Vec<_> = resources
+        .enumerate()
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+}

@@ -1,0 +1,139 @@
+//! A sample image in the words that shaders read; the layout is drawn in `shaders/common/samples.wgsl`.
+
+use std::ops::Range;
+
+use super::layout::GpuTile;
+use crate::preprocess::SampleImage;
+
+const TILE_WORDS: u32 = (size_of::<GpuTile>() / 4) as u32;
+
+/// A run of tiles of one image and the parts of its planes that belong to them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Piece {
+    tiles: Range<usize>,
+    samples: Range<usize>,
+    high: Range<usize>,
+}
+
+/// Where a piece lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PlacedPiece {
+    /// Index of its first tile in its image.
+    pub(super) first_tile: u32,
+    /// Its page.
+    pub(super) page: u32,
+    /// Its first word, where its tiles begin.
+    pub(super) at: u32,
+    /// Where each plane begins, words.
+    pub(super) low_at: u32,
+    /// See `low_at`.
+    pub(super) high_at: u32,
+    /// See `low_at`.
+    pub(super) color_at: u32,
+}
+
+impl Piece {
+    /// Cuts an image into pieces of at most `max_words`, or of one tile where even that is more.
+    pub(super) fn cut(image: &SampleImage, max_words: u32) -> Vec<Self> {
+        let (depths, total) = (image.depth.tiles(), image.tiles.len());
+        let end = |tile: usize| {
+            if tile < total {
+                (image.tiles[tile].first as usize, depths[tile].first_high as usize)
+            } else {
+                (image.len(), image.depth.high().len())
+            }
+        };
+        let mut pieces = Vec::new();
+        let mut start = 0;
+        while start < total {
+            let piece = |stop: usize| Self {
+                tiles: start..stop,
+                samples: end(start).0..end(stop).0,
+                high: end(start).1..end(stop).1,
+            };
+            let mut stop = start + 1;
+            while stop < total && piece(stop + 1).words() <= max_words {
+                stop += 1;
+            }
+            pieces.push(piece(stop));
+            start = stop;
+        }
+        pieces
+    }
+
+    /// Words of each plane: tiles, low, high, color.
+    fn plane_words(&self) -> [u32; 4] {
+        [
+            self.tiles.len() as u32 * TILE_WORDS,
+            self.samples.len().div_ceil(2) as u32,
+            self.high.len().div_ceil(4) as u32,
+            (3 * self.samples.len()).div_ceil(2) as u32,
+        ]
+    }
+
+    /// Words in all.
+    pub(super) fn words(&self) -> u32 {
+        self.plane_words().iter().sum()
+    }
+
+    /// The piece at word `at` of a page.
+    pub(super) fn place(&self, page: u32, at: u32) -> PlacedPiece {
+        let [tiles, low, high, _] = self.plane_words();
+        PlacedPiece {
+            first_tile: self.tiles.start as u32,
+            page,
+            at,
+            low_at: at + tiles,
+            high_at: at + tiles + low,
+            color_at: at + tiles + low + high,
+        }
+    }
+
+    /// Sends the piece to its place in `page`.
+    pub(super) fn write(
+        &self,
+        image: &SampleImage,
+        queue: &wgpu::Queue,
+        page: &wgpu::Buffer,
+        place: &PlacedPiece,
+    ) {
+        let tiles: Vec<GpuTile> = self
+            .tiles
+            .clone()
+            .map(|index| {
+                let (tile, depth) = (&image.tiles[index], image.depth.tiles()[index]);
+                GpuTile {
+                    place: [tile.tile_x, tile.tile_y],
+                    first: tile.first - self.samples.start as u32,
+                    farthest: depth.farthest,
+                    nearest: depth.nearest,
+                    first_high: depth.first_high - self.high.start as u32,
+                    rows: tile.rows,
+                }
+            })
+            .collect();
+        let color = &image.color[self.samples.clone()];
+        let planes: [(u32, &[u8]); 4] = [
+            (place.at, bytemuck::cast_slice(&tiles)),
+            (place.low_at, bytemuck::cast_slice(&image.depth.low()[self.samples.clone()])),
+            (place.high_at, &image.depth.high()[self.high.clone()]),
+            (place.color_at, bytemuck::cast_slice(color)),
+        ];
+        for (at, bytes) in planes {
+            write_words(queue, page, u64::from(at) * 4, bytes);
+        }
+    }
+}
+
+/// Writes bytes, and zeros up to a whole word.
+fn write_words(queue: &wgpu::Queue, buffer: &wgpu::Buffer, at: u64, bytes: &[u8]) {
+    let (whole, rest) = bytes.split_at(bytes.len() & !3);
+    if !whole.is_empty() {
+        queue.write_buffer(buffer, at, whole);
+    }
+    if !rest.is_empty() {
+        let mut last = [0; 4];
+        last[..rest.len()].copy_from_slice(rest);
+        queue.write_buffer(buffer, at + whole.len() as u64, &last);
+    }
+}
