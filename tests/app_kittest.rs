@@ -77,6 +77,27 @@ fn a_changed_threshold_previews_at_once_and_reruns_the_capture() {
 }
 
 #[test]
+fn filling_holes_repaints_the_live_view_and_counts_them_as_before() {
+    // Tall enough for the last of the settings.
+    let mut window = open(small_demo(), [SIZE[0], 1700.0]);
+    settle(&mut window);
+    let look = |window: &mut Window| {
+        let area = window.get_by_label("Live picture").rect();
+        let picture = window.render().unwrap();
+        let (left, top) = (area.left() as u32 + 8, area.top() as u32 + 8);
+        let (width, height) = (area.width() as u32 - 16, area.height() as u32 - 16);
+        image::imageops::crop_imm(&picture, left, top, width, height).to_image()
+    };
+    let (before, coverage) = (look(&mut window), window.state().live_coverage());
+    pick(&mut window, "Render fill", "Pushpull");
+    settle(&mut window);
+    assert_eq!(window.state().settings().render.fill, overlook::settings::Fill::PushPull);
+    let changed = before.pixels().zip(look(&mut window).pixels()).filter(|(a, b)| a != b).count();
+    assert!(changed > before.len() / 4 / 20, "{changed} pixels changed");
+    assert_eq!(window.state().live_coverage(), coverage);
+}
+
+#[test]
 fn cancelled_work_stops_and_can_be_rerun() {
     let mut window = open(demo(4, 200, (160, 120)), SIZE);
     wait(&mut window, "the first live picture", |window| window.state().live_coverage().is_some());

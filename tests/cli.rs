@@ -165,6 +165,7 @@ fn the_whole_chain_runs_from_a_demo_to_scores() {
     }
     // Through the file or not: the same samples, the same pictures.
     assert_eq!(painted["mean"]["psnr_db"], scored["mean"]["psnr_db"]);
+    filling_is_chosen_and_keeps_the_mask(here, views, &painted);
     assert_keys(&scored, &["no_pruning", "first_camera", "samples_kept", "bytes_memory"]);
     for view in painted["views"].as_array().unwrap() {
         let exr = here.join("pictures").join(view["file_path"].as_str().unwrap());
@@ -172,6 +173,33 @@ fn the_whole_chain_runs_from_a_demo_to_scores() {
         assert_eq!((png.width(), png.height()), (64, 48));
         assert!(exr.is_file());
     }
+}
+
+/// `plain` is what `render` says of `views` without filling.
+fn filling_is_chosen_and_keeps_the_mask(here: &Path, views: &str, plain: &Value) {
+    let point = ["--kernel", "point", "--fill", "pushpull", "--json"];
+    let render = ["render", "scene.ovl", "--views", views, "--out", "filled"];
+    let filled = json(here, &[render.as_slice(), &point].concat());
+    let scored = json(here, &[["evaluate", "scene"].as_slice(), &point].concat());
+    assert_eq!(filled["mean"]["psnr_all_db"], scored["mean"]["psnr_all_db"]);
+    for key in ["psnr_db", "coverage"] {
+        assert_eq!(filled["mean"][key], plain["mean"][key]);
+    }
+    assert!(filled["mean"]["psnr_all_db"].as_f64() > plain["mean"]["psnr_all_db"].as_f64());
+    // EXR keeps saying what was sampled; PNG shows what there is to see.
+    let name = filled["views"][0]["file_path"].as_str().unwrap();
+    let picture = exr::prelude::read_first_rgba_layer_from_file(
+        here.join("filled").join(name),
+        |size, _| (size, 0, 0),
+        |(_, holes, dark_holes), _, (r, g, b, alpha): (f32, f32, f32, f32)| {
+            *holes += usize::from(alpha == 0.0);
+            *dark_holes += usize::from(alpha == 0.0 && r + g + b == 0.0);
+        },
+    );
+    let (size, holes, dark_holes) = picture.unwrap().layer_data.channel_data.pixels;
+    assert!(holes > size.area() / 50 && dark_holes == 0, "{holes} holes, {dark_holes} of them dark");
+    let png = image::open(here.join("filled").join(name).with_extension("png")).unwrap().to_rgba8();
+    assert!(png.pixels().all(|pixel| pixel.0[3] == 255));
 }
 
 #[test]

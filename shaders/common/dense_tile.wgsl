@@ -1,11 +1,9 @@
 // A tile of samples laid out as 16×16 pixels, one thread each, and the slope of its surface.
 // Twin: src/render/dense_tile.rs.
 
-// Marks a pixel without a sample.
-const MISSING: f32 = -1.0;
 const EDGE_FOOTPRINTS: f32 = 8.0;
 
-var<workgroup> tile_words: array<u32, 16>;
+var<workgroup> tile_words: array<u32, TILE_WORDS>;
 var<workgroup> tile_inverse_depth: array<f32, 256>;
 
 // One pixel of a tile.
@@ -28,14 +26,10 @@ fn lay_out(piece: Piece, number: u32, at: vec2<u32>) -> Pixel {
     var pixel: Pixel;
     pixel.corner = vec2<f32>(f32(tile_words[0] & 0xffffu), f32(tile_words[0] >> 16u)) * f32(TILE);
     pixel.inverse_depth = MISSING;
-    var before = 0u;
-    for (var pair = 0u; pair < at.y / 2u; pair++) {
-        before += countOneBits(tile_words[TILE_ROWS + pair]);
-    }
-    let rows = tile_words[TILE_ROWS + at.y / 2u];
-    let bit = at.x + TILE * (at.y & 1u);
-    if (rows >> bit & 1u) == 1u {
-        let nth = before + countOneBits(rows & ((1u << bit) - 1u));
+    let row = tile_words[TILE_ROWS + at.y / 2u] >> (16u * (at.y & 1u)) & 0xffffu;
+    if (row >> at.x & 1u) == 1u {
+        let before = tile_words[TILE_BEFORE + at.y / 4u] >> (8u * (at.y & 3u)) & 0xffu;
+        let nth = before + countOneBits(row & ((1u << at.x) - 1u));
         let tile = vec4<u32>(tile_words[1], tile_words[2], tile_words[3], tile_words[4]);
         pixel.index = tile.x + nth;
         pixel.inverse_depth = unpack_depth(piece, tile, nth);

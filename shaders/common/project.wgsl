@@ -49,9 +49,9 @@ struct Footprint {
 }
 
 // A footprint never stretches beyond this many times its size seen face on.
-const MAX_STRETCH: f32 = 4.0;
+const MAX_STRETCH: f32 = 1.5;
 // Neighboring footprints overlap by this factor, so that no crack opens between them.
-const OVERLAP: f32 = 1.1;
+const OVERLAP: f32 = 1.05;
 
 fn footprint(projector: Projector, projected: Projected, w: f32, slopes: vec2<f32>) -> Footprint {
     let reciprocal = projected.reciprocal;

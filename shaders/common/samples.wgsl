@@ -3,7 +3,7 @@
 // Images lie in up to four pages, whole or cut between tiles into pieces. All places are in words (u32) of the piece's page:
 //
 //   tiles   TILE_WORDS per tile: column | row << 16, first sample, bits of the farthest and of the nearest inverse
-//           depth, first high byte, eight words of two row masks each
+//           depth, first high byte, sixteen bytes that count the samples above each row, sixteen half words of row masks
 //   low     u16 per sample      high   one or two bytes per sample      color   three f16 per sample
 //
 // Samples and high bytes count from the first of the piece.
@@ -27,10 +27,13 @@ struct Piece {
 @group(0) @binding(5) var<storage, read> page_2: array<u32>;
 @group(0) @binding(6) var<storage, read> page_3: array<u32>;
 
+// Marks a pixel without a sample.
+const MISSING: f32 = -1.0;
 const TILE: u32 = 16u;
-const TILE_WORDS: u32 = 13u;
-// Where the row masks begin in a tile's words.
-const TILE_ROWS: u32 = 5u;
+const TILE_WORDS: u32 = 17u;
+// Where counts and masks of the rows begin in a tile's words.
+const TILE_BEFORE: u32 = 5u;
+const TILE_ROWS: u32 = 9u;
 // Tiles whose depths span more keep a fourth byte.
 const WIDE: u32 = 0x1000000u;
 
@@ -95,12 +98,8 @@ fn unpack_color(piece: Piece, index: u32) -> vec3<f32> {
 
 // How many samples of the tile at `at` come before pixel `(column, row)`, in storage order.
 fn rank(page: u32, at: u32, column: u32, row: u32) -> u32 {
-    var before = 0u;
-    for (var pair = 0u; pair < row / 2u; pair++) {
-        before += countOneBits(word(page, at + TILE_ROWS + pair));
-    }
-    let bits = column + TILE * (row & 1u);
-    return before + countOneBits(word(page, at + TILE_ROWS + row / 2u) & ((1u << bits) - 1u));
+    let left_of = half_word(page, at + TILE_ROWS, row) & ((1u << column) - 1u);
+    return byte(page, at + TILE_BEFORE, row) + countOneBits(left_of);
 }
 
 // The color of the sample at a slot.

@@ -17,6 +17,16 @@ struct Stage {
     piece_count: u32,
     // Inverse depths from this share of the nearest one on belong to the same surface.
     surface_ratio: f32,
+    // World-space ray of the center of the picture's first pixel, and its growth by column and row.
+    first_ray: vec3<f32>,
+    // Tiles that outlast the frame.
+    lasting_tiles: u32,
+    ray_across: vec3<f32>,
+    // Where the entries begin in `lookup`.
+    entries_at: u32,
+    ray_down: vec3<f32>,
+    // Tiles of the frame.
+    all_tiles: u32,
 }
 
 @group(0) @binding(0) var<uniform> stage: Stage;

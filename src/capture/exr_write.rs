@@ -45,7 +45,7 @@ pub fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
 }
 
 /// Writes a rendered picture as linear `R G B A Z`: `coverage` is 0 where nothing was sampled, and `inverse_depth` as
-/// in [`Frame::inverse_depth`], 1e10 being written where nothing was sampled. All three are of one size.
+/// in [`Frame::inverse_depth`], 1e10 being written where it is negative. All three are of one size.
 ///
 /// The file appears under its name only when it is complete.
 ///

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::render::PaintingArgs;
 use super::{Failure, SettingsArgs, output, progress};
 use crate::capture::{Capture, View, transforms};
 use crate::evaluate::{Compared, Comparison, Evaluation, ViewScore, compare, hold_out, metrics::Scores};
@@ -22,6 +23,8 @@ pub(super) struct EvaluateArgs {
     /// Leave this camera out and score against its frames; may be given several times.
     #[arg(long, value_name = "CAMERA")]
     hold_out: Vec<String>,
+    #[command(flatten)]
+    painting: PaintingArgs,
     #[command(flatten)]
     settings: SettingsArgs,
     /// Print one JSON document.
@@ -41,7 +44,8 @@ struct EvaluateOutput<'a> {
 
 impl EvaluateArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let settings = self.settings.over(Settings::default())?;
+        let mut settings = self.settings.over(Settings::default())?;
+        self.painting.apply(&mut settings.render);
         let capture = transforms::open(&self.capture, &settings.capture)?;
         output::warn(&capture.warnings);
         let (capture, views) = self.truth(capture)?;
@@ -79,7 +83,7 @@ impl EvaluateArgs {
     }
 }
 
-/// One line per view, then the mean. `PSNR dB` counts pixels that got a sample, `all dB` holes as black too.
+/// One line per view, then the mean. `PSNR dB` counts pixels that got a sample, `all dB` all pixels.
 pub(super) fn view_table(evaluation: &Evaluation) -> String {
     let mut text = format!(
         "{:<28} {:>8} {:>8} {:>8} {:>7} {:>10} {:>12}",

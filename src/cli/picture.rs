@@ -42,7 +42,8 @@ impl PicturePaths {
         Ok(Self { exr: with(".exr"), png: with(".png") })
     }
 
-    /// Writes the picture twice: EXR with linear `R G B A Z`, and PNG as a display shows it. Holes have alpha 0 in both.
+    /// Writes the picture twice: EXR with linear `R G B A Z`, and PNG as a display shows it. Alpha is 0 where nothing was
+    /// sampled: in EXR in filled holes too, while PNG, made to be looked at, shows those.
     ///
     /// # Errors
     /// `Io`.
@@ -64,7 +65,8 @@ fn png_of(picture: &Picture) -> RgbaImage {
     RgbaImage::from_fn(width as u32, height as u32, |x, y| {
         let pixel = (x as usize, y as usize);
         let [r, g, b] = picture.color[pixel].map(srgb8_from_linear);
-        Rgba([r, g, b, if picture.image[pixel] == NO_IMAGE { 0 } else { 255 }])
+        let shown = picture.image[pixel] != NO_IMAGE || picture.inverse_depth[pixel] >= 0.0;
+        Rgba([r, g, b, if shown { 255 } else { 0 }])
     })
 }
 
@@ -91,14 +93,14 @@ mod tests {
     }
 
     #[test]
-    fn holes_are_transparent() {
-        let mut picture = Picture {
-            color: crate::grid::Grid::filled(2, 1, [1.0, 0.0, 0.25]),
-            inverse_depth: crate::grid::Grid::filled(2, 1, 1.0),
-            image: crate::grid::Grid::filled(2, 1, 0),
+    fn holes_are_transparent_until_they_are_filled() {
+        let picture = Picture {
+            color: crate::grid::Grid::filled(3, 1, [1.0, 0.0, 0.25]),
+            inverse_depth: crate::grid::Grid::from_vec(3, 1, vec![1.0, -1.0, 0.0]),
+            image: crate::grid::Grid::from_vec(3, 1, vec![0, NO_IMAGE, NO_IMAGE]),
         };
-        picture.image[(1, 0)] = NO_IMAGE;
         let png = png_of(&picture);
-        assert_eq!([png[(0, 0)].0, png[(1, 0)].0], [[255, 0, 137, 255], [255, 0, 137, 0]]);
+        assert_eq!([0, 1, 2].map(|x| png[(x, 0)].0[3]), [255, 0, 255]);
+        assert_eq!(png[(0, 0)].0, [255, 0, 137, 255]);
     }
 }

@@ -28,12 +28,8 @@ pub(super) struct RenderArgs {
     /// Folder for the pictures, each under its view's own name.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// How a sample is painted [default: as the store says].
-    #[arg(long, value_parser = choice::<Kernel>(Kernel::NAMES))]
-    kernel: Option<Kernel>,
-    /// How pixels without any sample are filled [default: as the store says].
-    #[arg(long, value_parser = choice::<Fill>(Fill::NAMES))]
-    fill: Option<Fill>,
+    #[command(flatten)]
+    painting: PaintingArgs,
     /// What paints.
     #[arg(long, default_value = "cpu", value_parser = ["cpu"])]
     backend: String,
@@ -42,6 +38,24 @@ pub(super) struct RenderArgs {
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
+}
+
+/// The two choices that are made most often when painting; they win over the settings.
+#[derive(Debug, Args)]
+pub(super) struct PaintingArgs {
+    /// How a sample is painted [default: as the settings say].
+    #[arg(long, value_parser = choice::<Kernel>(Kernel::NAMES))]
+    kernel: Option<Kernel>,
+    /// How pixels without any sample are filled [default: as the settings say].
+    #[arg(long, value_parser = choice::<Fill>(Fill::NAMES))]
+    fill: Option<Fill>,
+}
+
+impl PaintingArgs {
+    pub(super) fn apply(&self, settings: &mut RenderSettings) {
+        settings.kernel = self.kernel.unwrap_or(settings.kernel);
+        settings.fill = self.fill.unwrap_or(settings.fill);
+    }
 }
 
 /// A parser that takes the names of a setting's choices and lists them in the help.
@@ -57,8 +71,7 @@ impl RenderArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let (samples, _) = progress::watched(|job| store::read(&self.store, job))?;
         let mut settings = self.settings.over(samples.settings.clone())?.render;
-        settings.kernel = self.kernel.unwrap_or(settings.kernel);
-        settings.fill = self.fill.unwrap_or(settings.fill);
+        self.painting.apply(&mut settings);
         let views = transforms::open_views(&self.views)?;
         let paths = self.picture_paths(&views)?;
         let evaluation = progress::watched(|job| paint(&Arc::new(samples), &views, &paths, &settings, job))?;

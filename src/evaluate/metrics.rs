@@ -22,13 +22,16 @@ pub const MAX_PSNR_DB: f64 = 120.0;
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Scores {
     /// Peak signal-to-noise ratio over the pixels that got a sample, dB; read it together with `coverage`. Where no pixel
-    /// got one, the same as `psnr_all_db`.
+    /// got one, the same as `psnr_all_db`. Filling holes does not change it.
     pub psnr_db: f64,
-    /// The same over all pixels, holes being black, dB. Sky that no camera ever saw weighs heavily in it.
+    /// The same over all pixels, dB: holes are black, or whatever they were filled with, so that it is this number that tells
+    /// what filling is worth. Sky that no camera ever saw weighs heavily in it.
     pub psnr_all_db: f64,
-    /// Structural similarity of luma, -1 to 1, over windows whose middle got a sample; 0 where none did.
+    /// Structural similarity of luma, -1 to 1, over windows whose middle got a sample; 0 where none did. Such windows reach
+    /// into holes, filled or not.
     pub ssim: f64,
     /// Share of the true pixels (those with a depth or at infinity) that got a sample, 0 to 1; 1 where there are none.
+    /// A filled hole got none.
     pub coverage: f64,
 }
 

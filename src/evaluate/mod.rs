@@ -102,7 +102,7 @@ pub fn render_view(
     view: &View,
     settings: &RenderSettings,
     job: &Job,
-) -> Result<(Picture, ViewScore)> {
+) -> Result<(Arc<Picture>, ViewScore)> {
     let place = || format!("view '{}'", view.file_path);
     let frame = samples.frame_index(view.frame_number).ok_or_else(|| {
         let frames = match samples.frame_numbers.as_slice() {

@@ -179,7 +179,9 @@ impl DepthPlane {
                 high += tile.count() << usize::from(place.is_wide());
                 begins_here
             });
-        tiles_fit && high == self.high.len() && self.low.len() == tiles.iter().map(SampleTile::count).sum::<usize>()
+        tiles_fit
+            && high == self.high.len()
+            && self.low.len() == tiles.iter().map(SampleTile::count).sum::<usize>()
     }
 
     /// Bytes the plane occupies in memory.

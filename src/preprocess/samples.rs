@@ -150,10 +150,7 @@ impl SampleImage {
     #[must_use]
     pub fn bytes(&self) -> usize {
         let normal = self.normal.as_ref().map_or(0, |normal| size_of_val(normal.as_slice()));
-        size_of_val(self.tiles.as_slice())
-            + size_of_val(self.color.as_slice())
-            + self.depth.bytes()
-            + normal
+        size_of_val(self.tiles.as_slice()) + size_of_val(self.color.as_slice()) + self.depth.bytes() + normal
     }
 }
 

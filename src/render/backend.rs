@@ -71,7 +71,7 @@ struct Request<'a> {
     job: &'a Job,
 }
 
-type Painted = (Picture, RenderStats);
+type Painted = (Arc<Picture>, RenderStats);
 
 impl Renderer {
     /// A renderer with nothing cached, which opens an adapter when one is first needed.

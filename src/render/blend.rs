@@ -18,7 +18,7 @@ use super::footprint::footprints;
 use super::keys::inverse_depth_of;
 use super::project::{ProjectedRow, Projector};
 use super::simd::{self, Work};
-use super::surface::Stage;
+use super::surface::{Stage, split_at_bands};
 use crate::error::Result;
 use crate::preprocess::{SampleImage, SampleTile, TILE, TILE_SAMPLES};
 use crate::settings::Kernel;
@@ -33,22 +33,25 @@ const SCREEN_VARIANCE: f32 = 0.16;
 /// The squared distance, in standard deviations, at which a footprint's weight has fallen to 0.
 const KERNEL_END: f32 = 6.0;
 
-/// Sums of every pixel of `bands`, over the samples at most `surface_ratio` behind the nearest depth in `keys`.
+/// Adds up the pixels of `bands` over the samples that are no farther than `surface_ratio` of the nearest depth in `keys`.
 ///
 /// # Errors
 /// `Cancelled`.
-pub(super) fn blend(stage: &Stage<'_>, bands: &[Band], keys: &[u64], surface_ratio: f32) -> Result<Vec<Sum>> {
-    let mut sums = vec![[0.0; 4]; keys.len()];
-    let (mut rest, mut rest_keys) = (sums.as_mut_slice(), keys);
-    let mut parts = Vec::new();
-    for band in bands {
-        let (part, after) = rest.split_at_mut(band.rows.len() * stage.width);
-        let (part_keys, after_keys) = rest_keys.split_at(part.len());
-        parts.push(BandBlend { stage, band, keys: part_keys, surface_ratio, sums: part });
-        (rest, rest_keys) = (after, after_keys);
-    }
-    parts.into_par_iter().try_for_each(simd::run)?;
-    Ok(sums)
+pub(super) fn blend(
+    stage: &Stage<'_>,
+    bands: &[Band],
+    keys: &[u64],
+    surface_ratio: f32,
+    sums: &mut [Sum],
+) -> Result<()> {
+    let parts: Vec<BandBlend<'_>> = split_at_bands(bands, stage.width, sums)
+        .into_iter()
+        .map(|(band, sums)| {
+            let keys = &keys[band.rows.start * stage.width..band.rows.end * stage.width];
+            BandBlend { stage, band, keys, surface_ratio, sums }
+        })
+        .collect();
+    parts.into_par_iter().try_for_each(simd::run)
 }
 
 struct BandBlend<'a> {

@@ -2,23 +2,29 @@
 //!
 //! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.3: "We render the background images
 //! once and paint the foreground over top for each consecutive time step. Only when the user moves vantage points do we
-//! re-render the background."
+//! re-render the background." What differs: only the blocks of the picture that the foreground leaves or enters are painted.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::blend::blend;
-use super::compose::{Layer, compose};
-use super::cull::{Reach, bands, bounds};
+use super::blocks::Blocks;
+use super::cull::{Bounds, Reach, bands, bounds};
+use super::fill::fill;
+use super::footprint::MAX_STRETCH;
 use super::frame_samples::FrameSamples;
+use super::gather::Gather;
 use super::project::{Projector, focal};
+use super::resolve::{Layer, Resolve};
+use super::silhouette::RING;
 use super::surface::{Stage, surface};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::SampleSet;
-use crate::settings::{Kernel, RenderSettings};
+use crate::settings::{Fill, Kernel, RenderSettings};
 
 /// Largest picture that is rendered, pixels: 16K by 8K.
 pub const MAX_PIXELS: usize = 1 << 27;
@@ -26,16 +32,120 @@ pub const MAX_PIXELS: usize = 1 << 27;
 /// Renders vantages, and keeps the background while the vantage is still.
 #[derive(Debug, Default)]
 pub struct CpuRenderer {
-    background: Option<CachedBackground>,
+    still: Option<Still>,
 }
 
+/// What is kept from one frame to the next.
 #[derive(Debug)]
-struct CachedBackground {
+struct Still {
     samples: Arc<SampleSet>,
+    /// Indices of the images that outlast the frame.
     images: Vec<usize>,
     camera: Camera,
     settings: RenderSettings,
-    layer: Arc<Layer>,
+    background: Layer,
+    /// The background alone; made when the first frame follows at the same vantage.
+    background_picture: Option<Picture>,
+    foreground: Layer,
+    /// The blocks that the foreground has touched.
+    touched: Blocks,
+    picture: Arc<Picture>,
+}
+
+/// What the stages of one picture are made of.
+struct Painting<'a> {
+    frame: &'a FrameSamples<'a>,
+    target: &'a Camera,
+    settings: &'a RenderSettings,
+    projectors: Vec<Projector>,
+    per_footprint: Vec<f32>,
+    surface_ratio: f32,
+    job: &'a Job,
+}
+
+impl<'a> Painting<'a> {
+    fn new(
+        frame: &'a FrameSamples<'a>,
+        target: &'a Camera,
+        settings: &'a RenderSettings,
+        job: &'a Job,
+    ) -> Self {
+        let cameras = &frame.set.cameras;
+        Self {
+            frame,
+            target,
+            settings,
+            projectors: cameras.iter().map(|camera| Projector::new(camera, target)).collect(),
+            per_footprint: cameras.iter().map(|camera| 1.0 / focal(camera)).collect(),
+            surface_ratio: 1.0 / (1.0 + settings.depth_tolerance / focal(target)),
+            job,
+        }
+    }
+
+    fn size(&self) -> (usize, usize) {
+        self.target.intrinsics.size()
+    }
+
+    fn blends(&self) -> bool {
+        matches!(self.settings.kernel, Kernel::Block | Kernel::Surfel)
+    }
+
+    fn bounds(&self, tiles: Range<usize>) -> Vec<Bounds> {
+        let reach = match self.settings.kernel {
+            Kernel::Point => Reach { pixels: 0.0, source_pixels: 0.0 },
+            Kernel::Block => Reach { pixels: 1.0, source_pixels: 0.0 },
+            // The kernel ends at the root of six standard deviations of half a source pixel, stretched.
+            Kernel::Surfel => Reach { pixels: 1.5, source_pixels: 2.0 * MAX_STRETCH },
+            Kernel::Gather => Reach { pixels: 1.0, source_pixels: MAX_STRETCH },
+        };
+        bounds(self.frame, tiles, &self.projectors, self.target, reach)
+    }
+
+    /// Paints some tiles into a layer, over what is there.
+    fn paint(&self, first_tile: usize, bounds: &[Bounds], layer: &mut Layer) -> Result<()> {
+        let (width, height) = self.size();
+        let stage = Stage {
+            frame: self.frame,
+            projectors: &self.projectors,
+            per_footprint: &self.per_footprint,
+            width,
+            kernel: self.settings.kernel,
+            job: self.job,
+        };
+        let threads = rayon::current_num_threads();
+        let bands = bands(bounds, first_tile, height, if threads == 1 { 1 } else { 2 * threads });
+        surface(&stage, &bands, &mut layer.keys)?;
+        if self.blends() {
+            blend(&stage, &bands, &layer.keys, self.surface_ratio, &mut layer.sums)?;
+        }
+        Ok(())
+    }
+
+    /// Resolves some blocks of a picture; without a foreground, those of the background alone.
+    fn resolve(
+        &self,
+        background: &Layer,
+        foreground: Option<&Layer>,
+        background_picture: Option<&Picture>,
+        (which, picture): (&Blocks, &mut Picture),
+    ) -> Result<()> {
+        let gathers = (self.settings.kernel == Kernel::Gather).then(|| {
+            let among = |tiles| Gather::new(self.frame, tiles, self.target, self.settings.depth_tolerance);
+            [among(self.frame.lasting()), among(0..self.frame.tiles.len())]
+        });
+        let resolve = Resolve {
+            frame: self.frame,
+            kernel: self.settings.kernel,
+            width: self.size().0,
+            surface_ratio: self.surface_ratio,
+            background,
+            foreground,
+            background_picture,
+            gather: gathers.as_ref().map(|[lasting, all]| [lasting, all]),
+            job: self.job,
+        };
+        resolve.resolve(which, picture)
+    }
 }
 
 impl CpuRenderer {
@@ -45,107 +155,132 @@ impl CpuRenderer {
         Self::default()
     }
 
-    /// Paints the samples of the vantage's frame.
+    /// Paints the samples of the vantage's frame. A caller that lets go of the picture before it asks for the next spares
+    /// the renderer a copy.
     ///
     /// # Errors
-    /// `Cancelled`; `Invalid` where the frame does not exist, or the picture has no pixel or absurdly many.
+    /// `Cancelled`; `Invalid` where the frame does not exist, the picture has no pixel or absurdly many, or
+    /// [`Vantage::validate`] refuses; `Unsupported` where a frame has more samples than can be numbered.
     pub fn render(
         &mut self,
         samples: &Arc<SampleSet>,
         vantage: &Vantage,
         settings: &RenderSettings,
         job: &Job,
-    ) -> Result<(Picture, RenderStats)> {
+    ) -> Result<(Arc<Picture>, RenderStats)> {
         let started = Instant::now();
         check(samples, vantage)?;
         let frame = FrameSamples::at(samples, vantage.frame)?;
-        let reused = self.cached(samples, &frame.images[..frame.lasting_images], vantage, settings);
+        let painting = Painting::new(&frame, &vantage.camera, settings, job);
+        // Taken out, so that a canceled job leaves nothing half painted behind.
+        let still = self.still.take();
+        let lasting = &frame.images[..frame.lasting_images];
+        let reused = still.filter(|still| still.shows(samples, lasting, &vantage.camera, settings));
         let background_reused = reused.is_some();
-        let projectors: Vec<Projector> =
-            samples.cameras.iter().map(|camera| Projector::new(camera, &vantage.camera)).collect();
-        let per_footprint: Vec<f32> = samples.cameras.iter().map(|camera| 1.0 / focal(camera)).collect();
-        let surface_ratio = 1.0 / (1.0 + settings.depth_tolerance / focal(&vantage.camera));
-        let stage = Stage {
-            frame: &frame,
-            projectors: &projectors,
-            per_footprint: &per_footprint,
-            width: vantage.camera.intrinsics.width as usize,
-            kernel: settings.kernel,
-            job,
+        let still = match reused {
+            Some(still) => repaint(&painting, still)?,
+            None => paint_anew(&painting, samples)?,
         };
-        let background = if let Some(layer) = reused {
-            layer
-        } else {
-            let layer = Arc::new(paint(&stage, frame.lasting(), &vantage.camera, surface_ratio)?);
-            self.background = Some(CachedBackground {
-                samples: samples.clone(),
-                images: frame.images[..frame.lasting_images].to_vec(),
-                camera: vantage.camera.clone(),
-                settings: settings.clone(),
-                layer: layer.clone(),
-            });
-            layer
-        };
-        let foreground = paint(&stage, frame.passing(), &vantage.camera, surface_ratio)?;
-        let mut picture = compose([&background, &foreground], stage.width, surface_ratio, &frame);
-        if settings.kernel == crate::settings::Kernel::Gather {
-            let keys: Vec<u64> =
-                background.keys.iter().zip(&foreground.keys).map(|(a, b)| *a.max(b)).collect();
-            let colors =
-                super::gather::Gather::new(&frame, 0..frame.tiles.len(), &vantage.camera).gather(&keys, stage.width);
-            picture.color = crate::grid::Grid::from_vec(stage.width, keys.len() / stage.width, colors);
+        let mut picture = still.picture.clone();
+        self.still = Some(still);
+        let filling = Instant::now();
+        if settings.fill != Fill::None {
+            fill(Arc::make_mut(&mut picture), &vantage.camera, settings);
         }
-        let painted_samples = foreground.samples + if background_reused { 0 } else { background.samples };
+        let fill_ms = filling.elapsed().as_secs_f64() * 1e3;
+        let painted = if background_reused { frame.passing() } else { 0..frame.tiles.len() };
         let stats = RenderStats {
-            samples: painted_samples,
+            samples: frame.sample_count(painted),
             holes: picture.holes(),
             milliseconds: started.elapsed().as_secs_f64() * 1e3,
+            fill_ms,
             background_reused,
         };
         Ok((picture, stats))
     }
+}
 
-    fn cached(
+impl Still {
+    fn shows(
         &self,
         samples: &Arc<SampleSet>,
         images: &[usize],
-        vantage: &Vantage,
+        camera: &Camera,
         settings: &RenderSettings,
-    ) -> Option<Arc<Layer>> {
-        let cached = self.background.as_ref()?;
-        let same = Arc::ptr_eq(&cached.samples, samples)
-            && cached.images == images
-            && cached.camera == vantage.camera
-            && cached.settings == *settings;
-        same.then(|| cached.layer.clone())
+    ) -> bool {
+        Arc::ptr_eq(&self.samples, samples)
+            && self.images == images
+            && self.camera == *camera
+            && self.settings == *settings
     }
 }
 
-/// Paints some tiles of the frame.
-fn paint(stage: &Stage<'_>, tiles: std::ops::Range<usize>, target: &Camera, surface_ratio: f32) -> Result<Layer> {
-    let (width, height) = target.intrinsics.size();
-    let samples = stage.frame.sample_count(tiles.clone());
-    let reach = match stage.kernel {
-        Kernel::Point => Reach { pixels: 0.0, source_pixels: 0.0 },
-        Kernel::Block => Reach { pixels: 1.0, source_pixels: 0.0 },
-        Kernel::Surfel | Kernel::Gather => Reach { pixels: 2.0, source_pixels: 8.0 },
+/// Background and foreground.
+fn paint_anew(painting: &Painting<'_>, samples: &Arc<SampleSet>) -> Result<Still> {
+    let (width, height) = painting.size();
+    let frame = painting.frame;
+    let sums = if painting.blends() { width * height } else { 0 };
+    let empty = || Layer { keys: vec![0; width * height], sums: vec![[0.0; 4]; sums] };
+    let mut background = empty();
+    painting.paint(0, &painting.bounds(frame.lasting()), &mut background)?;
+    let mut touched = Blocks::none(width, height);
+    let mut foreground = Layer::default();
+    if !frame.passing().is_empty() {
+        foreground = empty();
+        let bounds = painting.bounds(frame.passing());
+        touched.mark(&bounds, RING);
+        painting.paint(frame.lasting_tiles, &bounds, &mut foreground)?;
+    }
+    let mut picture = Picture::empty(width, height);
+    let front = (!frame.passing().is_empty()).then_some(&foreground);
+    painting.resolve(&background, front, None, (&Blocks::all(width, height), &mut picture))?;
+    Ok(Still {
+        samples: samples.clone(),
+        images: frame.images[..frame.lasting_images].to_vec(),
+        camera: painting.target.clone(),
+        settings: painting.settings.clone(),
+        background,
+        background_picture: None,
+        foreground,
+        touched,
+        picture: Arc::new(picture),
+    })
+}
+
+/// The foreground alone, over the background that is there.
+fn repaint(painting: &Painting<'_>, mut still: Still) -> Result<Still> {
+    let (width, height) = painting.size();
+    let background_picture = match still.background_picture.take() {
+        Some(picture) => picture,
+        None => {
+            let mut picture = (*still.picture).clone();
+            painting.resolve(&still.background, None, None, (&still.touched, &mut picture))?;
+            picture
+        }
     };
-    let found = bounds(stage.frame, tiles.clone(), stage.projectors, target, reach);
-    let threads = rayon::current_num_threads();
-    let count = if threads == 1 { 1 } else { 2 * threads };
-    let bands = bands(&found, tiles.start, height, count);
-    let mut keys = vec![0; width * height];
-    surface(stage, &bands, &mut keys)?;
-    let sums = if matches!(stage.kernel, Kernel::Block | Kernel::Surfel) {
-        blend(stage, &bands, &keys, surface_ratio)?
-    } else {
-        Vec::new()
-    };
-    Ok(Layer { keys, sums, samples })
+    let pixels = width * height;
+    still.foreground.keys.resize(pixels, 0);
+    still.foreground.sums.resize(if painting.blends() { pixels } else { 0 }, [0.0; 4]);
+    still.touched.clear(width, &mut still.foreground.keys, 0);
+    if painting.blends() {
+        still.touched.clear(width, &mut still.foreground.sums, [0.0; 4]);
+    }
+    let bounds = painting.bounds(painting.frame.passing());
+    let mut touched = Blocks::none(width, height);
+    touched.mark(&bounds, RING);
+    painting.paint(painting.frame.lasting_tiles, &bounds, &mut still.foreground)?;
+    still.touched.join(&touched);
+    let picture = Arc::make_mut(&mut still.picture);
+    let front = Some(&still.foreground);
+    painting.resolve(&still.background, front, Some(&background_picture), (&still.touched, picture))?;
+    still.touched = touched;
+    still.background_picture = Some(background_picture);
+    Ok(still)
 }
 
 /// Whether the vantage can be painted.
 pub(super) fn check(samples: &SampleSet, vantage: &Vantage) -> Result<()> {
+    vantage.validate()?;
     let place = format!("vantage '{}'", vantage.camera.name);
     let (width, height) = vantage.camera.intrinsics.size();
     let pixels = width.saturating_mul(height);

@@ -25,7 +25,8 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    fn is_empty(self) -> bool {
+    /// Whether there is no pixel in it.
+    pub(super) fn is_empty(self) -> bool {
         self.left >= self.right || self.top >= self.bottom
     }
 }
@@ -128,7 +129,9 @@ pub(super) fn bands(bounds: &[Bounds], first_tile: usize, height: usize, count: 
     }
     bands.par_iter_mut().for_each(|band| {
         let touches = |place: &Bounds| {
-            !place.is_empty() && (place.top as usize) < band.rows.end && place.bottom as usize > band.rows.start
+            !place.is_empty()
+                && (place.top as usize) < band.rows.end
+                && place.bottom as usize > band.rows.start
         };
         let numbers = bounds.iter().enumerate().filter(|(_, place)| touches(place));
         band.tiles = numbers.map(|(index, _)| (first_tile + index) as u32).collect();

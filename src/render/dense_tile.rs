@@ -65,8 +65,12 @@ pub(super) fn slopes(tile: &DenseTile, row: usize, per_footprint: f32) -> [[f32;
         let w = here[column];
         let limit = EDGE_FOOTPRINTS * per_footprint * w;
         slopes[0][column] = gentler(w, left[column], right[column], [limit; 2]);
-        slopes[1][column] =
-            gentler(w, above[column], below[column], [if has_above { limit } else { -1.0 }, if has_below { limit } else { -1.0 }]);
+        slopes[1][column] = gentler(
+            w,
+            above[column],
+            below[column],
+            [if has_above { limit } else { -1.0 }, if has_below { limit } else { -1.0 }],
+        );
     }
     slopes
 }

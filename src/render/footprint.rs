@@ -12,10 +12,10 @@ use super::project::{ProjectedRow, Projector};
 use crate::preprocess::TILE;
 
 /// A footprint never stretches beyond this many times its size seen face on: what is steeper is not known well enough.
-pub(super) const MAX_STRETCH: f32 = 4.0;
+pub(super) const MAX_STRETCH: f32 = 1.5;
 
 /// Neighboring footprints overlap by this factor, so that no crack opens between them.
-
+pub(super) const OVERLAP: f32 = 1.05;
 
 /// The footprints of a row of sixteen samples.
 pub(super) struct Footprints {
@@ -72,11 +72,11 @@ pub(super) fn footprints(
         let determinant = a * d - b * c;
         // Edge on, the plane says nothing about its depth in the target.
         let inverse = if determinant.abs() > 1e-6 { 1.0 / determinant } else { 0.0 };
-        let largest = *STRETCH * projector.focal_ratio * reciprocal;
+        let largest = MAX_STRETCH * projector.focal_ratio * reciprocal;
         found.inverse_depth[i] = target_w;
         found.slope_x[i] = (w_across * d - w_down * c) * inverse;
         found.slope_y[i] = (w_down * a - w_across * b) * inverse;
-        found.deviation[i] = 0.5 * *OVERLAP * (w_across.abs() + w_down.abs());
+        found.deviation[i] = 0.5 * OVERLAP * (w_across.abs() + w_down.abs());
         found.jacobian[0][i] = a;
         found.jacobian[1][i] = b;
         found.jacobian[2][i] = c;
@@ -85,13 +85,8 @@ pub(super) fn footprints(
         found.inverse[1][i] = -b * inverse;
         found.inverse[2][i] = -c * inverse;
         found.inverse[3][i] = a * inverse;
-        found.half_width[i] = (0.5 * *OVERLAP * (a.abs() + b.abs())).min(largest);
-        found.half_height[i] = (0.5 * *OVERLAP * (c.abs() + d.abs())).min(largest);
+        found.half_width[i] = (0.5 * OVERLAP * (a.abs() + b.abs())).min(largest);
+        found.half_height[i] = (0.5 * OVERLAP * (c.abs() + d.abs())).min(largest);
     }
     found
 }
-pub(super) fn knob(name: &str, default: f32) -> f32 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
-}
-pub(super) static OVERLAP: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| knob("F_OVER", 1.1));
-pub(super) static STRETCH: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| knob("F_STRETCH", 4.0));

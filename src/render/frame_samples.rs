@@ -101,6 +101,22 @@ impl<'a> FrameSamples<'a> {
         image.color[tile.first as usize + nth].map(half::f16::to_f32)
     }
 
+    /// The cameras that some keys' samples come from, ascending.
+    pub(super) fn cameras_of(&self, keys: &[u64], cameras: &mut Vec<u16>) {
+        cameras.clear();
+        let mut last_tile = u32::MAX;
+        for key in keys.iter().filter(|key| **key != 0) {
+            let tile = !(*key as u32) >> 8;
+            if tile != last_tile {
+                last_tile = tile;
+                let camera = self.tile(tile as usize).0.camera as u16;
+                if let Err(place) = cameras.binary_search(&camera) {
+                    cameras.insert(place, camera);
+                }
+            }
+        }
+    }
+
     /// Samples in some tiles.
     pub(super) fn sample_count(&self, tiles: Range<usize>) -> u64 {
         self.tiles[tiles]

@@ -2,7 +2,10 @@
 //!
 //! Work is plain Rust that the compiler vectorizes; it is compiled once per level, and the level is chosen at run time. As
 //! no level contracts or reorders sums, all give the same bits: a test compares them.
-#![expect(unsafe_code, reason = "a function compiled for more instructions may only be called where they exist")]
+#![expect(
+    unsafe_code,
+    reason = "a function compiled for more instructions may only be called where they exist"
+)]
 
 /// A loop that profits from wide vectors. `run` must be `#[inline(always)]`, and so must what it calls.
 pub(super) trait Work {

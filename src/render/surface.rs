@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::cull::Band;
 use super::dense_tile::{DenseTile, slopes};
-use super::footprint::footprints;
+use super::footprint::{Footprints, OVERLAP, footprints};
 use super::frame_samples::FrameSamples;
 use super::keys::{CORE, key, nearness};
 use super::project::{ProjectedRow, Projector};
@@ -36,22 +36,31 @@ pub(super) struct Stage<'a> {
     pub(super) job: &'a Job,
 }
 
-/// Keys of every pixel of `bands`, which cover the picture from top to bottom.
+/// Cuts a buffer of `width` columns into the rows of each band; bands ascend.
+pub(super) fn split_at_bands<'a, 'b, T>(
+    bands: &'a [Band],
+    width: usize,
+    buffer: &'b mut [T],
+) -> Vec<(&'a Band, &'b mut [T])> {
+    let (mut rest, mut row) = (buffer, 0);
+    let mut parts = Vec::with_capacity(bands.len());
+    for band in bands {
+        let (_, from) = rest.split_at_mut((band.rows.start - row) * width);
+        let (part, after) = from.split_at_mut(band.rows.len() * width);
+        parts.push((band, part));
+        (rest, row) = (after, band.rows.end);
+    }
+    parts
+}
+
+/// Raises the keys of the pixels of `bands` to those of their samples.
 ///
 /// # Errors
 /// `Cancelled`.
 pub(super) fn surface(stage: &Stage<'_>, bands: &[Band], keys: &mut [u64]) -> Result<()> {
-    let mut rest = keys;
-    let mut parts = Vec::new();
-    for band in bands {
-        let (part, after) = rest.split_at_mut(band.rows.len() * stage.width);
-        parts.push((band, part));
-        rest = after;
-    }
-    parts.into_par_iter().try_for_each(|(band, keys)| {
-        keys.fill(0);
-        simd::run(BandSurface { stage, band, keys })
-    })
+    split_at_bands(bands, stage.width, keys)
+        .into_par_iter()
+        .try_for_each(|(band, keys)| simd::run(BandSurface { stage, band, keys }))
 }
 
 /// One band of the picture.
@@ -213,19 +222,14 @@ impl Window<'_> {
 
 /// Inverse depth of a sample's plane at the center of pixel `(x, y)`, never negative.
 #[inline(always)]
-fn depth_at(
-    found: &super::footprint::Footprints,
-    projected: &ProjectedRow,
-    i: usize,
-    x: f32,
-    y: f32,
-) -> (f32, bool) {
+fn depth_at(found: &Footprints, projected: &ProjectedRow, i: usize, x: f32, y: f32) -> (f32, bool) {
     let (dx, dy) = (x + 0.5 - projected.u[i], y + 0.5 - projected.v[i]);
     let (across, down) = (
         found.inverse[0][i] * dx + found.inverse[1][i] * dy,
         found.inverse[2][i] * dx + found.inverse[3][i] * dy,
     );
-    let covered = across.abs().max(down.abs()) <= 0.5 * *super::footprint::OVERLAP || dx.abs().max(dy.abs()) <= 0.5;
-    let deviation = (found.slope_x[i] * dx + found.slope_y[i] * dy).clamp(-found.deviation[i], found.deviation[i]);
+    let covered = across.abs().max(down.abs()) <= 0.5 * OVERLAP || dx.abs().max(dy.abs()) <= 0.5;
+    let deviation =
+        (found.slope_x[i] * dx + found.slope_y[i] * dy).clamp(-found.deviation[i], found.deviation[i]);
     ((found.inverse_depth[i] + deviation).max(0.0), covered)
 }

@@ -1,6 +1,7 @@
 //! What goes into a renderer and what comes out.
 
 use crate::capture::Camera;
+use crate::error::{Error, Result};
 use crate::grid::Grid;
 
 /// Where from, and when.
@@ -12,22 +13,61 @@ pub struct Vantage {
     pub frame: usize,
 }
 
+impl Vantage {
+    /// Checks that the camera can project: numbers that are finite, focal lengths above 0, a pose that can be undone. The
+    /// picture's size and the frame are the renderer's business.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the vantage and the part of it that is wrong.
+    pub fn validate(&self) -> Result<()> {
+        let refuse = |what: &str| Err(Error::invalid(format!("vantage '{}'", self.camera.name), what));
+        let k = self.camera.intrinsics;
+        if ![k.fx, k.fy].iter().all(|focal| focal.is_finite() && *focal > 0.0) {
+            return refuse("its focal lengths must be finite and above 0; give fx and fy in pixels");
+        }
+        if !(k.cx.is_finite() && k.cy.is_finite()) {
+            return refuse("its principal point is not finite; give cx and cy in pixels");
+        }
+        let pose = self.camera.world_from_camera;
+        if !pose.is_finite() {
+            return refuse("its pose holds numbers that are not finite; place the camera anew");
+        }
+        if pose.matrix3.determinant().abs() < SMALLEST_DETERMINANT {
+            return refuse("its pose is flat: the axes must be at right angles and of length 1");
+        }
+        Ok(())
+    }
+}
+
+/// A rotation has determinant 1; below this the inverse pose is noise.
+const SMALLEST_DETERMINANT: f64 = 1e-6;
+
 /// Marks a pixel that no sample reached, in [`Picture::image`].
 pub const NO_IMAGE: u32 = u32::MAX;
 
 /// A rendered vantage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Linear Rec.709; black in holes.
+    /// Linear Rec.709; black in holes that were not filled.
     pub color: Grid<[f32; 3]>,
-    /// Reciprocal of planar z of the nearest sample; 0 at infinity, negative in holes.
+    /// Reciprocal of planar z of the nearest sample; 0 at infinity, negative in holes that were not filled.
     pub inverse_depth: Grid<f32>,
-    /// Index in `SampleSet::images` of the image whose sample is nearest; [`NO_IMAGE`] in holes.
+    /// Index in `SampleSet::images` of the image whose sample is nearest; [`NO_IMAGE`] in holes, filled or not.
     pub image: Grid<u32>,
 }
 
 impl Picture {
-    /// Pixels that no sample reached.
+    /// A picture of holes.
+    #[must_use]
+    pub(super) fn empty(width: usize, height: usize) -> Self {
+        Self {
+            color: Grid::filled(width, height, [0.0; 3]),
+            inverse_depth: Grid::filled(width, height, -1.0),
+            image: Grid::filled(width, height, NO_IMAGE),
+        }
+    }
+
+    /// Pixels that no sample reached, filled or not.
     #[must_use]
     pub fn holes(&self) -> u64 {
         self.image.as_slice().iter().filter(|image| **image == NO_IMAGE).count() as u64
@@ -39,10 +79,12 @@ impl Picture {
 pub struct RenderStats {
     /// Samples that were projected.
     pub samples: u64,
-    /// Pixels that no sample reached.
+    /// Pixels that no sample reached, filled or not.
     pub holes: u64,
-    /// Wall-clock milliseconds.
+    /// Wall-clock milliseconds, filling included.
     pub milliseconds: f64,
+    /// Wall-clock milliseconds of filling holes.
+    pub fill_ms: f64,
     /// Whether the background was taken from the cache instead of being painted.
     pub background_reused: bool,
 }

@@ -108,6 +108,8 @@ choice! {
     pub enum Fill {
         /// Holes are shown as holes.
         None = "none",
+        /// Holes are filled smoothly from the farther of the surfaces around them; they still count as holes.
+        PushPull = "pushpull",
     }
 }
 

@@ -113,6 +113,11 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
         let image = picture.image[(x, y)];
         if image == NO_IMAGE {
+            let filled = picture.inverse_depth[(x, y)] >= 0.0;
+            if filled && key.color_by == ColorBy::Picture {
+                let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
+                return Color32::from_rgb(r, g, b);
+            }
             return if ((x + y) / STRIPE).is_multiple_of(2) { tokens.hole } else { tokens.hole_stripe };
         }
         let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
@@ -152,8 +157,8 @@ mod tests {
     use crate::settings::Settings;
     use glam::DVec3;
 
-    #[test]
-    fn standing_twice_as_close_as_the_camera_halves_the_density_of_samples() {
+    /// A camera four units from the origin, and a vantage at `distance`.
+    fn key(distance: f64) -> LiveKey {
         let intrinsics = Intrinsics::from_horizontal_angle(64, 48, 1.0);
         let camera = |distance: f64| {
             Camera::look_at("c", intrinsics, DVec3::new(0.0, -distance, 0.0), DVec3::ZERO, DVec3::Z)
@@ -166,14 +171,37 @@ mod tests {
             settings: Settings::default(),
             images: Vec::new(),
         };
-        let key = LiveKey {
+        LiveKey {
             scene: 1,
             samples: Arc::new(samples),
-            vantage: Vantage { camera: camera(2.0), frame: 0 },
+            vantage: Vantage { camera: camera(distance), frame: 0 },
             settings: RenderSettings::default(),
-            color_by: ColorBy::SamplingRate,
+            color_by: ColorBy::Picture,
             dark: true,
+        }
+    }
+
+    #[test]
+    fn filled_holes_are_shown_in_the_picture_and_hatched_where_colors_tell_of_samples() {
+        let mut key = key(1.0);
+        let mut picture = Picture {
+            color: Grid::filled(1, 1, [1.0, 0.0, 0.0]),
+            inverse_depth: Grid::filled(1, 1, 0.5),
+            image: Grid::filled(1, 1, NO_IMAGE),
         };
+        let hatched = Tokens::of(true).hole;
+        assert_eq!(colored(&picture, &key)[(0, 0)], Color32::from_rgb(255, 0, 0));
+        key.color_by = ColorBy::Camera;
+        assert_eq!(colored(&picture, &key)[(0, 0)], hatched);
+        key.color_by = ColorBy::Picture;
+        picture.inverse_depth[(0, 0)] = -1.0;
+        assert_eq!(colored(&picture, &key)[(0, 0)], hatched);
+    }
+
+    #[test]
+    fn standing_twice_as_close_as_the_camera_halves_the_density_of_samples() {
+        let key = LiveKey { color_by: ColorBy::SamplingRate, ..key(2.0) };
+        let intrinsics = key.vantage.camera.intrinsics;
         let value = log2_spacing(&key, 0, DVec2::new(intrinsics.cx, intrinsics.cy), 0.5);
         assert!((value - 1.0).abs() < 1e-6, "{value}");
     }

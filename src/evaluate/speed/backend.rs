@@ -49,7 +49,7 @@ pub struct Painted {
     /// Whether the samples that outlast the frame were taken from a cache.
     pub background_reused: bool,
     /// Held so that giving its memory back is not measured.
-    pub picture: Picture,
+    pub picture: Arc<Picture>,
 }
 
 /// Paints one vantage after another and may keep what helps with the next.

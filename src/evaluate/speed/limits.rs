@@ -216,11 +216,12 @@ impl Points {
         for image in &set.images {
             let source = &set.cameras[image.camera as usize];
             let target_from_source = target.camera_from_world() * source.world_from_camera;
+            let inverse_depths = image.inverse_depths();
             for sample in image.samples() {
                 let center = DVec2::new(sample.x as f64 + 0.5, sample.y as f64 + 0.5);
                 let ray = source.intrinsics.ray_in_camera(center);
                 // Scaled by the inverse depth, so that points at infinity have a place too.
-                let inverse_depth = f64::from(image.inverse_depth[sample.index]);
+                let inverse_depth = f64::from(inverse_depths[sample.index]);
                 let point = target_from_source.matrix3 * ray + target_from_source.translation * inverse_depth;
                 let Some(place) = target.intrinsics.project(point) else { continue };
                 let (x, y) = (place.x.floor(), place.y.floor());

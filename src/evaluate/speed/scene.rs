@@ -15,7 +15,7 @@ use crate::capture::demo::{Demo, DemoSpec};
 use crate::capture::{Camera, Capture, Intrinsics};
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::{SampleImage, SampleSet, SampleTile, Span, TILE, inspect_frame};
+use crate::preprocess::{DepthPlane, SampleImage, SampleSet, SampleTile, Span, TILE, inspect_frame};
 use crate::render::Vantage;
 use crate::settings::{CaptureSettings, PruningMethod, Settings};
 
@@ -149,18 +149,21 @@ fn tiles_where(image: &SampleImage, span: Span, keep: impl Fn(&SampleTile) -> bo
         span,
         tiles: Vec::new(),
         color: Vec::new(),
-        inverse_depth: Vec::new(),
+        depth: DepthPlane::default(),
         normal: image.normal.as_ref().map(|_| Vec::new()),
     };
+    let inverse_depths = image.inverse_depths();
+    let mut kept_depths = Vec::new();
     for tile in image.tiles.iter().filter(|tile| keep(tile)) {
         let samples = tile.first as usize..tile.first as usize + tile.count();
-        part.tiles.push(SampleTile { first: part.inverse_depth.len() as u32, ..*tile });
+        part.tiles.push(SampleTile { first: kept_depths.len() as u32, ..*tile });
         part.color.extend_from_slice(&image.color[samples.clone()]);
-        part.inverse_depth.extend_from_slice(&image.inverse_depth[samples.clone()]);
+        kept_depths.extend_from_slice(&inverse_depths[samples.clone()]);
         if let (Some(part), Some(normals)) = (&mut part.normal, &image.normal) {
             part.extend_from_slice(&normals[samples]);
         }
     }
+    part.depth = DepthPlane::pack(&part.tiles, &kept_depths);
     part
 }
 
@@ -213,7 +216,7 @@ mod tests {
         let [vantage, _] = scene.vantages(SIZE, 1);
         let paint = |set| {
             let settings = RenderSettings::default();
-            CpuRenderer::new().render(set, &vantage, &settings, &Job::new()).unwrap().0.inverse_depth
+            CpuRenderer::new().render(set, &vantage, &settings, &Job::new()).unwrap().0.inverse_depth.clone()
         };
         assert_eq!(paint(&scene.split), paint(&scene.unpruned));
     }

@@ -18,6 +18,12 @@ pub(super) struct GpuStage {
     pub(super) tile_count: u32,
     pub(super) piece_count: u32,
     pub(super) surface_ratio: f32,
+    pub(super) first_ray: [f32; 3],
+    pub(super) lasting_tiles: u32,
+    pub(super) ray_across: [f32; 3],
+    pub(super) entries_at: u32,
+    pub(super) ray_down: [f32; 3],
+    pub(super) all_tiles: u32,
 }
 
 /// `Projector` in `project.wgsl`.
@@ -51,6 +57,19 @@ impl GpuProjector {
     }
 }
 
+/// `View` in `lookup.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GpuView {
+    pub(super) source_from_target: GpuProjector,
+    pub(super) offset_in_world: [f32; 3],
+    pub(super) tolerance: f32,
+    pub(super) width: i32,
+    pub(super) height: i32,
+    pub(super) cells_across: u32,
+    pub(super) first_cell: u32,
+}
+
 /// `Piece` in `samples.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
@@ -65,7 +84,7 @@ pub(super) struct GpuPiece {
     pub(super) color_at: u32,
 }
 
-/// The thirteen words of a tile in `samples.wgsl`.
+/// The words of a tile in `samples.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct GpuTile {
@@ -75,6 +94,8 @@ pub(super) struct GpuTile {
     pub(super) farthest: u32,
     pub(super) nearest: u32,
     pub(super) first_high: u32,
+    /// Samples above each row.
+    pub(super) before: [u8; 16],
     pub(super) rows: [u16; 16],
 }
 
@@ -86,6 +107,9 @@ pub(super) const KEY_WORDS: u64 = 2;
 
 /// Words of a pixel of the picture: color, inverse depth, image.
 pub(super) const PICTURE_WORDS: u64 = 5;
+
+/// Cameras that the gather stage can tell apart, as `CAMERA_WORDS` in `silhouette.wgsl` times 32.
+pub(super) const MAX_CAMERAS: usize = 1024;
 
 /// Workgroups in a row of a dispatch, as `GROUPS_ACROSS` in `stage.wgsl`.
 pub(super) const GROUPS_ACROSS: u32 = 32768;
@@ -137,7 +161,7 @@ mod tests {
 
     #[test]
     fn structs_lie_in_memory_as_shaders_read_them() {
-        let module = naga::front::wgsl::parse_str(&shaders::COMPOSE.source()).unwrap();
+        let module = naga::front::wgsl::parse_str(&shaders::GATHER.source()).unwrap();
         assert_same_layout!(
             &module,
             "Stage",
@@ -149,12 +173,29 @@ mod tests {
             first_tile,
             tile_count,
             piece_count,
-            surface_ratio
+            surface_ratio,
+            first_ray,
+            lasting_tiles,
+            ray_across,
+            entries_at,
+            ray_down,
+            all_tiles
+        );
+        assert_same_layout!(
+            &module,
+            "View",
+            GpuView,
+            source_from_target,
+            offset_in_world,
+            tolerance,
+            width,
+            height,
+            cells_across,
+            first_cell
         );
         assert_same_layout!(
             &module, "Piece", GpuPiece, first_tile, camera, image, page, tiles_at, low_at, high_at, color_at
         );
-        let module = naga::front::wgsl::parse_str(&shaders::BLEND.source()).unwrap();
         assert_same_layout!(
             &module,
             "Projector",
@@ -175,11 +216,15 @@ mod tests {
         let module = naga::front::wgsl::parse_str(&shaders::BLEND.source()).unwrap();
         assert_eq!(constant(&module, "TILE_WORDS") as usize * 4, size_of::<GpuTile>());
         assert_eq!(constant(&module, "TILE_ROWS") as usize * 4, offset_of!(GpuTile, rows));
+        assert_eq!(constant(&module, "TILE_BEFORE") as usize * 4, offset_of!(GpuTile, before));
         assert_eq!(u64::from(constant(&module, "SUM_WORDS")), SUM_WORDS);
         assert_eq!(constant(&module, "GROUPS_ACROSS"), GROUPS_ACROSS);
         for kernel in Kernel::ALL {
             let name = format!("KERNEL_{}", kernel.name().to_uppercase());
             assert_eq!(constant(&module, &name), kernel_number(*kernel));
         }
+        let module = naga::front::wgsl::parse_str(&shaders::GATHER.source()).unwrap();
+        assert_eq!(constant(&module, "CAMERA_WORDS") as usize * 32, MAX_CAMERAS);
+        assert_eq!(constant(&module, "NO_IMAGE"), crate::render::NO_IMAGE);
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! SampleSet ─ upload, once an image ─▶ pages ─ surface ─▶ keys ─ blend ─▶ sums    of the background, kept while the vantage is still
-//!                                            ─ surface ─▶ keys ─ blend ─▶ sums    of the frame   ── compose ─▶ picture ─▶ CPU
+//!                                            ─ surface ─▶ keys ─ blend ─▶ sums    of the frame
+//!                                                                                  both   ─ resolve or gather ─▶ picture ─▶ CPU
 //! ```
 //!
 //! What differs from the CPU renderer: one thread a sample instead of one a band of rows, so keys are raised and colors are
@@ -15,6 +16,8 @@ mod context;
 mod layout;
 mod memory;
 mod pipelines;
+mod recorder;
+mod scene;
 mod shaders;
 mod target;
 mod upload;
@@ -26,23 +29,21 @@ use std::time::Instant;
 pub use context::AdapterChoice;
 
 use super::cpu::check;
+use super::fill::fill;
 use super::frame_samples::FrameSamples;
-use super::project::focal;
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::{SampleImage, SampleSet};
-use crate::settings::{Kernel, RenderSettings};
+use crate::preprocess::SampleSet;
+use crate::settings::{Fill, Kernel, RenderSettings};
 use clock::StageClock;
 use context::Context;
-use layout::{GROUPS_ACROSS, GpuPiece, GpuProjector, GpuStage, kernel_number};
-use memory::{MAX_PAGES, SampleMemory};
-use pipelines::{Pipelines, bind};
+use memory::SampleMemory;
+use pipelines::Pipelines;
+use recorder::Recorder;
+use scene::Scene;
 use target::Target;
-
-/// Distance between the stages in their buffer: the alignment that every adapter takes.
-const STAGE_STRIDE: u64 = 256;
 
 /// How a [`GpuRenderer`] is set up.
 #[derive(Clone, Copy, Debug)]
@@ -184,7 +185,7 @@ impl GpuRenderer {
         vantage: &Vantage,
         settings: &RenderSettings,
         job: &Job,
-    ) -> Result<(Picture, RenderStats)> {
+    ) -> Result<(Arc<Picture>, RenderStats)> {
         let started = Instant::now();
         check(samples, vantage)?;
         job.check()?;
@@ -196,16 +197,22 @@ impl GpuRenderer {
             settings: settings.clone(),
         };
         let reused = self.background.take().filter(|background| background.is(&wanted)).is_some();
-        let picture = self.paint(&frame, &vantage.camera, settings, reused, job)?;
+        let mut picture = self.paint(&frame, &vantage.camera, settings, reused, job)?;
         self.background = Some(wanted);
+        let filling = Instant::now();
+        if settings.fill != Fill::None {
+            fill(&mut picture, &vantage.camera, settings);
+        }
+        let fill_ms = filling.elapsed().as_secs_f64() * 1e3;
         let tiles = if reused { frame.passing() } else { 0..frame.tiles.len() };
         let stats = RenderStats {
             samples: frame.sample_count(tiles),
             holes: picture.holes(),
             milliseconds: started.elapsed().as_secs_f64() * 1e3,
+            fill_ms,
             background_reused: reused,
         };
-        Ok((picture, stats))
+        Ok((Arc::new(picture), stats))
     }
 
     fn paint(
@@ -220,7 +227,7 @@ impl GpuRenderer {
         let context = &*context;
         context.guarded(|| {
             let target = target_for(target, context, pipelines, camera, settings)?;
-            let scene = Scene::new(context, pipelines, memory, (frame, camera, settings))?;
+            let scene = Scene::new(context, pipelines, memory, target, (frame, camera, settings))?;
             job.check()?;
             clock.start();
             let mut encoder =
@@ -230,7 +237,7 @@ impl GpuRenderer {
                 recorder.paint(0, &["background surface", "background blend"]);
             }
             recorder.paint(1, &["surface", "blend"]);
-            recorder.compose();
+            recorder.resolve();
             clock.record_readback(&mut encoder);
             target.record_readback(&mut encoder);
             context.queue.submit([encoder.finish()]);
@@ -257,135 +264,4 @@ fn target_for<'a>(
         None => Target::new(context, pipelines, size, blends)?,
     };
     Ok(target.insert(found))
-}
-
-/// What every stage of a picture binds.
-struct Scene {
-    group: wgpu::BindGroup,
-    /// Tiles of background and foreground.
-    tile_counts: [u32; 2],
-}
-
-impl Scene {
-    fn new(
-        context: &Context,
-        pipelines: &Pipelines,
-        memory: &mut SampleMemory,
-        (frame, camera, settings): (&FrameSamples<'_>, &Camera, &RenderSettings),
-    ) -> Result<Self> {
-        let images: Vec<&Arc<SampleImage>> =
-            frame.images.iter().map(|index| &frame.set.images[*index]).collect();
-        let pieces = pieces(frame, &memory.load(context, &images)?);
-        let projectors: Vec<_> =
-            frame.set.cameras.iter().map(|source| GpuProjector::new(source, camera)).collect();
-        let surface_ratio = 1.0 / (1.0 + settings.depth_tolerance / focal(camera));
-        let (width, height) = camera.intrinsics.size();
-        let layers = [frame.lasting(), frame.passing()];
-        let mut stages = Vec::new();
-        for (index, tiles) in layers.iter().flat_map(|tiles| [(0, tiles), (1, tiles)]) {
-            let stage = GpuStage {
-                width: width as u32,
-                height: height as u32,
-                kernel: kernel_number(settings.kernel),
-                step: index,
-                first_tile: tiles.start as u32,
-                tile_count: tiles.len() as u32,
-                piece_count: pieces.len() as u32,
-                surface_ratio,
-            };
-            stages.extend_from_slice(bytemuck::bytes_of(&stage));
-            stages.resize(stages.len().next_multiple_of(STAGE_STRIDE as usize), 0);
-        }
-        let stage = written(context, "stage", &stages, wgpu::BufferUsages::UNIFORM)?;
-        let storage = wgpu::BufferUsages::STORAGE;
-        let projectors = written(context, "projectors", bytemuck::cast_slice(&projectors), storage)?;
-        let pieces = written(context, "pieces", bytemuck::cast_slice(&pieces), storage)?;
-        let missing = context.buffer("no page", 4, storage)?;
-        let mut buffers = vec![&projectors, &pieces];
-        buffers.extend(memory.pages().chain(std::iter::repeat(&missing)).take(MAX_PAGES));
-        let group = bind(&context.device, &pipelines.scene_layout, Some(&stage), &buffers);
-        Ok(Self { group, tile_counts: layers.map(|tiles| tiles.len() as u32) })
-    }
-
-    /// Where the stage of a layer begins, for the first or the second pass over its samples.
-    fn stage_offset(layer: usize, step: usize) -> u32 {
-        (2 * layer + step) as u32 * STAGE_STRIDE as u32
-    }
-}
-
-/// A buffer with these bytes.
-fn written(context: &Context, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
-    let buffer = context.buffer(label, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST)?;
-    context.queue.write_buffer(&buffer, 0, bytes);
-    Ok(buffer)
-}
-
-/// The pieces of a frame's images, in the order of the frame's tiles.
-fn pieces(frame: &FrameSamples<'_>, placed: &[Vec<upload::PlacedPiece>]) -> Vec<GpuPiece> {
-    let mut pieces = Vec::new();
-    let mut first_tile = 0;
-    for (&index, placed) in frame.images.iter().zip(placed) {
-        let image = &frame.set.images[index];
-        pieces.extend(placed.iter().map(|piece| GpuPiece {
-            first_tile: first_tile + piece.first_tile,
-            camera: image.camera,
-            image: index as u32,
-            page: piece.page,
-            tiles_at: piece.at,
-            low_at: piece.low_at,
-            high_at: piece.high_at,
-            color_at: piece.color_at,
-        }));
-        first_tile += image.tiles.len() as u32;
-    }
-    pieces
-}
-
-/// Writes the stages of one picture down, in the order in which they run.
-struct Recorder<'a> {
-    pipelines: &'a Pipelines,
-    scene: &'a Scene,
-    target: &'a Target,
-    clock: &'a mut StageClock,
-    encoder: &'a mut wgpu::CommandEncoder,
-}
-
-impl Recorder<'_> {
-    /// Paints a layer: surface, then blend where the kernel blends.
-    fn paint(&mut self, layer: usize, names: &[&'static str; 2]) {
-        let buffers = &self.target.layers[layer];
-        self.encoder.clear_buffer(&buffers.keys, 0, None);
-        let tiles = self.scene.tile_counts[layer];
-        let mut pass = self.clock.pass(self.encoder, names[0]);
-        pass.set_pipeline(&self.pipelines.surface);
-        pass.set_bind_group(1, &buffers.group, &[]);
-        for step in 0..if self.pipelines.one_pass { 1 } else { 2 } {
-            pass.set_bind_group(0, &self.scene.group, &[Scene::stage_offset(layer, step)]);
-            dispatch(&mut pass, tiles);
-        }
-        drop(pass);
-        if self.target.blends {
-            self.encoder.clear_buffer(&buffers.sums, 0, None);
-            let mut pass = self.clock.pass(self.encoder, names[1]);
-            pass.set_pipeline(&self.pipelines.blend);
-            pass.set_bind_group(0, &self.scene.group, &[Scene::stage_offset(layer, 0)]);
-            pass.set_bind_group(1, &buffers.group, &[]);
-            dispatch(&mut pass, tiles);
-        }
-    }
-
-    fn compose(&mut self) {
-        let mut pass = self.clock.pass(self.encoder, "compose");
-        pass.set_pipeline(&self.pipelines.compose);
-        pass.set_bind_group(0, &self.scene.group, &[Scene::stage_offset(0, 0)]);
-        pass.set_bind_group(1, &self.target.compose_group, &[]);
-        dispatch(&mut pass, self.target.pixels().div_ceil(256) as u32);
-    }
-}
-
-/// Starts so many workgroups, in rows that one dimension can hold.
-fn dispatch(pass: &mut wgpu::ComputePass<'_>, groups: u32) {
-    if groups > 0 {
-        pass.dispatch_workgroups(groups.min(GROUPS_ACROSS), groups.div_ceil(GROUPS_ACROSS), 1);
-    }
 }

@@ -3,7 +3,8 @@
 //! ```text
 //! group 0, the same for all   0 stage (one of several, by offset)   1 projectors   2 pieces   3 to 6 pages
 //! group 1, surface and blend  0 keys   1 sums
-//! group 1, compose            0 and 1 background's keys and sums   2 and 3 the foreground's   4 picture
+//! group 1, resolve            0 and 1 background's keys and sums   2 and 3 the foreground's   4 picture
+//! group 1, gather             0 background's keys   1 the foreground's   2 picture   3 views   4 lookup
 //! ```
 
 use super::context::Context;
@@ -14,10 +15,12 @@ use super::shaders::{self, Shader};
 pub(super) struct Pipelines {
     pub(super) scene_layout: wgpu::BindGroupLayout,
     pub(super) layer_layout: wgpu::BindGroupLayout,
-    pub(super) compose_layout: wgpu::BindGroupLayout,
+    pub(super) resolve_layout: wgpu::BindGroupLayout,
+    pub(super) gather_layout: wgpu::BindGroupLayout,
     pub(super) surface: wgpu::ComputePipeline,
     pub(super) blend: wgpu::ComputePipeline,
-    pub(super) compose: wgpu::ComputePipeline,
+    pub(super) resolve: wgpu::ComputePipeline,
+    pub(super) gather: wgpu::ComputePipeline,
     /// Whether `surface` raises keys with one 64-bit maximum; else it has to run twice.
     pub(super) one_pass: bool,
 }
@@ -88,16 +91,19 @@ impl Pipelines {
         let device = &context.device;
         let scene_layout = layout(device, "scene", &[Stage, Read, Read, Read, Read, Read, Read]);
         let layer_layout = layout(device, "layer", &[Write, Write]);
-        let compose_layout = layout(device, "compose", &[Read, Read, Read, Read, Write]);
+        let resolve_layout = layout(device, "resolve", &[Read, Read, Read, Read, Write]);
+        let gather_layout = layout(device, "gather", &[Read, Read, Write, Read, Read]);
         let surface = if one_pass { shaders::SURFACE_64 } else { shaders::SURFACE_32 };
         let over_layer = [Some(&scene_layout), Some(&layer_layout)];
         Self {
             surface: pipeline(device, &surface, &over_layer),
             blend: pipeline(device, &shaders::BLEND, &over_layer),
-            compose: pipeline(device, &shaders::COMPOSE, &[Some(&scene_layout), Some(&compose_layout)]),
+            resolve: pipeline(device, &shaders::RESOLVE, &[Some(&scene_layout), Some(&resolve_layout)]),
+            gather: pipeline(device, &shaders::GATHER, &[Some(&scene_layout), Some(&gather_layout)]),
             scene_layout,
             layer_layout,
-            compose_layout,
+            resolve_layout,
+            gather_layout,
             one_pass,
         }
     }

@@ -43,7 +43,27 @@ shader!(
     "The blend stage.",
     ["common/stage", "common/samples", "common/project", "common/dense_tile", "common/sums", "blend"]
 );
-shader!(COMPOSE, "compose", "Composition.", ["common/stage", "common/samples", "common/sums", "compose"]);
+shader!(
+    RESOLVE,
+    "resolve",
+    "The resolve stage of kernels that do not gather.",
+    ["common/stage", "common/samples", "common/sums", "common/picture", "resolve"]
+);
+shader!(
+    GATHER,
+    "gather",
+    "The gather stage.",
+    [
+        "common/stage",
+        "common/samples",
+        "common/project",
+        "common/lookup",
+        "common/sight",
+        "common/silhouette",
+        "common/picture",
+        "gather"
+    ]
+);
 
 #[cfg(test)]
 mod tests {
@@ -66,7 +86,7 @@ mod tests {
         let plain = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
         let wide = plain | Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX;
         for (shader, capabilities) in
-            [(SURFACE_64, wide), (SURFACE_32, plain), (BLEND, plain), (COMPOSE, plain)]
+            [(SURFACE_64, wide), (SURFACE_32, plain), (BLEND, plain), (RESOLVE, plain), (GATHER, plain)]
         {
             let source = shader.source();
             assert_eq!(problem(&source, capabilities), None, "{}", shader.entry);

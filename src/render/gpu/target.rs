@@ -35,7 +35,7 @@ pub(super) struct Target {
     /// Background and foreground.
     pub(super) layers: [Layer; 2],
     pub(super) picture: wgpu::Buffer,
-    pub(super) compose_group: wgpu::BindGroup,
+    pub(super) resolve_group: wgpu::BindGroup,
     readback: wgpu::Buffer,
 }
 
@@ -59,8 +59,8 @@ impl Target {
         let picture = context.buffer("picture", bytes, Usage::STORAGE | Usage::COPY_SRC)?;
         let readback = context.buffer("readback", bytes, Usage::MAP_READ | Usage::COPY_DST)?;
         let buffers = [&layers[0].keys, &layers[0].sums, &layers[1].keys, &layers[1].sums, &picture];
-        let compose_group = bind(&context.device, &pipelines.compose_layout, None, &buffers);
-        Ok(Self { width, height, blends, layers, picture, compose_group, readback })
+        let resolve_group = bind(&context.device, &pipelines.resolve_layout, None, &buffers);
+        Ok(Self { width, height, blends, layers, picture, resolve_group, readback })
     }
 
     /// Pixels of the picture.

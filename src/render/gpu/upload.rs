@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::layout::GpuTile;
-use crate::preprocess::SampleImage;
+use crate::preprocess::{SampleImage, TILE};
 
 const TILE_WORDS: u32 = (size_of::<GpuTile>() / 4) as u32;
 
@@ -108,6 +108,7 @@ impl Piece {
                     farthest: depth.farthest,
                     nearest: depth.nearest,
                     first_high: depth.first_high - self.high.start as u32,
+                    before: samples_above(&tile.rows),
                     rows: tile.rows,
                 }
             })
@@ -123,6 +124,16 @@ impl Piece {
             write_words(queue, page, u64::from(at) * 4, bytes);
         }
     }
+}
+
+/// How many samples the rows above each row hold.
+fn samples_above(rows: &[u16; TILE]) -> [u8; TILE] {
+    let mut count = 0;
+    rows.map(|row| {
+        let before = count as u8;
+        count += row.count_ones();
+        before
+    })
 }
 
 /// Writes bytes, and zeros up to a whole word.

@@ -1,17 +1,10 @@
-// Composition: the foreground of a frame over the background, by depth, and from sums to a picture.
-// Twin: src/render/compose.rs.
-//
-// The picture is planar, so that it can be read back without being rearranged: three words of color per pixel for all pixels,
-// then inverse depths, then indices of images.
+// The resolve stage of kernels that do not gather: from keys and sums to a picture. Twin: src/render/resolve.rs.
 
 @group(1) @binding(0) var<storage, read> background_keys: array<u32>;
 @group(1) @binding(1) var<storage, read> background_sums: array<u32>;
 @group(1) @binding(2) var<storage, read> foreground_keys: array<u32>;
 @group(1) @binding(3) var<storage, read> foreground_sums: array<u32>;
 @group(1) @binding(4) var<storage, read_write> picture: array<u32>;
-
-// Marks a pixel that no sample reached.
-const NO_IMAGE: u32 = 0xffffffffu;
 
 fn background_sum(pixel: u32) -> vec4<f32> {
     let at = SUM_WORDS * pixel;
@@ -34,7 +27,7 @@ fn foreground_sum(pixel: u32) -> vec4<f32> {
 }
 
 @compute @workgroup_size(256)
-fn compose(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+fn resolve(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let pixel = (group.y * GROUPS_ACROSS + group.x) * 256u + thread;
     let pixels = stage.width * stage.height;
     if pixel >= pixels {
@@ -44,15 +37,11 @@ fn compose(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
     let front = vec2<u32>(foreground_keys[2u * pixel], foreground_keys[2u * pixel + 1u]);
     let front_wins = front.y > back.y || (front.y == back.y && front.x > back.x);
     let key = select(back, front, front_wins);
-    let nearest = inverse_depth_of(key.y);
     var color = vec3<f32>(0.0);
-    var image = NO_IMAGE;
     if key.y != 0u {
-        let slot = ~key.x;
-        image = pieces[piece_of(slot >> 8u)].image;
         var sum = vec4<f32>(0.0);
-        if stage.kernel == KERNEL_BLOCK || stage.kernel == KERNEL_SURFEL {
-            let limit = nearest * stage.surface_ratio;
+        if stage.kernel != KERNEL_POINT {
+            let limit = inverse_depth_of(key.y) * stage.surface_ratio;
             if inverse_depth_of(back.y) >= limit {
                 sum += background_sum(pixel);
             }
@@ -63,12 +52,8 @@ fn compose(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
         if sum.w > 0.0 {
             color = sum.xyz / sum.w;
         } else {
-            color = color_of(slot);
+            color = color_of(~key.x);
         }
     }
-    picture[3u * pixel] = bitcast<u32>(color.x);
-    picture[3u * pixel + 1u] = bitcast<u32>(color.y);
-    picture[3u * pixel + 2u] = bitcast<u32>(color.z);
-    picture[3u * pixels + pixel] = bitcast<u32>(nearest);
-    picture[4u * pixels + pixel] = image;
+    set_pixel(pixel, key, color);
 }

@@ -1,0 +1,62 @@
+//! Blocks of 16×16 pixels of the picture: what is repainted when a foreground moves over a still background.
+
+use rayon::prelude::*;
+
+use super::cull::Bounds;
+use super::gather::BLOCK;
+
+/// A set of blocks.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Blocks {
+    across: usize,
+    marked: Vec<bool>,
+}
+
+impl Blocks {
+    /// None of the blocks of a picture.
+    pub(super) fn none(width: usize, height: usize) -> Self {
+        let across = width.div_ceil(BLOCK);
+        Self { across, marked: vec![false; across * height.div_ceil(BLOCK)] }
+    }
+
+    /// All of them.
+    pub(super) fn all(width: usize, height: usize) -> Self {
+        let mut blocks = Self::none(width, height);
+        blocks.marked.fill(true);
+        blocks
+    }
+
+    /// Adds the blocks that `bounds` touch, and those beside them as far as decisions at an edge reach.
+    pub(super) fn mark(&mut self, bounds: &[Bounds], reach: usize) {
+        let down = self.marked.len().checked_div(self.across).unwrap_or(0);
+        for place in bounds.iter().filter(|place| !place.is_empty()) {
+            let first = |start: u32| (start as usize).saturating_sub(reach) / BLOCK;
+            let last = |end: u32, count: usize| ((end as usize - 1 + reach) / BLOCK).min(count - 1);
+            for row in first(place.top)..=last(place.bottom, down) {
+                let start = row * self.across;
+                self.marked[start + first(place.left)..=start + last(place.right, self.across)].fill(true);
+            }
+        }
+    }
+
+    /// Adds the blocks of another set of the same picture.
+    pub(super) fn join(&mut self, other: &Self) {
+        self.marked.iter_mut().zip(&other.marked).for_each(|(mine, theirs)| *mine |= *theirs);
+    }
+
+    /// Sets the pixels of the blocks, in a buffer of `width` columns.
+    pub(super) fn clear<T: Copy + Send + Sync>(&self, width: usize, buffer: &mut [T], value: T) {
+        buffer.par_chunks_mut(BLOCK * width).enumerate().for_each(|(row, strip)| {
+            for column in (0..self.across).filter(|column| self.contains(*column, row)) {
+                let (left, right) = (column * BLOCK, ((column + 1) * BLOCK).min(width));
+                strip.chunks_mut(width).for_each(|pixels| pixels[left..right].fill(value));
+            }
+        });
+    }
+
+    /// Whether a block is in the set.
+    #[inline(always)]
+    pub(super) fn contains(&self, column: usize, row: usize) -> bool {
+        self.marked[row * self.across + column]
+    }
+}

@@ -1,0 +1,194 @@
+//! The pyramid: means of ever larger blocks of painted pixels, each of one surface alone.
+//!
+//! ```text
+//! pull    level 1: 2×2 pixels a cell    level 2: 4×4    …    top: the whole picture
+//! push    a hole pixel blends the four cells around it at level 1, covers what they leave open from level 2, and so on
+//! ```
+//!
+//! A cell covers less where little of its block was painted. Pushing reads bilinearly at every level, so that neither the cells'
+//! borders nor the change from one level to the next is seen.
+
+use rayon::prelude::*;
+
+use super::super::vantage::{NO_IMAGE, Picture};
+use super::{Surface, Tolerance};
+
+/// A mean with its weight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cell {
+    /// Linear Rec.709.
+    pub(super) color: [f32; 3],
+    /// Reciprocal of planar z.
+    pub(super) inverse_depth: f32,
+    /// In a pyramid the share of the block that the surface covers, 0 to 1; 0 where nothing is painted.
+    pub(super) weight: f32,
+}
+
+impl Cell {
+    /// Nothing.
+    pub(super) const EMPTY: Self = Self { color: [0.0; 3], inverse_depth: 0.0, weight: 0.0 };
+
+    /// Adds a color; the cell is a sum until it is normalized.
+    pub(super) fn add(&mut self, weight: f32, color: [f32; 3], inverse_depth: f32) {
+        (0..3).for_each(|channel| self.color[channel] += weight * color[channel]);
+        self.inverse_depth += weight * inverse_depth;
+        self.weight += weight;
+    }
+
+    /// The mean of what was added.
+    pub(super) fn normalized(self) -> Self {
+        let scale = self.weight.recip();
+        let color = self.color.map(|channel| channel * scale);
+        Self { color, inverse_depth: self.inverse_depth * scale, weight: self.weight }
+    }
+}
+
+struct Level {
+    width: usize,
+    height: usize,
+    cells: Vec<Cell>,
+    /// For each cell the finest level at which there is anything around it, from its own level up.
+    anything_from: Vec<u8>,
+}
+
+/// All levels above the picture itself, finest first.
+pub(super) struct Pyramid {
+    levels: Vec<Level>,
+}
+
+/// Share of a block that must be painted for its mean to be as good as any: with less, what is there lies to one side.
+/// Of 0.12 to 1, one half is nearest to a smooth surface, and costs the real captures nothing.
+const ENOUGH: f32 = 0.5;
+
+/// Blocks up to this many times as wide as the pixel sees far have a say: wider ones tell of other places.
+const BLOCKS: f32 = 8.0;
+
+/// A pixel is done when less than this share of it is open: one more level would not be seen.
+const DONE: f32 = 1.0 / 64.0;
+
+impl Pyramid {
+    /// Pulls a picture: every cell is the mean of the farthest surface in its block.
+    pub(super) fn pull(picture: &Picture, tolerance: Tolerance) -> Self {
+        let (width, height) = picture.image.size();
+        let pixel = |x: usize, y: usize| {
+            let pixel = y * width + x;
+            let painted = picture.image.as_slice()[pixel] != NO_IMAGE;
+            Cell {
+                color: picture.color.as_slice()[pixel],
+                inverse_depth: picture.inverse_depth.as_slice()[pixel],
+                weight: f32::from(u8::from(painted)),
+            }
+        };
+        let mut levels = vec![halve((width, height), tolerance.factor(2.0), pixel)];
+        while let Some(finer) = levels.last()
+            && finer.cells.len() > 1
+        {
+            let factor = tolerance.factor((2 << levels.len()) as f32);
+            levels.push(halve((finer.width, finer.height), factor, |x, y| finer.cells[y * finer.width + x]));
+        }
+        for index in (0..levels.len()).rev() {
+            let (finer, coarser) = levels.split_at_mut(index + 1);
+            finer[index].note_empty(index, coarser.first());
+        }
+        Self { levels }
+    }
+
+    /// The color and inverse depth for a hole pixel. Cells of `surface` count; where there is none, the pixel gets the
+    /// mean of what it sees. Without a surface any cell counts; `None` where there is no cell either.
+    pub(super) fn push(
+        &self,
+        (x, y): (usize, usize),
+        surface: Option<&Surface>,
+        tolerance: Tolerance,
+    ) -> Option<Cell> {
+        let largest_px = surface.map_or(f32::INFINITY, |surface| BLOCKS * surface.reach_px);
+        let mut sum = Cell::EMPTY;
+        let first = self.levels[0].anything_from[y / 2 * self.levels[0].width + x / 2] as usize;
+        for (index, level) in self.levels.iter().enumerate().skip(first) {
+            let block_px = (2 << index) as f32;
+            if block_px > largest_px || sum.weight > 1.0 - DONE {
+                break;
+            }
+            let factor = tolerance.factor(block_px);
+            let [farthest, nearest] = surface.map_or([0.0, f32::INFINITY], |surface| {
+                [surface.range[0] / factor, surface.range[1] * factor]
+            });
+            let open = 1.0 - sum.weight;
+            level.around((x, y), index + 1, |cell, share| {
+                if cell.weight > 0.0 && (farthest..=nearest).contains(&cell.inverse_depth) {
+                    let weight = open * share * (cell.weight / ENOUGH).min(1.0);
+                    sum.add(weight, cell.color, cell.inverse_depth);
+                }
+            });
+        }
+        if sum.weight > 0.0 {
+            return Some(sum.normalized());
+        }
+        surface.map(|surface| surface.mean)
+    }
+}
+
+impl Level {
+    /// Sets [`Level::anything_from`] of the level with this index: what is empty around a cell is empty around its parts.
+    fn note_empty(&mut self, index: usize, coarser: Option<&Self>) {
+        let (width, height, cells) = (self.width, self.height, &self.cells);
+        self.anything_from = vec![index as u8; cells.len()];
+        let Some(coarser) = coarser else { return };
+        self.anything_from.par_chunks_mut(width).enumerate().with_min_len(16).for_each(|(row, noted)| {
+            let rows = row.saturating_sub(1)..(row + 2).min(height);
+            for (column, noted) in noted.iter_mut().enumerate() {
+                let columns = column.saturating_sub(1)..(column + 2).min(width);
+                let mut around = rows.clone().map(|row| &cells[row * width..][columns.clone()]);
+                if around.all(|cells| cells.iter().all(|cell| cell.weight == 0.0)) {
+                    *noted = coarser.anything_from[row / 2 * coarser.width + column / 2];
+                }
+            }
+        });
+    }
+
+    /// The four cells around a pixel's center with their bilinear shares; at the picture's edge the outermost cells go on.
+    /// Blocks are `1 << log2_block` pixels wide.
+    #[inline]
+    fn around(&self, (x, y): (usize, usize), log2_block: usize, mut visit: impl FnMut(&Cell, f32)) {
+        // In whole halves of a pixel, as rounding down is slow in floats.
+        let ends = |pixel: usize, count: usize| {
+            let past_center = (2 * pixel + 1) as isize - (1_isize << log2_block);
+            let first = past_center >> (log2_block + 1);
+            let rest = past_center - (first << (log2_block + 1));
+            let share = rest as f32 / (2_usize << log2_block) as f32;
+            let inside = |index: isize| (index.max(0) as usize).min(count - 1);
+            [(inside(first), 1.0 - share), (inside(first + 1), share)]
+        };
+        let columns = ends(x, self.width);
+        for (row, share_y) in ends(y, self.height) {
+            for (column, share_x) in columns {
+                visit(&self.cells[row * self.width + column], share_x * share_y);
+            }
+        }
+    }
+}
+
+/// The next coarser level; inverse depths of one surface differ at most by `factor`.
+fn halve((width, height): (usize, usize), factor: f32, finer: impl Fn(usize, usize) -> Cell + Sync) -> Level {
+    let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
+    let mut cells = vec![Cell::EMPTY; columns * rows];
+    cells.par_chunks_mut(columns).enumerate().with_min_len(16).for_each(|(row, cells)| {
+        for (column, cell) in cells.iter_mut().enumerate() {
+            // The last block of an odd picture is smaller: its pixels count twice.
+            let (right, below) = ((2 * column + 1).min(width - 1), (2 * row + 1).min(height - 1));
+            let block = [(2 * column, 2 * row), (right, 2 * row), (2 * column, below), (right, below)]
+                .map(|(x, y)| finer(x, y));
+            let painted = || block.iter().filter(|part| part.weight > 0.0);
+            let farthest = painted().map(|part| part.inverse_depth).fold(f32::INFINITY, f32::min);
+            let mut sum = Cell::EMPTY;
+            for part in painted().filter(|part| part.inverse_depth <= farthest * factor) {
+                sum.add(part.weight, part.color, part.inverse_depth);
+            }
+            if sum.weight > 0.0 {
+                *cell = sum.normalized();
+                cell.weight /= 4.0;
+            }
+        }
+    });
+    Level { width: columns, height: rows, cells, anything_from: Vec::new() }
+}

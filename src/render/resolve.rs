@@ -1,0 +1,246 @@
+//! The resolve stage: from keys and sums to a picture, block by block.
+//!
+//! The foreground of a frame is painted over the background by depth (the paper, §3.3). A block that no foreground reaches is
+//! the background's own; where one does, both are resolved together. Which blocks those are depends on the frame and the
+//! vantage alone, so that painting over a cached background gives the very picture that painting everything anew gives.
+
+use rayon::prelude::*;
+
+use super::blend::Sum;
+use super::blocks::Blocks;
+use super::frame_samples::FrameSamples;
+use super::gather::{BLOCK, Gather};
+use super::keys::{inverse_depth_of, slot_of};
+use super::silhouette::{Patch, Pixel, RING, SIDE};
+use super::simd::{self, Work};
+use super::vantage::{NO_IMAGE, Picture};
+use crate::error::Result;
+use crate::job::Job;
+use crate::settings::Kernel;
+
+/// What was painted of some tiles.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Layer {
+    /// See [`super::keys`]; row-major.
+    pub(super) keys: Vec<u64>,
+    /// Blended colors; empty for kernels that do not blend.
+    pub(super) sums: Vec<Sum>,
+}
+
+/// Everything that a picture is resolved from.
+pub(super) struct Resolve<'a> {
+    pub(super) frame: &'a FrameSamples<'a>,
+    pub(super) kernel: Kernel,
+    pub(super) width: usize,
+    pub(super) surface_ratio: f32,
+    pub(super) background: &'a Layer,
+    /// Left out to resolve the background alone.
+    pub(super) foreground: Option<&'a Layer>,
+    /// The picture of the background alone, where there is one already.
+    pub(super) background_picture: Option<&'a Picture>,
+    /// Where the kernel gathers: among the lasting samples, and among all.
+    pub(super) gather: Option<[&'a Gather<'a>; 2]>,
+    pub(super) job: &'a Job,
+}
+
+/// Sixteen rows of the three planes of a picture.
+struct Rows<'a> {
+    color: &'a mut [[f32; 3]],
+    inverse_depth: &'a mut [f32],
+    image: &'a mut [u32],
+}
+
+impl Resolve<'_> {
+    /// Resolves the blocks of `which` into `picture`; others are left as they are.
+    ///
+    /// # Errors
+    /// `Cancelled`.
+    pub(super) fn resolve(&self, which: &Blocks, picture: &mut Picture) -> Result<()> {
+        let strip = BLOCK * self.width;
+        let color = picture.color.as_mut_slice().par_chunks_mut(strip);
+        let depth = picture.inverse_depth.as_mut_slice().par_chunks_mut(strip);
+        let image = picture.image.as_mut_slice().par_chunks_mut(strip);
+        color.zip(depth).zip(image).enumerate().try_for_each(|(row, ((color, inverse_depth), image))| {
+            self.job.check()?;
+            simd::run(Strip { resolve: self, which, row, rows: Rows { color, inverse_depth, image } });
+            Ok(())
+        })
+    }
+}
+
+/// A row of blocks.
+struct Strip<'a> {
+    resolve: &'a Resolve<'a>,
+    which: &'a Blocks,
+    row: usize,
+    rows: Rows<'a>,
+}
+
+impl Work for Strip<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        let mut cameras = Vec::new();
+        for column in 0..self.resolve.width.div_ceil(BLOCK) {
+            if !self.which.contains(column, self.row) {
+                continue;
+            }
+            let block = Block { left: column * BLOCK, top: self.row * BLOCK };
+            let foreground = self.resolve.foreground;
+            let has_foreground = foreground.is_some_and(|layer| self.resolve.has_foreground(&block, layer));
+            if !has_foreground && let Some(background) = self.resolve.background_picture {
+                self.copy(&block, background);
+            } else if let Some(gathers) = self.resolve.gather {
+                self.gather(&block, gathers[usize::from(has_foreground)], &mut cameras);
+            } else {
+                self.blend(&block);
+            }
+        }
+    }
+}
+
+struct Block {
+    left: usize,
+    top: usize,
+}
+
+impl Resolve<'_> {
+    fn height(&self) -> usize {
+        self.background.keys.len() / self.width
+    }
+
+    /// Whether a foreground sample is seen in the block or beside it.
+    #[inline(always)]
+    fn has_foreground(&self, block: &Block, foreground: &Layer) -> bool {
+        let columns = block.left.saturating_sub(RING)..(block.left + BLOCK + RING).min(self.width);
+        let rows = block.top.saturating_sub(RING)..(block.top + BLOCK + RING).min(self.height());
+        rows.into_iter().any(|y| {
+            let (start, end) = (y * self.width + columns.start, y * self.width + columns.end);
+            let pairs = foreground.keys[start..end].iter().zip(&self.background.keys[start..end]);
+            pairs.into_iter().any(|(&front, &back)| {
+                front != 0 && inverse_depth_of(front) >= inverse_depth_of(back) * self.surface_ratio
+            })
+        })
+    }
+
+    /// The nearer of both layers.
+    #[inline(always)]
+    fn key(&self, pixel: usize) -> u64 {
+        let back = self.background.keys[pixel];
+        self.foreground.map_or(back, |front| back.max(front.keys[pixel]))
+    }
+
+    /// The blended color of both layers where they show the surface that `key` stands for.
+    #[inline(always)]
+    fn blended(&self, pixel: usize, key: u64) -> [f32; 3] {
+        let limit = inverse_depth_of(key) * self.surface_ratio;
+        let mut sum: Sum = [0.0; 4];
+        for layer in [Some(self.background), self.foreground].into_iter().flatten() {
+            if let Some(part) = layer.sums.get(pixel)
+                && inverse_depth_of(layer.keys[pixel]) >= limit
+            {
+                (0..4).for_each(|channel| sum[channel] += part[channel]);
+            }
+        }
+        if sum[3] > 0.0 {
+            [sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]]
+        } else {
+            self.frame.color_of(slot_of(key))
+        }
+    }
+
+    fn patch(&self, block: &Block) -> Patch {
+        let mut keys = [[0; SIDE]; SIDE];
+        for (row, keys) in keys.iter_mut().enumerate() {
+            let y = (block.top + row).saturating_sub(RING).min(self.height() - 1);
+            for (column, key) in keys.iter_mut().enumerate() {
+                let x = (block.left + column).saturating_sub(RING).min(self.width - 1);
+                *key = self.key(y * self.width + x);
+            }
+        }
+        Patch { keys, left: block.left, top: block.top, surface_ratio: self.surface_ratio }
+    }
+}
+
+impl Strip<'_> {
+    /// Positions in the strip of a row of a block, and how many rows the block has.
+    #[inline(always)]
+    fn extent(&self, block: &Block) -> (usize, usize) {
+        let rows = self.rows.image.len() / self.resolve.width;
+        (BLOCK.min(self.resolve.width - block.left), rows)
+    }
+
+    #[inline(always)]
+    fn set(&mut self, at: usize, key: u64, color: [f32; 3]) {
+        self.rows.color[at] = color;
+        self.rows.inverse_depth[at] = inverse_depth_of(key);
+        self.rows.image[at] = if key == 0 { NO_IMAGE } else { self.resolve.frame.image_of(slot_of(key)) };
+    }
+
+    fn copy(&mut self, block: &Block, from: &Picture) {
+        let (columns, rows) = self.extent(block);
+        for row in 0..rows {
+            let to = row * self.resolve.width + block.left..row * self.resolve.width + block.left + columns;
+            let start = (block.top + row) * self.resolve.width + block.left;
+            let source = start..start + columns;
+            self.rows.color[to.clone()].copy_from_slice(&from.color.as_slice()[source.clone()]);
+            self.rows.inverse_depth[to.clone()]
+                .copy_from_slice(&from.inverse_depth.as_slice()[source.clone()]);
+            self.rows.image[to].copy_from_slice(&from.image.as_slice()[source]);
+        }
+    }
+
+    #[inline(always)]
+    fn blend(&mut self, block: &Block) {
+        let (columns, rows) = self.extent(block);
+        for row in 0..rows {
+            for column in 0..columns {
+                let pixel = (block.top + row) * self.resolve.width + block.left + column;
+                let key = self.resolve.key(pixel);
+                let color = match (key, self.resolve.kernel) {
+                    (0, _) => [0.0; 3],
+                    (key, Kernel::Point) => self.resolve.frame.color_of(slot_of(key)),
+                    (key, _) => self.resolve.blended(pixel, key),
+                };
+                self.set(row * self.resolve.width + block.left + column, key, color);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn gather(&mut self, block: &Block, gather: &Gather<'_>, cameras: &mut Vec<u16>) {
+        let frame = self.resolve.frame;
+        let patch = self.resolve.patch(block);
+        frame.cameras_of(patch.keys.as_flattened(), cameras);
+        let edges = patch.edges();
+        let (columns, rows) = self.extent(block);
+        for row in 0..rows {
+            for column in 0..columns {
+                let own = patch.keys[row + RING][column + RING];
+                let pixel = if edges[row] >> column & 1 == 1 {
+                    patch.decide(gather, cameras, column, row)
+                } else if own == 0 {
+                    Pixel::Hole
+                } else {
+                    Pixel::Surface(own)
+                };
+                let (x, y) = ((block.left + column) as f32, (block.top + row) as f32);
+                let color = |key| {
+                    let own = || frame.color_of(slot_of(key));
+                    gather.color(x, y, inverse_depth_of(key), cameras, own)
+                };
+                let (key, color) = match pixel {
+                    Pixel::Hole => (0, [0.0; 3]),
+                    Pixel::Surface(key) => (key, color(key)),
+                    Pixel::Edge { near, far, share } => {
+                        let (front, back) = (color(near), color(far));
+                        let mix = |channel| share * front[channel] + (1.0 - share) * back[channel];
+                        (if share >= 0.5 { near } else { far }, [mix(0), mix(1), mix(2)])
+                    }
+                };
+                self.set(row * self.resolve.width + block.left + column, key, color);
+            }
+        }
+    }
+}
