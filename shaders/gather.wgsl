@@ -25,7 +25,7 @@ fn load(corner: vec2<i32>, place: u32) {
     patch_keys[place] = key;
     if key.y != 0u {
         let camera = pieces[piece_of(~key.x >> 8u)].camera;
-        atomicOr(&patch_cameras[camera / 32u], 1u << (camera & 31u));
+        atomicOr(&camera_bits[camera / 32u], 1u << (camera & 31u));
     }
 }
 
@@ -33,12 +33,8 @@ fn load(corner: vec2<i32>, place: u32) {
 fn surface_color(key: vec2<u32>, at: vec2<f32>) -> vec3<f32> {
     let w = inverse_depth_of(key.y);
     var sum = vec4<f32>(0.0);
-    for (var cameras = 0u; cameras < CAMERA_WORDS; cameras++) {
-        var left = atomicLoad(&patch_cameras[cameras]);
-        while left != 0u {
-            sum += answer(32u * cameras + firstTrailingBit(left), at, w);
-            left &= left - 1u;
-        }
+    for (var nth = 0u; nth < camera_count; nth++) {
+        sum += answer(camera_list[nth], at, w);
     }
     if sum.w < ENOUGH {
         let lack = (ENOUGH - sum.w) * OWN_SHARE + 1e-6;
@@ -57,13 +53,17 @@ fn gather(
         atomicStore(&has_foreground, 0u);
     }
     if thread < CAMERA_WORDS {
-        atomicStore(&patch_cameras[thread], 0u);
+        atomicStore(&camera_bits[thread], 0u);
     }
     workgroupBarrier();
     let corner = vec2<i32>(group.xy * TILE);
     load(corner, thread);
     if thread + 256u < SIDE_SQUARED {
         load(corner, thread + 256u);
+    }
+    workgroupBarrier();
+    if thread < CAMERA_WORDS {
+        list_cameras(thread);
     }
     workgroupBarrier();
     let pixel = group.xy * TILE + local.xy;
@@ -73,14 +73,16 @@ fn gather(
     visible_tiles = select(stage.lasting_tiles, stage.all_tiles, atomicLoad(&has_foreground) != 0u);
     let at = vec2<f32>(pixel);
     let standing = decide(vec2<i32>(local.xy), at);
-    var key = standing.near;
     var color = vec3<f32>(0.0);
-    if standing.near.y != 0u {
-        color = surface_color(standing.near, at);
+    // One loop for both surfaces, so that compilers that inline everything have half as much to inline.
+    for (var side = 0u; side < 2u; side++) {
+        let key = select(standing.near, standing.far, side == 1u);
+        let share = select(standing.share, 1.0 - standing.share, side == 1u);
+        if key.y != 0u {
+            color += share * surface_color(key, at);
+        }
     }
-    if standing.far.y != 0u {
-        color = standing.share * color + (1.0 - standing.share) * surface_color(standing.far, at);
-        key = select(standing.far, standing.near, standing.share >= 0.5);
-    }
+    let shows_far = standing.far.y != 0u && standing.share < 0.5;
+    let key = select(standing.near, standing.far, shows_far);
     set_pixel(pixel.y * stage.width + pixel.x, key, color);
 }

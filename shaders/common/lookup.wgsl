@@ -80,22 +80,13 @@ fn find_all(quad: ptr<function, Quad>, camera: u32, x: i32, y: i32) {
         let at = tile_at(piece, number);
         let above = half_word(piece.page, at + TILE_ROWS, row) >> column & 3u;
         let below = half_word(piece.page, at + TILE_ROWS, row + 1u) >> column & 3u;
-        if above != 0u {
-            let nth = rank(piece.page, at, column, row);
-            if (above & 1u) == 1u {
-                set_corner(quad, 0u, piece_index, piece, at, nth);
-            }
-            if above >= 2u {
-                set_corner(quad, 1u, piece_index, piece, at, nth + (above & 1u));
-            }
-        }
-        if below != 0u {
-            let nth = rank(piece.page, at, column, row + 1u);
-            if (below & 1u) == 1u {
-                set_corner(quad, 2u, piece_index, piece, at, nth);
-            }
-            if below >= 2u {
-                set_corner(quad, 3u, piece_index, piece, at, nth + (below & 1u));
+        let held = above | below << 2u;
+        let first = vec2<u32>(rank(piece.page, at, column, row), rank(piece.page, at, column, row + 1u));
+        for (var corner = 0u; corner < 4u; corner++) {
+            if (held >> corner & 1u) == 1u {
+                let left_held = (corner & 1u) & (held >> (corner & 2u));
+                let nth = select(first.x, first.y, corner >= 2u) + left_held;
+                set_corner(quad, corner, piece_index, piece, at, nth);
             }
         }
         if (above & below) == 3u {

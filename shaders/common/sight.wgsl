@@ -111,12 +111,10 @@ fn answer(camera: u32, at: vec2<f32>, w: f32) -> vec4<f32> {
     if !place.inside {
         return vec4<f32>(0.0);
     }
+    // Where the picture is coarser than the camera's: the mean over sub-pixels, or fine detail would alias. One sub-pixel is
+    // the pixel itself.
     let rate = views[camera].source_from_target.focal_ratio * place.reciprocal;
-    if rate <= USEFUL_RATE {
-        return interpolate(camera, place, at, w);
-    }
-    // The picture is coarser than the camera's: the mean over sub-pixels, or fine detail would alias.
-    let count = min(ceil(rate / USEFUL_RATE), MAX_SUBPIXELS);
+    let count = clamp(ceil(rate / USEFUL_RATE), 1.0, MAX_SUBPIXELS);
     let per_subpixel = 1.0 / count;
     var sum = vec4<f32>(0.0);
     for (var nth = 0u; nth < u32(count * count); nth++) {

@@ -17,9 +17,28 @@ const SIDE_SQUARED: u32 = 400u;
 // The z-buffer of a block of pixels and the ring around it; beyond the picture its border goes on.
 var<workgroup> patch_keys: array<vec2<u32>, SIDE_SQUARED>;
 
-// The cameras whose samples are in the patch, a bit each.
+// The cameras whose samples are in the patch: a bit each, and from that a list, ascending.
 const CAMERA_WORDS: u32 = 32u;
-var<workgroup> patch_cameras: array<atomic<u32>, CAMERA_WORDS>;
+var<workgroup> camera_bits: array<atomic<u32>, CAMERA_WORDS>;
+var<workgroup> camera_list: array<u32, 1024>;
+var<workgroup> camera_count: u32;
+
+// Lists the cameras of one word of bits; called for every word.
+fn list_cameras(nth: u32) {
+    var count = 0u;
+    for (var before = 0u; before < nth; before++) {
+        count += countOneBits(atomicLoad(&camera_bits[before]));
+    }
+    var left = atomicLoad(&camera_bits[nth]);
+    while left != 0u {
+        camera_list[count] = 32u * nth + firstTrailingBit(left);
+        count += 1u;
+        left &= left - 1u;
+    }
+    if nth + 1u == CAMERA_WORDS {
+        camera_count = count;
+    }
+}
 
 // What stands in a pixel: a nearer surface, a farther one, and the share of the nearer, which is 1 where there is no other.
 struct Standing {
@@ -37,17 +56,12 @@ fn key_at(pixel: vec2<i32>, step: vec2<i32>) -> vec2<u32> {
 fn share_of(at: vec2<f32>, w: f32) -> f32 {
     var agree = 0.0;
     var total = 0.0;
-    for (var cameras = 0u; cameras < CAMERA_WORDS; cameras++) {
-        var left = atomicLoad(&patch_cameras[cameras]);
-        while left != 0u {
-            let camera = 32u * cameras + firstTrailingBit(left);
-            left &= left - 1u;
-            let sight = sight_of(camera, at, w);
-            if sight.weight > 0.0 {
-                let silent = select(0.0, SILENCE * sight.silent, sight.agree > 0.0);
-                agree += sight.weight * (sight.agree + 0.5 * silent);
-                total += sight.weight * (sight.agree + sight.through + silent);
-            }
+    for (var nth = 0u; nth < camera_count; nth++) {
+        let sight = sight_of(camera_list[nth], at, w);
+        if sight.weight > 0.0 {
+            let silent = select(0.0, SILENCE * sight.silent, sight.agree > 0.0);
+            agree += sight.weight * (sight.agree + 0.5 * silent);
+            total += sight.weight * (sight.agree + sight.through + silent);
         }
     }
     if total > FEWEST_VOTES {
@@ -138,28 +152,30 @@ fn decide(pixel: vec2<i32>, at: vec2<f32>) -> Standing {
     if !is_edge(pixel) {
         return only_own;
     }
-    let filled = crack(own_w, pixel);
-    if filled.y != 0u {
-        var share = share_of(at, inverse_depth_of(filled.y));
-        share = select(share, 1.0, share < 0.0);
-        if own.y != 0u {
-            return Standing(filled, own, share);
+    // The surface that the cameras vote for, and what stands there without it.
+    var near = crack(own_w, pixel);
+    var far = own;
+    let is_crack = near.y != 0u;
+    if !is_crack {
+        if own.y == 0u {
+            return only_own;
         }
-        return Standing(select(filled, nothing, share < 0.5), nothing, 1.0);
+        let behind = farther(own_w, pixel);
+        if !behind.found {
+            return only_own;
+        }
+        near = own;
+        far = behind.key;
     }
-    if own.y == 0u {
-        return only_own;
-    }
-    let behind = farther(own_w, pixel);
-    if !behind.found {
-        return only_own;
-    }
-    let share = share_of(at, own_w);
+    var share = share_of(at, inverse_depth_of(near.y));
     if share < 0.0 {
-        return only_own;
+        if !is_crack {
+            return only_own;
+        }
+        share = 1.0;
     }
-    if behind.key.y == 0u {
-        return Standing(select(own, nothing, share < 0.5), nothing, 1.0);
+    if far.y == 0u {
+        return Standing(select(near, nothing, share < 0.5), nothing, 1.0);
     }
-    return Standing(own, behind.key, share);
+    return Standing(near, far, share);
 }
