@@ -313,20 +313,3 @@ fn a_picture_that_cannot_be_painted_is_refused_and_the_next_one_is_painted() {
     assert!(matches!(cancelled, overlook::error::Error::Cancelled));
     compare(&mut gpu, Kernel::Block);
 }
-
-#[test]
-fn explore() {
-    let Some(mut gpu) = gpu() else { return };
-    let samples = samples(&moving_capture());
-    for camera in [novel(), close()] {
-        for kernel in Kernel::ALL {
-            let (a, sa) = on_cpu(&samples, &camera, 2, *kernel);
-            let (b, sb) = on_gpu(&mut gpu, &samples, &camera, 2, *kernel);
-            eprintln!(
-                "{kernel} {:?}\n {sa:?}\n {sb:?} {:?}",
-                Difference::between(&a, &b),
-                gpu.stage_milliseconds()
-            );
-        }
-    }
-}

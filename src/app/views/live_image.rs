@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
 use crate::preprocess::SampleSet;
-use crate::render::{CpuRenderer, NO_IMAGE, Picture, RenderStats, Vantage};
+use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, Vantage};
 use crate::settings::RenderSettings;
 
 /// What the colors of the right view tell.
@@ -95,17 +95,26 @@ pub(crate) struct LivePicture {
     pub image: Arc<ColorImage>,
     /// What it took.
     pub stats: RenderStats,
+    /// What painted.
+    pub painter: Painter,
+    /// Why something else painted than was asked for.
+    pub notice: Option<String>,
 }
 
 /// Renders and colors the picture that `key` asks for.
 ///
 /// # Errors
-/// As [`CpuRenderer::render`].
-pub(crate) fn paint(renderer: &mut CpuRenderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
+/// As [`Renderer::render`].
+pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
     let (picture, stats) = renderer.render(&key.samples, &key.vantage, &key.settings, job)?;
     let pixels = colored(&picture, key);
     let image = ColorImage::new([pixels.width(), pixels.height()], pixels.into_vec());
-    Ok(LivePicture { image: Arc::new(image), stats })
+    Ok(LivePicture {
+        image: Arc::new(image),
+        stats,
+        painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
+        notice: renderer.notice().map(str::to_owned),
+    })
 }
 
 fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {

@@ -38,15 +38,12 @@ fn gpu_error(what: impl Into<String>) -> Error {
 
 /// How much an adapter is preferred; `None` where it may not be taken.
 fn preference(info: &wgpu::AdapterInfo, choice: AdapterChoice) -> Option<u32> {
-    let kind = match info.device_type {
-        wgpu::DeviceType::DiscreteGpu => 0,
-        wgpu::DeviceType::IntegratedGpu => 2,
-        wgpu::DeviceType::VirtualGpu => 4,
-        wgpu::DeviceType::Other | wgpu::DeviceType::Cpu if choice == AdapterChoice::Any => 6,
-        wgpu::DeviceType::Other | wgpu::DeviceType::Cpu => return None,
-    };
-    // OpenGL reaches the same card by a longer way.
-    Some(kind + u32::from(info.backend == wgpu::Backend::Gl))
+    match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => Some(0),
+        wgpu::DeviceType::IntegratedGpu => Some(1),
+        wgpu::DeviceType::VirtualGpu => Some(2),
+        wgpu::DeviceType::Other | wgpu::DeviceType::Cpu => (choice == AdapterChoice::Any).then_some(3),
+    }
 }
 
 impl Context {
@@ -55,8 +52,16 @@ impl Context {
     /// # Errors
     /// `Gpu` where there is none, or it can do too little.
     pub(super) fn new(choice: AdapterChoice) -> Result<Self> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+        // Not OpenGL: it reaches the same cards by a longer way, and where there is none it complains on stderr.
+        let backends = wgpu::Backends::PRIMARY;
+        let description = wgpu::InstanceDescriptor {
+            backends,
+            // In development too: with debugging on, the loader logs every driver that it does not find as an error.
+            flags: wgpu::InstanceFlags::empty(),
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        };
+        let instance = wgpu::Instance::new(description);
+        let adapters = pollster::block_on(instance.enumerate_adapters(backends));
         let able = |adapter: &wgpu::Adapter| {
             adapter.limits().max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
                 && adapter.limits().max_compute_invocations_per_workgroup >= 256

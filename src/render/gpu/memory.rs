@@ -153,7 +153,7 @@ impl SampleMemory {
         let mut pieces: Vec<PlacedPiece> = Vec::new();
         for piece in Piece::cut(image, (self.page_bytes / 4) as u32) {
             let Some((page, at)) = self.place(context, piece.words())? else {
-                pieces.iter().for_each(|piece| self.pages[piece.page as usize].give_back(piece.at));
+                self.give_back(&pieces);
                 return Ok(false);
             };
             let placed = piece.place(page, at);
@@ -183,21 +183,21 @@ impl SampleMemory {
         }
     }
 
+    fn give_back(&mut self, pieces: &[PlacedPiece]) {
+        for piece in pieces {
+            self.pages[piece.page as usize].give_back(piece.at);
+        }
+    }
+
     /// Sends away the image that was not needed for longest. `false` where all are needed.
     fn evict(&mut self) -> bool {
         let idle = self.resident.values().filter(|resident| resident.last_used < self.now);
         let Some(oldest) = idle.min_by_key(|resident| resident.last_used) else { return false };
         let address = Arc::as_ptr(&oldest.image).addr();
         if let Some(oldest) = self.resident.remove(&address) {
-            oldest.pieces.iter().for_each(|piece| self.pages[piece.page as usize].give_back(piece.at));
+            self.give_back(&oldest.pieces);
         }
         true
-    }
-
-    /// Images on the adapter.
-    #[cfg(test)]
-    pub(super) fn resident_count(&self) -> usize {
-        self.resident.len()
     }
 }
 

@@ -196,7 +196,7 @@ impl GpuRenderer {
             camera: vantage.camera.clone(),
             settings: settings.clone(),
         };
-        let reused = self.background.take().filter(|background| background.is(&wanted)).is_some();
+        let reused = self.background.take().as_ref().is_some_and(|background| background.is(&wanted));
         let mut picture = self.paint(&frame, &vantage.camera, settings, reused, job)?;
         self.background = Some(wanted);
         let filling = Instant::now();
