@@ -1,32 +1,85 @@
-// The gather stage: from keys to a picture, block by block, with colors looked up in the cameras.
-// Twins: `Strip::gather` in src/render/resolve.rs, `Gather::color` in src/render/gather.rs.
+// The gather stage: the color of each surface that stands in a pixel, looked up in the cameras.
+// Twins: `Gather::color` in src/render/gather.rs, `Strip::gather` in src/render/resolve.rs.
 //
 // One workgroup a block of 16×16 pixels, one thread a pixel.
 
-@group(1) @binding(0) var<storage, read> background_keys: array<u32>;
-@group(1) @binding(1) var<storage, read> foreground_keys: array<u32>;
-@group(1) @binding(2) var<storage, read_write> picture: array<u32>;
+// Where less than this share of a pixel is known by interpolation, the nearest sample's own color stands in …
+const ENOUGH: f32 = 0.25;
+// … and counts this much for each part that is lacking.
+const OWN_SHARE: f32 = 0.2;
+// Samples whose 2×2 neighbors lie on another surface count less than clean ones.
+const BESIDE_EDGE: f32 = 0.3;
+// Sub-pixels along each side of a pixel that is interpolated in a picture of higher sampling rate, at most.
+const MAX_SUBPIXELS: f32 = 4.0;
 
-// Whether a foreground sample is seen in the block or beside it; only then are its samples looked at.
-var<workgroup> has_foreground: atomic<u32>;
+// Where between the 2×2 samples the pixel's line of sight meets the surface that the camera itself saw, at `depth`.
+fn corrected(camera: u32, place: Place, at: vec2<f32>, depth: f32) -> vec2<f32> {
+    let back = projectors[camera];
+    let pixel = place.corner + place.between;
+    let seen = ray(back, pixel.x, pixel.y) + back.origin * depth;
+    let there = views[camera].source_from_target;
+    let point = ray(there, at.x, at.y) * seen.z + there.origin * depth;
+    let found = point.xy * (1.0 / point.z) - 0.5 - place.corner;
+    let sound = seen.z > 0.0 && point.z > 0.0;
+    return select(place.between, clamp(found, vec2<f32>(0.0), vec2<f32>(1.0)), sound);
+}
 
-// Loads one pixel of the patch around the block whose first pixel is `corner`.
-fn load(corner: vec2<i32>, place: u32) {
-    let wanted = corner + vec2<i32>(i32(place) % SIDE, i32(place) / SIDE) - RING;
-    let pixel = clamp(wanted, vec2<i32>(0), vec2<i32>(i32(stage.width), i32(stage.height)) - 1);
-    let at = 2u * (u32(pixel.y) * stage.width + u32(pixel.x));
-    let back = vec2<u32>(background_keys[at], background_keys[at + 1u]);
-    let front = vec2<u32>(foreground_keys[at], foreground_keys[at + 1u]);
-    if front.y != 0u && inverse_depth_of(front.y) >= inverse_depth_of(back.y) * stage.surface_ratio {
-        atomicOr(&has_foreground, 1u);
+// Weighted color and weight; zeros where the camera does not know.
+fn interpolate(camera: u32, place: Place, at: vec2<f32>, w: f32) -> vec4<f32> {
+    let quad = quad_at(camera, i32(place.corner.x), i32(place.corner.y));
+    let limit = place.expected * views[camera].tolerance;
+    var shares = bilinear(place.between);
+    var agrees: array<bool, 4>;
+    var depth = 0.0;
+    var known = 0.0;
+    for (var corner = 0u; corner < 4u; corner++) {
+        let found = quad.depth[corner];
+        agrees[corner] = found >= 0.0 && abs(found - place.expected) <= limit;
+        if agrees[corner] {
+            known += shares[corner];
+            depth += shares[corner] * found;
+        }
     }
-    let front_wins = front.y > back.y || (front.y == back.y && front.x > back.x);
-    let key = select(back, front, front_wins);
-    patch_keys[place] = key;
-    if key.y != 0u {
-        let camera = pieces[piece_of(~key.x >> 8u)].camera;
-        atomicOr(&camera_bits[camera / 32u], 1u << (camera & 31u));
+    if known < 1e-3 {
+        return vec4<f32>(0.0);
     }
+    shares = bilinear(corrected(camera, place, at, depth / known));
+    var color = vec3<f32>(0.0);
+    var beside = false;
+    known = 0.0;
+    for (var corner = 0u; corner < 4u; corner++) {
+        if agrees[corner] {
+            color += shares[corner] * unpack_color(pieces[quad.piece[corner]], quad.index[corner]);
+            known += shares[corner];
+        } else if quad.depth[corner] >= 0.0 {
+            beside = true;
+        }
+    }
+    let weight = weight_of(camera, place.reciprocal, at, w) * select(1.0, BESIDE_EDGE, beside);
+    return vec4<f32>(color, known) * weight;
+}
+
+// One camera's weighted color and weight.
+fn answer(camera: u32, at: vec2<f32>, w: f32) -> vec4<f32> {
+    let place = place_in(camera, at, w);
+    if !place.inside {
+        return vec4<f32>(0.0);
+    }
+    // Where the picture is coarser than the camera's: the mean over sub-pixels, or fine detail would alias. One sub-pixel is
+    // the pixel itself.
+    let rate = views[camera].source_from_target.focal_ratio * place.reciprocal;
+    let count = clamp(ceil(rate / USEFUL_RATE), 1.0, MAX_SUBPIXELS);
+    let per_subpixel = 1.0 / count;
+    var sum = vec4<f32>(0.0);
+    for (var nth = 0u; nth < u32(count * count); nth++) {
+        let sub = vec2<f32>(f32(nth % u32(count)), f32(nth / u32(count)));
+        let sub_at = at + (sub + 0.5) * per_subpixel - 0.5;
+        let sub_place = place_in(camera, sub_at, w);
+        if sub_place.inside {
+            sum += interpolate(camera, sub_place, sub_at, w);
+        }
+    }
+    return sum * (per_subpixel * per_subpixel);
 }
 
 // The color of the surface that `key` stands for in pixel `at`; the nearest sample's own where nothing can be interpolated.
@@ -49,30 +102,13 @@ fn gather(
     @builtin(local_invocation_id) local: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    if thread == 0u {
-        atomicStore(&has_foreground, 0u);
-    }
-    if thread < CAMERA_WORDS {
-        atomicStore(&camera_bits[thread], 0u);
-    }
-    workgroupBarrier();
-    let corner = vec2<i32>(group.xy * TILE);
-    load(corner, thread);
-    if thread + 256u < SIDE_SQUARED {
-        load(corner, thread + 256u);
-    }
-    workgroupBarrier();
-    if thread < CAMERA_WORDS {
-        list_cameras(thread);
-    }
-    workgroupBarrier();
+    load_patch(group.xy, thread);
     let pixel = group.xy * TILE + local.xy;
     if pixel.x >= stage.width || pixel.y >= stage.height {
         return;
     }
-    visible_tiles = select(stage.lasting_tiles, stage.all_tiles, atomicLoad(&has_foreground) != 0u);
     let at = vec2<f32>(pixel);
-    let standing = decide(vec2<i32>(local.xy), at);
+    let standing = get_standing(pixel.y * stage.width + pixel.x);
     var color = vec3<f32>(0.0);
     // One loop for both surfaces, so that compilers that inline everything have half as much to inline.
     for (var side = 0u; side < 2u; side++) {

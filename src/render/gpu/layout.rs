@@ -108,7 +108,7 @@ pub(super) const KEY_WORDS: u64 = 2;
 /// Words of a pixel of the picture: color, inverse depth, image.
 pub(super) const PICTURE_WORDS: u64 = 5;
 
-/// Cameras that the gather stage can tell apart, as `CAMERA_WORDS` in `silhouette.wgsl` times 32.
+/// Cameras that the gather stage can tell apart, as `CAMERA_WORDS` in `patch.wgsl` times 32.
 pub(super) const MAX_CAMERAS: usize = 1024;
 
 /// Workgroups in a row of a dispatch, as `GROUPS_ACROSS` in `stage.wgsl`.

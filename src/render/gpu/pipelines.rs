@@ -4,7 +4,7 @@
 //! group 0, the same for all   0 stage (one of several, by offset)   1 projectors   2 pieces   3 to 6 pages
 //! group 1, surface and blend  0 keys   1 sums
 //! group 1, resolve            0 and 1 background's keys and sums   2 and 3 the foreground's   4 picture
-//! group 1, gather             0 background's keys   1 the foreground's   2 picture   3 views   4 lookup
+//! group 1, silhouette, gather 0 background's keys   1 the foreground's   2 picture   3 views   4 lookup
 //! ```
 
 use super::context::Context;
@@ -20,6 +20,7 @@ pub(super) struct Pipelines {
     pub(super) surface: wgpu::ComputePipeline,
     pub(super) blend: wgpu::ComputePipeline,
     pub(super) resolve: wgpu::ComputePipeline,
+    pub(super) silhouette: wgpu::ComputePipeline,
     pub(super) gather: wgpu::ComputePipeline,
     /// Whether `surface` raises keys with one 64-bit maximum; else it has to run twice.
     pub(super) one_pass: bool,
@@ -95,11 +96,13 @@ impl Pipelines {
         let gather_layout = layout(device, "gather", &[Read, Read, Write, Read, Read]);
         let surface = if one_pass { shaders::SURFACE_64 } else { shaders::SURFACE_32 };
         let over_layer = [Some(&scene_layout), Some(&layer_layout)];
+        let over_views = [Some(&scene_layout), Some(&gather_layout)];
         Self {
             surface: pipeline(device, &surface, &over_layer),
             blend: pipeline(device, &shaders::BLEND, &over_layer),
             resolve: pipeline(device, &shaders::RESOLVE, &[Some(&scene_layout), Some(&resolve_layout)]),
-            gather: pipeline(device, &shaders::GATHER, &[Some(&scene_layout), Some(&gather_layout)]),
+            silhouette: pipeline(device, &shaders::SILHOUETTE, &over_views),
+            gather: pipeline(device, &shaders::GATHER, &over_views),
             scene_layout,
             layer_layout,
             resolve_layout,

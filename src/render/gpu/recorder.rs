@@ -44,12 +44,15 @@ impl Recorder<'_> {
     pub(super) fn resolve(&mut self) {
         let stage = [Scene::stage_offset(0, 0)];
         if let Some(gather_group) = &self.scene.gather_group {
-            let mut pass = self.clock.pass(self.encoder, "gather");
-            pass.set_pipeline(&self.pipelines.gather);
-            pass.set_bind_group(0, &self.scene.group, &stage);
-            pass.set_bind_group(1, gather_group, &[]);
             let blocks = |pixels: usize| pixels.div_ceil(BLOCK) as u32;
-            pass.dispatch_workgroups(blocks(self.target.width), blocks(self.target.height), 1);
+            let stages = [("silhouette", &self.pipelines.silhouette), ("gather", &self.pipelines.gather)];
+            for (name, pipeline) in stages {
+                let mut pass = self.clock.pass(self.encoder, name);
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, &self.scene.group, &stage);
+                pass.set_bind_group(1, gather_group, &[]);
+                pass.dispatch_workgroups(blocks(self.target.width), blocks(self.target.height), 1);
+            }
         } else {
             let mut pass = self.clock.pass(self.encoder, "resolve");
             pass.set_pipeline(&self.pipelines.resolve);

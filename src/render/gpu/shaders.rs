@@ -50,6 +50,20 @@ shader!(
     ["common/stage", "common/samples", "common/sums", "common/picture", "resolve"]
 );
 shader!(
+    SILHOUETTE,
+    "silhouette",
+    "The silhouette stage.",
+    [
+        "common/stage",
+        "common/samples",
+        "common/project",
+        "common/lookup",
+        "common/place",
+        "common/patch",
+        "silhouette"
+    ]
+);
+shader!(
     GATHER,
     "gather",
     "The gather stage.",
@@ -58,8 +72,8 @@ shader!(
         "common/samples",
         "common/project",
         "common/lookup",
-        "common/sight",
-        "common/silhouette",
+        "common/place",
+        "common/patch",
         "common/picture",
         "gather"
     ]
@@ -85,9 +99,14 @@ mod tests {
         // Halves in 32 bits are all that adapters without extras must have: see `Context::new`.
         let plain = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
         let wide = plain | Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX;
-        for (shader, capabilities) in
-            [(SURFACE_64, wide), (SURFACE_32, plain), (BLEND, plain), (RESOLVE, plain), (GATHER, plain)]
-        {
+        for (shader, capabilities) in [
+            (SURFACE_64, wide),
+            (SURFACE_32, plain),
+            (BLEND, plain),
+            (RESOLVE, plain),
+            (SILHOUETTE, plain),
+            (GATHER, plain),
+        ] {
             let source = shader.source();
             assert_eq!(problem(&source, capabilities), None, "{}", shader.entry);
             let module = naga::front::wgsl::parse_str(&source).unwrap();

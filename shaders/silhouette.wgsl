@@ -1,4 +1,7 @@
-// What stands in pixels at steps in depth, by the votes of all cameras. Twin: src/render/silhouette.rs.
+// The silhouette stage: what stands in pixels at steps in depth, by the votes of all cameras.
+// Twins: src/render/silhouette.rs, `Gather::sight` in src/render/gather.rs.
+//
+// One workgroup a block of 16×16 pixels, one thread a pixel.
 
 const LEAST: f32 = 0.15;
 const SLOPE: f32 = 1.2;
@@ -9,42 +12,46 @@ const STEEPEST: f32 = 8.0;
 // Votes that weigh less than this decide nothing.
 const FEWEST_VOTES: f32 = 0.02;
 
-// Pixels around a block that decisions in it look at, and the side of a block with its ring.
-const RING: i32 = 2;
-const SIDE: i32 = 20;
-const SIDE_SQUARED: u32 = 400u;
-
-// The z-buffer of a block of pixels and the ring around it; beyond the picture its border goes on.
-var<workgroup> patch_keys: array<vec2<u32>, SIDE_SQUARED>;
-
-// The cameras whose samples are in the patch: a bit each, and from that a list, ascending.
-const CAMERA_WORDS: u32 = 32u;
-var<workgroup> camera_bits: array<atomic<u32>, CAMERA_WORDS>;
-var<workgroup> camera_list: array<u32, 1024>;
-var<workgroup> camera_count: u32;
-
-// Lists the cameras of one word of bits; called for every word.
-fn list_cameras(nth: u32) {
-    var count = 0u;
-    for (var before = 0u; before < nth; before++) {
-        count += countOneBits(atomicLoad(&camera_bits[before]));
-    }
-    var left = atomicLoad(&camera_bits[nth]);
-    while left != 0u {
-        camera_list[count] = 32u * nth + firstTrailingBit(left);
-        count += 1u;
-        left &= left - 1u;
-    }
-    if nth + 1u == CAMERA_WORDS {
-        camera_count = count;
-    }
+// How one camera sees a surface point, as shares of the 2×2 samples around it; `weight` is 0 where it does not.
+struct Sight {
+    agree: f32,
+    through: f32,
+    silent: f32,
+    weight: f32,
 }
 
-// What stands in a pixel: a nearer surface, a farther one, and the share of the nearer, which is 1 where there is no other.
-struct Standing {
-    near: vec2<u32>,
-    far: vec2<u32>,
-    share: f32,
+fn sight_of(camera: u32, at: vec2<f32>, w: f32) -> Sight {
+    let place = place_in(camera, at, w);
+    var sight: Sight;
+    if !place.inside {
+        return sight;
+    }
+    let quad = quad_at(camera, i32(place.corner.x), i32(place.corner.y));
+    let limit = place.expected * views[camera].tolerance;
+    sight.weight = weight_of(camera, place.reciprocal, at, w);
+    let shares = bilinear(place.between);
+    var depth = 0.0;
+    for (var corner = 0u; corner < 4u; corner++) {
+        let found = quad.depth[corner];
+        if found >= 0.0 && abs(found - place.expected) <= limit {
+            sight.agree += shares[corner];
+            depth += shares[corner] * found;
+        } else if found >= 0.0 && found < place.expected {
+            sight.through += shares[corner];
+        } else {
+            sight.silent += shares[corner];
+        }
+    }
+    if sight.agree > 0.0 {
+        let projector = projectors[camera];
+        let pixel = place.corner + place.between;
+        let seen = ray(projector, pixel.x, pixel.y) + projector.origin * (depth / sight.agree);
+        let off = abs(seen.xy / seen.z - at - 0.5);
+        let doubt = sight.agree * min(max(off.x, off.y), 1.0);
+        sight.agree -= doubt;
+        sight.through += doubt;
+    }
+    return sight;
 }
 
 fn key_at(pixel: vec2<i32>, step: vec2<i32>) -> vec2<u32> {
@@ -178,4 +185,18 @@ fn decide(pixel: vec2<i32>, at: vec2<f32>) -> Standing {
         return Standing(select(near, nothing, share < 0.5), nothing, 1.0);
     }
     return Standing(near, far, share);
+}
+
+@compute @workgroup_size(16, 16)
+fn silhouette(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_id) local: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    load_patch(group.xy, thread);
+    let pixel = group.xy * TILE + local.xy;
+    if pixel.x < stage.width && pixel.y < stage.height {
+        let standing = decide(vec2<i32>(local.xy), vec2<f32>(pixel));
+        put_standing(pixel.y * stage.width + pixel.x, standing);
+    }
 }
