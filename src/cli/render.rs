@@ -61,7 +61,7 @@ impl PaintingArgs {
 }
 
 /// A parser that takes the names of a setting's choices and lists them in the help.
-fn choice<T>(names: &'static [(&'static str, &'static str)]) -> impl TypedValueParser<Value = T>
+pub(super) fn choice<T>(names: &'static [(&'static str, &'static str)]) -> impl TypedValueParser<Value = T>
 where
     T: std::str::FromStr<Err = String> + Clone + Send + Sync + 'static,
 {

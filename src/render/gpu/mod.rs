@@ -13,6 +13,7 @@
 
 mod clock;
 mod context;
+mod copy;
 mod layout;
 mod memory;
 mod pipelines;
@@ -27,6 +28,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub use context::AdapterChoice;
+pub use copy::GpuCopy;
 
 use super::cpu::check;
 use super::fill::fill;
