@@ -46,12 +46,24 @@ fn preference(info: &wgpu::AdapterInfo, choice: AdapterChoice) -> Option<u32> {
     }
 }
 
+/// Whether there may be a graphics card. On Linux a card has a device file; without one Vulkan need not be asked, which
+/// takes a tenth of a second and has drivers complain on stderr about whatever else is missing.
+fn may_have_card() -> bool {
+    let device_files = ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/kgsl-3d0", "/dev/mali0"];
+    !cfg!(target_os = "linux") || device_files.iter().any(|path| std::path::Path::new(path).exists())
+}
+
 impl Context {
     /// Opens the best adapter.
     ///
     /// # Errors
     /// `Gpu` where there is none, or it can do too little.
     pub(super) fn new(choice: AdapterChoice) -> Result<Self> {
+        let none =
+            || gpu_error("there is no adapter that can compute; use the CPU instead (render.backend = cpu)");
+        if choice == AdapterChoice::Hardware && !may_have_card() {
+            return Err(none());
+        }
         // Not OpenGL: it reaches the same cards by a longer way, and where there is none it complains on stderr.
         let backends = wgpu::Backends::PRIMARY;
         let description = wgpu::InstanceDescriptor {
@@ -73,9 +85,7 @@ impl Context {
         let found = adapters.iter().filter(|adapter| able(adapter)).filter_map(|adapter| {
             preference(&adapter.get_info(), choice).map(|preference| (preference, adapter))
         });
-        let (_, adapter) = found.min_by_key(|(preference, _)| *preference).ok_or_else(|| {
-            gpu_error("there is no adapter that can compute; use the CPU instead (render.backend = cpu)")
-        })?;
+        let (_, adapter) = found.min_by_key(|(preference, _)| *preference).ok_or_else(none)?;
         Self::open(adapter)
     }
 
