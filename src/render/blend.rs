@@ -15,12 +15,13 @@ use rayon::prelude::*;
 use super::cull::Band;
 use super::dense_tile::{DenseTile, slopes};
 use super::footprint::footprints;
+use super::frame_samples::FrameTile;
 use super::keys::inverse_depth_of;
 use super::project::{ProjectedRow, Projector};
 use super::simd::{self, Work};
 use super::surface::{Stage, split_at_bands};
 use crate::error::Result;
-use crate::preprocess::{SampleImage, SampleTile, TILE, TILE_SAMPLES};
+use crate::preprocess::TILE;
 use crate::settings::Kernel;
 
 /// One pixel's sum of weighted colors, and of weights.
@@ -62,24 +63,6 @@ struct BandBlend<'a> {
     sums: &'a mut [Sum],
 }
 
-/// The colors of a tile's samples, in their order.
-struct TileColors([f32; 3 * TILE_SAMPLES]);
-
-impl TileColors {
-    #[inline(always)]
-    fn unpack(&mut self, image: &SampleImage, tile: &SampleTile) {
-        use half::slice::HalfFloatSliceExt;
-        let first = tile.first as usize;
-        let colors = image.color[first..first + tile.count()].as_flattened();
-        colors.convert_to_f32_slice(&mut self.0[..colors.len()]);
-    }
-
-    #[inline(always)]
-    fn get(&self, nth: usize) -> [f32; 3] {
-        [self.0[3 * nth].max(0.0), self.0[3 * nth + 1].max(0.0), self.0[3 * nth + 2].max(0.0)]
-    }
-}
-
 impl Work for BandBlend<'_> {
     type Output = Result<()>;
 
@@ -87,21 +70,19 @@ impl Work for BandBlend<'_> {
     fn run(self) -> Result<()> {
         let Self { stage, band, keys, surface_ratio, sums } = self;
         let mut dense = DenseTile::new();
-        let mut colors = TileColors([0.0; 3 * TILE_SAMPLES]);
         let mut canvas = Canvas { width: stage.width, rows: band.rows.clone(), keys, surface_ratio, sums };
         for &number in &band.tiles {
             stage.job.check()?;
-            let (image, tile) = stage.frame.tile(number as usize);
-            let camera = image.camera as usize;
+            let tile = &stage.frame.tiles[number as usize];
+            let camera = tile.camera as usize;
             let projector = &stage.projectors[camera];
-            dense.unpack(stage.frame, number as usize);
-            colors.unpack(image, tile);
-            let (x, y) = (tile.tile_x as usize * TILE, tile.tile_y as usize * TILE);
+            dense.unpack(tile);
+            let (x, y) = tile.origin;
             let mut nth = 0;
             for row in (0..TILE).filter(|row| tile.rows[*row] != 0) {
                 let w = &dense.inverse_depth[row];
-                let projected = projector.row(projector.ray(x as f32, (y + row) as f32), w);
-                let samples = Samples { mask: tile.rows[row], first: nth, colors: &colors, w };
+                let projected = projector.row(projector.ray(x as f32, (y as usize + row) as f32), w);
+                let samples = Samples { mask: tile.rows[row], first: nth, tile, w };
                 if stage.kernel == Kernel::Surfel {
                     let slopes = slopes(&dense, row, stage.per_footprint[camera]);
                     canvas.footprints(projector, &projected, &slopes, &samples);
@@ -119,7 +100,7 @@ impl Work for BandBlend<'_> {
 struct Samples<'a> {
     mask: u16,
     first: usize,
-    colors: &'a TileColors,
+    tile: &'a FrameTile<'a>,
     w: &'a [f32; TILE],
 }
 
@@ -130,7 +111,7 @@ impl Samples<'_> {
         let (mut left, mut nth) = (self.mask, self.first);
         while left != 0 {
             let column = left.trailing_zeros() as usize;
-            visit(column, self.w[column], self.colors.get(nth));
+            visit(column, self.w[column], self.tile.color(nth).map(|channel| channel.max(0.0)));
             left &= left - 1;
             nth += 1;
         }

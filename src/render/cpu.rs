@@ -175,11 +175,11 @@ impl CpuRenderer {
         // Taken out, so that a canceled job leaves nothing half painted behind.
         let still = self.still.take();
         let lasting = &frame.images[..frame.lasting_images];
-        let reused = still.filter(|still| still.shows(samples, lasting, &vantage.camera, settings));
-        let background_reused = reused.is_some();
-        let still = match reused {
-            Some(still) => repaint(&painting, still)?,
-            None => paint_anew(&painting, samples)?,
+        let background_reused =
+            still.as_ref().is_some_and(|still| still.shows(samples, lasting, &vantage.camera, settings));
+        let still = match still {
+            Some(still) if background_reused => repaint(&painting, still)?,
+            still => paint_anew(&painting, samples, still.map(Buffers::of).unwrap_or_default())?,
         };
         let mut picture = still.picture.clone();
         self.still = Some(still);
@@ -215,23 +215,39 @@ impl Still {
     }
 }
 
+/// What an earlier picture leaves for the next: memory that need not be asked for again.
+#[derive(Default)]
+struct Buffers {
+    background: Layer,
+    foreground: Layer,
+    picture: Option<Picture>,
+}
+
+impl Buffers {
+    fn of(still: Still) -> Self {
+        let Still { background, foreground, picture, .. } = still;
+        Self { background, foreground, picture: Arc::into_inner(picture) }
+    }
+}
+
 /// Background and foreground.
-fn paint_anew(painting: &Painting<'_>, samples: &Arc<SampleSet>) -> Result<Still> {
+fn paint_anew(painting: &Painting<'_>, samples: &Arc<SampleSet>, buffers: Buffers) -> Result<Still> {
     let (width, height) = painting.size();
     let frame = painting.frame;
-    let sums = if painting.blends() { width * height } else { 0 };
-    let empty = || Layer { keys: vec![0; width * height], sums: vec![[0.0; 4]; sums] };
-    let mut background = empty();
+    let Buffers { mut background, mut foreground, picture } = buffers;
+    let (pixels, sums) = (width * height, if painting.blends() { width * height } else { 0 });
+    background.reset(pixels, sums);
     painting.paint(0, &painting.bounds(frame.lasting()), &mut background)?;
     let mut touched = Blocks::none(width, height);
-    let mut foreground = Layer::default();
     if !frame.passing().is_empty() {
-        foreground = empty();
+        foreground.reset(pixels, sums);
         let bounds = painting.bounds(frame.passing());
         touched.mark(&bounds, RING);
         painting.paint(frame.lasting_tiles, &bounds, &mut foreground)?;
     }
-    let mut picture = Picture::empty(width, height);
+    let mut picture = picture
+        .filter(|picture| picture.color.size() == (width, height))
+        .unwrap_or_else(|| Picture::empty(width, height));
     let front = (!frame.passing().is_empty()).then_some(&foreground);
     painting.resolve(&background, front, None, (&Blocks::all(width, height), &mut picture))?;
     Ok(Still {

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::frame_samples::FrameSamples;
+use super::frame_samples::{FrameSamples, FrameTile};
 use super::project::Projector;
 use crate::capture::Camera;
 use crate::preprocess::TILE;
@@ -50,16 +50,14 @@ pub(super) struct Reach {
 
 /// Where a tile may touch the target; empty where it cannot.
 fn bounds_of(
-    frame: &FrameSamples<'_>,
-    number: usize,
+    tile: &FrameTile<'_>,
     projector: &Projector,
     target: &Camera,
     reach: Reach,
 ) -> Bounds {
     let (width, height) = (target.intrinsics.width, target.intrinsics.height);
-    let (image, tile) = frame.tile(number);
-    let (far, near) = image.depth.tiles()[frame.tiles[number].tile as usize].bounds();
-    let (x, y) = (f32::from(tile.tile_x) * TILE as f32 - 0.5, f32::from(tile.tile_y) * TILE as f32 - 0.5);
+    let (far, near) = tile.bounds();
+    let (x, y) = (tile.origin.0 as f32 - 0.5, tile.origin.1 as f32 - 0.5);
     let (mut min, mut max) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
     let (mut nearest_z, mut behind) = (f32::INFINITY, 0);
     for corner in 0..8 {
@@ -100,13 +98,10 @@ pub(super) fn bounds(
     target: &Camera,
     reach: Reach,
 ) -> Vec<Bounds> {
-    tiles
-        .into_par_iter()
+    frame.tiles[tiles]
+        .par_iter()
         .with_min_len(512)
-        .map(|number| {
-            let camera = frame.tile(number).0.camera as usize;
-            bounds_of(frame, number, &projectors[camera], target, reach)
-        })
+        .map(|tile| bounds_of(tile, &projectors[tile.camera as usize], target, reach))
         .collect()
 }
 

@@ -1,6 +1,6 @@
 //! A tile of samples laid out as the 16×16 pixels that it is, and the slope of its surface.
 
-use super::frame_samples::FrameSamples;
+use super::frame_samples::FrameTile;
 use crate::preprocess::{TILE, TILE_SAMPLES};
 
 /// Marks a pixel without a sample.
@@ -21,20 +21,15 @@ impl DenseTile {
         Self { inverse_depth: [[MISSING; TILE]; TILE], packed: [0.0; TILE_SAMPLES] }
     }
 
-    /// Lays out tile `number` of the frame.
+    /// Lays out a tile.
     #[inline(always)]
-    pub(super) fn unpack(&mut self, frame: &FrameSamples<'_>, number: usize) {
-        let (image, tile) = frame.tile(number);
-        let count = tile.count();
-        let index = frame.tiles[number].tile as usize;
-        if count == TILE_SAMPLES {
-            let all = self.inverse_depth.as_flattened_mut();
-            if let Ok(all) = all.try_into() {
-                image.depth.unpack_tile(index, tile.first, count, all);
-            }
+    pub(super) fn unpack(&mut self, tile: &FrameTile<'_>) {
+        if tile.color.len() == TILE_SAMPLES {
+            tile.unpack(&mut self.packed);
+            self.inverse_depth.as_flattened_mut().copy_from_slice(&self.packed);
             return;
         }
-        image.depth.unpack_tile(index, tile.first, count, &mut self.packed);
+        tile.unpack(&mut self.packed);
         let mut next = 0;
         for (row, &mask) in self.inverse_depth.iter_mut().zip(&tile.rows) {
             *row = [MISSING; TILE];

@@ -9,19 +9,124 @@
 
 use std::ops::Range;
 
+use half::f16;
+
 use crate::error::{Error, Result};
-use crate::preprocess::{SampleImage, SampleSet, SampleTile, TILE};
+use crate::preprocess::{SampleImage, SampleSet, TILE, TILE_SAMPLES};
 
 /// Tiles that slots can tell apart.
 const MAX_TILES: usize = 1 << 24;
 
-/// One tile of the frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct TileRef {
-    /// Position in [`FrameSamples::images`].
+/// A tile of the frame, with everything that its samples are read from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FrameTile<'a> {
+    /// One mask per pixel row, as in [`SampleTile`](crate::preprocess::SampleTile).
+    pub(super) rows: [u16; TILE],
+    /// Samples in the rows above each row.
+    before: [u8; TILE],
+    /// One color per sample.
+    pub(super) color: &'a [[f16; 3]],
+    low: &'a [u16],
+    high: &'a [u8],
+    farthest: u32,
+    nearest: u32,
+    /// Column and row of the tile's first pixel in the camera.
+    pub(super) origin: (u32, u32),
+    /// Index of the camera.
+    pub(super) camera: u16,
+    /// Index in [`SampleSet::images`].
     pub(super) image: u32,
-    /// Index in [`SampleImage::tiles`].
-    pub(super) tile: u32,
+}
+
+impl<'a> FrameTile<'a> {
+    fn new(image_index: usize, image: &'a SampleImage, index: usize) -> Self {
+        let tile = &image.tiles[index];
+        let place = image.depth.tiles()[index];
+        let mut before = [0; TILE];
+        let mut count = 0;
+        for (before, row) in before.iter_mut().zip(&tile.rows) {
+            *before = count as u8;
+            count += row.count_ones();
+        }
+        let samples = tile.first as usize..tile.first as usize + count as usize;
+        let bytes = samples.len() << usize::from(place.is_wide());
+        Self {
+            rows: tile.rows,
+            before,
+            color: &image.color[samples.clone()],
+            low: &image.depth.low()[samples],
+            high: &image.depth.high()[place.first_high as usize..place.first_high as usize + bytes],
+            farthest: place.farthest,
+            nearest: place.nearest,
+            origin: (u32::from(tile.tile_x) * TILE as u32, u32::from(tile.tile_y) * TILE as u32),
+            camera: image.camera as u16,
+            image: image_index as u32,
+        }
+    }
+
+    /// Whether there is a sample at a pixel of the tile.
+    #[inline(always)]
+    pub(super) fn holds(&self, column: usize, row: usize) -> bool {
+        self.rows[row] >> column & 1 == 1
+    }
+
+    /// Samples before a pixel of the tile.
+    #[inline(always)]
+    pub(super) fn rank(&self, column: usize, row: usize) -> usize {
+        self.before[row] as usize + (self.rows[row] & ((1 << column) - 1)).count_ones() as usize
+    }
+
+    /// The inverse depth of a sample.
+    #[inline(always)]
+    pub(super) fn depth(&self, nth: usize) -> f32 {
+        let high = if self.is_wide() {
+            u32::from(self.high[2 * nth]) | u32::from(self.high[2 * nth + 1]) << 8
+        } else {
+            u32::from(self.high[nth])
+        };
+        f32::from_bits(self.farthest + (u32::from(self.low[nth]) | high << 16))
+    }
+
+    /// The color of a sample, linear.
+    #[inline(always)]
+    pub(super) fn color(&self, nth: usize) -> [f32; 3] {
+        self.color[nth].map(f32_from_f16)
+    }
+
+    /// Smallest and largest inverse depth.
+    pub(super) fn bounds(&self) -> (f32, f32) {
+        (f32::from_bits(self.farthest), f32::from_bits(self.nearest))
+    }
+
+    #[inline(always)]
+    fn is_wide(&self) -> bool {
+        self.nearest - self.farthest >= 1 << 24
+    }
+
+    /// The inverse depths of all samples, in their order, into the front of `depths`.
+    #[inline(always)]
+    pub(super) fn unpack(&self, depths: &mut [f32; TILE_SAMPLES]) {
+        if self.is_wide() {
+            let (high, _) = self.high.as_chunks::<2>();
+            for ((depth, &low), high) in depths.iter_mut().zip(self.low).zip(high) {
+                let high = u32::from(u16::from_le_bytes(*high));
+                *depth = f32::from_bits(self.farthest + (u32::from(low) | high << 16));
+            }
+        } else {
+            for ((depth, &low), &high) in depths.iter_mut().zip(self.low).zip(self.high) {
+                *depth = f32::from_bits(self.farthest + (u32::from(low) | u32::from(high) << 16));
+            }
+        }
+    }
+}
+
+/// A half float widened by integer arithmetic alone, so that it is inlined and vectorized; colors are finite.
+#[inline(always)]
+fn f32_from_f16(value: f16) -> f32 {
+    let bits = u32::from(value.to_bits());
+    // The exponent and mantissa in their place, times 2^112: the difference of the two exponent biases.
+    let magnitude = f32::from_bits((bits & 0x7fff) << 13) * f32::from_bits(0x7780_0000);
+    if bits & 0x8000 == 0 { magnitude } else { -magnitude }
 }
 
 /// The images at a frame, those that outlast it first, so that their slots are the same at every frame they share.
@@ -30,8 +135,8 @@ pub(super) struct FrameSamples<'a> {
     pub(super) set: &'a SampleSet,
     /// Indices in [`SampleSet::images`].
     pub(super) images: Vec<usize>,
-    /// Every tile, image by image.
-    pub(super) tiles: Vec<TileRef>,
+    /// Every tile, image by image; a tile's number is its index.
+    pub(super) tiles: Vec<FrameTile<'a>>,
     /// How many of `images` outlast the frame.
     pub(super) lasting_images: usize,
     /// How many of `tiles` belong to them.
@@ -53,20 +158,18 @@ impl<'a> FrameSamples<'a> {
         let mut images: Vec<usize> = at_frame(true).collect();
         let lasting_images = images.len();
         images.extend(at_frame(false));
-        let mut tiles = Vec::new();
-        let mut lasting_tiles = 0;
-        for (position, &image) in images.iter().enumerate() {
-            let count = set.images[image].tiles.len() as u32;
-            tiles.extend((0..count).map(|tile| TileRef { image: position as u32, tile }));
-            if position < lasting_images {
-                lasting_tiles = tiles.len();
-            }
-        }
-        if tiles.len() > MAX_TILES {
+        let tiles_of = |images: &[usize]| images.iter().map(|&image| set.images[image].tiles.len()).sum();
+        let (lasting_tiles, count): (usize, usize) = (tiles_of(&images[..lasting_images]), tiles_of(&images));
+        if count > MAX_TILES {
             return Err(Error::unsupported(
                 format!("'{}', frame {frame}", set.name),
-                format!("{} tiles of samples at one frame; {MAX_TILES} can be rendered", tiles.len()),
+                format!("{count} tiles of samples at one frame; {MAX_TILES} can be rendered"),
             ));
+        }
+        let mut tiles = Vec::with_capacity(count);
+        for &index in &images {
+            let image = &set.images[index];
+            tiles.extend((0..image.tiles.len()).map(|tile| FrameTile::new(index, image, tile)));
         }
         Ok(Self { set, images, tiles, lasting_images, lasting_tiles })
     }
@@ -81,24 +184,17 @@ impl<'a> FrameSamples<'a> {
         self.lasting_tiles..self.tiles.len()
     }
 
-    /// The image a tile belongs to, and the tile.
-    #[inline]
-    pub(super) fn tile(&self, number: usize) -> (&'a SampleImage, &'a SampleTile) {
-        let place = self.tiles[number];
-        let image: &SampleImage = &self.set.images[self.images[place.image as usize]];
-        (image, &image.tiles[place.tile as usize])
-    }
-
     /// Index in [`SampleSet::images`] of the image of a slot.
+    #[inline(always)]
     pub(super) fn image_of(&self, slot: u32) -> u32 {
-        self.images[self.tiles[(slot >> 8) as usize].image as usize] as u32
+        self.tiles[(slot >> 8) as usize].image
     }
 
     /// The color of the sample at a slot, linear.
+    #[inline(always)]
     pub(super) fn color_of(&self, slot: u32) -> [f32; 3] {
-        let (image, tile) = self.tile((slot >> 8) as usize);
-        let nth = tile.rank(slot as usize % TILE, slot as usize / TILE % TILE);
-        image.color[tile.first as usize + nth].map(half::f16::to_f32)
+        let tile = &self.tiles[(slot >> 8) as usize];
+        tile.color(tile.rank(slot as usize % TILE, slot as usize / TILE % TILE))
     }
 
     /// The cameras that some keys' samples come from, ascending.
@@ -109,7 +205,7 @@ impl<'a> FrameSamples<'a> {
             let tile = !(*key as u32) >> 8;
             if tile != last_tile {
                 last_tile = tile;
-                let camera = self.tile(tile as usize).0.camera as u16;
+                let camera = self.tiles[tile as usize].camera;
                 if let Err(place) = cameras.binary_search(&camera) {
                     cameras.insert(place, camera);
                 }
@@ -119,9 +215,21 @@ impl<'a> FrameSamples<'a> {
 
     /// Samples in some tiles.
     pub(super) fn sample_count(&self, tiles: Range<usize>) -> u64 {
-        self.tiles[tiles]
-            .chunk_by(|a, b| a.image == b.image)
-            .map(|tiles| self.set.images[self.images[tiles[0].image as usize]].len() as u64)
-            .sum()
+        self.tiles[tiles].iter().map(|tile| tile.color.len() as u64).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widening_a_half_float_is_exact() {
+        for bits in 0..=u16::MAX {
+            let half = f16::from_bits(bits);
+            if half.is_finite() {
+                assert_eq!(f32_from_f16(half), half.to_f32(), "{bits:#06x}");
+            }
+        }
     }
 }

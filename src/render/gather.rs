@@ -89,7 +89,7 @@ struct Place {
 impl<'a> Gather<'a> {
     /// Over some tiles of the frame; `depth_tolerance` in footprints.
     pub(super) fn new(
-        frame: &FrameSamples<'a>,
+        frame: &'a FrameSamples<'a>,
         tiles: Range<usize>,
         target: &Camera,
         depth_tolerance: f32,
@@ -178,9 +178,11 @@ impl<'a> Gather<'a> {
         if !inside {
             return None;
         }
-        let (left, above) = (u.floor(), v.floor());
+        // Rounded down: both are larger than −1.
+        let (column, row) = ((u + 1.0) as i32 - 1, (v + 1.0) as i32 - 1);
+        let (left, above) = (column as f32, row as f32);
         Some(Place {
-            quad: self.lookup.quad(view.camera, left as i32, above as i32),
+            quad: self.lookup.quad(view.camera, column, row),
             left,
             above,
             along: u - left,
@@ -237,6 +239,7 @@ impl<'a> Gather<'a> {
     ///
     /// `agree` falls to −1 times its share where the surface that the camera saw lies elsewhere in the vantage, by half a
     /// pixel and more: there it is another part of the surface, which only happens to be as far away.
+    #[inline(always)]
     pub(super) fn sight(&self, camera: u16, x: f32, y: f32, w: f32) -> Option<Sight> {
         let view = &self.views[camera as usize];
         let place = self.place(view, x, y, w)?;

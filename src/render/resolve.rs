@@ -27,6 +27,20 @@ pub(super) struct Layer {
     pub(super) sums: Vec<Sum>,
 }
 
+impl Layer {
+    /// Nothing painted, on so many pixels.
+    pub(super) fn reset(&mut self, keys: usize, sums: usize) {
+        clear(&mut self.keys, keys, 0);
+        clear(&mut self.sums, sums, [0.0; 4]);
+    }
+}
+
+fn clear<T: Copy + Send + Sync>(buffer: &mut Vec<T>, length: usize, value: T) {
+    buffer.truncate(length);
+    buffer.par_chunks_mut(1 << 16).for_each(|part| part.fill(value));
+    buffer.resize(length, value);
+}
+
 /// Everything that a picture is resolved from.
 pub(super) struct Resolve<'a> {
     pub(super) frame: &'a FrameSamples<'a>,
@@ -150,6 +164,7 @@ impl Resolve<'_> {
         }
     }
 
+    #[inline(always)]
     fn patch(&self, block: &Block) -> Patch {
         let mut keys = [[0; SIDE]; SIDE];
         for (row, keys) in keys.iter_mut().enumerate() {
@@ -225,20 +240,22 @@ impl Strip<'_> {
                 } else {
                     Pixel::Surface(own)
                 };
-                let (x, y) = ((block.left + column) as f32, (block.top + row) as f32);
-                let color = |key| {
-                    let own = || frame.color_of(slot_of(key));
-                    gather.color(x, y, inverse_depth_of(key), cameras, own)
-                };
-                let (key, color) = match pixel {
-                    Pixel::Hole => (0, [0.0; 3]),
-                    Pixel::Surface(key) => (key, color(key)),
+                let (key, layers) = match pixel {
+                    Pixel::Hole => (0, [(0, 0.0); 2]),
+                    Pixel::Surface(key) => (key, [(key, 1.0), (0, 0.0)]),
                     Pixel::Edge { near, far, share } => {
-                        let (front, back) = (color(near), color(far));
-                        let mix = |channel| share * front[channel] + (1.0 - share) * back[channel];
-                        (if share >= 0.5 { near } else { far }, [mix(0), mix(1), mix(2)])
+                        (if share >= 0.5 { near } else { far }, [(near, share), (far, 1.0 - share)])
                     }
                 };
+                let (x, y) = ((block.left + column) as f32, (block.top + row) as f32);
+                let mut color = [0.0; 3];
+                for (key, share) in layers {
+                    if share > 0.0 {
+                        let own = || frame.color_of(slot_of(key));
+                        let found = gather.color(x, y, inverse_depth_of(key), cameras, own);
+                        (0..3).for_each(|channel| color[channel] += share * found[channel]);
+                    }
+                }
                 self.set(row * self.resolve.width + block.left + column, key, color);
             }
         }

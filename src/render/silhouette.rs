@@ -62,6 +62,7 @@ impl Patch {
 
     /// For every pixel of the block whether there is more than one surface, or none, in the 3×3 pixels around it: a mask of
     /// columns per row.
+    #[inline(always)]
     pub(super) fn edges(&self) -> [u16; BLOCK] {
         let (mut far, mut near) = ([[0.0_f32; BLOCK]; SIDE], [[0.0_f32; BLOCK]; SIDE]);
         for (row, keys) in self.keys.iter().enumerate() {
@@ -83,6 +84,7 @@ impl Patch {
     }
 
     /// What stands in pixel `(x, y)` of the block, by the votes of `cameras`.
+    #[inline(always)]
     pub(super) fn decide(&self, gather: &Gather<'_>, cameras: &[u16], x: usize, y: usize) -> Pixel {
         let own = self.key(x, y, (0, 0));
         let (own_w, at) = (inverse_depth_of(own), ((self.left + x) as f32, (self.top + y) as f32));
@@ -108,6 +110,7 @@ impl Patch {
 
     /// The surface behind `own_w` that a neighbor shows, carried on to `(x, y)`; 0 where only holes are beside the surface,
     /// `None` where nothing is.
+    #[inline(always)]
     fn farther(&self, own_w: f32, x: usize, y: usize) -> Option<u64> {
         let limit = own_w * self.surface_ratio;
         let mut farthest: Option<(f32, u64)> = None;
@@ -127,6 +130,7 @@ impl Patch {
     }
 
     /// Inverse depth at `(x, y)` of the surface that the neighbor in direction `(dx, dy)` shows, by the one behind that.
+    #[inline(always)]
     fn carried_on(&self, neighbor: u64, (x, y): (usize, usize), (dx, dy): (isize, isize)) -> f32 {
         let w = inverse_depth_of(neighbor);
         let beyond = self.key(x, y, (2 * dx, 2 * dy));
@@ -136,6 +140,7 @@ impl Patch {
     }
 
     /// The surface before `own_w` that two opposite neighbors show alike.
+    #[inline(always)]
     fn crack(&self, own_w: f32, x: usize, y: usize) -> Option<u64> {
         let mut nearest: Option<(f32, u64)> = None;
         for (dx, dy) in [(1, 0), (0, 1), (1, 1), (1, -1)] {

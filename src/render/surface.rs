@@ -80,14 +80,14 @@ impl Work for BandSurface<'_> {
         let rows = band.rows.clone();
         for &number in &band.tiles {
             stage.job.check()?;
-            let (image, tile) = stage.frame.tile(number as usize);
-            let camera = image.camera as usize;
+            let tile = &stage.frame.tiles[number as usize];
+            let camera = tile.camera as usize;
             let projector = &stage.projectors[camera];
-            dense.unpack(stage.frame, number as usize);
-            let (x, y) = (tile.tile_x as usize * TILE, tile.tile_y as usize * TILE);
+            dense.unpack(tile);
+            let (x, y) = tile.origin;
             for row in (0..TILE).filter(|row| tile.rows[*row] != 0) {
                 let w = &dense.inverse_depth[row];
-                let projected = projector.row(projector.ray(x as f32, (y + row) as f32), w);
+                let projected = projector.row(projector.ray(x as f32, (y as usize + row) as f32), w);
                 let slots = number << 8 | (row as u32) << 4;
                 let window = Window { width: stage.width, rows: rows.clone(), keys: &mut *keys };
                 match stage.kernel {
@@ -115,11 +115,14 @@ impl Window<'_> {
     /// Sets each pixel to the larger of its key and the new one. Keys of 0 change nothing.
     #[inline(always)]
     fn raise(&mut self, pixels: &[u32; TILE], uppers: &[u32; TILE], slots: u32) {
+        let mut new = [0_u64; TILE];
         for column in 0..TILE {
-            let upper = uppers[column];
-            let new = if upper == 0 { 0 } else { key(upper, slots | column as u32) };
+            let full = key(uppers[column], slots | column as u32);
+            new[column] = if uppers[column] == 0 { 0 } else { full };
+        }
+        for column in 0..TILE {
             let pixel = &mut self.keys[pixels[column] as usize];
-            *pixel = (*pixel).max(new);
+            *pixel = (*pixel).max(new[column]);
         }
     }
 
@@ -131,7 +134,7 @@ impl Window<'_> {
         let inside = x >= 0.0 && x <= right && y >= top && y <= bottom;
         // What lies outside, or is no number, goes to the corner.
         let (x, y) = if inside { (x, y - top) } else { (0.0, 0.0) };
-        (y as i32 as u32 * self.width as u32 + x as i32 as u32, inside)
+        (whole(y) * self.width as u32 + whole(x), inside)
     }
 
     #[inline(always)]
@@ -218,6 +221,12 @@ impl Window<'_> {
             }
         }
     }
+}
+
+/// A whole number from 0 to 2²³ − 1. (A cast would be turned into sixteen scalar instructions, each with checks.)
+#[inline(always)]
+fn whole(number: f32) -> u32 {
+    (number + 8_388_608.0).to_bits() & 0x7f_ffff
 }
 
 /// Inverse depth of a sample's plane at the center of pixel `(x, y)`, never negative.
