@@ -114,7 +114,7 @@ fn gather(
     for (var side = 0u; side < 2u; side++) {
         let key = select(standing.near, standing.far, side == 1u);
         let share = select(standing.share, 1.0 - standing.share, side == 1u);
-        if key.y != 0u {
+        if key.y != 0u && share > 0.0 {
             color += share * surface_color(key, at);
         }
     }

@@ -157,11 +157,10 @@ fn lookup(frame: &FrameSamples<'_>, pieces: &[GpuPiece], views: &[GpuView], cell
         while piece == pieces.len() || pieces[piece].first_tile as usize > number {
             piece -= 1;
         }
-        let (image, tile) = frame.tile(number);
-        let view = &views[image.camera as usize];
-        let cell = view.first_cell as usize
-            + usize::from(tile.tile_y) * view.cells_across as usize
-            + usize::from(tile.tile_x);
+        let tile = &frame.tiles[number];
+        let view = &views[tile.camera as usize];
+        let (column, row) = (tile.origin.0 / TILE as u32, tile.origin.1 / TILE as u32);
+        let cell = (view.first_cell + row * view.cells_across + column) as usize;
         let entry = cells + 2 * number;
         lookup[entry] = piece as u32;
         lookup[entry + 1] = lookup[cell];
