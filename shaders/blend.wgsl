@@ -80,7 +80,7 @@ fn blend(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) 
     let projector = projectors[piece.camera];
     let projected =
         project(projector, pixel.corner.x, pixel.corner.y + f32(local.y), f32(local.x), w);
-    if w < 0.0 || !(projected.reciprocal > 0.0) {
+    if w < 0.0 || !is_seen(projected) {
         return;
     }
     let color = clamp(unpack_color(piece, pixel.index), vec3<f32>(0.0), vec3<f32>(LARGEST_HALF));

@@ -61,7 +61,7 @@ fn surface(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id
     let projector = projectors[piece.camera];
     let projected =
         project(projector, pixel.corner.x, pixel.corner.y + f32(local.y), f32(local.x), w);
-    if w < 0.0 || !(projected.reciprocal > 0.0) {
+    if w < 0.0 || !is_seen(projected) {
         return;
     }
     let slot = number << 8u | local.y << 4u | local.x;

@@ -58,6 +58,11 @@ fn close() -> Camera {
     camera("close", DVec3::new(0.3, -1.6, 0.7), DVec3::new(0.3, 0.2, 0.3), 80)
 }
 
+/// So far that many samples fall into one pixel.
+fn distant() -> Camera {
+    camera("distant", DVec3::new(-2.0, -16.0, 6.0), DVec3::new(0.3, 0.2, 0.3), 72)
+}
+
 fn settings(kernel: Kernel) -> RenderSettings {
     RenderSettings { kernel, ..RenderSettings::default() }
 }
@@ -132,10 +137,10 @@ fn agree(found: &Difference) -> bool {
     found.image <= DIFFERING && found.depth <= DIFFERING && found.color <= DIFFERING_COLORS
 }
 
-/// Both from two places, near and far.
+/// Both from places near and far.
 fn compare(renderer: &mut GpuRenderer, kernel: Kernel) {
     let samples = samples(&moving_capture());
-    for camera in [novel(), close()] {
+    for camera in [novel(), close(), distant()] {
         let (cpu, cpu_stats) = on_cpu(&samples, &camera, 2, kernel);
         let (gpu, gpu_stats) = on_gpu(renderer, &samples, &camera, 2, kernel);
         let found = Difference::between(&cpu, &gpu);
@@ -171,6 +176,38 @@ fn surfels_are_painted_and_blended_as_on_the_cpu() {
 fn colors_are_gathered_as_on_the_cpu() {
     let Some(mut gpu) = gpu() else { return };
     compare(&mut gpu, Kernel::Gather);
+}
+
+#[test]
+fn pictures_of_any_size_and_from_inside_of_things_are_painted_as_on_the_cpu() {
+    let Some(mut gpu) = gpu() else { return };
+    let samples = samples(&moving_capture());
+    let mut cameras = vec![
+        camera("behind everything", DVec3::new(0.0, 9.0, 1.0), DVec3::new(0.0, 20.0, 1.0), 24),
+        camera("inside a sphere", DVec3::new(0.1, 0.0, 0.5), DVec3::new(1.0, 1.0, 0.5), 40),
+        camera("on the ground", DVec3::new(-0.5, -1.5, 0.01), DVec3::new(0.3, 0.2, 0.3), 40),
+        Camera { name: "where a camera stood".to_owned(), ..samples.cameras[1].clone() },
+    ];
+    for (width, height) in [(1, 1), (17, 5), (3, 70)] {
+        let mut odd = novel();
+        (odd.intrinsics.width, odd.intrinsics.height) = (width, height);
+        odd.intrinsics.cx = f64::from(width) / 2.0;
+        odd.intrinsics.cy = f64::from(height) / 2.0;
+        odd.name = format!("{width}×{height}");
+        cameras.push(odd);
+    }
+    for kernel in Kernel::ALL {
+        for camera in &cameras {
+            let (cpu, _) = on_cpu(&samples, camera, 1, *kernel);
+            let (gpu, _) = on_gpu(&mut gpu, &samples, camera, 1, *kernel);
+            let found = Difference::between(&cpu, &gpu);
+            // In a picture of few pixels a single one is a large share.
+            let pixels = cpu.image.as_slice().len() as f64;
+            let few = |share: f64| share * pixels <= (DIFFERING * pixels).max(2.0);
+            let agrees = few(found.image) && few(found.depth) && few(found.color);
+            assert!(agrees, "{kernel} from {}: {found:?}", camera.name);
+        }
+    }
 }
 
 #[test]

@@ -37,6 +37,11 @@ fn project(projector: Projector, x: f32, y: f32, along: f32, w: f32) -> Projecte
     return Projected(point.xy * reciprocal, reciprocal);
 }
 
+// Whether the sample lies before the target camera, at a place that is a number: what is none must not bound a loop.
+fn is_seen(projected: Projected) -> bool {
+    return projected.reciprocal > 0.0 && all(abs(projected.pixel) < vec2<f32>(1e9));
+}
+
 struct Footprint {
     inverse_depth: f32,
     // Growth of the inverse depth from one target column and row to the next, and how far it may deviate in all.

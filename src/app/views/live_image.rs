@@ -86,6 +86,9 @@ impl PartialEq for LiveKey {
     }
 }
 
+/// Frames whose samples are sent to a GPU before they are asked for.
+const FRAMES_AHEAD: usize = 2;
+
 /// Width of the stripes over holes, pixels.
 const STRIPE: usize = 6;
 
@@ -109,6 +112,8 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
     let (picture, stats) = renderer.render(&key.samples, &key.vantage, &key.settings, job)?;
     let pixels = colored(&picture, key);
     let image = ColorImage::new([pixels.width(), pixels.height()], pixels.into_vec());
+    let next = key.vantage.frame + 1;
+    renderer.prefetch(&key.samples, next..next + FRAMES_AHEAD);
     Ok(LivePicture {
         image: Arc::new(image),
         stats,

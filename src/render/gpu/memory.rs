@@ -20,12 +20,21 @@ const MIN_PAGE: u64 = 16 << 20;
 
 struct Page {
     buffer: wgpu::Buffer,
+    room: Room,
+}
+
+/// Which words of a page are taken.
+struct Room {
     words: u32,
     /// Where pieces lie, ascending: first word and words.
     used: Vec<(u32, u32)>,
 }
 
-impl Page {
+impl Room {
+    fn new(words: u32) -> Self {
+        Self { words, used: Vec::new() }
+    }
+
     /// The first gap of `words`, which is then taken.
     fn take(&mut self, words: u32) -> Option<u32> {
         let mut end = 0;
@@ -169,14 +178,14 @@ impl SampleMemory {
     fn place(&mut self, context: &Context, words: u32) -> Result<Option<(u32, u32)>> {
         loop {
             for (index, page) in self.pages.iter_mut().enumerate() {
-                if let Some(at) = page.take(words) {
+                if let Some(at) = page.room.take(words) {
                     return Ok(Some((index as u32, at)));
                 }
             }
             if self.pages.len() < MAX_PAGES {
                 let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
                 let buffer = context.buffer("samples", self.page_bytes, usage)?;
-                self.pages.push(Page { buffer, words: (self.page_bytes / 4) as u32, used: Vec::new() });
+                self.pages.push(Page { buffer, room: Room::new((self.page_bytes / 4) as u32) });
             } else if !self.evict() {
                 return Ok(None);
             }
@@ -185,7 +194,7 @@ impl SampleMemory {
 
     fn give_back(&mut self, pieces: &[PlacedPiece]) {
         for piece in pieces {
-            self.pages[piece.page as usize].give_back(piece.at);
+            self.pages[piece.page as usize].room.give_back(piece.at);
         }
     }
 
@@ -204,5 +213,22 @@ impl SampleMemory {
 impl std::fmt::Debug for SampleMemory {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("SampleMemory").field("images", &self.resident.len()).finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn room_that_was_given_back_is_taken_again_and_never_twice() {
+        let mut room = Room::new(100);
+        assert_eq!([40, 30, 20].map(|words| room.take(words)), [Some(0), Some(40), Some(70)]);
+        assert_eq!((room.take(11), room.take(10)), (None, Some(90)));
+        room.give_back(40);
+        assert_eq!((room.take(31), room.take(25), room.take(6)), (None, Some(40), None));
+        assert_eq!(room.take(5), Some(65));
+        room.give_back(0);
+        assert_eq!((room.take(41), room.take(40), room.take(1)), (None, Some(0), None));
     }
 }

@@ -148,3 +148,58 @@ fn write_words(queue: &wgpu::Queue, buffer: &wgpu::Buffer, at: u64, bytes: &[u8]
         queue.write_buffer(buffer, at + whole.len() as u64, &last);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preprocess::{DepthPlane, SampleTile, Span};
+    use half::f16;
+
+    /// `count` tiles, the `nth` with `nth + 1` samples.
+    fn image(count: usize) -> SampleImage {
+        let (mut tiles, mut depths) = (Vec::new(), Vec::new());
+        for nth in 0..count {
+            let mut rows = [0; TILE];
+            rows[3] = u16::MAX >> (15 - nth % 16);
+            tiles.push(SampleTile { tile_x: nth as u16, tile_y: 0, first: depths.len() as u32, rows });
+            // Every other tile spans more than two octaves of depth, and takes a fourth byte.
+            let far = if nth % 2 == 0 { 0.5 } else { 0.0 };
+            depths.extend((0..=nth % 16).map(|sample| if sample == 0 { 0.6 } else { far }));
+        }
+        SampleImage {
+            camera: 0,
+            span: Span { start: 0, end: 1 },
+            color: vec![[f16::ONE; 3]; depths.len()],
+            depth: DepthPlane::pack(&tiles, &depths),
+            tiles,
+            normal: None,
+        }
+    }
+
+    #[test]
+    fn pieces_follow_each_other_without_gaps_and_are_no_longer_than_asked() {
+        let image = image(40);
+        let whole = Piece::cut(&image, u32::MAX);
+        assert_eq!(whole.len(), 1);
+        assert_eq!(whole[0].samples, 0..image.len());
+        for max_words in [1, 60, 100, 333] {
+            let pieces = Piece::cut(&image, max_words);
+            assert!(pieces.iter().all(|piece| piece.words() <= max_words || piece.tiles.len() == 1));
+            let (mut tile, mut sample, mut byte) = (0, 0, 0);
+            for piece in &pieces {
+                let starts = (piece.tiles.start, piece.samples.start, piece.high.start);
+                assert_eq!(starts, (tile, sample, byte));
+                (tile, sample, byte) = (piece.tiles.end, piece.samples.end, piece.high.end);
+            }
+            assert_eq!((tile, sample, byte), (image.tiles.len(), image.len(), image.depth.high().len()));
+        }
+    }
+
+    #[test]
+    fn samples_above_a_row_are_counted() {
+        let mut rows = [0; TILE];
+        (rows[0], rows[2], rows[15]) = (0b101, 0xffff, 1);
+        let above = samples_above(&rows);
+        assert_eq!([0, 1, 2, 3, 15].map(|row| above[row]), [0, 2, 2, 18, 18]);
+    }
+}
