@@ -190,6 +190,12 @@ impl<'a> FrameSamples<'a> {
         self.tiles[(slot >> 8) as usize].image
     }
 
+    /// Index of the camera of a slot.
+    #[inline(always)]
+    pub(super) fn camera_of(&self, slot: u32) -> u16 {
+        self.tiles[(slot >> 8) as usize].camera
+    }
+
     /// The color of the sample at a slot, linear.
     #[inline(always)]
     pub(super) fn color_of(&self, slot: u32) -> [f32; 3] {
@@ -198,19 +204,26 @@ impl<'a> FrameSamples<'a> {
     }
 
     /// The cameras that some keys' samples come from, ascending.
+    #[inline(always)]
     pub(super) fn cameras_of(&self, keys: &[u64], cameras: &mut Vec<u16>) {
         cameras.clear();
-        let mut last_tile = u32::MAX;
+        let mut seen = [0_u64; 4];
         for key in keys.iter().filter(|key| **key != 0) {
-            let tile = !(*key as u32) >> 8;
-            if tile != last_tile {
-                last_tile = tile;
-                let camera = self.tiles[tile as usize].camera;
-                if let Err(place) = cameras.binary_search(&camera) {
-                    cameras.insert(place, camera);
-                }
+            let camera = self.tiles[(!(*key as u32) >> 8) as usize].camera;
+            match seen.get_mut(camera as usize / 64) {
+                Some(word) => *word |= 1 << (camera % 64),
+                // Beyond 256 cameras they are listed one by one.
+                None if !cameras.contains(&camera) => cameras.push(camera),
+                None => {}
             }
         }
+        for (index, mut word) in seen.into_iter().enumerate() {
+            while word != 0 {
+                cameras.push(index as u16 * 64 + word.trailing_zeros() as u16);
+                word &= word - 1;
+            }
+        }
+        cameras.sort_unstable();
     }
 
     /// Samples in some tiles.

@@ -18,6 +18,7 @@ use super::lookup::{Lookup, Quad};
 use super::project::{Projector, focal};
 use crate::capture::Camera;
 use crate::preprocess::TILE;
+use crate::settings::PruningMethod;
 
 /// Sampling rates beyond this many times that of the vantage gain nothing: the picture cannot show more.
 const USEFUL_RATE: f32 = 1.5;
@@ -30,6 +31,14 @@ const OWN_SHARE: f32 = 0.2;
 
 /// Samples whose 2×2 neighbors lie on another surface may be blended with it: they count less than clean ones.
 const BESIDE_EDGE: f32 = 0.3;
+
+/// No further camera is asked once this many pixels' worth of samples are known; the best come first. Where nothing was
+/// pruned two cameras average noise and aliasing; where pruning left one per surface, asking for a second finds little.
+const MANY: f32 = 1.99;
+const MANY_PRUNED: f32 = 0.99;
+
+/// Depths that differ by less than this part of the tolerance are taken as equal.
+const EXACT: f32 = 0.005;
 
 /// Sub-pixels along each side of a pixel that is interpolated in a picture of higher sampling rate, at most.
 const MAX_SUBPIXELS: f32 = 4.0;
@@ -50,6 +59,8 @@ struct Answer {
     /// Weighted by `weight`.
     color: [f32; 3],
     weight: f32,
+    /// Share of the pixel that is known.
+    known: f32,
 }
 
 /// How one camera sees a surface point, as shares of the 2×2 samples around it.
@@ -69,6 +80,10 @@ pub(super) struct Sight {
 pub(super) struct Gather<'a> {
     lookup: Lookup<'a>,
     views: Vec<View>,
+    /// Whether samples that others represent were dropped.
+    pruned: bool,
+    /// [`MANY`] or [`MANY_PRUNED`].
+    many: f32,
     /// World-space ray of the first pixel's center, and its growth by column and row.
     rays_in_world: [Vec3; 3],
 }
@@ -104,31 +119,53 @@ impl<'a> Gather<'a> {
         };
         let ray = |x, y| target.world_from_camera.matrix3 * target.intrinsics.ray_in_camera(DVec2::new(x, y));
         let first = ray(0.5, 0.5);
+        let pruned = frame.set.settings.pruning.method != PruningMethod::Off;
         Self {
+            pruned,
+            many: if pruned { MANY_PRUNED } else { MANY },
             lookup: Lookup::new(frame, tiles),
             views: frame.set.cameras.iter().enumerate().map(view).collect(),
             rays_in_world: [first, ray(1.5, 0.5) - first, ray(0.5, 1.5) - first].map(|ray| ray.as_vec3()),
         }
     }
 
-    /// The color of the surface at inverse depth `w` in pixel `(x, y)` of the vantage, among the samples of `cameras`;
-    /// `own` is the color of the nearest sample, for where nothing can be interpolated.
+    /// Sorts cameras by how much they count for the surface at inverse depth `w` in pixel `(x, y)`, most first.
+    pub(super) fn rank(&self, (x, y): (f32, f32), w: f32, cameras: &mut [u16]) {
+        let weight = |camera: &u16| {
+            let view = &self.views[*camera as usize];
+            let point = view.source_from_target.ray(x, y) + view.source_from_target.origin * w;
+            if point.z > 0.0 { self.weight(view, 1.0 / point.z, (x, y), w) } else { 0.0 }
+        };
+        cameras.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
+    }
+
+    /// The color of the surface at inverse depth `w` in pixel `(x, y)` of the vantage, among the samples of `cameras`, of
+    /// which the best come first, and, in a pruned set, before them those of the camera that `sample` comes from. `own` is
+    /// the color of that sample, for where nothing can be interpolated.
     #[inline(always)]
     pub(super) fn color(
         &self,
-        x: f32,
-        y: f32,
+        (x, y): (f32, f32),
         w: f32,
-        cameras: &[u16],
+        (sample, cameras): (u16, &[u16]),
         own: impl FnOnce() -> [f32; 3],
     ) -> [f32; 3] {
-        let (mut sum, mut total) = ([0.0; 3], 0.0);
-        for &camera in cameras {
-            let view = &self.views[camera as usize];
-            if let Some(answer) = self.answer(view, x, y, w) {
+        let (mut sum, mut total, mut known) = ([0.0; 3], 0.0, 0.0);
+        let mut next = 0;
+        let mut camera = sample;
+        let mut ask = self.pruned;
+        loop {
+            if ask && let Some(answer) = self.answer(&self.views[camera as usize], x, y, w) {
                 (0..3).for_each(|channel| sum[channel] += answer.color[channel]);
                 total += answer.weight;
+                known += answer.known;
             }
+            if next == cameras.len() || known >= self.many {
+                break;
+            }
+            camera = cameras[next];
+            ask = !self.pruned || camera != sample;
+            next += 1;
         }
         if total < ENOUGH {
             let lack = (ENOUGH - total) * OWN_SHARE + 1e-6;
@@ -148,7 +185,7 @@ impl<'a> Gather<'a> {
         }
         // The picture is coarser than the camera's: the mean over sub-pixels, or fine detail would alias.
         let count = (rate / USEFUL_RATE).ceil().min(MAX_SUBPIXELS);
-        let mut sum = Answer { color: [0.0; 3], weight: 0.0 };
+        let mut sum = Answer { color: [0.0; 3], weight: 0.0, known: 0.0 };
         let per_subpixel = 1.0 / count;
         for sub_y in 0..count as usize {
             for sub_x in 0..count as usize {
@@ -158,12 +195,17 @@ impl<'a> Gather<'a> {
                 if let Some(part) = self.interpolate(view, &place, x, y, w) {
                     (0..3).for_each(|channel| sum.color[channel] += part.color[channel]);
                     sum.weight += part.weight;
+                    sum.known += part.known;
                 }
             }
         }
         let share = per_subpixel * per_subpixel;
         (sum.weight > 0.0)
-            .then(|| Answer { color: sum.color.map(|channel| channel * share), weight: sum.weight * share })
+            .then(|| Answer {
+                color: sum.color.map(|channel| channel * share),
+                weight: sum.weight * share,
+                known: sum.known * share,
+            })
     }
 
     /// Where the surface point lies in a camera; `None` behind it and outside its picture.
@@ -195,32 +237,37 @@ impl<'a> Gather<'a> {
     #[inline(always)]
     fn interpolate(&self, view: &View, place: &Place, x: f32, y: f32, w: f32) -> Option<Answer> {
         let limit = place.expected * view.tolerance;
-        let agrees = place.quad.depth.map(|depth| (depth - place.expected).abs() <= limit && depth >= 0.0);
+        let depths = &place.quad.depth;
         let shares = bilinear(place.along, place.down);
-        let (mut depth, mut known) = (0.0, 0.0);
-        for corner in 0..4 {
-            if agrees[corner] {
-                known += shares[corner];
-                depth += shares[corner] * place.quad.depth[corner];
-            }
-        }
+        // Samples that show the surface there count fully, others not at all; all four do nearly everywhere.
+        let agrees = depths.map(|depth| {
+            f32::from(u8::from(((depth - place.expected).abs() <= limit) & (depth >= 0.0)))
+        });
+        let shown: [f32; 4] = std::array::from_fn(|corner| shares[corner] * agrees[corner]);
+        let known = (shown[0] + shown[1]) + (shown[2] + shown[3]);
         if known < 1e-3 {
             return None;
         }
-        let (along, down) = corrected(view, place, (x, y), depth / known);
-        let shares = bilinear(along, down);
-        let (mut color, mut known, mut beside) = ([0.0; 3], 0.0, false);
+        let weighted: [f32; 4] = std::array::from_fn(|corner| shown[corner] * depths[corner]);
+        let depth = ((weighted[0] + weighted[1]) + (weighted[2] + weighted[3])) / known;
+        // Where the camera agrees with the z-buffer to a small part of the tolerance, correcting moves nothing.
+        let shares = if (depth - place.expected).abs() > EXACT * limit {
+            let (along, down) = corrected(view, place, (x, y), depth);
+            bilinear(along, down)
+        } else {
+            shares
+        };
+        let (mut color, mut known) = ([0.0; 3], 0.0);
         for corner in 0..4 {
-            if agrees[corner] {
+            if agrees[corner] > 0.0 {
                 let sample = self.lookup.color(&place.quad, corner);
                 (0..3).for_each(|channel| color[channel] += shares[corner] * sample[channel]);
                 known += shares[corner];
-            } else {
-                beside |= place.quad.depth[corner] >= 0.0;
             }
         }
+        let beside = (0..4).any(|corner| (agrees[corner] == 0.0) & (depths[corner] >= 0.0));
         let weight = self.weight(view, place.reciprocal, (x, y), w) * if beside { BESIDE_EDGE } else { 1.0 };
-        Some(Answer { color: color.map(|channel| channel * weight), weight: known * weight })
+        Some(Answer { color: color.map(|channel| channel * weight), weight: known * weight, known })
     }
 
     /// How much a camera counts: the squared sampling rate, as far as it is of use, times the cosine between its line of

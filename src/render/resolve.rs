@@ -228,6 +228,9 @@ impl Strip<'_> {
         let frame = self.resolve.frame;
         let patch = self.resolve.patch(block);
         frame.cameras_of(patch.keys.as_flattened(), cameras);
+        let middle = patch.keys.as_flattened()[SIDE * SIDE / 2 + SIDE / 2];
+        let center = ((block.left + BLOCK / 2) as f32, (block.top + BLOCK / 2) as f32);
+        gather.rank(center, inverse_depth_of(middle).max(0.0), cameras);
         let edges = patch.edges();
         let (columns, rows) = self.extent(block);
         for row in 0..rows {
@@ -252,7 +255,8 @@ impl Strip<'_> {
                 for (key, share) in layers {
                     if share > 0.0 {
                         let own = || frame.color_of(slot_of(key));
-                        let found = gather.color(x, y, inverse_depth_of(key), cameras, own);
+                        let sample = frame.camera_of(slot_of(key));
+                        let found = gather.color((x, y), inverse_depth_of(key), (sample, cameras), own);
                         (0..3).for_each(|channel| color[channel] += share * found[channel]);
                     }
                 }

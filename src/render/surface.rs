@@ -131,7 +131,7 @@ impl Window<'_> {
     fn pixel(&self, x: f32, y: f32) -> (u32, bool) {
         let (right, top, bottom) =
             ((self.width - 1) as f32, self.rows.start as f32, (self.rows.end - 1) as f32);
-        let inside = x >= 0.0 && x <= right && y >= top && y <= bottom;
+        let inside = (x >= 0.0) & (x <= right) & (y >= top) & (y <= bottom);
         // What lies outside, or is no number, goes to the corner.
         let (x, y) = if inside { (x, y - top) } else { (0.0, 0.0) };
         (whole(y) * self.width as u32 + whole(x), inside)
@@ -142,7 +142,7 @@ impl Window<'_> {
         let (mut pixels, mut uppers) = ([0; TILE], [0; TILE]);
         for i in 0..TILE {
             let (pixel, inside) = self.pixel(projected.u[i].floor(), projected.v[i].floor());
-            let seen = inside && projected.reciprocal[i] > 0.0 && w[i] >= 0.0;
+            let seen = inside & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
             pixels[i] = pixel;
             uppers[i] = if seen { nearness(w[i] * projected.reciprocal[i], CORE) } else { 0 };
         }
@@ -161,7 +161,7 @@ impl Window<'_> {
                 let share_y = if corner >> 1 == 1 { down } else { 1.0 - down };
                 let tier = if share_x * share_y >= CORE_SHARE { CORE } else { 0 };
                 let (pixel, inside) = self.pixel(left + right, top + below);
-                let seen = inside && projected.reciprocal[i] > 0.0 && w[i] >= 0.0;
+                let seen = inside & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
                 pixels[i] = pixel;
                 uppers[i] = if seen { nearness(w[i] * projected.reciprocal[i], tier) } else { 0 };
             }
@@ -193,13 +193,14 @@ impl Window<'_> {
         }
         for corner in 0..4_usize {
             let (mut pixels, mut uppers) = ([0; TILE], [0; TILE]);
+            let (columns, rows) = (&edges[corner & 1], &edges[2 + (corner >> 1)]);
             for i in 0..TILE {
-                let (x, y) = (edges[corner & 1][i], edges[2 + (corner >> 1)][i]);
+                let (x, y) = (columns[i], rows[i]);
                 let (pixel, inside) = self.pixel(x, y);
-                let seen = inside && projected.reciprocal[i] > 0.0 && w[i] >= 0.0;
                 let (depth, covered) = depth_at(&found, projected, i, x, y);
+                let seen = inside & covered & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
                 pixels[i] = pixel;
-                uppers[i] = if seen && covered { nearness(depth, CORE) } else { 0 };
+                uppers[i] = if seen { nearness(depth, CORE) } else { 0 };
             }
             self.raise(&pixels, &uppers, slots);
         }
@@ -237,8 +238,10 @@ fn depth_at(found: &Footprints, projected: &ProjectedRow, i: usize, x: f32, y: f
         found.inverse[0][i] * dx + found.inverse[1][i] * dy,
         found.inverse[2][i] * dx + found.inverse[3][i] * dy,
     );
-    let covered = across.abs().max(down.abs()) <= 0.5 * OVERLAP || dx.abs().max(dy.abs()) <= 0.5;
-    let deviation =
-        (found.slope_x[i] * dx + found.slope_y[i] * dy).clamp(-found.deviation[i], found.deviation[i]);
+    let covered = (across.abs().max(down.abs()) <= 0.5 * OVERLAP) | (dx.abs().max(dy.abs()) <= 0.5);
+    // Not `clamp`, whose check for an empty range is a branch.
+    let deviation = (found.slope_x[i] * dx + found.slope_y[i] * dy)
+        .min(found.deviation[i])
+        .max(-found.deviation[i]);
     ((found.inverse_depth[i] + deviation).max(0.0), covered)
 }

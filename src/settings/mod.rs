@@ -196,7 +196,7 @@ section! {
     /// Painting the kept samples into a vantage.
     pub struct RenderSettings in "render" {
         /// How a sample is painted into the picture.
-        kernel: Kernel = Kernel::Block, "", Kind::Choice(Kernel::NAMES);
+        kernel: Kernel = Kernel::Gather, "", Kind::Choice(Kernel::NAMES);
         /// How pixels without any sample are filled.
         fill: Fill = Fill::None, "", Kind::Choice(Fill::NAMES);
         /// Samples this close behind the nearest one belong to the same surface and are blended with it.
