@@ -13,7 +13,7 @@ use overlook::job::Job;
 use overlook::preprocess::{SampleSet, preprocess};
 use overlook::render::gpu::GpuOptions;
 use overlook::render::{CpuRenderer, GpuRenderer, Picture, RenderStats, Vantage};
-use overlook::settings::{Kernel, RenderSettings, Settings};
+use overlook::settings::{Kernel, PruningMethod, RenderSettings, Settings};
 use scene::{Scene, Sphere, arc, camera};
 
 /// A renderer, or `None` where the machine cannot have one.
@@ -45,7 +45,13 @@ fn moving_capture() -> Capture {
 }
 
 fn samples(capture: &Capture) -> Arc<SampleSet> {
-    preprocess(capture, &Settings::default(), &Job::new()).unwrap().samples
+    samples_pruned_by(PruningMethod::HighestRate, capture)
+}
+
+fn samples_pruned_by(method: PruningMethod, capture: &Capture) -> Arc<SampleSet> {
+    let mut settings = Settings::default();
+    settings.pruning.method = method;
+    preprocess(capture, &settings, &Job::new()).unwrap().samples
 }
 
 /// A place where no camera stood.
@@ -130,7 +136,8 @@ impl Difference {
 const DIFFERING: f64 = 1e-3;
 
 /// Colors add the rounding of fixed point, 2⁻²⁹ per sample, over weights that may be as small as they like: where the nearest
-/// surface gives a pixel almost nothing its color is uncertain, so that some more may differ.
+/// surface gives a pixel almost nothing its color is uncertain, so that some more may differ. Nor need two cameras that count
+/// the same for a block be asked in the same order.
 const DIFFERING_COLORS: f64 = 4e-3;
 
 fn agree(found: &Difference) -> bool {
@@ -139,10 +146,13 @@ fn agree(found: &Difference) -> bool {
 
 /// Both from places near and far.
 fn compare(renderer: &mut GpuRenderer, kernel: Kernel) {
-    let samples = samples(&moving_capture());
+    compare_over(renderer, kernel, &samples(&moving_capture()));
+}
+
+fn compare_over(renderer: &mut GpuRenderer, kernel: Kernel, samples: &Arc<SampleSet>) {
     for camera in [novel(), close(), distant()] {
-        let (cpu, cpu_stats) = on_cpu(&samples, &camera, 2, kernel);
-        let (gpu, gpu_stats) = on_gpu(renderer, &samples, &camera, 2, kernel);
+        let (cpu, cpu_stats) = on_cpu(samples, &camera, 2, kernel);
+        let (gpu, gpu_stats) = on_gpu(renderer, samples, &camera, 2, kernel);
         let found = Difference::between(&cpu, &gpu);
         assert!(agree(&found), "{kernel} from {}: {found:?}", camera.name);
         assert_eq!(gpu_stats.samples, cpu_stats.samples);
@@ -176,6 +186,8 @@ fn surfels_are_painted_and_blended_as_on_the_cpu() {
 fn colors_are_gathered_as_on_the_cpu() {
     let Some(mut gpu) = gpu() else { return };
     compare(&mut gpu, Kernel::Gather);
+    // Where nothing was pruned, more than one camera is asked.
+    compare_over(&mut gpu, Kernel::Gather, &samples_pruned_by(PruningMethod::Off, &moving_capture()));
 }
 
 #[test]

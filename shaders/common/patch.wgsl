@@ -13,9 +13,12 @@ const SIDE_SQUARED: u32 = 400u;
 // Keys of the block and its ring; beyond the picture its border goes on.
 var<workgroup> patch_keys: array<vec2<u32>, SIDE_SQUARED>;
 
-// The cameras whose samples are in the patch: a bit each, and from that a list, ascending.
+// The cameras whose samples are in the patch: a bit each, from that a list, ascending, and from that the list that is used:
+// those that count most for the surface in the middle of the block come first.
 const CAMERA_WORDS: u32 = 32u;
 var<workgroup> camera_bits: array<atomic<u32>, CAMERA_WORDS>;
+var<workgroup> camera_set: array<u32, 1024>;
+var<workgroup> camera_weight: array<f32, 1024>;
 var<workgroup> camera_list: array<u32, 1024>;
 var<workgroup> camera_count: u32;
 
@@ -27,13 +30,38 @@ fn list_cameras(nth: u32) {
     }
     var left = atomicLoad(&camera_bits[nth]);
     while left != 0u {
-        camera_list[count] = 32u * nth + firstTrailingBit(left);
+        camera_set[count] = 32u * nth + firstTrailingBit(left);
         count += 1u;
         left &= left - 1u;
     }
     if nth + 1u == CAMERA_WORDS {
         camera_count = count;
     }
+}
+
+// How much a camera counts in the middle of the block whose first pixel is `corner`.
+fn weigh_camera(nth: u32, corner: vec2<i32>) {
+    let camera = camera_set[nth];
+    let middle = patch_keys[SIDE_SQUARED / 2u + u32(SIDE) / 2u];
+    let at = vec2<f32>(corner) + f32(TILE / 2u);
+    let w = max(inverse_depth_of(middle.y), 0.0);
+    let projector = views[camera].source_from_target;
+    let z = (ray(projector, at.x, at.y) + projector.origin * w).z;
+    camera_weight[nth] = 0.0;
+    if z > 0.0 {
+        camera_weight[nth] = weight_of(camera, 1.0 / z, at, w);
+    }
+}
+
+// Puts a camera at its place in the list: behind all that count more, and those before it that count as much.
+fn place_camera(nth: u32) {
+    let weight = camera_weight[nth];
+    var place = 0u;
+    for (var other = 0u; other < camera_count; other++) {
+        let ahead = camera_weight[other] > weight || (camera_weight[other] == weight && other < nth);
+        place += select(0u, 1u, ahead);
+    }
+    camera_list[place] = camera_set[nth];
 }
 
 // Whether a foreground sample is seen in the block or beside it; only then are its samples looked at.
@@ -75,6 +103,14 @@ fn load_patch(block: vec2<u32>, thread: u32) {
     workgroupBarrier();
     if thread < CAMERA_WORDS {
         list_cameras(thread);
+    }
+    workgroupBarrier();
+    for (var nth = thread; nth < camera_count; nth += 256u) {
+        weigh_camera(nth, corner);
+    }
+    workgroupBarrier();
+    for (var nth = thread; nth < camera_count; nth += 256u) {
+        place_camera(nth);
     }
     workgroupBarrier();
     visible_tiles = select(stage.lasting_tiles, stage.all_tiles, atomicLoad(&has_foreground) != 0u);

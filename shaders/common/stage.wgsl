@@ -27,6 +27,11 @@ struct Stage {
     ray_down: vec3<f32>,
     // Tiles of the frame.
     all_tiles: u32,
+    // 1 where samples that others represent were dropped.
+    pruned: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> stage: Stage;

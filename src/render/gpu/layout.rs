@@ -24,6 +24,10 @@ pub(super) struct GpuStage {
     pub(super) entries_at: u32,
     pub(super) ray_down: [f32; 3],
     pub(super) all_tiles: u32,
+    pub(super) pruned: u32,
+    pub(super) padding_0: u32,
+    pub(super) padding_1: u32,
+    pub(super) padding_2: u32,
 }
 
 /// `Projector` in `project.wgsl`.
@@ -179,7 +183,11 @@ mod tests {
             ray_across,
             entries_at,
             ray_down,
-            all_tiles
+            all_tiles,
+            pruned,
+            padding_0,
+            padding_1,
+            padding_2
         );
         assert_same_layout!(
             &module,
