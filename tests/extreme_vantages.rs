@@ -52,13 +52,13 @@ fn render(
     set: &Arc<SampleSet>,
     camera: &Camera,
     settings: &RenderSettings,
-) -> Result<(Picture, RenderStats)> {
+) -> Result<(Arc<Picture>, RenderStats)> {
     let vantage = Vantage { camera: camera.clone(), frame: 0 };
     CpuRenderer::new().render(set, &vantage, settings, &Job::new())
 }
 
 /// The picture, with everything checked that is true of any picture.
-fn paint(set: &Arc<SampleSet>, camera: &Camera, settings: &RenderSettings) -> Picture {
+fn paint(set: &Arc<SampleSet>, camera: &Camera, settings: &RenderSettings) -> Arc<Picture> {
     let (picture, stats) = render(set, camera, settings).unwrap();
     assert_eq!(picture.image.size(), camera.intrinsics.size());
     assert_eq!(stats.holes, picture.holes());

@@ -26,7 +26,7 @@ fn samples(capture: &Capture, settings: &Settings) -> Arc<SampleSet> {
     preprocess(capture, settings, &Job::new()).unwrap().samples
 }
 
-fn paint(samples: &Arc<SampleSet>, camera: &Camera, frame: usize, kernel: Kernel) -> Picture {
+fn paint(samples: &Arc<SampleSet>, camera: &Camera, frame: usize, kernel: Kernel) -> Arc<Picture> {
     let settings = RenderSettings { kernel, ..RenderSettings::default() };
     let vantage = Vantage { camera: camera.clone(), frame };
     CpuRenderer::new().render(samples, &vantage, &settings, &Job::new()).unwrap().0

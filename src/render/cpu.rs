@@ -266,13 +266,12 @@ fn paint_anew(painting: &Painting<'_>, samples: &Arc<SampleSet>, buffers: Buffer
 /// The foreground alone, over the background that is there.
 fn repaint(painting: &Painting<'_>, mut still: Still) -> Result<Still> {
     let (width, height) = painting.size();
-    let background_picture = match still.background_picture.take() {
-        Some(picture) => picture,
-        None => {
-            let mut picture = (*still.picture).clone();
-            painting.resolve(&still.background, None, None, (&still.touched, &mut picture))?;
-            picture
-        }
+    let background_picture = if let Some(picture) = still.background_picture.take() {
+        picture
+    } else {
+        let mut picture = (*still.picture).clone();
+        painting.resolve(&still.background, None, None, (&still.touched, &mut picture))?;
+        picture
     };
     let pixels = width * height;
     still.foreground.keys.resize(pixels, 0);

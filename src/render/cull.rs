@@ -49,12 +49,7 @@ pub(super) struct Reach {
 }
 
 /// Where a tile may touch the target; empty where it cannot.
-fn bounds_of(
-    tile: &FrameTile<'_>,
-    projector: &Projector,
-    target: &Camera,
-    reach: Reach,
-) -> Bounds {
+fn bounds_of(tile: &FrameTile<'_>, projector: &Projector, target: &Camera, reach: Reach) -> Bounds {
     let (width, height) = (target.intrinsics.width, target.intrinsics.height);
     let (far, near) = tile.bounds();
     let (x, y) = (tile.origin.0 as f32 - 0.5, tile.origin.1 as f32 - 0.5);

@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use glam::{DVec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 
 use super::frame_samples::FrameSamples;
 use super::lookup::{Lookup, Quad};
@@ -125,7 +125,7 @@ impl<'a> Gather<'a> {
             many: if pruned { MANY_PRUNED } else { MANY },
             lookup: Lookup::new(frame, tiles),
             views: frame.set.cameras.iter().enumerate().map(view).collect(),
-            rays_in_world: [first, ray(1.5, 0.5) - first, ray(0.5, 1.5) - first].map(|ray| ray.as_vec3()),
+            rays_in_world: [first, ray(1.5, 0.5) - first, ray(0.5, 1.5) - first].map(DVec3::as_vec3),
         }
     }
 
@@ -200,12 +200,11 @@ impl<'a> Gather<'a> {
             }
         }
         let share = per_subpixel * per_subpixel;
-        (sum.weight > 0.0)
-            .then(|| Answer {
-                color: sum.color.map(|channel| channel * share),
-                weight: sum.weight * share,
-                known: sum.known * share,
-            })
+        (sum.weight > 0.0).then(|| Answer {
+            color: sum.color.map(|channel| channel * share),
+            weight: sum.weight * share,
+            known: sum.known * share,
+        })
     }
 
     /// Where the surface point lies in a camera; `None` behind it and outside its picture.
@@ -240,9 +239,8 @@ impl<'a> Gather<'a> {
         let depths = &place.quad.depth;
         let shares = bilinear(place.along, place.down);
         // Samples that show the surface there count fully, others not at all; all four do nearly everywhere.
-        let agrees = depths.map(|depth| {
-            f32::from(u8::from(((depth - place.expected).abs() <= limit) & (depth >= 0.0)))
-        });
+        let agrees = depths
+            .map(|depth| f32::from(u8::from(((depth - place.expected).abs() <= limit) & (depth >= 0.0))));
         let shown: [f32; 4] = std::array::from_fn(|corner| shares[corner] * agrees[corner]);
         let known = (shown[0] + shown[1]) + (shown[2] + shown[3]);
         if known < 1e-3 {

@@ -18,7 +18,7 @@ pub(super) trait Work {
 
 /// A set of instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Level {
+enum Level {
     /// What every processor of the target has.
     Portable,
     /// AVX2 and what comes with it.
@@ -32,7 +32,7 @@ pub(super) enum Level {
 impl Level {
     /// The widest that this processor has.
     #[cfg(target_arch = "x86_64")]
-    pub(super) fn best() -> Self {
+    fn best() -> Self {
         let has_avx2 = is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("bmi1")
             && is_x86_feature_detected!("bmi2")
@@ -54,18 +54,22 @@ impl Level {
 
     /// The widest that this processor has.
     #[cfg(not(target_arch = "x86_64"))]
-    pub(super) fn best() -> Self {
+    fn best() -> Self {
         Self::Portable
     }
 }
 
 /// Does the work at the best level.
 pub(super) fn run<W: Work>(work: W) -> W::Output {
+    #[cfg(test)]
+    if tests::PORTABLE.load(std::sync::atomic::Ordering::Relaxed) {
+        return run_at(Level::Portable, work);
+    }
     run_at(Level::best(), work)
 }
 
 /// Does the work at a level, or at the best there is where that is less.
-pub(super) fn run_at<W: Work>(level: Level, work: W) -> W::Output {
+fn run_at<W: Work>(level: Level, work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     match level.min(Level::best()) {
         Level::Portable => {}
@@ -89,4 +93,46 @@ fn avx2<W: Work>(work: W) -> W::Output {
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
 fn avx512<W: Work>(work: W) -> W::Output {
     work.run()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::job::Job;
+    use crate::preprocess::preprocess;
+    use crate::render::{CpuRenderer, Picture, Vantage};
+    use crate::settings::{CaptureSettings, Kernel, RenderSettings, Settings};
+
+    /// Whether every loop runs at the lowest level. Other tests may see it: they give the same either way.
+    pub(super) static PORTABLE: AtomicBool = AtomicBool::new(false);
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let spec = DemoSpec {
+            scene: "orrery".to_owned(),
+            cameras: None,
+            frames: Some(2),
+            size: Some((72, 50)),
+            noise: None,
+        };
+        let demo = Demo::new(&spec).unwrap();
+        let capture = demo.capture(&CaptureSettings::default());
+        let samples = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples;
+        let vantage = Vantage { camera: demo.home(), frame: 1 };
+        let paint = |kernel: Kernel| -> Arc<Picture> {
+            let settings = RenderSettings { kernel, ..RenderSettings::default() };
+            CpuRenderer::new().render(&samples, &vantage, &settings, &Job::new()).unwrap().0
+        };
+        for kernel in Kernel::ALL {
+            let best = paint(*kernel);
+            PORTABLE.store(true, Ordering::Relaxed);
+            let portable = paint(*kernel);
+            PORTABLE.store(false, Ordering::Relaxed);
+            assert!(best.holes() < best.image.len() as u64 / 2);
+            assert_eq!(best, portable, "{kernel}");
+        }
+    }
 }

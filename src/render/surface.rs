@@ -240,8 +240,7 @@ fn depth_at(found: &Footprints, projected: &ProjectedRow, i: usize, x: f32, y: f
     );
     let covered = (across.abs().max(down.abs()) <= 0.5 * OVERLAP) | (dx.abs().max(dy.abs()) <= 0.5);
     // Not `clamp`, whose check for an empty range is a branch.
-    let deviation = (found.slope_x[i] * dx + found.slope_y[i] * dy)
-        .min(found.deviation[i])
-        .max(-found.deviation[i]);
+    let deviation =
+        (found.slope_x[i] * dx + found.slope_y[i] * dy).min(found.deviation[i]).max(-found.deviation[i]);
     ((found.inverse_depth[i] + deviation).max(0.0), covered)
 }

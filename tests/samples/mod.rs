@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 use half::f16;
 use overlook::capture::{Camera, Intrinsics};
-use overlook::preprocess::{SampleImage, SampleSet, SampleTile, Span, TILE};
+use overlook::preprocess::{DepthPlane, SampleImage, SampleSet, SampleTile, Span, TILE};
 use overlook::settings::Settings;
 
 /// A camera at `eye` that looks along +z with y down, its focal length being its width: angles are simple ratios.
@@ -32,12 +32,13 @@ pub(crate) fn samples(
     pixel: impl Fn(usize, usize) -> Option<([f32; 3], f32)>,
 ) -> Arc<SampleSet> {
     let (width, height) = camera.intrinsics.size();
+    let mut inverse_depths = Vec::new();
     let mut image = SampleImage {
         camera: 0,
         span: Span { start: 0, end: 1 },
         tiles: Vec::new(),
         color: Vec::new(),
-        inverse_depth: Vec::new(),
+        depth: DepthPlane::default(),
         normal: None,
     };
     for tile in 0..width.div_ceil(TILE) * height.div_ceil(TILE) {
@@ -53,7 +54,7 @@ pub(crate) fn samples(
                 {
                     *mask |= 1 << column;
                     image.color.push(color.map(f16::from_f32));
-                    image.inverse_depth.push(inverse_depth);
+                    inverse_depths.push(inverse_depth);
                 }
             }
         }
@@ -61,6 +62,7 @@ pub(crate) fn samples(
             image.tiles.push(SampleTile { tile_x: tile_x as u16, tile_y: tile_y as u16, first, rows });
         }
     }
+    image.depth = DepthPlane::pack(&image.tiles, &inverse_depths);
     let images = if image.is_empty() { Vec::new() } else { vec![Arc::new(image)] };
     Arc::new(SampleSet {
         name: "by hand".to_owned(),

@@ -1,0 +1,173 @@
+//! How well the renderer reconstructs: zoomed in, zoomed out, between samples, and with samples pruned.
+
+mod scene;
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+use overlook::capture::{Camera, Capture, Intrinsics};
+use overlook::job::Job;
+use overlook::preprocess::{SampleSet, preprocess};
+use overlook::render::{CpuRenderer, NO_IMAGE, Picture, Vantage};
+use overlook::settings::{Kernel, PruningMethod, RenderSettings, Settings};
+use scene::{Scene, arc, camera, ground_color};
+
+fn samples(capture: &Capture, method: PruningMethod) -> Arc<SampleSet> {
+    let mut settings = Settings::default();
+    settings.pruning.method = method;
+    preprocess(capture, &settings, &Job::new()).unwrap().samples
+}
+
+fn paint(samples: &Arc<SampleSet>, camera: &Camera, kernel: Kernel) -> Arc<Picture> {
+    let settings = RenderSettings { kernel, ..RenderSettings::default() };
+    let vantage = Vantage { camera: camera.clone(), frame: 0 };
+    CpuRenderer::new().render(samples, &vantage, &settings, &Job::new()).unwrap().0
+}
+
+/// A ground under cameras that look down on it; nothing else.
+fn ground() -> Scene {
+    Scene { spheres: Vec::new(), ..Scene::still_life() }
+}
+
+/// The same view with `zoom` times the focal length, in as many pixels.
+fn zoomed(camera: &Camera, zoom: f64) -> Camera {
+    let k = camera.intrinsics;
+    let intrinsics = Intrinsics { fx: k.fx * zoom, fy: k.fy * zoom, ..k };
+    Camera { intrinsics, ..camera.clone() }
+}
+
+/// Largest difference to the ground's true color over the pixels that show something, and how many show nothing.
+fn worst_error(picture: &Picture, vantage: &Camera) -> (f32, usize) {
+    let (mut worst, mut holes) = (0.0_f32, 0);
+    for y in 0..picture.color.height() {
+        for x in 0..picture.color.width() {
+            if picture.image[(x, y)] == NO_IMAGE {
+                holes += 1;
+                continue;
+            }
+            let ray = vantage.unproject(DVec2::new(x as f64 + 0.5, y as f64 + 0.5), 1.0);
+            let eye = vantage.position_in_world();
+            let point = eye + (ray - eye) * (eye.z / (eye.z - ray.z));
+            let truth = ground_color(point);
+            for channel in 0..3 {
+                worst = worst.max((picture.color[(x, y)][channel] - truth[channel]).abs());
+            }
+        }
+    }
+    (worst, holes)
+}
+
+#[test]
+fn a_sampled_surface_has_no_crack_at_four_times_the_magnification() {
+    let eyes = [DVec3::new(0.3, -2.0, 3.0), DVec3::new(-0.8, -1.6, 2.6)];
+    let cameras = eyes.iter().enumerate().map(|(i, eye)| camera(&format!("c{i}"), *eye, DVec3::ZERO, 96));
+    let capture = ground().record(cameras.collect(), 1);
+    let near = camera("near", DVec3::new(0.0, -1.8, 2.8), DVec3::ZERO, 96);
+    let vantage = zoomed(&near, 4.0);
+    for method in [PruningMethod::Off, PruningMethod::HighestRate] {
+        let samples = samples(&capture, method);
+        for kernel in [Kernel::Surfel, Kernel::Gather] {
+            let (error, holes) = worst_error(&paint(&samples, &vantage, kernel), &vantage);
+            assert_eq!(holes, 0, "{kernel} after {method}");
+            assert!(error < 0.02, "{kernel} after {method}: {error}");
+        }
+        // The comparison can fail: points alone leave the gaps that footprints close.
+        assert!(paint(&samples, &vantage, Kernel::Point).holes() > 1000);
+    }
+}
+
+#[test]
+fn fine_detail_does_not_alias_at_four_times_the_minification() {
+    // A checker of single camera pixels, whose mean is the only right answer for pixels four times as large.
+    let mut scene = ground();
+    scene.ground_light = Some(Arc::new(|_, point| {
+        let cell = |value: f64| (value * 40.0).floor() as i64;
+        if (cell(point.x) + cell(point.y)) % 2 == 0 { 0.2 } else { -0.2 }
+    }));
+    let above = camera("above", DVec3::new(0.0, -0.01, 3.0), DVec3::ZERO, 256);
+    let capture = scene.record(vec![above.clone()], 1);
+    let samples = samples(&capture, PruningMethod::HighestRate);
+    let k = above.intrinsics;
+    let intrinsics = Intrinsics {
+        width: 64,
+        height: 64,
+        fx: k.fx / 4.0,
+        fy: k.fy / 4.0,
+        cx: k.cx / 4.0 + 0.3,
+        cy: k.cy / 4.0 + 0.2,
+    };
+    let vantage = Camera { intrinsics, ..above };
+    let spread = |kernel| {
+        let picture = paint(&samples, &vantage, kernel);
+        let errors = (8..56).flat_map(|y| (8..56).map(move |x| (x, y))).map(|(x, y)| {
+            let ray = vantage.unproject(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5), 1.0);
+            let eye = vantage.position_in_world();
+            let truth = ground_color(eye + (ray - eye) * (eye.z / (eye.z - ray.z)));
+            (picture.color[(x as usize, y as usize)][0] - truth[0]).powi(2)
+        });
+        (errors.sum::<f32>() / (48.0 * 48.0)).sqrt()
+    };
+    // One sample for sixteen: the checker's full contrast, 0.2, comes through.
+    assert!(spread(Kernel::Point) > 0.1, "{}", spread(Kernel::Point));
+    for kernel in [Kernel::Block, Kernel::Surfel, Kernel::Gather] {
+        assert!(spread(kernel) < 0.06, "{kernel}: {}", spread(kernel));
+    }
+}
+
+/// Mean squared error over the pixels that both pictures of a kernel show.
+fn error(picture: &Picture, scene: &Scene, vantage: &Camera) -> f64 {
+    let truth = scene.trace(vantage, 0, 9);
+    let (mut sum, mut count) = (0.0, 0);
+    for (pixel, truth) in truth.color.as_slice().iter().enumerate() {
+        if picture.image.as_slice()[pixel] != NO_IMAGE {
+            let found = picture.color.as_slice()[pixel];
+            sum += (0..3)
+                .map(|channel| f64::from(found[channel] - truth[channel].to_f32()).powi(2))
+                .sum::<f64>();
+            count += 1;
+        }
+    }
+    sum / f64::from(count)
+}
+
+#[test]
+fn gathering_is_closer_to_the_truth_than_blending_blocks_before_and_after_pruning() {
+    let mut scene = Scene::still_life();
+    scene.ground_light =
+        Some(Arc::new(|_, point| 0.15 * ((point.x * 14.0).sin() * (point.y * 14.0).sin()) as f32));
+    let capture = scene.record(arc(5, 128), 1);
+    let vantage = camera("novel", DVec3::new(0.4, -4.4, 2.5), DVec3::new(0.3, 0.2, 0.3), 128);
+    let of = |method, kernel| error(&paint(&samples(&capture, method), &vantage, kernel), &scene, &vantage);
+    let decibel = |a: f64, b: f64| 10.0 * (a / b).log10();
+    for method in [PruningMethod::Off, PruningMethod::HighestRate] {
+        let gain = decibel(of(method, Kernel::Block), of(method, Kernel::Gather));
+        assert!(gain > 2.5, "{method}: {gain:.2} dB");
+    }
+    let loss =
+        decibel(of(PruningMethod::HighestRate, Kernel::Gather), of(PruningMethod::Off, Kernel::Gather));
+    assert!(loss < 1.0, "pruning costs {loss:.2} dB");
+}
+
+#[test]
+fn a_silhouette_that_other_cameras_see_through_does_not_grow() {
+    let scene = Scene::still_life();
+    let capture = scene.record(arc(5, 96), 1);
+    let vantage = camera("novel", DVec3::new(0.4, -4.4, 2.5), DVec3::new(0.3, 0.2, 0.3), 96);
+    let truth = scene.trace(&vantage, 0, 9);
+    let samples = samples(&capture, PruningMethod::Off);
+    // Pixels whose inverse depth is the nearer sphere's although the ground or the sky is seen there, and the reverse.
+    let shown = |kernel| {
+        let picture = paint(&samples, &vantage, kernel);
+        let pairs = picture.inverse_depth.as_slice().iter().zip(truth.inverse_depth.as_slice());
+        let (mut grown, mut shrunk) = (0_i32, 0_i32);
+        for (found, truth) in pairs {
+            grown += i32::from(*found > truth * 1.05 && *found > 0.0);
+            shrunk += i32::from(*found < truth * 0.95 && *found >= 0.0);
+        }
+        (grown, shrunk)
+    };
+    let (grown, shrunk) = shown(Kernel::Gather);
+    let (block_grown, _) = shown(Kernel::Block);
+    assert!(2 * grown < block_grown, "gather {grown}, block {block_grown}");
+    assert!(grown + shrunk < 120, "{grown} grown, {shrunk} shrunk");
+}
