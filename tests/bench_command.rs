@@ -3,12 +3,17 @@
 use std::collections::BTreeSet;
 use std::process::{Command, Output};
 
+use overlook::render::{AdapterChoice, GpuRenderer};
 use overlook::settings::Kernel;
 use serde_json::Value;
 
 fn bench(arguments: &[&str]) -> Output {
+    bench_with("cpu", arguments)
+}
+
+fn bench_with(backend: &str, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_overlook"))
-        .args(["bench", "--quick", "--threads", "2"])
+        .args(["bench", "--quick", "--threads", "2", "--backend", backend])
         .args(arguments)
         .env_remove("RUST_LOG")
         .output()
@@ -127,4 +132,32 @@ fn a_stage_that_does_not_exist_is_named_beside_those_that_do() {
         stderr.lines().count() == 1 && stderr.contains("teapot") && stderr.contains("store/write"),
         "{stderr}"
     );
+}
+
+#[test]
+fn a_graphics_adapter_is_measured_where_it_is_asked_for_and_held_against_its_memory() {
+    if let Err(error) = GpuRenderer::new(AdapterChoice::Any) {
+        assert!(
+            std::env::var_os("OVERLOOK_REQUIRE_GPU").is_none(),
+            "OVERLOOK_REQUIRE_GPU is set, but {error}"
+        );
+        eprintln!("SKIPPED, nothing was measured: {error}");
+        return;
+    }
+    let output = bench_with("gpu", &["--only", "gpu/point/pruned/160x120", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(stages(&document).len(), 2, "one thread and all: {document}");
+    for stage in stages(&document) {
+        assert_eq!(
+            (name(stage), &stage["backend"]),
+            ("render/gpu/point/pruned/160x120", &Value::from("gpu"))
+        );
+        let limits = document["limits"].as_array().unwrap();
+        let limit = limits.iter().find(|limit| limit["threads"] == stage["threads"]).unwrap();
+        let gb_per_s = positive(stage, "mpts_per_s") * positive(stage, "bytes_per_sample") * 1e-3;
+        assert_eq!(stage["limit"], "copy");
+        assert!(close(positive(stage, "fraction_of_limit"), gb_per_s / positive(limit, "gpu_copy_gb_per_s")));
+        assert!(stage["coverage"].as_f64().unwrap() > 0.5);
+    }
 }

@@ -14,7 +14,7 @@ use crate::capture::{Capture, View, transforms};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{self, CameraInspection, Report, SampleSet, TemporalScan};
-use crate::render::CpuRenderer;
+use crate::render::Renderer;
 use crate::settings::{CaptureSettings, Settings};
 use crate::store;
 
@@ -102,7 +102,7 @@ impl Lanes {
         let decoder = pool("decode", 1)?;
         let measuring = background.clone();
         let progress = outbox.clone();
-        let mut renderer = CpuRenderer::new();
+        let mut renderer = Renderer::new();
         Ok(Self {
             open: Lane::start("Open", Supersede::Always, outbox.clone(), open)?,
             whole: Lane::start("Prune", Supersede::Always, outbox.clone(), move |request, job| {

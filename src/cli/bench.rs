@@ -4,10 +4,12 @@ use std::fmt::Write;
 
 use clap::Args;
 
+use super::render::choice;
 use super::{Failure, output, progress};
 use crate::evaluate::speed::limits::Limit;
 use crate::evaluate::speed::machine::Machine;
 use crate::evaluate::speed::{self, LimitKind, Options, SpeedReport, StageSpeed};
+use crate::settings::Backend;
 
 /// Arguments of `overlook bench`.
 #[derive(Debug, Args)]
@@ -15,6 +17,9 @@ pub(super) struct BenchArgs {
     /// Measure only stages with PART in their name, as in render/point; may be given several times.
     #[arg(long, value_name = "PART")]
     only: Vec<String>,
+    /// What paints: the CPU alone, or with it a graphics adapter, which `auto` takes only where it is a card.
+    #[arg(long, default_value = "auto", value_parser = choice::<Backend>(Backend::NAMES))]
+    backend: Backend,
     /// Few repeats on a small scene: shows that everything works, not how fast it is.
     #[arg(long)]
     quick: bool,
@@ -25,8 +30,12 @@ pub(super) struct BenchArgs {
 
 impl BenchArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let options =
-            Options { threads: rayon::current_num_threads(), quick: self.quick, only: self.only.clone() };
+        let options = Options {
+            threads: rayon::current_num_threads(),
+            quick: self.quick,
+            backend: self.backend,
+            only: self.only.clone(),
+        };
         let report = progress::watched(|job| speed::measure(&options, job))?;
         if !report.machine.optimized {
             output::warn(&["this is no release build; its times say nothing".to_owned()]);
@@ -52,6 +61,7 @@ fn text(report: &SpeedReport) -> String {
     for limit in &report.limits {
         limit_lines(&mut text, limit);
     }
+    text.push_str(&gpu_line(&report.limits));
     let _ = write!(
         text,
         "\n\n{:<44} {:>7} {:>10} {:>8} {:>9} {:>18} {:>7} {:>7}",
@@ -78,6 +88,14 @@ fn machine_line(machine: &Machine) -> String {
     )
 }
 
+/// The adapter's own limit, where it was measured.
+fn gpu_line(limits: &[Limit]) -> String {
+    let copy = limits.last().and_then(|limit| limit.gpu_copy_gb_per_s);
+    copy.map_or_else(String::new, |copy| {
+        format!("\nthe graphics adapter copies {copy:.1} GB/s of its memory")
+    })
+}
+
 /// One line per size of picture; threads and reading on the first.
 fn limit_lines(text: &mut String, limit: &Limit) {
     for (index, scatter) in limit.scatter.iter().enumerate() {
@@ -100,6 +118,7 @@ fn stage_lines(text: &mut String, stage: &StageSpeed) {
     let limit = match stage.limit {
         LimitKind::Scatter => "scatter",
         LimitKind::Read => "read",
+        LimitKind::Copy => "copy",
     };
     let coverage = stage.painting.as_ref().map(|painting| painting.coverage);
     let _ = write!(

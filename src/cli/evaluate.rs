@@ -1,5 +1,6 @@
 //! `overlook evaluate`: accuracy, speed and size of one setting.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -50,6 +51,7 @@ impl EvaluateArgs {
         output::warn(&capture.warnings);
         let (capture, views) = self.truth(capture)?;
         let comparison = progress::watched(|job| compare(&capture, &views, &settings, job))?;
+        output::warn(comparison.as_set.evaluation.notice.as_slice());
         if self.json {
             return output::print_json(&EvaluateOutput {
                 as_set: &comparison.as_set,
@@ -60,8 +62,9 @@ impl EvaluateArgs {
             });
         }
         output::print(&format!(
-            "{}\n\n{}",
+            "{}\n{}\n\n{}",
             view_table(&comparison.as_set.evaluation),
+            painter_line(&comparison.as_set.evaluation),
             comparison_table(&comparison)
         ))
     }
@@ -101,7 +104,7 @@ pub(super) fn view_table(evaluation: &Evaluation) -> String {
                 output::count(samples)
             );
         };
-    for ViewScore { file_path, scores, milliseconds, samples } in &evaluation.views {
+    for ViewScore { file_path, scores, milliseconds, samples, .. } in &evaluation.views {
         let values = match scores {
             Some(Scores { psnr_db, psnr_all_db, ssim, coverage }) => {
                 [Some(*psnr_db), Some(*psnr_all_db), Some(*ssim), Some(*coverage)]
@@ -118,6 +121,12 @@ pub(super) fn view_table(evaluation: &Evaluation) -> String {
         mean.samples as u64,
     );
     text
+}
+
+/// What painted, where any view was.
+pub(super) fn painter_line(evaluation: &Evaluation) -> String {
+    let painters: BTreeSet<String> = evaluation.views.iter().map(|view| view.painter.to_string()).collect();
+    format!("Painted by {}", painters.into_iter().collect::<Vec<_>>().join(" and "))
 }
 
 /// One line per way to prune.

@@ -14,7 +14,8 @@ use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, render_view};
 use crate::job::Job;
 use crate::preprocess::SampleSet;
-use crate::settings::{Fill, Kernel, RenderSettings};
+use crate::render::Renderer;
+use crate::settings::{Backend, Fill, Kernel, RenderSettings};
 use crate::store;
 
 /// Arguments of `overlook render`.
@@ -30,9 +31,6 @@ pub(super) struct RenderArgs {
     out: PathBuf,
     #[command(flatten)]
     painting: PaintingArgs,
-    /// What paints.
-    #[arg(long, default_value = "cpu", value_parser = ["cpu"])]
-    backend: String,
     #[command(flatten)]
     settings: SettingsArgs,
     /// Print one JSON document.
@@ -40,7 +38,7 @@ pub(super) struct RenderArgs {
     json: bool,
 }
 
-/// The two choices that are made most often when painting; they win over the settings.
+/// The choices that are made most often when painting; they win over the settings.
 #[derive(Debug, Args)]
 pub(super) struct PaintingArgs {
     /// How a sample is painted [default: as the settings say].
@@ -49,17 +47,21 @@ pub(super) struct PaintingArgs {
     /// How pixels without any sample are filled [default: as the settings say].
     #[arg(long, value_parser = choice::<Fill>(Fill::NAMES))]
     fill: Option<Fill>,
+    /// What paints [default: as the settings say].
+    #[arg(long, value_parser = choice::<Backend>(Backend::NAMES))]
+    backend: Option<Backend>,
 }
 
 impl PaintingArgs {
     pub(super) fn apply(&self, settings: &mut RenderSettings) {
         settings.kernel = self.kernel.unwrap_or(settings.kernel);
         settings.fill = self.fill.unwrap_or(settings.fill);
+        settings.backend = self.backend.unwrap_or(settings.backend);
     }
 }
 
 /// A parser that takes the names of a setting's choices and lists them in the help.
-fn choice<T>(names: &'static [(&'static str, &'static str)]) -> impl TypedValueParser<Value = T>
+pub(super) fn choice<T>(names: &'static [(&'static str, &'static str)]) -> impl TypedValueParser<Value = T>
 where
     T: std::str::FromStr<Err = String> + Clone + Send + Sync + 'static,
 {
@@ -75,12 +77,14 @@ impl RenderArgs {
         let views = transforms::open_views(&self.views)?;
         let paths = self.picture_paths(&views)?;
         let evaluation = progress::watched(|job| paint(&Arc::new(samples), &views, &paths, &settings, job))?;
+        output::warn(evaluation.notice.as_slice());
         if self.json {
             return output::print_json(&evaluation);
         }
         output::print(&format!(
-            "{}\nWrote {} pictures (EXR and PNG) to {}",
+            "{}\n{}\nWrote {} pictures (EXR and PNG) to {}",
             super::evaluate::view_table(&evaluation),
+            super::evaluate::painter_line(&evaluation),
             paths.len(),
             self.out.display()
         ))
@@ -110,14 +114,15 @@ fn paint(
     settings: &RenderSettings,
     job: &Job,
 ) -> Result<Evaluation> {
+    let mut renderer = Renderer::strict(settings.backend)?;
     let mut scores = Vec::with_capacity(views.len());
     job.start("Painting views", views.len());
     for (view, paths) in views.iter().zip(paths) {
         job.check()?;
-        let (picture, score) = render_view(samples, view, settings, job)?;
+        let (picture, score) = render_view(&mut renderer, samples, view, settings, job)?;
         paths.write(&picture)?;
         scores.push(score);
         job.advance(1);
     }
-    Ok(Evaluation::of(scores))
+    Ok(Evaluation::of(scores, &renderer))
 }

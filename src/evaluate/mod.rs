@@ -19,7 +19,7 @@ use crate::capture::{Capture, View};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{self, SampleSet};
-use crate::render::{CpuRenderer, Picture, Vantage};
+use crate::render::{Painter, Picture, Renderer, Vantage};
 use crate::settings::{PruningMethod, RenderSettings, Settings};
 use metrics::Scores;
 
@@ -35,6 +35,9 @@ pub struct ViewScore {
     pub milliseconds: f64,
     /// Samples that were projected.
     pub samples: u64,
+    /// What painted.
+    #[serde(flatten)]
+    pub painter: Painter,
 }
 
 /// Means over views.
@@ -65,12 +68,15 @@ pub struct Evaluation {
     pub views: Vec<ViewScore>,
     /// On average.
     pub mean: MeanScore,
+    /// Why something else painted than was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub notice: Option<String>,
 }
 
 impl Evaluation {
-    /// Gathers scores.
+    /// Gathers the scores of what `renderer` painted.
     #[must_use]
-    pub fn of(views: Vec<ViewScore>) -> Self {
+    pub fn of(views: Vec<ViewScore>, renderer: &Renderer) -> Self {
         let mean_score = |value: &dyn Fn(&Scores) -> Option<f64>| {
             mean(views.iter().filter_map(|view| value(view.scores.as_ref()?)))
         };
@@ -82,7 +88,7 @@ impl Evaluation {
             milliseconds: mean(views.iter().map(|view| view.milliseconds)).unwrap_or_default(),
             samples: mean(views.iter().map(|view| view.samples as f64)).unwrap_or_default(),
         };
-        Self { views, mean }
+        Self { views, mean, notice: renderer.notice().map(str::to_owned) }
     }
 }
 
@@ -92,12 +98,13 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 /// Paints one view and, where its truth is known, scores it. Nothing is kept from one view to the next, so that neither
-/// milliseconds nor samples depend on the view before.
+/// milliseconds nor samples depend on the view before; save for the samples themselves, which a GPU is sent once.
 ///
 /// # Errors
 /// `Invalid` naming the view where the set has no such frame or the truth has another size; whatever the truth's
 /// file gives; `Cancelled`.
 pub fn render_view(
+    renderer: &mut Renderer,
     samples: &Arc<SampleSet>,
     view: &View,
     settings: &RenderSettings,
@@ -116,7 +123,8 @@ pub fn render_view(
         )
     })?;
     let vantage = Vantage { camera: view.camera.clone(), frame };
-    let (picture, stats) = CpuRenderer::new().render(samples, &vantage, settings, job)?;
+    renderer.forget_background();
+    let (picture, stats) = renderer.render(samples, &vantage, settings, job)?;
     let scores = match &view.truth {
         None => None,
         Some(truth) => Some(metrics::score(&picture, &truth()?).map_err(|error| match error {
@@ -129,6 +137,7 @@ pub fn render_view(
         scores,
         milliseconds: stats.milliseconds,
         samples: stats.samples,
+        painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
     };
     Ok((picture, score))
 }
@@ -136,8 +145,18 @@ pub fn render_view(
 /// Scores the views whose truth is known.
 ///
 /// # Errors
-/// As [`render_view`], and `Invalid` where no view has truth.
+/// As [`render_view`]; `Invalid` where no view has truth; `Gpu` where the settings ask for a GPU and there is none.
 pub fn evaluate(
+    samples: &Arc<SampleSet>,
+    views: &[View],
+    settings: &RenderSettings,
+    job: &Job,
+) -> Result<Evaluation> {
+    evaluate_with(&mut Renderer::strict(settings.backend)?, samples, views, settings, job)
+}
+
+fn evaluate_with(
+    renderer: &mut Renderer,
     samples: &Arc<SampleSet>,
     views: &[View],
     settings: &RenderSettings,
@@ -154,10 +173,10 @@ pub fn evaluate(
     let mut scores = Vec::with_capacity(views.len());
     for view in views {
         job.check()?;
-        scores.push(render_view(samples, view, settings, job)?.1);
+        scores.push(render_view(renderer, samples, view, settings, job)?.1);
         job.advance(1);
     }
-    Ok(Evaluation::of(scores))
+    Ok(Evaluation::of(scores, renderer))
 }
 
 /// One way to prune: what it costs and how close to the truth it stays.
@@ -190,12 +209,13 @@ pub struct Comparison {
 /// # Errors
 /// As [`preprocess::preprocess`] and [`evaluate`].
 pub fn compare(capture: &Capture, views: &[View], settings: &Settings, job: &Job) -> Result<Comparison> {
+    let mut renderer = Renderer::strict(settings.render.backend)?;
     let scan = preprocess::scan(capture, settings, job)?;
-    let compared = |method| {
+    let mut compared = |method| {
         let mut settings = settings.clone();
         settings.pruning.method = method;
         let samples = preprocess::prune(capture, &scan, &settings, job)?.samples;
-        let evaluation = evaluate(&samples, views, &settings.render, job)?;
+        let evaluation = evaluate_with(&mut renderer, &samples, views, &settings.render, job)?;
         let (samples_kept, bytes_memory) = (samples.sample_count(), samples.bytes());
         Ok(Compared { method, samples_kept, bytes_memory, evaluation })
     };

@@ -293,7 +293,8 @@ fn repaint(painting: &Painting<'_>, mut still: Still) -> Result<Still> {
     Ok(still)
 }
 
-fn check(samples: &SampleSet, vantage: &Vantage) -> Result<()> {
+/// Whether the vantage can be painted.
+pub(super) fn check(samples: &SampleSet, vantage: &Vantage) -> Result<()> {
     vantage.validate()?;
     let place = format!("vantage '{}'", vantage.camera.name);
     let (width, height) = vantage.camera.intrinsics.size();

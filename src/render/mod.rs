@@ -11,6 +11,7 @@
 //! The background depends on the vantage alone and is kept while the vantage is still; the foreground of each frame is
 //! painted over it by depth, as the paper does, where it is and where it was.
 
+pub mod backend;
 mod blend;
 mod blocks;
 pub mod cpu;
@@ -20,6 +21,7 @@ mod fill;
 mod footprint;
 mod frame_samples;
 mod gather;
+pub mod gpu;
 mod keys;
 mod lookup;
 mod project;
@@ -29,6 +31,8 @@ mod simd;
 mod surface;
 pub mod vantage;
 
+pub use backend::{Painter, Renderer};
 pub use cpu::CpuRenderer;
 pub use fill::fill;
+pub use gpu::{AdapterChoice, GpuRenderer};
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};

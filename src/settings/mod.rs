@@ -113,6 +113,18 @@ choice! {
     }
 }
 
+choice! {
+    /// What paints.
+    pub enum Backend {
+        /// The faster of processor and graphics card, as measured on the first picture.
+        Auto = "auto",
+        /// The processor.
+        Cpu = "cpu",
+        /// The graphics adapter, be it a program that stands in for one.
+        Gpu = "gpu",
+    }
+}
+
 section! {
     /// Reading the capture.
     pub struct CaptureSettings in "capture" {
@@ -189,6 +201,8 @@ section! {
         fill: Fill = Fill::None, "", Kind::Choice(Fill::NAMES);
         /// Samples this close behind the nearest one belong to the same surface and are blended with it.
         depth_tolerance: f32 = 4.0, "footprints", Kind::Number { min: 0.1, max: 64.0, log: true };
+        /// What paints.
+        backend: Backend = Backend::Auto, "", Kind::Choice(Backend::NAMES);
     }
 }
 

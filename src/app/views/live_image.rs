@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
 use crate::preprocess::SampleSet;
-use crate::render::{CpuRenderer, NO_IMAGE, Picture, RenderStats, Vantage};
+use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, Vantage};
 use crate::settings::RenderSettings;
 
 /// What the colors of the right view tell.
@@ -86,6 +86,9 @@ impl PartialEq for LiveKey {
     }
 }
 
+/// Frames whose samples are sent to a GPU before they are asked for.
+const FRAMES_AHEAD: usize = 2;
+
 /// Width of the stripes over holes, pixels.
 const STRIPE: usize = 6;
 
@@ -95,17 +98,28 @@ pub(crate) struct LivePicture {
     pub image: Arc<ColorImage>,
     /// What it took.
     pub stats: RenderStats,
+    /// What painted.
+    pub painter: Painter,
+    /// Why something else painted than was asked for.
+    pub notice: Option<String>,
 }
 
 /// Renders and colors the picture that `key` asks for.
 ///
 /// # Errors
-/// As [`CpuRenderer::render`].
-pub(crate) fn paint(renderer: &mut CpuRenderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
+/// As [`Renderer::render`].
+pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
     let (picture, stats) = renderer.render(&key.samples, &key.vantage, &key.settings, job)?;
     let pixels = colored(&picture, key);
     let image = ColorImage::new([pixels.width(), pixels.height()], pixels.into_vec());
-    Ok(LivePicture { image: Arc::new(image), stats })
+    let next = key.vantage.frame + 1;
+    renderer.prefetch(&key.samples, next..next + FRAMES_AHEAD);
+    Ok(LivePicture {
+        image: Arc::new(image),
+        stats,
+        painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
+        notice: renderer.notice().map(str::to_owned),
+    })
 }
 
 fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {

@@ -159,9 +159,10 @@ fn facts_ui(ui: &mut Ui, state: &State) {
             let [width, height] = shown.picture.image.size;
             let reused = if stats.background_reused { ", background reused" } else { "" };
             format!(
-                "{} samples painted at {width}×{height} in {} ms{reused}",
+                "{} samples painted at {width}×{height} in {} ms by the {}{reused}",
                 text::count(stats.samples),
-                text::significant(stats.milliseconds)
+                text::significant(stats.milliseconds),
+                shown.picture.painter
             )
         }
         None => "The first look is on its way.".to_owned(),
@@ -177,5 +178,11 @@ fn facts_ui(ui: &mut Ui, state: &State) {
     };
     ui.add(egui::Label::new(RichText::new(holes).color(tokens.text_weak)).truncate());
     let help = "Drag to orbit, Shift + drag to shift, wheel to zoom, W A S D to fly, double-click for home.";
-    ui.add(egui::Label::new(RichText::new(help).small().color(tokens.text_weak)).truncate());
+    // Whoever reads the notice has found out how to move about.
+    if let Some(notice) = state.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref()) {
+        let label = egui::Label::new(RichText::new(notice).small().color(tokens.warning)).truncate();
+        ui.add(label).on_hover_text(notice);
+    } else {
+        ui.add(egui::Label::new(RichText::new(help).small().color(tokens.text_weak)).truncate());
+    }
 }

@@ -7,8 +7,8 @@ use serde::Serialize;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::SampleSet;
-use crate::render::{CpuRenderer, Picture, Vantage};
-use crate::settings::RenderSettings;
+use crate::render::{AdapterChoice, CpuRenderer, GpuRenderer, Picture, Vantage};
+use crate::settings::{self, RenderSettings};
 
 /// What paints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -16,17 +16,33 @@ use crate::settings::RenderSettings;
 pub enum Backend {
     /// The processor's threads.
     Cpu,
+    /// A graphics adapter.
+    Gpu,
 }
 
 impl Backend {
-    /// Every backend that is measured.
-    pub const ALL: [Self; 1] = [Self::Cpu];
+    /// The backends to measure. The CPU always is; besides, the adapter that is asked for by name, or with `auto` a graphics
+    /// card where there is one.
+    ///
+    /// # Errors
+    /// `Gpu` where an adapter is asked for by name and there is none.
+    pub fn wanted(choice: settings::Backend) -> Result<Vec<Self>> {
+        let mut wanted = vec![Self::Cpu];
+        let has_adapter = match choice {
+            settings::Backend::Cpu => false,
+            settings::Backend::Auto => GpuRenderer::new(AdapterChoice::Hardware).is_ok(),
+            settings::Backend::Gpu => GpuRenderer::new(AdapterChoice::Any).map(|_| true)?,
+        };
+        wanted.extend(has_adapter.then_some(Self::Gpu));
+        Ok(wanted)
+    }
 
     /// The name in stages and JSON.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Cpu => "cpu",
+            Self::Gpu => "gpu",
         }
     }
 
@@ -37,6 +53,7 @@ impl Backend {
     pub fn start(self) -> Result<Box<dyn Paint>> {
         match self {
             Self::Cpu => Ok(Box::new(CpuRenderer::new())),
+            Self::Gpu => Ok(Box::new(GpuRenderer::new(AdapterChoice::Any)?)),
         }
     }
 }
@@ -68,6 +85,19 @@ pub trait Paint {
 }
 
 impl Paint for CpuRenderer {
+    fn paint(
+        &mut self,
+        samples: &Arc<SampleSet>,
+        vantage: &Vantage,
+        settings: &RenderSettings,
+        job: &Job,
+    ) -> Result<Painted> {
+        let (picture, stats) = self.render(samples, vantage, settings, job)?;
+        Ok(Painted { holes: stats.holes, background_reused: stats.background_reused, picture })
+    }
+}
+
+impl Paint for GpuRenderer {
     fn paint(
         &mut self,
         samples: &Arc<SampleSet>,

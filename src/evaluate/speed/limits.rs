@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! read     sum of a buffer that no cache holds                                           ─▶ GB/s
+//! copy     from one buffer of the graphics adapter to another, where it is measured        ─▶ GB/s
 //! scatter  (pixel, key) pairs ─ max ─▶ one picture of keys per thread, never merged     ─▶ million points/s
 //! ```
 //!
@@ -23,11 +24,16 @@ use super::scene::Scene;
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::preprocess::SampleSet;
+use crate::render::AdapterChoice;
+use crate::render::gpu::GpuCopy;
 
 /// Numbers that are summed to measure reading: 256 MiB.
 const READ_NUMBERS: usize = 1 << 25;
 /// The same where only the working is to be seen: 4 MiB.
 const READ_NUMBERS_QUICK: usize = 1 << 19;
+/// Bytes that the graphics adapter copies to measure its memory, and where only the working is to be seen.
+const COPY_BYTES: u64 = 128 << 20;
+const COPY_BYTES_QUICK: u64 = 4 << 20;
 /// Numbers that one thread sums in one go: 512 KiB.
 const READ_SHARE: usize = 1 << 16;
 /// Sums that run side by side, so that no addition waits for the one before.
@@ -82,6 +88,7 @@ enum Probe {
     Random(usize),
     /// Of the target with this index.
     CameraOrder(usize),
+    GpuCopy,
 }
 
 /// A size of picture and what is scattered into it.
@@ -95,6 +102,7 @@ struct Target {
 pub(super) struct LimitMeter {
     numbers: Vec<u64>,
     targets: Vec<Target>,
+    gpu_copy: Option<GpuCopy>,
     times: BTreeMap<(usize, Probe), Times>,
 }
 
@@ -112,7 +120,22 @@ impl LimitMeter {
             }
         });
         // Written, not only reserved: the system backs untouched memory with one page of zeros.
-        Self { numbers: (0..numbers as u64).collect(), targets: targets.collect(), times: BTreeMap::new() }
+        Self {
+            numbers: (0..numbers as u64).collect(),
+            targets: targets.collect(),
+            gpu_copy: None,
+            times: BTreeMap::new(),
+        }
+    }
+
+    /// Measures the memory of the graphics adapter too.
+    ///
+    /// # Errors
+    /// `Gpu` where there is none.
+    pub(super) fn include_gpu(&mut self, quick: bool) -> Result<()> {
+        let bytes = if quick { COPY_BYTES_QUICK } else { COPY_BYTES };
+        self.gpu_copy = Some(GpuCopy::new(AdapterChoice::Any, bytes)?);
+        Ok(())
     }
 
     /// Measures every limit with the threads of the current pool.
@@ -123,12 +146,16 @@ impl LimitMeter {
         let threads = rayon::current_num_threads();
         let targets = 0..self.targets.len();
         let scatters = targets.flat_map(|target| [Probe::Random(target), Probe::CameraOrder(target)]);
-        for probe in std::iter::once(Probe::Read).chain(scatters) {
+        let copies = self.gpu_copy.iter().map(|_| Probe::GpuCopy);
+        for probe in std::iter::once(Probe::Read).chain(scatters).chain(copies) {
             let times = match probe {
                 Probe::Read => repeat(bench.budget, bench.job, || Ok(sum(black_box(&self.numbers)))),
                 Probe::Random(target) => self.targets[target].scatter(bench, |target| &target.random),
                 Probe::CameraOrder(target) => {
                     self.targets[target].scatter(bench, |target| &target.camera_order)
+                }
+                Probe::GpuCopy => {
+                    repeat(bench.budget, bench.job, || self.gpu_copy.as_ref().map(GpuCopy::copy).transpose())
                 }
             }?;
             let earlier = self.times.remove(&(threads, probe)).unwrap_or_default();
@@ -158,7 +185,10 @@ impl LimitMeter {
             read_gb_per_s: times(Probe::Read).gb_per_s(size_of_val(self.numbers.as_slice()) as u64),
             scatter_mpts_per_s: first.map_or(0.0, |first| first.random_mpts_per_s),
             scatter_camera_order_mpts_per_s: first.map_or(0.0, |first| first.camera_order_mpts_per_s),
-            gpu_copy_gb_per_s: None,
+            gpu_copy_gb_per_s: self
+                .gpu_copy
+                .as_ref()
+                .map(|copy| times(Probe::GpuCopy).gb_per_s(copy.bytes())),
             scatter,
         }
     }

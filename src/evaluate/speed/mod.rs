@@ -22,6 +22,8 @@ use rayon::ThreadPool;
 
 use crate::error::{Error, Result};
 use crate::job::Job;
+use crate::settings;
+use backend::Backend;
 use limits::LimitMeter;
 use machine::Machine;
 use measure::Budget;
@@ -39,6 +41,8 @@ pub struct Options {
     pub threads: usize,
     /// Few repeats on a small scene: to see that everything works.
     pub quick: bool,
+    /// Whether the GPU is measured beside the CPU; see [`Backend::wanted`].
+    pub backend: settings::Backend,
     /// Parts of the names of the stages that are measured; all stages where empty.
     pub only: Vec<String>,
 }
@@ -97,11 +101,15 @@ impl Case {
 /// # Errors
 /// `Invalid` where no stage has the wanted name; `Cancelled`; whatever a stage gives.
 pub fn measure(options: &Options, job: &Job) -> Result<SpeedReport> {
-    let cases = wanted_cases(options)?;
+    let backends = Backend::wanted(options.backend)?;
+    let cases = wanted_cases(options, &backends)?;
     let scene = Scene::new(options.camera_size(), job)?;
     let bench = Bench { scene: &scene, budget: options.budget(), job };
     let pools = pools(options.threads)?;
     let mut limits = LimitMeter::new(&scene, &options.picture_sizes(), options.quick);
+    if backends.contains(&Backend::Gpu) {
+        limits.include_gpu(options.quick)?;
+    }
     measure_limits(&mut limits, &pools, &bench)?;
     let mut measured = Vec::new();
     for (index, case) in cases.iter().enumerate() {
@@ -129,9 +137,9 @@ pub fn measure(options: &Options, job: &Job) -> Result<SpeedReport> {
     })
 }
 
-fn wanted_cases(options: &Options) -> Result<Vec<Case>> {
+fn wanted_cases(options: &Options, backends: &[Backend]) -> Result<Vec<Case>> {
     let before_painting = preprocess_stages::cases().into_iter().map(Case::Preprocess);
-    let painting = render_stages::cases(options.picture_sizes()).into_iter().map(Case::Paint);
+    let painting = render_stages::cases(backends, options.picture_sizes()).into_iter().map(Case::Paint);
     let (wanted, others): (Vec<Case>, Vec<Case>) =
         before_painting.chain(painting).partition(|case| case.names().iter().any(|name| options.wants(name)));
     if wanted.is_empty() {
@@ -175,7 +183,9 @@ mod tests {
 
     fn names(only: &[&str]) -> Vec<String> {
         let only = only.iter().map(|part| (*part).to_owned()).collect();
-        let cases = wanted_cases(&Options { threads: 1, quick: false, only });
+        let backend = settings::Backend::Auto;
+        let options = Options { threads: 1, quick: false, backend, only };
+        let cases = wanted_cases(&options, &[Backend::Cpu, Backend::Gpu]);
         cases.unwrap().iter().flat_map(Case::names).collect()
     }
 
@@ -184,7 +194,7 @@ mod tests {
         let all = names(&[]);
         assert_eq!(all.iter().collect::<BTreeSet<_>>().len(), all.len());
         for name in
-            ["preprocess/scan", "render/point/unpruned/640x480", "render/block/still-vantage/1280x720"]
+            ["preprocess/scan", "render/point/unpruned/640x480", "render/gpu/block/still-vantage/1280x720"]
         {
             assert!(all.iter().any(|found| found == name), "{name} in {all:?}");
         }
@@ -203,7 +213,7 @@ mod tests {
     fn a_cancelled_measurement_gives_no_report() {
         let job = Job::new();
         job.cancel();
-        let options = Options { threads: 1, quick: true, only: Vec::new() };
+        let options = Options { threads: 1, quick: true, backend: settings::Backend::Cpu, only: Vec::new() };
         assert!(matches!(measure(&options, &job), Err(Error::Cancelled)));
     }
 }

@@ -35,9 +35,9 @@ pub(super) struct PaintCase {
 }
 
 /// Every backend with every kernel over the two sets at both sizes, and over the split set at the second.
-pub(super) fn cases(sizes: [(u32, u32); 2]) -> Vec<PaintCase> {
+pub(super) fn cases(backends: &[Backend], sizes: [(u32, u32); 2]) -> Vec<PaintCase> {
     let mut cases = Vec::new();
-    for backend in Backend::ALL {
+    for &backend in backends {
         for &kernel in Kernel::ALL {
             for what in [What::Unpruned, What::Pruned] {
                 cases.extend(sizes.map(|size| PaintCase { backend, kernel, what, size }));
@@ -69,6 +69,7 @@ impl PaintCase {
         // The CPU goes without saying.
         let backend = match self.backend {
             Backend::Cpu => String::new(),
+            other @ Backend::Gpu => format!("{}/", other.name()),
         };
         whats.iter().map(|what| format!("render/{backend}{}/{what}/{width}x{height}", self.kernel)).collect()
     }

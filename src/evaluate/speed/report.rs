@@ -70,6 +70,8 @@ pub enum LimitKind {
     Scatter,
     /// [`Limit::read_gb_per_s`], against bytes a second.
     Read,
+    /// [`Limit::gpu_copy_gb_per_s`], against bytes of samples a second.
+    Copy,
 }
 
 /// What is known about a stage that paints.
@@ -120,6 +122,12 @@ impl Measured {
     pub(super) fn against(self, limit: &Limit) -> StageSpeed {
         let mpts_per_s = self.times.millions_per_s(self.samples);
         let (kind, limit_value, reached) = match &self.bound {
+            Bound::Scatter(painting)
+                if let (Backend::Gpu, Some(copy)) = (self.backend, limit.gpu_copy_gb_per_s) =>
+            {
+                let gb_per_s = mpts_per_s * painting.bytes_per_sample * 1e-3;
+                (LimitKind::Copy, copy, gb_per_s)
+            }
             Bound::Read { bytes } => (LimitKind::Read, limit.read_gb_per_s, self.times.gb_per_s(*bytes)),
             Bound::Scatter(_) => (LimitKind::Scatter, limit.scatter_mpts_per_s, mpts_per_s),
         };

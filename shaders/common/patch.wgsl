@@ -1,0 +1,141 @@
+// The z-buffer of a block of pixels and a ring around it, and the cameras whose samples are seen there.
+// Twins: `Resolve::patch` and `Resolve::has_foreground` in src/render/resolve.rs, `FrameSamples::cameras_of`.
+
+@group(1) @binding(0) var<storage, read> background_keys: array<u32>;
+@group(1) @binding(1) var<storage, read> foreground_keys: array<u32>;
+@group(1) @binding(2) var<storage, read_write> picture: array<u32>;
+
+// Pixels around a block that decisions in it look at, and the side of a block with its ring.
+const RING: i32 = 2;
+const SIDE: i32 = 20;
+const SIDE_SQUARED: u32 = 400u;
+
+// Keys of the block and its ring; beyond the picture its border goes on.
+var<workgroup> patch_keys: array<vec2<u32>, SIDE_SQUARED>;
+
+// The cameras whose samples are in the patch: a bit each, from that a list, ascending, and from that the list that is used:
+// those that count most for the surface in the middle of the block come first.
+const CAMERA_WORDS: u32 = 32u;
+var<workgroup> camera_bits: array<atomic<u32>, CAMERA_WORDS>;
+var<workgroup> camera_set: array<u32, 1024>;
+var<workgroup> camera_weight: array<f32, 1024>;
+var<workgroup> camera_list: array<u32, 1024>;
+var<workgroup> camera_count: u32;
+
+// Lists the cameras of one word of bits; called for every word.
+fn list_cameras(nth: u32) {
+    var count = 0u;
+    for (var before = 0u; before < nth; before++) {
+        count += countOneBits(atomicLoad(&camera_bits[before]));
+    }
+    var left = atomicLoad(&camera_bits[nth]);
+    while left != 0u {
+        camera_set[count] = 32u * nth + firstTrailingBit(left);
+        count += 1u;
+        left &= left - 1u;
+    }
+    if nth + 1u == CAMERA_WORDS {
+        camera_count = count;
+    }
+}
+
+// How much a camera counts in the middle of the block whose first pixel is `corner`.
+fn weigh_camera(nth: u32, corner: vec2<i32>) {
+    let camera = camera_set[nth];
+    let middle = patch_keys[SIDE_SQUARED / 2u + u32(SIDE) / 2u];
+    let at = vec2<f32>(corner) + f32(TILE / 2u);
+    let w = max(inverse_depth_of(middle.y), 0.0);
+    let projector = views[camera].source_from_target;
+    let z = (ray(projector, at.x, at.y) + projector.origin * w).z;
+    camera_weight[nth] = 0.0;
+    if z > 0.0 {
+        camera_weight[nth] = weight_of(camera, 1.0 / z, at, w);
+    }
+}
+
+// Puts a camera at its place in the list: behind all that count more, and those before it that count as much.
+fn place_camera(nth: u32) {
+    let weight = camera_weight[nth];
+    var place = 0u;
+    for (var other = 0u; other < camera_count; other++) {
+        let ahead = camera_weight[other] > weight || (camera_weight[other] == weight && other < nth);
+        place += select(0u, 1u, ahead);
+    }
+    camera_list[place] = camera_set[nth];
+}
+
+// Whether a foreground sample is seen in the block or beside it; only then are its samples looked at.
+var<workgroup> has_foreground: atomic<u32>;
+
+// Loads one pixel of the patch around the block whose first pixel is `corner`.
+fn load(corner: vec2<i32>, place: u32) {
+    let wanted = corner + vec2<i32>(i32(place) % SIDE, i32(place) / SIDE) - RING;
+    let pixel = clamp(wanted, vec2<i32>(0), vec2<i32>(i32(stage.width), i32(stage.height)) - 1);
+    let at = 2u * (u32(pixel.y) * stage.width + u32(pixel.x));
+    let back = vec2<u32>(background_keys[at], background_keys[at + 1u]);
+    let front = vec2<u32>(foreground_keys[at], foreground_keys[at + 1u]);
+    if front.y != 0u && inverse_depth_of(front.y) >= inverse_depth_of(back.y) * stage.surface_ratio {
+        atomicOr(&has_foreground, 1u);
+    }
+    let front_wins = front.y > back.y || (front.y == back.y && front.x > back.x);
+    let key = select(back, front, front_wins);
+    patch_keys[place] = key;
+    if key.y != 0u {
+        let camera = pieces[piece_of(~key.x >> 8u)].camera;
+        atomicOr(&camera_bits[camera / 32u], 1u << (camera & 31u));
+    }
+}
+
+// Loads the patch of a block and sets what `quad_at` looks at; called by all threads of a workgroup of 16×16.
+fn load_patch(block: vec2<u32>, thread: u32) {
+    if thread == 0u {
+        atomicStore(&has_foreground, 0u);
+    }
+    if thread < CAMERA_WORDS {
+        atomicStore(&camera_bits[thread], 0u);
+    }
+    workgroupBarrier();
+    let corner = vec2<i32>(block * TILE);
+    load(corner, thread);
+    if thread + 256u < SIDE_SQUARED {
+        load(corner, thread + 256u);
+    }
+    workgroupBarrier();
+    if thread < CAMERA_WORDS {
+        list_cameras(thread);
+    }
+    workgroupBarrier();
+    for (var nth = thread; nth < camera_count; nth += 256u) {
+        weigh_camera(nth, corner);
+    }
+    workgroupBarrier();
+    for (var nth = thread; nth < camera_count; nth += 256u) {
+        place_camera(nth);
+    }
+    workgroupBarrier();
+    visible_tiles = select(stage.lasting_tiles, stage.all_tiles, atomicLoad(&has_foreground) != 0u);
+}
+
+// What stands in a pixel: a nearer surface, a farther one, and the share of the nearer, which is 1 where there is no other.
+struct Standing {
+    near: vec2<u32>,
+    far: vec2<u32>,
+    share: f32,
+}
+
+// Between the silhouette stage and the gather stage the picture holds what stands in each pixel, in the words of that pixel.
+fn put_standing(pixel: u32, standing: Standing) {
+    let pixels = stage.width * stage.height;
+    picture[3u * pixel] = standing.near.x;
+    picture[3u * pixel + 1u] = standing.near.y;
+    picture[3u * pixel + 2u] = standing.far.x;
+    picture[3u * pixels + pixel] = standing.far.y;
+    picture[4u * pixels + pixel] = bitcast<u32>(standing.share);
+}
+
+fn get_standing(pixel: u32) -> Standing {
+    let pixels = stage.width * stage.height;
+    let near = vec2<u32>(picture[3u * pixel], picture[3u * pixel + 1u]);
+    let far = vec2<u32>(picture[3u * pixel + 2u], picture[3u * pixels + pixel]);
+    return Standing(near, far, bitcast<f32>(picture[4u * pixels + pixel]));
+}

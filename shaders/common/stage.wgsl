@@ -1,0 +1,59 @@
+// What the stages of one picture share, and z-buffer keys. Twins: `Stage` in src/render/surface.rs, src/render/keys.rs.
+//
+// A key takes two words, the lower half first: [u32::MAX − slot, core | nearness]; both are 0 where there is nothing.
+
+struct Stage {
+    // Size of the picture, pixels.
+    width: u32,
+    height: u32,
+    // See KERNEL_*.
+    kernel: u32,
+    // Which of two passes over the samples this is; used where keys are raised half by half.
+    step: u32,
+    // Numbers of the tiles that are painted: `tile_count` of them from `first_tile` on.
+    first_tile: u32,
+    tile_count: u32,
+    // Entries of `pieces`.
+    piece_count: u32,
+    // Inverse depths from this share of the nearest one on belong to the same surface.
+    surface_ratio: f32,
+    // World-space ray of the center of the picture's first pixel, and its growth by column and row.
+    first_ray: vec3<f32>,
+    // Tiles that outlast the frame.
+    lasting_tiles: u32,
+    ray_across: vec3<f32>,
+    // Where the entries begin in `lookup`.
+    entries_at: u32,
+    ray_down: vec3<f32>,
+    // Tiles of the frame.
+    all_tiles: u32,
+    // 1 where samples that others represent were dropped.
+    pruned: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
+}
+
+@group(0) @binding(0) var<uniform> stage: Stage;
+
+const KERNEL_POINT: u32 = 0u;
+const KERNEL_BLOCK: u32 = 1u;
+const KERNEL_SURFEL: u32 = 2u;
+const KERNEL_GATHER: u32 = 3u;
+
+// Workgroups in a row of a dispatch; further ones go into further rows, as one dimension holds 65535 at most.
+const GROUPS_ACROSS: u32 = 32768u;
+
+// Marks a core sample, in the upper half of a key.
+const CORE: u32 = 0x80000000u;
+
+// The upper half of a key.
+fn nearness(inverse_depth: f32, tier: u32) -> u32 {
+    return (bitcast<u32>(inverse_depth) + 1u) | tier;
+}
+
+// The inverse depth that the upper half of a key stands for; negative for 0.
+fn inverse_depth_of(upper: u32) -> f32 {
+    let nearness = upper & ~CORE;
+    return select(bitcast<f32>(nearness - 1u), -1.0, nearness == 0u);
+}

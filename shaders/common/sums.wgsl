@@ -1,0 +1,18 @@
+// Sums of weighted colors in fixed point, so that their value does not depend on the order of the threads.
+//
+// Red, green, blue and weight of a pixel take 64 bits each, low word first, in units of 2⁻²⁸: a unit is a quarter of the
+// rounding of an f32 of 1/16. What overflows is above 2³⁶, tens of thousands of samples of the largest half float in one pixel.
+
+const SUM_WORDS: u32 = 8u;
+const LARGEST_HALF: f32 = 65504.0;
+
+// Of a number from 0 to 2³⁶, in units of 2⁻²⁸: low and high word. Every step is exact but the rounding.
+fn fixed_point(value: f32) -> vec2<u32> {
+    let units = round(value * 268435456.0);
+    let high = floor(units * (1.0 / 4294967296.0));
+    return vec2<u32>(u32(units - high * 4294967296.0), u32(high));
+}
+
+fn floating_point(low: u32, high: u32) -> f32 {
+    return f32(high) * 16.0 + f32(low) * (1.0 / 268435456.0);
+}

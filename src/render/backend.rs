@@ -1,0 +1,314 @@
+//! What paints: the CPU or the GPU, chosen by hand or by measurement, with the CPU as the one that always works.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::cpu::CpuRenderer;
+use super::gpu::{AdapterChoice, GpuRenderer};
+use super::vantage::{Picture, RenderStats, Vantage};
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::preprocess::SampleSet;
+use crate::settings::{Backend, Kernel, RenderSettings};
+
+/// Something that has painted a picture.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+pub struct Painter {
+    /// `Cpu` or `Gpu`.
+    pub backend: Backend,
+    /// Name of the graphics adapter, where one painted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adapter: Option<String>,
+}
+
+impl Painter {
+    /// The processor.
+    #[must_use]
+    pub fn cpu() -> Self {
+        Self { backend: Backend::Cpu, adapter: None }
+    }
+}
+
+impl std::fmt::Display for Painter {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match &self.adapter {
+            Some(adapter) => write!(f, "GPU ({adapter})"),
+            None => write!(f, "CPU"),
+        }
+    }
+}
+
+/// The adapter, as far as it is known.
+#[derive(Debug, Default)]
+enum Adapter {
+    /// Not asked for yet.
+    #[default]
+    Unknown,
+    /// There is no graphics card; there may be a program that stands in for one.
+    NoCard,
+    /// There is none, or it was lost: why the CPU paints instead.
+    Missing(String),
+    Open(Box<GpuRenderer>),
+}
+
+/// Paints with what [`RenderSettings::backend`] asks for, and on the CPU where that fails.
+#[derive(Debug, Default)]
+pub struct Renderer {
+    cpu: CpuRenderer,
+    adapter: Adapter,
+    /// What `auto` found to be faster, per kernel.
+    faster: HashMap<Kernel, Backend>,
+    notice: Option<String>,
+    painter: Option<Painter>,
+}
+
+/// One picture that is asked for.
+#[derive(Clone, Copy)]
+struct Request<'a> {
+    samples: &'a Arc<SampleSet>,
+    vantage: &'a Vantage,
+    settings: &'a RenderSettings,
+    job: &'a Job,
+}
+
+type Painted = (Arc<Picture>, RenderStats);
+
+impl Renderer {
+    /// A renderer with nothing cached, which opens an adapter when one is first needed.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// As [`Renderer::new`], but where the GPU is asked for by name it is opened at once.
+    ///
+    /// # Errors
+    /// `Gpu` where it is asked for and there is none.
+    pub fn strict(backend: Backend) -> Result<Self> {
+        let adapter = match backend {
+            Backend::Gpu => Adapter::Open(Box::new(GpuRenderer::new(AdapterChoice::Any)?)),
+            Backend::Auto | Backend::Cpu => Adapter::Unknown,
+        };
+        Ok(Self { adapter, ..Self::default() })
+    }
+
+    /// What painted the last picture; `None` before the first.
+    #[must_use]
+    pub fn painter(&self) -> Option<&Painter> {
+        self.painter.as_ref()
+    }
+
+    /// Why the GPU, though asked for, does not paint; `None` while all is well.
+    #[must_use]
+    pub fn notice(&self) -> Option<&str> {
+        self.notice.as_deref()
+    }
+
+    /// Drops what was kept of earlier pictures, so that the next one is painted anew.
+    pub fn forget_background(&mut self) {
+        self.cpu = CpuRenderer::new();
+        if let Adapter::Open(gpu) = &mut self.adapter {
+            gpu.forget_background();
+        }
+    }
+
+    /// Sends the samples of the coming frames ahead, where the GPU paints. What fails here fails again, and is told, when the
+    /// frame is painted.
+    pub fn prefetch(&mut self, samples: &SampleSet, frames: std::ops::Range<usize>) {
+        if let (Adapter::Open(gpu), Some(Painter { backend: Backend::Gpu, .. })) =
+            (&mut self.adapter, &self.painter)
+            && let Err(error) = gpu.prefetch(samples, frames)
+        {
+            log::warn!("{error}");
+        }
+    }
+
+    /// Paints the samples of the vantage's frame.
+    ///
+    /// # Errors
+    /// As [`CpuRenderer::render`]: a GPU that fails is replaced by the CPU, see [`Renderer::notice`].
+    pub fn render(
+        &mut self,
+        samples: &Arc<SampleSet>,
+        vantage: &Vantage,
+        settings: &RenderSettings,
+        job: &Job,
+    ) -> Result<Painted> {
+        let request = Request { samples, vantage, settings, job };
+        match settings.backend {
+            Backend::Cpu => {
+                self.notice = None;
+                self.on_cpu(&request)
+            }
+            Backend::Gpu => {
+                self.open(AdapterChoice::Any);
+                self.on_gpu_if_possible(&request)
+            }
+            Backend::Auto => self.on_the_faster(&request),
+        }
+    }
+
+    fn on_the_faster(&mut self, request: &Request<'_>) -> Result<Painted> {
+        self.open(AdapterChoice::Hardware);
+        let hardware = matches!(&self.adapter, Adapter::Open(gpu) if !gpu.is_software());
+        if !hardware {
+            return self.on_cpu(request);
+        }
+        match self.faster.get(&request.settings.kernel) {
+            Some(Backend::Gpu) => self.on_gpu_if_possible(request),
+            Some(_) => self.on_cpu(request),
+            None => self.measure(request),
+        }
+    }
+
+    /// Paints on both, everything anew, and remembers which was faster. The GPU paints twice, as its first time includes
+    /// sending the samples, which later pictures do not.
+    fn measure(&mut self, request: &Request<'_>) -> Result<Painted> {
+        self.on_gpu_if_possible(request)?;
+        self.forget_background();
+        let (picture, gpu) = self.on_gpu_if_possible(request)?;
+        if self.painter.as_ref().is_none_or(|painter| painter.backend == Backend::Cpu) {
+            return Ok((picture, gpu));
+        }
+        self.forget_background();
+        let on_gpu = self.painter.clone();
+        let (cpu_picture, cpu) = self.on_cpu(request)?;
+        let backend = if gpu.milliseconds < cpu.milliseconds { Backend::Gpu } else { Backend::Cpu };
+        self.faster.insert(request.settings.kernel, backend);
+        log::info!(
+            "{}: {:.1} ms on the GPU, {:.1} ms on the CPU",
+            request.settings.kernel,
+            gpu.milliseconds,
+            cpu.milliseconds
+        );
+        if backend == Backend::Cpu {
+            return Ok((cpu_picture, cpu));
+        }
+        self.painter = on_gpu;
+        Ok((picture, gpu))
+    }
+
+    /// Opens an adapter, where that was not tried before.
+    fn open(&mut self, choice: AdapterChoice) {
+        match (&self.adapter, choice) {
+            (Adapter::Unknown, _) | (Adapter::NoCard, AdapterChoice::Any) => {}
+            _ => return,
+        }
+        self.adapter = match GpuRenderer::new(choice) {
+            Ok(gpu) => Adapter::Open(Box::new(gpu)),
+            Err(_) if choice == AdapterChoice::Hardware => Adapter::NoCard,
+            Err(error) => Adapter::Missing(error.to_string()),
+        };
+    }
+
+    fn on_cpu(&mut self, request: &Request<'_>) -> Result<Painted> {
+        let painted = self.cpu.render(request.samples, request.vantage, request.settings, request.job)?;
+        self.painter = Some(Painter::cpu());
+        Ok(painted)
+    }
+
+    fn on_gpu_if_possible(&mut self, request: &Request<'_>) -> Result<Painted> {
+        let gpu = match &mut self.adapter {
+            Adapter::Open(gpu) => gpu,
+            Adapter::Missing(why) => {
+                self.notice = Some(format!("the CPU paints: {why}"));
+                return self.on_cpu(request);
+            }
+            Adapter::Unknown | Adapter::NoCard => return self.on_cpu(request),
+        };
+        match gpu.render(request.samples, request.vantage, request.settings, request.job) {
+            Ok(painted) => {
+                let adapter = Some(gpu.adapter_name().to_owned());
+                self.painter = Some(Painter { backend: Backend::Gpu, adapter });
+                self.notice = None;
+                Ok(painted)
+            }
+            Err(Error::Gpu { what }) => {
+                self.notice = Some(format!("the CPU paints: {what}"));
+                if gpu.is_lost() {
+                    self.adapter = Adapter::Missing(what);
+                }
+                self.on_cpu(request)
+            }
+            Err(error) => Err(error),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::preprocess::preprocess;
+    use crate::settings::Settings;
+
+    fn scene() -> (Arc<SampleSet>, Vantage) {
+        let spec = DemoSpec {
+            scene: "orrery".to_owned(),
+            cameras: Some(2),
+            frames: Some(2),
+            size: Some((48, 36)),
+            noise: None,
+        };
+        let demo = Demo::new(&spec).unwrap();
+        let settings = Settings::default();
+        let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
+        (samples, Vantage { camera: demo.home(), frame: 0 })
+    }
+
+    fn settings(backend: Backend) -> RenderSettings {
+        RenderSettings { backend, ..RenderSettings::default() }
+    }
+
+    #[test]
+    fn the_cpu_paints_where_it_is_asked_for_and_where_there_is_no_graphics_card() {
+        let (samples, vantage) = scene();
+        let mut renderer = Renderer::new();
+        renderer.render(&samples, &vantage, &settings(Backend::Cpu), &Job::new()).unwrap();
+        assert_eq!(renderer.painter(), Some(&Painter::cpu()));
+        let mut renderer = Renderer { adapter: Adapter::NoCard, ..Renderer::default() };
+        renderer.render(&samples, &vantage, &settings(Backend::Auto), &Job::new()).unwrap();
+        assert_eq!((renderer.painter(), renderer.notice()), (Some(&Painter::cpu()), None));
+    }
+
+    #[test]
+    fn a_software_adapter_is_never_chosen_by_itself() {
+        let Ok(gpu) = GpuRenderer::new(AdapterChoice::Any) else {
+            eprintln!("SKIPPED: there is no adapter");
+            return;
+        };
+        if !gpu.is_software() {
+            eprintln!("SKIPPED: {} is no software adapter", gpu.adapter_name());
+            return;
+        }
+        let (samples, vantage) = scene();
+        let mut renderer = Renderer { adapter: Adapter::Open(Box::new(gpu)), ..Renderer::default() };
+        renderer.render(&samples, &vantage, &settings(Backend::Auto), &Job::new()).unwrap();
+        assert_eq!(renderer.painter(), Some(&Painter::cpu()));
+    }
+
+    #[test]
+    fn the_cpu_takes_over_with_a_notice_when_the_adapter_is_lost() {
+        let Ok(gpu) = GpuRenderer::new(AdapterChoice::Any) else {
+            eprintln!("SKIPPED: there is no adapter");
+            return;
+        };
+        let (samples, vantage) = scene();
+        let mut renderer = Renderer { adapter: Adapter::Open(Box::new(gpu)), ..Renderer::default() };
+        let paint = |renderer: &mut Renderer| {
+            renderer.render(&samples, &vantage, &settings(Backend::Gpu), &Job::new()).unwrap().0
+        };
+        paint(&mut renderer);
+        assert_eq!(renderer.painter().unwrap().backend, Backend::Gpu);
+        assert_eq!(renderer.notice(), None);
+        let Adapter::Open(gpu) = &renderer.adapter else { panic!("the adapter is gone") };
+        gpu.lose();
+        for _ in 0..2 {
+            let picture = paint(&mut renderer);
+            assert_eq!(renderer.painter(), Some(&Painter::cpu()));
+            assert!(renderer.notice().unwrap().starts_with("the CPU paints: "), "{:?}", renderer.notice());
+            assert!(picture.holes() < 48 * 36);
+        }
+        assert!(matches!(renderer.adapter, Adapter::Missing(_)));
+    }
+}

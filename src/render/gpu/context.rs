@@ -1,0 +1,207 @@
+//! The graphics adapter, and how its failures become errors.
+//!
+//! wgpu reports most failures through callbacks and would abort the program by default. Here they are collected: every piece
+//! of work runs inside [`Context::guarded`], which gives them back as [`Error::Gpu`], so that the caller can go on on the CPU.
+
+use std::sync::{Arc, Mutex};
+
+use crate::error::{Error, Result};
+
+/// Storage buffers that the largest stage binds.
+const STORAGE_BUFFERS: u32 = 11;
+
+/// Which adapters may be taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AdapterChoice {
+    /// Graphics cards alone.
+    Hardware,
+    /// Graphics cards first, else a program that does their work on the processor.
+    Any,
+}
+
+/// An adapter that has been opened.
+pub(super) struct Context {
+    pub(super) device: wgpu::Device,
+    pub(super) queue: wgpu::Queue,
+    pub(super) adapter: wgpu::AdapterInfo,
+    /// Whether keys can be raised by one 64-bit maximum.
+    pub(super) has_wide_atomics: bool,
+    /// Nanoseconds of a tick, where stages can be timed.
+    pub(super) tick_ns: Option<f32>,
+    /// The first failure that no guard saw.
+    failure: Arc<Mutex<Option<String>>>,
+}
+
+fn gpu_error(what: impl Into<String>) -> Error {
+    Error::Gpu { what: what.into() }
+}
+
+/// How much an adapter is preferred; `None` where it may not be taken.
+fn preference(info: &wgpu::AdapterInfo, choice: AdapterChoice) -> Option<u32> {
+    match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => Some(0),
+        wgpu::DeviceType::IntegratedGpu => Some(1),
+        wgpu::DeviceType::VirtualGpu => Some(2),
+        wgpu::DeviceType::Other | wgpu::DeviceType::Cpu => (choice == AdapterChoice::Any).then_some(3),
+    }
+}
+
+/// Whether there may be a graphics card. On Linux a card has a device file; without one Vulkan need not be asked, which
+/// takes a tenth of a second and has drivers complain on stderr about whatever else is missing.
+fn may_have_card() -> bool {
+    let device_files = ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/kgsl-3d0", "/dev/mali0"];
+    !cfg!(target_os = "linux") || device_files.iter().any(|path| std::path::Path::new(path).exists())
+}
+
+impl Context {
+    /// Opens the best adapter.
+    ///
+    /// # Errors
+    /// `Gpu` where there is none, or it can do too little.
+    pub(super) fn new(choice: AdapterChoice) -> Result<Self> {
+        let none =
+            || gpu_error("there is no adapter that can compute; use the CPU instead (render.backend = cpu)");
+        if choice == AdapterChoice::Hardware && !may_have_card() {
+            return Err(none());
+        }
+        // Not OpenGL: it reaches the same cards by a longer way, and where there is none it complains on stderr.
+        let backends = wgpu::Backends::PRIMARY;
+        let description = wgpu::InstanceDescriptor {
+            backends,
+            // In development too: with debugging on, the loader logs every driver that it does not find as an error.
+            flags: wgpu::InstanceFlags::empty(),
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        };
+        let instance = wgpu::Instance::new(description);
+        let adapters = pollster::block_on(instance.enumerate_adapters(backends));
+        let able = |adapter: &wgpu::Adapter| {
+            adapter.limits().max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
+                && adapter.limits().max_compute_invocations_per_workgroup >= 256
+                && adapter
+                    .get_downlevel_capabilities()
+                    .flags
+                    .contains(wgpu::DownlevelFlags::COMPUTE_SHADERS | wgpu::DownlevelFlags::SHADER_F16_IN_F32)
+        };
+        let found = adapters.iter().filter(|adapter| able(adapter)).filter_map(|adapter| {
+            preference(&adapter.get_info(), choice).map(|preference| (preference, adapter))
+        });
+        let (_, adapter) = found.min_by_key(|(preference, _)| *preference).ok_or_else(none)?;
+        Self::open(adapter)
+    }
+
+    fn open(adapter: &wgpu::Adapter) -> Result<Self> {
+        let wide_atomics = wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX;
+        let offered = adapter.features();
+        let mut features = wgpu::Features::empty();
+        for wanted in [wide_atomics, wgpu::Features::TIMESTAMP_QUERY] {
+            if offered.contains(wanted) {
+                features |= wanted;
+            }
+        }
+        let info = adapter.get_info();
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("overlook"),
+            required_features: features,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        }))
+        .map_err(|error| gpu_error(format!("{} cannot be opened: {error}", info.name)))?;
+        let failure = Arc::new(Mutex::new(None));
+        let note = |failure: &Arc<Mutex<Option<String>>>| {
+            let failure = failure.clone();
+            move |what: String| {
+                if let Ok(mut first) = failure.lock() {
+                    first.get_or_insert(what);
+                }
+            }
+        };
+        let (note_error, note_loss) = (note(&failure), note(&failure));
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note_error(error.to_string())));
+        device.set_device_lost_callback(move |reason, message| {
+            note_loss(format!("the adapter was lost ({reason:?}): {message}"));
+        });
+        let timed = features.contains(wgpu::Features::TIMESTAMP_QUERY);
+        let tick_ns = timed.then(|| queue.get_timestamp_period());
+        Ok(Self {
+            device,
+            queue,
+            adapter: info,
+            has_wide_atomics: features.contains(wide_atomics),
+            tick_ns,
+            failure,
+        })
+    }
+
+    /// Whether the adapter is a program that runs on the processor.
+    pub(super) fn is_software(&self) -> bool {
+        matches!(self.adapter.device_type, wgpu::DeviceType::Cpu | wgpu::DeviceType::Other)
+    }
+
+    /// Does some work, and gives whatever failed on the way as an error.
+    pub(super) fn guarded<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
+        self.check()?;
+        let filters =
+            [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal];
+        let mut scopes: Vec<_> =
+            filters.into_iter().map(|filter| self.device.push_error_scope(filter)).collect();
+        let result = work();
+        let mut failure = None;
+        while let Some(scope) = scopes.pop() {
+            failure = pollster::block_on(scope.pop()).or(failure);
+        }
+        if let Some(error) = failure {
+            return Err(gpu_error(format!("{}: {error}", self.adapter.name)));
+        }
+        self.check()?;
+        result
+    }
+
+    /// Whether something failed that no guard saw: nothing can be painted any more.
+    pub(super) fn is_lost(&self) -> bool {
+        self.check().is_err()
+    }
+
+    fn check(&self) -> Result<()> {
+        let failure = self.failure.lock().ok().and_then(|failure| failure.clone());
+        failure.map_or(Ok(()), |what| Err(gpu_error(format!("{}: {what}", self.adapter.name))))
+    }
+
+    /// Waits until everything submitted is done.
+    pub(super) fn wait(&self) -> Result<()> {
+        let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
+        waited.map(drop).map_err(|error| gpu_error(format!("{}: {error}", self.adapter.name)))
+    }
+
+    /// The longest buffer that a shader can see, bytes.
+    pub(super) fn max_binding(&self) -> u64 {
+        let limits = self.device.limits();
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) & !255
+    }
+
+    /// A buffer of at least `bytes` (and at least 4).
+    ///
+    /// # Errors
+    /// `Gpu` where it is longer than shaders can see.
+    pub(super) fn buffer(&self, label: &str, bytes: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
+        if bytes > self.max_binding() {
+            return Err(gpu_error(format!(
+                "{} takes buffers of at most {} MiB, and {label} needs {} MiB; choose a smaller picture or use the CPU",
+                self.adapter.name,
+                self.max_binding() >> 20,
+                bytes.div_ceil(1 << 20)
+            )));
+        }
+        Ok(self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes.max(4).next_multiple_of(4),
+            usage,
+            mapped_at_creation: false,
+        }))
+    }
+}
+
+impl std::fmt::Debug for Context {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Context").field("adapter", &self.adapter.name).finish_non_exhaustive()
+    }
+}

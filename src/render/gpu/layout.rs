@@ -1,0 +1,238 @@
+//! What the CPU writes and shaders read, field for field as in `shaders/common/*.wgsl`. A test compares sizes and offsets.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::super::project::{Projector, focal};
+use crate::capture::Camera;
+use crate::settings::Kernel;
+
+/// `Stage` in `stage.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GpuStage {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) kernel: u32,
+    pub(super) step: u32,
+    pub(super) first_tile: u32,
+    pub(super) tile_count: u32,
+    pub(super) piece_count: u32,
+    pub(super) surface_ratio: f32,
+    pub(super) first_ray: [f32; 3],
+    pub(super) lasting_tiles: u32,
+    pub(super) ray_across: [f32; 3],
+    pub(super) entries_at: u32,
+    pub(super) ray_down: [f32; 3],
+    pub(super) all_tiles: u32,
+    pub(super) pruned: u32,
+    pub(super) padding_0: u32,
+    pub(super) padding_1: u32,
+    pub(super) padding_2: u32,
+}
+
+/// `Projector` in `project.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GpuProjector {
+    first_pixel: [f32; 3],
+    focal_ratio: f32,
+    per_column: [f32; 3],
+    per_footprint: f32,
+    per_row: [f32; 3],
+    padding_0: u32,
+    origin: [f32; 3],
+    padding_1: u32,
+}
+
+impl GpuProjector {
+    /// Carries `source` into `target`.
+    pub(super) fn new(source: &Camera, target: &Camera) -> Self {
+        let projector = Projector::new(source, target);
+        Self {
+            first_pixel: projector.ray(0.0, 0.0).to_array(),
+            focal_ratio: projector.focal_ratio,
+            per_column: projector.per_column.to_array(),
+            per_footprint: 1.0 / focal(source),
+            per_row: projector.per_row.to_array(),
+            padding_0: 0,
+            origin: projector.origin.to_array(),
+            padding_1: 0,
+        }
+    }
+}
+
+/// `View` in `lookup.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GpuView {
+    pub(super) source_from_target: GpuProjector,
+    pub(super) offset_in_world: [f32; 3],
+    pub(super) tolerance: f32,
+    pub(super) width: i32,
+    pub(super) height: i32,
+    pub(super) cells_across: u32,
+    pub(super) first_cell: u32,
+}
+
+/// `Piece` in `samples.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GpuPiece {
+    pub(super) first_tile: u32,
+    pub(super) camera: u32,
+    pub(super) image: u32,
+    pub(super) page: u32,
+    pub(super) tiles_at: u32,
+    pub(super) low_at: u32,
+    pub(super) high_at: u32,
+    pub(super) color_at: u32,
+}
+
+/// The words of a tile in `samples.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GpuTile {
+    /// Column and row of the tile.
+    pub(super) place: [u16; 2],
+    pub(super) first: u32,
+    pub(super) farthest: u32,
+    pub(super) nearest: u32,
+    pub(super) first_high: u32,
+    /// Samples above each row.
+    pub(super) before: [u8; 16],
+    pub(super) rows: [u16; 16],
+}
+
+/// Words of a pixel's sums, as `SUM_WORDS` in `sums.wgsl`.
+pub(super) const SUM_WORDS: u64 = 8;
+
+/// Words of a pixel's key.
+pub(super) const KEY_WORDS: u64 = 2;
+
+/// Words of a pixel of the picture: color, inverse depth, image.
+pub(super) const PICTURE_WORDS: u64 = 5;
+
+/// Cameras that the gather stage can tell apart, as `CAMERA_WORDS` in `patch.wgsl` times 32.
+pub(super) const MAX_CAMERAS: usize = 1024;
+
+/// Workgroups in a row of a dispatch, as `GROUPS_ACROSS` in `stage.wgsl`.
+pub(super) const GROUPS_ACROSS: u32 = 32768;
+
+/// The number of a kernel, as `KERNEL_*` in `stage.wgsl`.
+pub(super) fn kernel_number(kernel: Kernel) -> u32 {
+    match kernel {
+        Kernel::Point => 0,
+        Kernel::Block => 1,
+        Kernel::Surfel => 2,
+        Kernel::Gather => 3,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use super::super::shaders;
+    use super::*;
+    use wgpu::naga;
+
+    /// Size of a struct of the shaders, and the offset of each of its fields.
+    fn in_shader(module: &naga::Module, name: &str) -> (u32, Vec<(String, u32)>) {
+        let found = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some(name));
+        let Some((_, naga::Type { inner: naga::TypeInner::Struct { members, span }, .. })) = found else {
+            panic!("no shader has a struct {name}");
+        };
+        (*span, members.iter().map(|member| (member.name.clone().unwrap(), member.offset)).collect())
+    }
+
+    fn constant(module: &naga::Module, name: &str) -> u32 {
+        let (_, constant) =
+            module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name)).unwrap();
+        match module.global_expressions[constant.init] {
+            naga::Expression::Literal(naga::Literal::U32(value)) => value,
+            ref other => panic!("{name} is {other:?}"),
+        }
+    }
+
+    macro_rules! assert_same_layout {
+        ($module:expr, $name:literal, $kind:ty, $($field:ident),+) => {{
+            let (size, fields) = in_shader($module, $name);
+            assert_eq!(size as usize, size_of::<$kind>(), "size of {}", $name);
+            let ours = [$((stringify!($field).to_owned(), offset_of!($kind, $field) as u32)),+];
+            assert_eq!(fields, ours, "fields of {}", $name);
+        }};
+    }
+
+    #[test]
+    fn structs_lie_in_memory_as_shaders_read_them() {
+        let module = naga::front::wgsl::parse_str(&shaders::GATHER.source()).unwrap();
+        assert_same_layout!(
+            &module,
+            "Stage",
+            GpuStage,
+            width,
+            height,
+            kernel,
+            step,
+            first_tile,
+            tile_count,
+            piece_count,
+            surface_ratio,
+            first_ray,
+            lasting_tiles,
+            ray_across,
+            entries_at,
+            ray_down,
+            all_tiles,
+            pruned,
+            padding_0,
+            padding_1,
+            padding_2
+        );
+        assert_same_layout!(
+            &module,
+            "View",
+            GpuView,
+            source_from_target,
+            offset_in_world,
+            tolerance,
+            width,
+            height,
+            cells_across,
+            first_cell
+        );
+        assert_same_layout!(
+            &module, "Piece", GpuPiece, first_tile, camera, image, page, tiles_at, low_at, high_at, color_at
+        );
+        assert_same_layout!(
+            &module,
+            "Projector",
+            GpuProjector,
+            first_pixel,
+            focal_ratio,
+            per_column,
+            per_footprint,
+            per_row,
+            padding_0,
+            origin,
+            padding_1
+        );
+    }
+
+    #[test]
+    fn constants_agree_with_those_of_the_shaders() {
+        let module = naga::front::wgsl::parse_str(&shaders::BLEND.source()).unwrap();
+        assert_eq!(constant(&module, "TILE_WORDS") as usize * 4, size_of::<GpuTile>());
+        assert_eq!(constant(&module, "TILE_ROWS") as usize * 4, offset_of!(GpuTile, rows));
+        assert_eq!(constant(&module, "TILE_BEFORE") as usize * 4, offset_of!(GpuTile, before));
+        assert_eq!(u64::from(constant(&module, "SUM_WORDS")), SUM_WORDS);
+        assert_eq!(constant(&module, "GROUPS_ACROSS"), GROUPS_ACROSS);
+        for kernel in Kernel::ALL {
+            let name = format!("KERNEL_{}", kernel.name().to_uppercase());
+            assert_eq!(constant(&module, &name), kernel_number(*kernel));
+        }
+        let module = naga::front::wgsl::parse_str(&shaders::GATHER.source()).unwrap();
+        assert_eq!(constant(&module, "CAMERA_WORDS") as usize * 32, MAX_CAMERAS);
+        assert_eq!(constant(&module, "NO_IMAGE"), crate::render::NO_IMAGE);
+    }
+}

@@ -1,0 +1,234 @@
+//! Memory for samples on the adapter: images are uploaded once, and those that were not needed for longest make room.
+//!
+//! Shaders see at most four pages, none longer than a binding may be (128 MiB on some adapters). An image that fits into no
+//! page is cut between tiles into pieces. Pages begin as large as the first frame asks for twice over; when all four are in
+//! use and too small, they are given up for ones of full size.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::context::Context;
+use super::upload::{Piece, PlacedPiece};
+use crate::error::{Error, Result};
+use crate::preprocess::SampleImage;
+
+/// Pages that shaders can see at once.
+pub(super) const MAX_PAGES: usize = 4;
+
+/// No page begins smaller, bytes.
+const MIN_PAGE: u64 = 16 << 20;
+
+struct Page {
+    buffer: wgpu::Buffer,
+    room: Room,
+}
+
+/// Which words of a page are taken.
+struct Room {
+    words: u32,
+    /// Where pieces lie, ascending: first word and words.
+    used: Vec<(u32, u32)>,
+}
+
+impl Room {
+    fn new(words: u32) -> Self {
+        Self { words, used: Vec::new() }
+    }
+
+    /// The first gap of `words`, which is then taken.
+    fn take(&mut self, words: u32) -> Option<u32> {
+        let mut end = 0;
+        let mut place = self.used.len();
+        for (index, &(start, length)) in self.used.iter().enumerate() {
+            if start - end >= words {
+                place = index;
+                break;
+            }
+            end = start + length;
+        }
+        if place == self.used.len() && self.words - end < words {
+            return None;
+        }
+        self.used.insert(place, (end, words));
+        Some(end)
+    }
+
+    fn give_back(&mut self, start: u32) {
+        self.used.retain(|(used, _)| *used != start);
+    }
+}
+
+struct Resident {
+    /// Held so that no other image can take its address.
+    image: Arc<SampleImage>,
+    pieces: Vec<PlacedPiece>,
+    last_used: u64,
+}
+
+/// See the module's page.
+pub(super) struct SampleMemory {
+    pages: Vec<Page>,
+    page_bytes: u64,
+    max_page_bytes: u64,
+    resident: HashMap<usize, Resident>,
+    now: u64,
+    /// Bytes sent so far.
+    pub(super) uploaded: u64,
+}
+
+impl SampleMemory {
+    /// Takes at most `budget` bytes.
+    pub(super) fn new(context: &Context, budget: u64) -> Self {
+        let max_page_bytes = (budget / MAX_PAGES as u64).clamp(1 << 12, 1 << 31).min(context.max_binding());
+        Self {
+            pages: Vec::new(),
+            page_bytes: 0,
+            max_page_bytes,
+            resident: HashMap::new(),
+            now: 0,
+            uploaded: 0,
+        }
+    }
+
+    /// The pages' buffers.
+    pub(super) fn pages(&self) -> impl Iterator<Item = &wgpu::Buffer> {
+        self.pages.iter().map(|page| &page.buffer)
+    }
+
+    /// Brings the images of a frame onto the adapter and gives the pieces of each.
+    ///
+    /// # Errors
+    /// `Gpu` where they do not fit.
+    pub(super) fn load(
+        &mut self,
+        context: &Context,
+        images: &[&Arc<SampleImage>],
+    ) -> Result<Vec<Vec<PlacedPiece>>> {
+        self.now += 1;
+        if self.page_bytes == 0 {
+            let bytes = images.iter().map(|image| image.bytes() as u64).sum::<u64>();
+            self.page_bytes = (2 * bytes).next_multiple_of(1 << 20).max(MIN_PAGE).min(self.max_page_bytes);
+        }
+        if self.try_load(context, images)?.is_none() && self.page_bytes < self.max_page_bytes {
+            self.page_bytes = self.max_page_bytes;
+            self.resident.clear();
+            self.pages.clear();
+        }
+        self.try_load(context, images)?.ok_or_else(|| Error::Gpu {
+            what: format!(
+                "the samples of one frame do not fit into {} MiB on {}; use the CPU instead",
+                (MAX_PAGES as u64 * self.max_page_bytes) >> 20,
+                context.adapter.name
+            ),
+        })
+    }
+
+    /// Brings images onto the adapter as long as there is room without sending others away that `load` has just asked for.
+    pub(super) fn prefetch(&mut self, context: &Context, images: &[&Arc<SampleImage>]) -> Result<()> {
+        if self.page_bytes > 0 {
+            self.try_load(context, images)?;
+            context.queue.submit([]);
+        }
+        Ok(())
+    }
+
+    fn try_load(
+        &mut self,
+        context: &Context,
+        images: &[&Arc<SampleImage>],
+    ) -> Result<Option<Vec<Vec<PlacedPiece>>>> {
+        // Those that are here already must not make room for the others.
+        for image in images {
+            if let Some(resident) = self.resident.get_mut(&Arc::as_ptr(image).addr()) {
+                resident.last_used = self.now;
+            }
+        }
+        let mut all = Vec::with_capacity(images.len());
+        for image in images {
+            if !self.make_resident(context, image)? {
+                return Ok(None);
+            }
+            all.push(self.resident[&Arc::as_ptr(image).addr()].pieces.clone());
+        }
+        Ok(Some(all))
+    }
+
+    /// Whether there was room.
+    fn make_resident(&mut self, context: &Context, image: &Arc<SampleImage>) -> Result<bool> {
+        let address = Arc::as_ptr(image).addr();
+        if self.resident.contains_key(&address) {
+            return Ok(true);
+        }
+        let mut pieces: Vec<PlacedPiece> = Vec::new();
+        for piece in Piece::cut(image, (self.page_bytes / 4) as u32) {
+            let Some((page, at)) = self.place(context, piece.words())? else {
+                self.give_back(&pieces);
+                return Ok(false);
+            };
+            let placed = piece.place(page, at);
+            piece.write(image, &context.queue, &self.pages[page as usize].buffer, &placed);
+            self.uploaded += u64::from(piece.words()) * 4;
+            pieces.push(placed);
+        }
+        self.resident.insert(address, Resident { image: image.clone(), pieces, last_used: self.now });
+        Ok(true)
+    }
+
+    /// Page and first word of room for `words`, made by sending images away where there is none.
+    fn place(&mut self, context: &Context, words: u32) -> Result<Option<(u32, u32)>> {
+        loop {
+            for (index, page) in self.pages.iter_mut().enumerate() {
+                if let Some(at) = page.room.take(words) {
+                    return Ok(Some((index as u32, at)));
+                }
+            }
+            if self.pages.len() < MAX_PAGES {
+                let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+                let buffer = context.buffer("samples", self.page_bytes, usage)?;
+                self.pages.push(Page { buffer, room: Room::new((self.page_bytes / 4) as u32) });
+            } else if !self.evict() {
+                return Ok(None);
+            }
+        }
+    }
+
+    fn give_back(&mut self, pieces: &[PlacedPiece]) {
+        for piece in pieces {
+            self.pages[piece.page as usize].room.give_back(piece.at);
+        }
+    }
+
+    /// Sends away the image that was not needed for longest. `false` where all are needed.
+    fn evict(&mut self) -> bool {
+        let idle = self.resident.values().filter(|resident| resident.last_used < self.now);
+        let Some(oldest) = idle.min_by_key(|resident| resident.last_used) else { return false };
+        let address = Arc::as_ptr(&oldest.image).addr();
+        if let Some(oldest) = self.resident.remove(&address) {
+            self.give_back(&oldest.pieces);
+        }
+        true
+    }
+}
+
+impl std::fmt::Debug for SampleMemory {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("SampleMemory").field("images", &self.resident.len()).finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn room_that_was_given_back_is_taken_again_and_never_twice() {
+        let mut room = Room::new(100);
+        assert_eq!([40, 30, 20].map(|words| room.take(words)), [Some(0), Some(40), Some(70)]);
+        assert_eq!((room.take(11), room.take(10)), (None, Some(90)));
+        room.give_back(40);
+        assert_eq!((room.take(31), room.take(25), room.take(6)), (None, Some(40), None));
+        assert_eq!(room.take(5), Some(65));
+        room.give_back(0);
+        assert_eq!((room.take(41), room.take(40), room.take(1)), (None, Some(0), None));
+    }
+}

@@ -1,0 +1,269 @@
+//! The GPU renderer: the stages of the CPU renderer under the same names, in `shaders/*.wgsl`.
+//!
+//! ```text
+//! SampleSet ─ upload, once an image ─▶ pages ─ surface ─▶ keys ─ blend ─▶ sums    of the background, kept while the vantage is still
+//!                                            ─ surface ─▶ keys ─ blend ─▶ sums    of the frame
+//!                                                                                  both   ─ resolve or gather ─▶ picture ─▶ CPU
+//! ```
+//!
+//! What differs from the CPU renderer: one thread a sample instead of one a band of rows, so keys are raised and colors are
+//! summed by atomics, colors in fixed point. Neither result depends on the order of the threads. Shader compilers may contract
+//! sums and divide by other means than the CPU does: a sample's position and depth may differ in the last bits, and where it
+//! stood on the border of a pixel, so may the pixel. `tests/gpu_parity.rs` says how much of that is let pass.
+
+mod clock;
+mod context;
+mod copy;
+mod layout;
+mod memory;
+mod pipelines;
+mod recorder;
+mod scene;
+mod shaders;
+mod target;
+mod upload;
+
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::Instant;
+
+pub use context::AdapterChoice;
+pub use copy::GpuCopy;
+
+use super::cpu::check;
+use super::fill::fill;
+use super::frame_samples::FrameSamples;
+use super::vantage::{Picture, RenderStats, Vantage};
+use crate::capture::Camera;
+use crate::error::Result;
+use crate::job::Job;
+use crate::preprocess::SampleSet;
+use crate::settings::{Fill, Kernel, RenderSettings};
+use clock::StageClock;
+use context::Context;
+use memory::SampleMemory;
+use pipelines::Pipelines;
+use recorder::Recorder;
+use scene::Scene;
+use target::Target;
+
+/// How a [`GpuRenderer`] is set up.
+#[derive(Clone, Copy, Debug)]
+pub struct GpuOptions {
+    /// Which adapters may be taken.
+    pub adapter: AdapterChoice,
+    /// Whether 64-bit atomics are used where the adapter has them; without, the surface stage runs twice.
+    pub wide_atomics: bool,
+    /// Memory for samples at most, bytes.
+    pub sample_bytes: u64,
+}
+
+impl Default for GpuOptions {
+    fn default() -> Self {
+        Self { adapter: AdapterChoice::Any, wide_atomics: true, sample_bytes: 2 << 30 }
+    }
+}
+
+/// Renders vantages on a graphics adapter, and keeps samples there as well as the background of a still vantage.
+#[derive(Debug)]
+pub struct GpuRenderer {
+    context: Context,
+    pipelines: Pipelines,
+    memory: SampleMemory,
+    target: Option<Target>,
+    background: Option<Background>,
+    clock: StageClock,
+}
+
+/// What the background layer of the target was painted from.
+#[derive(Debug)]
+struct Background {
+    samples: Arc<SampleSet>,
+    images: Vec<usize>,
+    camera: Camera,
+    settings: RenderSettings,
+}
+
+impl Background {
+    fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.samples, &other.samples)
+            && self.images == other.images
+            && self.camera == other.camera
+            && self.settings == other.settings
+    }
+}
+
+impl GpuRenderer {
+    /// Opens the best adapter of a choice.
+    ///
+    /// # Errors
+    /// `Gpu` where there is none.
+    pub fn new(adapter: AdapterChoice) -> Result<Self> {
+        Self::with_options(&GpuOptions { adapter, ..GpuOptions::default() })
+    }
+
+    /// Opens an adapter.
+    ///
+    /// # Errors
+    /// `Gpu` where there is none.
+    pub fn with_options(options: &GpuOptions) -> Result<Self> {
+        let context = Context::new(options.adapter)?;
+        let one_pass = options.wide_atomics && context.has_wide_atomics;
+        let (pipelines, clock) =
+            context.guarded(|| Ok((Pipelines::new(&context, one_pass), StageClock::new(&context)?)))?;
+        let memory = SampleMemory::new(&context, options.sample_bytes);
+        Ok(Self { context, pipelines, memory, target: None, background: None, clock })
+    }
+
+    /// The adapter's name.
+    #[must_use]
+    pub fn adapter_name(&self) -> &str {
+        &self.context.adapter.name
+    }
+
+    /// Whether the adapter is a program that runs on the processor.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.context.is_software()
+    }
+
+    /// Whether keys are raised by one 64-bit maximum instead of two 32-bit ones.
+    #[must_use]
+    pub fn has_wide_atomics(&self) -> bool {
+        self.pipelines.one_pass
+    }
+
+    /// Stages of the last picture, in order, with their milliseconds; empty where the adapter has no clock.
+    #[must_use]
+    pub fn stage_milliseconds(&self) -> &[(&'static str, f64)] {
+        self.clock.milliseconds()
+    }
+
+    /// Bytes of samples sent to the adapter so far.
+    #[must_use]
+    pub fn uploaded_bytes(&self) -> u64 {
+        self.memory.uploaded
+    }
+
+    /// Drops the background, so that the next picture is painted anew.
+    pub fn forget_background(&mut self) {
+        self.background = None;
+    }
+
+    /// Whether the adapter was lost: every further call fails.
+    #[must_use]
+    pub fn is_lost(&self) -> bool {
+        self.context.is_lost()
+    }
+
+    /// Has the adapter go away, as unplugging it would.
+    #[cfg(test)]
+    pub(super) fn lose(&self) {
+        self.context.device.destroy();
+    }
+
+    /// Sends the images of some frames ahead, as far as there is room.
+    ///
+    /// # Errors
+    /// `Gpu` where the adapter fails.
+    pub fn prefetch(&mut self, samples: &SampleSet, frames: Range<usize>) -> Result<()> {
+        let images: Vec<_> = samples
+            .images
+            .iter()
+            .filter(|image| frames.clone().any(|frame| image.span.contains(frame)))
+            .collect();
+        let (context, memory) = (&self.context, &mut self.memory);
+        context.guarded(|| memory.prefetch(context, &images))
+    }
+
+    /// Paints the samples of the vantage's frame.
+    ///
+    /// # Errors
+    /// `Cancelled`; `Invalid` as the CPU renderer; `Gpu` where the picture or the samples are more than the adapter takes, or
+    /// it fails. Where it was lost, every later call fails too.
+    pub fn render(
+        &mut self,
+        samples: &Arc<SampleSet>,
+        vantage: &Vantage,
+        settings: &RenderSettings,
+        job: &Job,
+    ) -> Result<(Arc<Picture>, RenderStats)> {
+        let started = Instant::now();
+        check(samples, vantage)?;
+        job.check()?;
+        let frame = FrameSamples::at(samples, vantage.frame)?;
+        let wanted = Background {
+            samples: samples.clone(),
+            images: frame.images[..frame.lasting_images].to_vec(),
+            camera: vantage.camera.clone(),
+            settings: settings.clone(),
+        };
+        let reused = self.background.take().as_ref().is_some_and(|background| background.is(&wanted));
+        let mut picture = self.paint(&frame, &vantage.camera, settings, reused, job)?;
+        self.background = Some(wanted);
+        let filling = Instant::now();
+        if settings.fill != Fill::None {
+            fill(&mut picture, &vantage.camera, settings);
+        }
+        let fill_ms = filling.elapsed().as_secs_f64() * 1e3;
+        let tiles = if reused { frame.passing() } else { 0..frame.tiles.len() };
+        let stats = RenderStats {
+            samples: frame.sample_count(tiles),
+            holes: picture.holes(),
+            milliseconds: started.elapsed().as_secs_f64() * 1e3,
+            fill_ms,
+            background_reused: reused,
+        };
+        Ok((Arc::new(picture), stats))
+    }
+
+    fn paint(
+        &mut self,
+        frame: &FrameSamples<'_>,
+        camera: &Camera,
+        settings: &RenderSettings,
+        background_is_painted: bool,
+        job: &Job,
+    ) -> Result<Picture> {
+        let Self { context, pipelines, memory, target, clock, .. } = self;
+        let context = &*context;
+        context.guarded(|| {
+            let target = target_for(target, context, pipelines, camera, settings)?;
+            let scene = Scene::new(context, pipelines, memory, target, (frame, camera, settings))?;
+            job.check()?;
+            clock.start();
+            let mut encoder =
+                context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut recorder = Recorder { pipelines, scene: &scene, target, clock, encoder: &mut encoder };
+            if !background_is_painted {
+                recorder.paint(0, &["background surface", "background blend"]);
+            }
+            recorder.paint(1, &["surface", "blend"]);
+            recorder.resolve();
+            clock.record_readback(&mut encoder);
+            target.record_readback(&mut encoder);
+            context.queue.submit([encoder.finish()]);
+            let picture = target.read(context)?;
+            clock.read(context)?;
+            Ok(picture)
+        })
+    }
+}
+
+/// Buffers of the right size: the ones there are, or others.
+fn target_for<'a>(
+    target: &'a mut Option<Target>,
+    context: &Context,
+    pipelines: &Pipelines,
+    camera: &Camera,
+    settings: &RenderSettings,
+) -> Result<&'a Target> {
+    let size = camera.intrinsics.size();
+    let blends = matches!(settings.kernel, Kernel::Block | Kernel::Surfel);
+    let fits = |target: &Target| (target.width, target.height) == size && target.blends == blends;
+    let found = match target.take().filter(fits) {
+        Some(found) => found,
+        None => Target::new(context, pipelines, size, blends)?,
+    };
+    Ok(target.insert(found))
+}

@@ -1,0 +1,132 @@
+//! The compiled stages and the shape of what they bind.
+//!
+//! ```text
+//! group 0, the same for all   0 stage (one of several, by offset)   1 projectors   2 pieces   3 to 6 pages
+//! group 1, surface and blend  0 keys   1 sums
+//! group 1, resolve            0 and 1 background's keys and sums   2 and 3 the foreground's   4 picture
+//! group 1, silhouette, gather 0 background's keys   1 the foreground's   2 picture   3 views   4 lookup
+//! ```
+
+use super::context::Context;
+use super::shaders::{self, Shader};
+
+/// The compiled stages.
+#[derive(Debug)]
+pub(super) struct Pipelines {
+    pub(super) scene_layout: wgpu::BindGroupLayout,
+    pub(super) layer_layout: wgpu::BindGroupLayout,
+    pub(super) resolve_layout: wgpu::BindGroupLayout,
+    pub(super) gather_layout: wgpu::BindGroupLayout,
+    pub(super) surface: wgpu::ComputePipeline,
+    pub(super) blend: wgpu::ComputePipeline,
+    pub(super) resolve: wgpu::ComputePipeline,
+    pub(super) silhouette: wgpu::ComputePipeline,
+    pub(super) gather: wgpu::ComputePipeline,
+    /// Whether `surface` raises keys with one 64-bit maximum; else it has to run twice.
+    pub(super) one_pass: bool,
+}
+
+/// What a binding holds.
+#[derive(Clone, Copy)]
+enum Holds {
+    Stage,
+    Read,
+    Write,
+}
+
+fn layout(device: &wgpu::Device, label: &str, bindings: &[Holds]) -> wgpu::BindGroupLayout {
+    let entries: Vec<_> = bindings
+        .iter()
+        .enumerate()
+        .map(|(binding, holds)| wgpu::BindGroupLayoutEntry {
+            binding: binding as u32,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: match holds {
+                    Holds::Stage => wgpu::BufferBindingType::Uniform,
+                    Holds::Read => wgpu::BufferBindingType::Storage { read_only: true },
+                    Holds::Write => wgpu::BufferBindingType::Storage { read_only: false },
+                },
+                has_dynamic_offset: matches!(holds, Holds::Stage),
+                min_binding_size: None,
+            },
+            count: None,
+        })
+        .collect();
+    device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    shader: &Shader,
+    groups: &[Option<&wgpu::BindGroupLayout>],
+) -> wgpu::ComputePipeline {
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(shader.entry),
+        source: wgpu::ShaderSource::Wgsl(shader.source().into()),
+    });
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(shader.entry),
+        bind_group_layouts: groups,
+        immediate_size: 0,
+    });
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(shader.entry),
+        layout: Some(&layout),
+        module: &module,
+        entry_point: Some(shader.entry),
+        // Threads write all they read of what a workgroup shares.
+        compilation_options: wgpu::PipelineCompilationOptions {
+            zero_initialize_workgroup_memory: false,
+            ..Default::default()
+        },
+        cache: None,
+    })
+}
+
+impl Pipelines {
+    /// Compiles the stages; `one_pass` asks for 64-bit atomics.
+    pub(super) fn new(context: &Context, one_pass: bool) -> Self {
+        use Holds::{Read, Stage, Write};
+        let device = &context.device;
+        let scene_layout = layout(device, "scene", &[Stage, Read, Read, Read, Read, Read, Read]);
+        let layer_layout = layout(device, "layer", &[Write, Write]);
+        let resolve_layout = layout(device, "resolve", &[Read, Read, Read, Read, Write]);
+        let gather_layout = layout(device, "gather", &[Read, Read, Write, Read, Read]);
+        let surface = if one_pass { shaders::SURFACE_64 } else { shaders::SURFACE_32 };
+        let over_layer = [Some(&scene_layout), Some(&layer_layout)];
+        let over_views = [Some(&scene_layout), Some(&gather_layout)];
+        Self {
+            surface: pipeline(device, &surface, &over_layer),
+            blend: pipeline(device, &shaders::BLEND, &over_layer),
+            resolve: pipeline(device, &shaders::RESOLVE, &[Some(&scene_layout), Some(&resolve_layout)]),
+            silhouette: pipeline(device, &shaders::SILHOUETTE, &over_views),
+            gather: pipeline(device, &shaders::GATHER, &over_views),
+            scene_layout,
+            layer_layout,
+            resolve_layout,
+            gather_layout,
+            one_pass,
+        }
+    }
+}
+
+/// A bind group of whole buffers; the first may be the stage, which is bound at an offset.
+pub(super) fn bind(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    stage: Option<&wgpu::Buffer>,
+    buffers: &[&wgpu::Buffer],
+) -> wgpu::BindGroup {
+    let stage = stage.map(|buffer| {
+        let size = std::num::NonZeroU64::new(size_of::<super::layout::GpuStage>() as u64);
+        wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
+    });
+    let resources = stage.into_iter().chain(buffers.iter().map(|buffer| buffer.as_entire_binding()));
+    let entries: Vec<_> = resources
+        .enumerate()
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+}

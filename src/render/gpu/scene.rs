@@ -1,0 +1,201 @@
+//! What the stages of one picture read: samples, cameras and numbers.
+
+use std::sync::Arc;
+
+use bytemuck::Zeroable;
+use glam::DVec2;
+
+use super::context::Context;
+use super::layout::{GpuPiece, GpuProjector, GpuStage, GpuView, MAX_CAMERAS, kernel_number};
+use super::memory::{MAX_PAGES, SampleMemory};
+use super::pipelines::{Pipelines, bind};
+use super::target::Target;
+use super::upload::PlacedPiece;
+use crate::capture::Camera;
+use crate::error::{Error, Result};
+use crate::preprocess::{SampleImage, TILE};
+use crate::render::frame_samples::FrameSamples;
+use crate::render::project::focal;
+use crate::settings::{Kernel, PruningMethod, RenderSettings};
+
+/// Distance between the stages in their buffer, bytes: the alignment that every adapter takes.
+const STAGE_STRIDE: usize = 256;
+
+/// What every stage of a picture binds.
+pub(super) struct Scene {
+    /// What all stages bind.
+    pub(super) group: wgpu::BindGroup,
+    /// What the gather stage binds besides, where the kernel gathers.
+    pub(super) gather_group: Option<wgpu::BindGroup>,
+    /// Tiles of background and foreground.
+    pub(super) tile_counts: [u32; 2],
+}
+
+/// What is painted: the samples of a frame, from where, and how.
+pub(super) type Wanted<'a> = (&'a FrameSamples<'a>, &'a Camera, &'a RenderSettings);
+
+impl Scene {
+    /// Brings everything onto the adapter.
+    ///
+    /// # Errors
+    /// `Gpu` where it does not fit.
+    pub(super) fn new(
+        context: &Context,
+        pipelines: &Pipelines,
+        memory: &mut SampleMemory,
+        target: &Target,
+        wanted: Wanted<'_>,
+    ) -> Result<Self> {
+        let (frame, camera, settings) = wanted;
+        let images: Vec<&Arc<SampleImage>> =
+            frame.images.iter().map(|index| &frame.set.images[*index]).collect();
+        let pieces = pieces(frame, &memory.load(context, &images)?);
+        let cameras = &frame.set.cameras;
+        let projectors: Vec<_> = cameras.iter().map(|source| GpuProjector::new(source, camera)).collect();
+        let storage = wgpu::BufferUsages::STORAGE;
+        let (views, cells) = views(cameras, camera, settings.depth_tolerance);
+        let gather_group = if settings.kernel == Kernel::Gather {
+            can_gather(cameras)?;
+            let lookup = lookup(frame, &pieces, &views, cells);
+            let views = written(context, "views", bytemuck::cast_slice(&views), storage)?;
+            let lookup = written(context, "lookup", bytemuck::cast_slice(&lookup), storage)?;
+            let [background, foreground] = &target.layers;
+            let buffers = [&background.keys, &foreground.keys, &target.picture, &views, &lookup];
+            Some(bind(&context.device, &pipelines.gather_layout, None, &buffers))
+        } else {
+            None
+        };
+        let stages = stages(wanted, pieces.len(), cells);
+        let stages = written(context, "stages", &stages, wgpu::BufferUsages::UNIFORM)?;
+        let projectors = written(context, "projectors", bytemuck::cast_slice(&projectors), storage)?;
+        let pieces = written(context, "pieces", bytemuck::cast_slice(&pieces), storage)?;
+        let missing = context.buffer("no page", 4, storage)?;
+        let mut buffers = vec![&projectors, &pieces];
+        buffers.extend(memory.pages().chain(std::iter::repeat(&missing)).take(MAX_PAGES));
+        let group = bind(&context.device, &pipelines.scene_layout, Some(&stages), &buffers);
+        let tile_counts = [frame.lasting(), frame.passing()].map(|tiles| tiles.len() as u32);
+        Ok(Self { group, gather_group, tile_counts })
+    }
+
+    /// Where the stage of a layer begins, for the first or the second pass over its samples.
+    pub(super) fn stage_offset(layer: usize, step: usize) -> u32 {
+        (2 * layer + step) as u32 * STAGE_STRIDE as u32
+    }
+}
+
+/// The stages of both layers, for both passes, each at its offset.
+fn stages((frame, camera, settings): Wanted<'_>, piece_count: usize, cells: usize) -> Vec<u8> {
+    let (width, height) = camera.intrinsics.size();
+    let ray = |x, y| camera.world_from_camera.matrix3 * camera.intrinsics.ray_in_camera(DVec2::new(x, y));
+    let first = ray(0.5, 0.5);
+    let mut stages = Vec::new();
+    for tiles in [frame.lasting(), frame.passing()] {
+        for step in 0..2 {
+            let stage = GpuStage {
+                width: width as u32,
+                height: height as u32,
+                kernel: kernel_number(settings.kernel),
+                step,
+                first_tile: tiles.start as u32,
+                tile_count: tiles.len() as u32,
+                piece_count: piece_count as u32,
+                surface_ratio: 1.0 / (1.0 + settings.depth_tolerance / focal(camera)),
+                first_ray: first.as_vec3().to_array(),
+                lasting_tiles: frame.lasting_tiles as u32,
+                ray_across: (ray(1.5, 0.5) - first).as_vec3().to_array(),
+                entries_at: cells as u32,
+                ray_down: (ray(0.5, 1.5) - first).as_vec3().to_array(),
+                all_tiles: frame.tiles.len() as u32,
+                pruned: u32::from(frame.set.settings.pruning.method != PruningMethod::Off),
+                ..GpuStage::zeroed()
+            };
+            stages.extend_from_slice(bytemuck::bytes_of(&stage));
+            stages.resize(stages.len().next_multiple_of(STAGE_STRIDE), 0);
+        }
+    }
+    stages
+}
+
+fn can_gather(cameras: &[Camera]) -> Result<()> {
+    if cameras.len() <= MAX_CAMERAS {
+        return Ok(());
+    }
+    Err(Error::Gpu {
+        what: format!(
+            "{} cameras can be gathered from, not {}; use the CPU instead",
+            MAX_CAMERAS,
+            cameras.len()
+        ),
+    })
+}
+
+/// How the gather stage sees each camera, and how many cells there are in all.
+fn views(cameras: &[Camera], target: &Camera, depth_tolerance: f32) -> (Vec<GpuView>, usize) {
+    let center = target.position_in_world();
+    let mut cells = 0;
+    let views = cameras.iter().map(|source| {
+        let (width, height) = source.intrinsics.size();
+        let across = width.div_ceil(TILE);
+        let view = GpuView {
+            source_from_target: GpuProjector::new(target, source),
+            offset_in_world: (center - source.position_in_world()).as_vec3().to_array(),
+            tolerance: depth_tolerance / focal(source),
+            width: width as i32,
+            height: height as i32,
+            cells_across: across as u32,
+            first_cell: cells as u32,
+        };
+        cells += across * height.div_ceil(TILE);
+        view
+    });
+    (views.collect(), cells)
+}
+
+/// Cells and entries, as drawn in `lookup.wgsl`.
+fn lookup(frame: &FrameSamples<'_>, pieces: &[GpuPiece], views: &[GpuView], cells: usize) -> Vec<u32> {
+    let mut lookup = vec![u32::MAX; cells + 2 * frame.tiles.len()];
+    let mut piece = pieces.len();
+    // Backwards, so that lists ascend.
+    for number in (0..frame.tiles.len()).rev() {
+        while piece == pieces.len() || pieces[piece].first_tile as usize > number {
+            piece -= 1;
+        }
+        let tile = &frame.tiles[number];
+        let view = &views[tile.camera as usize];
+        let (column, row) = (tile.origin.0 / TILE as u32, tile.origin.1 / TILE as u32);
+        let cell = (view.first_cell + row * view.cells_across + column) as usize;
+        let entry = cells + 2 * number;
+        lookup[entry] = piece as u32;
+        lookup[entry + 1] = lookup[cell];
+        lookup[cell] = number as u32;
+    }
+    lookup
+}
+
+/// A buffer with these bytes.
+fn written(context: &Context, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
+    let buffer = context.buffer(label, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST)?;
+    context.queue.write_buffer(&buffer, 0, bytes);
+    Ok(buffer)
+}
+
+/// The pieces of a frame's images, in the order of the frame's tiles.
+fn pieces(frame: &FrameSamples<'_>, placed: &[Vec<PlacedPiece>]) -> Vec<GpuPiece> {
+    let mut pieces = Vec::new();
+    let mut first_tile = 0;
+    for (&index, placed) in frame.images.iter().zip(placed) {
+        let image = &frame.set.images[index];
+        pieces.extend(placed.iter().map(|piece| GpuPiece {
+            first_tile: first_tile + piece.first_tile,
+            camera: image.camera,
+            image: index as u32,
+            page: piece.page,
+            tiles_at: piece.at,
+            low_at: piece.low_at,
+            high_at: piece.high_at,
+            color_at: piece.color_at,
+        }));
+        first_tile += image.tiles.len() as u32;
+    }
+    pieces
+}

@@ -1,0 +1,125 @@
+//! The shaders: each is its own file after the shared pieces that it needs.
+
+macro_rules! shader {
+    ($name:ident, $entry:literal, $doc:literal, [$($piece:literal),+]) => {
+        #[doc = $doc]
+        pub(super) const $name: Shader = Shader {
+            entry: $entry,
+            pieces: &[$(include_str!(concat!("../../../shaders/", $piece, ".wgsl"))),+],
+        };
+    };
+}
+
+/// One compute shader.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shader {
+    /// Its one entry point, which is also its name.
+    pub(super) entry: &'static str,
+    pieces: &'static [&'static str],
+}
+
+impl Shader {
+    /// The whole text.
+    pub(super) fn source(&self) -> String {
+        self.pieces.concat()
+    }
+}
+
+shader!(
+    SURFACE_64,
+    "surface",
+    "The surface stage with 64-bit atomics.",
+    ["common/stage", "common/samples", "common/project", "common/dense_tile", "common/keys_64", "surface"]
+);
+shader!(
+    SURFACE_32,
+    "surface",
+    "The surface stage with 32-bit atomics.",
+    ["common/stage", "common/samples", "common/project", "common/dense_tile", "common/keys_32", "surface"]
+);
+shader!(
+    BLEND,
+    "blend",
+    "The blend stage.",
+    ["common/stage", "common/samples", "common/project", "common/dense_tile", "common/sums", "blend"]
+);
+shader!(
+    RESOLVE,
+    "resolve",
+    "The resolve stage of kernels that do not gather.",
+    ["common/stage", "common/samples", "common/sums", "common/picture", "resolve"]
+);
+shader!(
+    SILHOUETTE,
+    "silhouette",
+    "The silhouette stage.",
+    [
+        "common/stage",
+        "common/samples",
+        "common/project",
+        "common/lookup",
+        "common/place",
+        "common/patch",
+        "silhouette"
+    ]
+);
+shader!(
+    GATHER,
+    "gather",
+    "The gather stage.",
+    [
+        "common/stage",
+        "common/samples",
+        "common/project",
+        "common/lookup",
+        "common/place",
+        "common/patch",
+        "common/picture",
+        "gather"
+    ]
+);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wgpu::naga;
+    use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    fn problem(source: &str, capabilities: Capabilities) -> Option<String> {
+        let module = match naga::front::wgsl::parse_str(source) {
+            Ok(module) => module,
+            Err(error) => return Some(error.emit_to_string(source)),
+        };
+        let checked = Validator::new(ValidationFlags::all(), capabilities).validate(&module);
+        checked.err().map(|error| error.emit_to_string(source))
+    }
+
+    #[test]
+    fn every_shader_is_valid() {
+        // Halves in 32 bits are all that adapters without extras must have: see `Context::new`.
+        let plain = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+        let wide = plain | Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX;
+        for (shader, capabilities) in [
+            (SURFACE_64, wide),
+            (SURFACE_32, plain),
+            (BLEND, plain),
+            (RESOLVE, plain),
+            (SILHOUETTE, plain),
+            (GATHER, plain),
+        ] {
+            let source = shader.source();
+            assert_eq!(problem(&source, capabilities), None, "{}", shader.entry);
+            let module = naga::front::wgsl::parse_str(&source).unwrap();
+            let entries: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
+            assert_eq!(entries, [shader.entry]);
+        }
+    }
+
+    #[test]
+    fn a_broken_shader_is_found() {
+        let source = BLEND.source().replace("share * share / area", "share * slope");
+        assert!(problem(&source, Capabilities::empty()).unwrap().contains("slope"));
+        let without_wide = problem(&SURFACE_64.source(), Capabilities::SHADER_FLOAT16_IN_FLOAT32).unwrap();
+        assert!(without_wide.contains("SHADER_INT64"), "{without_wide}");
+    }
+}

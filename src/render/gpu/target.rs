@@ -1,0 +1,118 @@
+//! The buffers of a picture: two layers, what comes of them, and the way back to the CPU.
+
+use super::context::Context;
+use super::layout::{KEY_WORDS, PICTURE_WORDS, SUM_WORDS};
+use super::pipelines::{Pipelines, bind};
+use crate::error::{Error, Result};
+use crate::grid::Grid;
+use crate::render::vantage::Picture;
+use wgpu::BufferUsages as Usage;
+
+/// What was painted of some images.
+#[derive(Debug)]
+pub(super) struct Layer {
+    pub(super) keys: wgpu::Buffer,
+    pub(super) sums: wgpu::Buffer,
+    pub(super) group: wgpu::BindGroup,
+}
+
+impl Layer {
+    fn new(context: &Context, pipelines: &Pipelines, pixels: u64, blends: bool) -> Result<Self> {
+        let usage = Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC;
+        let keys = context.buffer("keys", 4 * KEY_WORDS * pixels, usage)?;
+        let sums = context.buffer("sums", if blends { 4 * SUM_WORDS * pixels } else { 0 }, usage)?;
+        let group = bind(&context.device, &pipelines.layer_layout, None, &[&keys, &sums]);
+        Ok(Self { keys, sums, group })
+    }
+}
+
+/// See the module's page.
+#[derive(Debug)]
+pub(super) struct Target {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) blends: bool,
+    /// Background and foreground.
+    pub(super) layers: [Layer; 2],
+    pub(super) picture: wgpu::Buffer,
+    pub(super) resolve_group: wgpu::BindGroup,
+    readback: wgpu::Buffer,
+}
+
+impl Target {
+    /// Buffers for a picture of this size, with sums where the kernel blends.
+    ///
+    /// # Errors
+    /// `Gpu` where the adapter takes no picture of this size.
+    pub(super) fn new(
+        context: &Context,
+        pipelines: &Pipelines,
+        (width, height): (usize, usize),
+        blends: bool,
+    ) -> Result<Self> {
+        let pixels = (width * height) as u64;
+        let layers = [
+            Layer::new(context, pipelines, pixels, blends)?,
+            Layer::new(context, pipelines, pixels, blends)?,
+        ];
+        let bytes = 4 * PICTURE_WORDS * pixels;
+        let picture = context.buffer("picture", bytes, Usage::STORAGE | Usage::COPY_SRC)?;
+        let readback = context.buffer("readback", bytes, Usage::MAP_READ | Usage::COPY_DST)?;
+        let buffers = [&layers[0].keys, &layers[0].sums, &layers[1].keys, &layers[1].sums, &picture];
+        let resolve_group = bind(&context.device, &pipelines.resolve_layout, None, &buffers);
+        Ok(Self { width, height, blends, layers, picture, resolve_group, readback })
+    }
+
+    /// Pixels of the picture.
+    pub(super) fn pixels(&self) -> usize {
+        self.width * self.height
+    }
+
+    /// Has the picture copied to where the CPU can read it.
+    pub(super) fn record_readback(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.copy_buffer_to_buffer(&self.picture, 0, &self.readback, 0, self.readback.size());
+    }
+
+    /// Waits for the picture and takes it.
+    ///
+    /// # Errors
+    /// `Gpu` where it never comes.
+    pub(super) fn read(&self, context: &Context) -> Result<Picture> {
+        let pixels = self.pixels();
+        read_words(context, &self.readback, |words| {
+            let (color, rest) = words[..5 * pixels].split_at(3 * pixels);
+            let (depth, image) = rest.split_at(pixels);
+            let color: &[[f32; 3]] = bytemuck::cast_slice(color);
+            Picture {
+                color: Grid::from_vec(self.width, self.height, color.to_vec()),
+                inverse_depth: Grid::from_vec(self.width, self.height, bytemuck::cast_slice(depth).to_vec()),
+                image: Grid::from_vec(self.width, self.height, image.to_vec()),
+            }
+        })
+    }
+}
+
+/// Waits for all work and shows the words of a buffer that the CPU may map.
+///
+/// # Errors
+/// `Gpu` where the adapter does not come back.
+pub(super) fn read_words<T>(
+    context: &Context,
+    buffer: &wgpu::Buffer,
+    take: impl FnOnce(&[u32]) -> T,
+) -> Result<T> {
+    let lost = |what: String| Error::Gpu { what: format!("{}: {what}", context.adapter.name) };
+    let (sender, receiver) = std::sync::mpsc::sync_channel(1);
+    buffer.map_async(wgpu::MapMode::Read, .., move |mapped| {
+        // The receiver is gone only where waiting failed, which is an error already.
+        let _ = sender.send(mapped);
+    });
+    context.wait()?;
+    let mapped = receiver.try_recv().map_err(|_| lost("the picture did not come back".to_owned()))?;
+    mapped.map_err(|error| lost(error.to_string()))?;
+    let view = buffer.get_mapped_range(..).map_err(|error| lost(error.to_string()))?;
+    let taken = take(bytemuck::cast_slice(&view));
+    drop(view);
+    buffer.unmap();
+    Ok(taken)
+}

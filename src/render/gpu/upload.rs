@@ -1,0 +1,205 @@
+//! A sample image in the words that shaders read; the layout is drawn in `shaders/common/samples.wgsl`.
+
+use std::ops::Range;
+
+use super::layout::GpuTile;
+use crate::preprocess::{SampleImage, TILE};
+
+const TILE_WORDS: u32 = (size_of::<GpuTile>() / 4) as u32;
+
+/// A run of tiles of one image and the parts of its planes that belong to them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Piece {
+    tiles: Range<usize>,
+    samples: Range<usize>,
+    high: Range<usize>,
+}
+
+/// Where a piece lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PlacedPiece {
+    /// Index of its first tile in its image.
+    pub(super) first_tile: u32,
+    /// Its page.
+    pub(super) page: u32,
+    /// Its first word, where its tiles begin.
+    pub(super) at: u32,
+    /// Where each plane begins, words.
+    pub(super) low_at: u32,
+    /// See `low_at`.
+    pub(super) high_at: u32,
+    /// See `low_at`.
+    pub(super) color_at: u32,
+}
+
+impl Piece {
+    /// Cuts an image into pieces of at most `max_words`, or of one tile where even that is more.
+    pub(super) fn cut(image: &SampleImage, max_words: u32) -> Vec<Self> {
+        let (depths, total) = (image.depth.tiles(), image.tiles.len());
+        let end = |tile: usize| {
+            if tile < total {
+                (image.tiles[tile].first as usize, depths[tile].first_high as usize)
+            } else {
+                (image.len(), image.depth.high().len())
+            }
+        };
+        let mut pieces = Vec::new();
+        let mut start = 0;
+        while start < total {
+            let piece = |stop: usize| Self {
+                tiles: start..stop,
+                samples: end(start).0..end(stop).0,
+                high: end(start).1..end(stop).1,
+            };
+            let mut stop = start + 1;
+            while stop < total && piece(stop + 1).words() <= max_words {
+                stop += 1;
+            }
+            pieces.push(piece(stop));
+            start = stop;
+        }
+        pieces
+    }
+
+    /// Words of each plane: tiles, low, high, color.
+    fn plane_words(&self) -> [u32; 4] {
+        [
+            self.tiles.len() as u32 * TILE_WORDS,
+            self.samples.len().div_ceil(2) as u32,
+            self.high.len().div_ceil(4) as u32,
+            (3 * self.samples.len()).div_ceil(2) as u32,
+        ]
+    }
+
+    /// Words in all.
+    pub(super) fn words(&self) -> u32 {
+        self.plane_words().iter().sum()
+    }
+
+    /// The piece at word `at` of a page.
+    pub(super) fn place(&self, page: u32, at: u32) -> PlacedPiece {
+        let [tiles, low, high, _] = self.plane_words();
+        PlacedPiece {
+            first_tile: self.tiles.start as u32,
+            page,
+            at,
+            low_at: at + tiles,
+            high_at: at + tiles + low,
+            color_at: at + tiles + low + high,
+        }
+    }
+
+    /// Sends the piece to its place in `page`.
+    pub(super) fn write(
+        &self,
+        image: &SampleImage,
+        queue: &wgpu::Queue,
+        page: &wgpu::Buffer,
+        place: &PlacedPiece,
+    ) {
+        let tiles: Vec<GpuTile> = self
+            .tiles
+            .clone()
+            .map(|index| {
+                let (tile, depth) = (&image.tiles[index], image.depth.tiles()[index]);
+                GpuTile {
+                    place: [tile.tile_x, tile.tile_y],
+                    first: tile.first - self.samples.start as u32,
+                    farthest: depth.farthest,
+                    nearest: depth.nearest,
+                    first_high: depth.first_high - self.high.start as u32,
+                    before: samples_above(&tile.rows),
+                    rows: tile.rows,
+                }
+            })
+            .collect();
+        let color = &image.color[self.samples.clone()];
+        let planes: [(u32, &[u8]); 4] = [
+            (place.at, bytemuck::cast_slice(&tiles)),
+            (place.low_at, bytemuck::cast_slice(&image.depth.low()[self.samples.clone()])),
+            (place.high_at, &image.depth.high()[self.high.clone()]),
+            (place.color_at, bytemuck::cast_slice(color)),
+        ];
+        for (at, bytes) in planes {
+            write_words(queue, page, u64::from(at) * 4, bytes);
+        }
+    }
+}
+
+/// How many samples the rows above each row hold.
+fn samples_above(rows: &[u16; TILE]) -> [u8; TILE] {
+    let mut count = 0;
+    rows.map(|row| {
+        let before = count as u8;
+        count += row.count_ones();
+        before
+    })
+}
+
+/// Writes bytes, and zeros up to a whole word.
+fn write_words(queue: &wgpu::Queue, buffer: &wgpu::Buffer, at: u64, bytes: &[u8]) {
+    let (whole, rest) = bytes.split_at(bytes.len() & !3);
+    if !whole.is_empty() {
+        queue.write_buffer(buffer, at, whole);
+    }
+    if !rest.is_empty() {
+        let mut last = [0; 4];
+        last[..rest.len()].copy_from_slice(rest);
+        queue.write_buffer(buffer, at + whole.len() as u64, &last);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preprocess::{DepthPlane, SampleTile, Span};
+    use half::f16;
+
+    /// `count` tiles, the `nth` with `nth + 1` samples.
+    fn image(count: usize) -> SampleImage {
+        let (mut tiles, mut depths) = (Vec::new(), Vec::new());
+        for nth in 0..count {
+            let mut rows = [0; TILE];
+            rows[3] = u16::MAX >> (15 - nth % 16);
+            tiles.push(SampleTile { tile_x: nth as u16, tile_y: 0, first: depths.len() as u32, rows });
+            // Every other tile spans more than two octaves of depth, and takes a fourth byte.
+            let far = if nth % 2 == 0 { 0.5 } else { 0.0 };
+            depths.extend((0..=nth % 16).map(|sample| if sample == 0 { 0.6 } else { far }));
+        }
+        SampleImage {
+            camera: 0,
+            span: Span { start: 0, end: 1 },
+            color: vec![[f16::ONE; 3]; depths.len()],
+            depth: DepthPlane::pack(&tiles, &depths),
+            tiles,
+            normal: None,
+        }
+    }
+
+    #[test]
+    fn pieces_follow_each_other_without_gaps_and_are_no_longer_than_asked() {
+        let image = image(40);
+        let whole = Piece::cut(&image, u32::MAX);
+        assert_eq!(whole.len(), 1);
+        assert_eq!(whole[0].samples, 0..image.len());
+        for max_words in [1, 60, 100, 333] {
+            let pieces = Piece::cut(&image, max_words);
+            assert!(pieces.iter().all(|piece| piece.words() <= max_words || piece.tiles.len() == 1));
+            let (mut tile, mut sample, mut byte) = (0, 0, 0);
+            for piece in &pieces {
+                let starts = (piece.tiles.start, piece.samples.start, piece.high.start);
+                assert_eq!(starts, (tile, sample, byte));
+                (tile, sample, byte) = (piece.tiles.end, piece.samples.end, piece.high.end);
+            }
+            assert_eq!((tile, sample, byte), (image.tiles.len(), image.len(), image.depth.high().len()));
+        }
+    }
+
+    #[test]
+    fn samples_above_a_row_are_counted() {
+        let mut rows = [0; TILE];
+        (rows[0], rows[2], rows[15]) = (0b101, 0xffff, 1);
+        let above = samples_above(&rows);
+        assert_eq!([0, 1, 2, 3, 15].map(|row| above[row]), [0, 2, 2, 18, 18]);
+    }
+}
