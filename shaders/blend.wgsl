@@ -4,8 +4,8 @@
 @group(1) @binding(1) var<storage, read_write> sums: array<atomic<u32>>;
 
 // Variance of the reconstruction filter, squared source pixels, and of the screen filter, squared target pixels.
-const SOURCE_VARIANCE: f32 = 0.25;
-const SCREEN_VARIANCE: f32 = 0.16;
+const SOURCE_VARIANCE: f32 = 0.15;
+const SCREEN_VARIANCE: f32 = 0.1;
 // The squared distance, in standard deviations, at which a footprint's weight has fallen to 0.
 const KERNEL_END: f32 = 6.0;
 // Footprints reach no farther, in target pixels.
@@ -22,7 +22,10 @@ fn add_part(at: u32, value: f32) {
 
 fn add(x: u32, y: u32, depth: f32, weight: f32, color: vec3<f32>) {
     let pixel = y * stage.width + x;
-    if weight > 0.0 && depth >= inverse_depth_of(keys[2u * pixel + 1u]) * stage.surface_ratio {
+    let nearest = inverse_depth_of(keys[2u * pixel + 1u]);
+    // Neither what lies behind the surface nor what ends beside it: a nearer sample whose kernel only brushes the pixel.
+    let shown = depth >= nearest * stage.surface_ratio && depth * stage.surface_ratio <= nearest;
+    if weight > 0.0 && shown {
         let at = SUM_WORDS * pixel;
         add_part(at, color.x * weight);
         add_part(at + 2u, color.y * weight);

@@ -1,8 +1,8 @@
 //! The blend stage: the colors of all samples of the nearest surface, weighted and summed in every pixel.
 //!
 //! `block` weighs bilinearly over the 2×2 pixels around a sample (the paper, §3.3, "a coarse blending within a 4-pixel
-//! region"). `surfel` weighs by the sample's oriented footprint, by its sampling rate and by how closely its camera looks
-//! along with the vantage.
+//! region"). `surfel` weighs by the sample's oriented footprint and by its sampling rate, which falls with distance and with
+//! the angle of incidence.
 //!
 //! Source: for screen-space filters joined with projected footprints, Zwicker et al., *Surface Splatting*, SIGGRAPH 2001,
 //! equation 11. What differs: the kernel is `(1 − q/q₀)²` instead of a Gaussian, so that it ends, and only samples within a

@@ -96,7 +96,7 @@ choice! {
         Point = "point",
         /// The paper's coarse blending: a sample is spread over the 2×2 pixels around its position.
         Block = "block",
-        /// Oriented footprints, blended among samples of one surface by sampling rate and viewing angle.
+        /// Oriented footprints, blended among samples of one surface by sampling rate.
         Surfel = "surfel",
         /// Surface first, color second: each pixel's surface point is looked up in the cameras that saw it best.
         Gather = "gather",
