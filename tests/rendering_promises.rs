@@ -45,7 +45,9 @@ fn a_camera_that_kept_everything_is_painted_back_exactly() {
         {
             for channel in 0..3 {
                 let difference = (painted[channel] - recorded[channel].to_f32()).abs();
-                assert!(difference < 1e-3, "{kernel}: pixel {pixel} differs by {difference}");
+                // A surfel's filter reaches over its neighbors by a little; the others give the sample itself.
+                let tolerance = if *kernel == Kernel::Surfel { 0.03 } else { 1e-3 };
+                assert!(difference < tolerance, "{kernel}: pixel {pixel} differs by {difference}");
             }
         }
     }

@@ -107,6 +107,8 @@ impl Work for Strip<'_> {
                 self.copy(&block, background);
             } else if let Some(gathers) = self.resolve.gather {
                 self.gather(&block, gathers[usize::from(has_foreground)], &mut cameras);
+            } else if self.resolve.kernel == Kernel::Point {
+                self.points(&block);
             } else {
                 self.blend(&block);
             }
@@ -215,12 +217,44 @@ impl Strip<'_> {
             for column in 0..columns {
                 let pixel = (block.top + row) * self.resolve.width + block.left + column;
                 let key = self.resolve.key(pixel);
-                let color = match (key, self.resolve.kernel) {
-                    (0, _) => [0.0; 3],
-                    (key, Kernel::Point) => self.resolve.frame.color_of(slot_of(key)),
-                    (key, _) => self.resolve.blended(pixel, key),
-                };
+                let color = if key == 0 { [0.0; 3] } else { self.resolve.blended(pixel, key) };
                 self.set(row * self.resolve.width + block.left + column, key, color);
+            }
+        }
+    }
+
+    /// Every pixel shows its nearest sample. Samples of neighboring pixels lie far apart in memory: a row's are found first
+    /// and read afterwards, so that the processor waits for all of them at once.
+    #[inline(always)]
+    fn points(&mut self, block: &Block) {
+        let (columns, rows) = self.extent(block);
+        let tiles = &self.resolve.frame.tiles;
+        for row in 0..rows {
+            let first = (block.top + row) * self.resolve.width + block.left;
+            let (mut keys, mut places) = ([0_u64; BLOCK], [(0_usize, 0_usize); BLOCK]);
+            for column in 0..columns {
+                keys[column] = self.resolve.key(first + column);
+                // A hole looks at the first sample there is, and forgets it.
+                let slot = if keys[column] == 0 { 0 } else { slot_of(keys[column]) };
+                let number = (slot >> 8) as usize;
+                if let Some(tile) = tiles.get(number) {
+                    places[column] =
+                        (number, tile.rank(slot as usize % BLOCK, slot as usize / BLOCK % BLOCK));
+                }
+            }
+            let at = row * self.resolve.width + block.left;
+            for column in 0..columns {
+                let (number, nth) = places[column];
+                let shown = keys[column] != 0;
+                let (mut color, mut image) = ([0.0; 3], NO_IMAGE);
+                if let Some(tile) = tiles.get(number) {
+                    let found = tile.color(nth);
+                    (0..3).for_each(|channel| color[channel] = if shown { found[channel] } else { 0.0 });
+                    image = if shown { tile.image } else { NO_IMAGE };
+                }
+                self.rows.color[at + column] = color;
+                self.rows.inverse_depth[at + column] = inverse_depth_of(keys[column]);
+                self.rows.image[at + column] = image;
             }
         }
     }

@@ -8,7 +8,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::capture::demo::{Demo, DemoSpec};
@@ -117,33 +117,50 @@ fn one_span(set: &SampleSet) -> SampleSet {
     SampleSet { images: images.collect(), ..set.clone() }
 }
 
-/// A block of tiles in the middle of a picture, about [`FOREGROUND_SHARE`] of all, as an object would fill.
-fn is_foreground(camera: &Camera, tile: &SampleTile) -> bool {
-    let (width, height) = camera.intrinsics.size();
-    let middle = |pixels: usize, tile: u16| {
-        let tiles = pixels.div_ceil(TILE) as f64;
-        let half = 0.5 * FOREGROUND_SHARE.sqrt() * tiles;
-        (f64::from(tile) + 0.5 - 0.5 * tiles).abs() < half
+/// For every image, which of its tiles show an object: the [`FOREGROUND_SHARE`] of all tiles whose middle samples lie nearest
+/// to the point in the middle of the first image.
+fn object_tiles(set: &SampleSet) -> Vec<Vec<bool>> {
+    let middle_of = |image: &SampleImage, tile: usize| {
+        let camera = &set.cameras[image.camera as usize];
+        let tile_place = &image.tiles[tile];
+        let nth = tile_place.count() / 2;
+        let w = f64::from(image.depth.get(tile, tile_place.first, nth));
+        let corner = DVec2::new(f64::from(tile_place.tile_x), f64::from(tile_place.tile_y)) * TILE as f64;
+        // Samples at infinity go far away.
+        camera.unproject(corner + 0.5 * TILE as f64, 1.0 / w.max(1e-6))
     };
-    middle(width, tile.tile_x) && middle(height, tile.tile_y)
+    let Some(first) = set.images.first() else { return Vec::new() };
+    let anchor = middle_of(first, first.tiles.len() / 2);
+    let mut distances: Vec<(f64, usize, usize)> = Vec::new();
+    for (index, image) in set.images.iter().enumerate() {
+        let tiles = 0..image.tiles.len();
+        distances.extend(tiles.map(|tile| (middle_of(image, tile).distance(anchor), index, tile)));
+    }
+    distances.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let count = (FOREGROUND_SHARE * distances.len() as f64) as usize;
+    let mut marked: Vec<Vec<bool>> = set.images.iter().map(|image| vec![false; image.tiles.len()]).collect();
+    for (_, image, tile) in &distances[..count] {
+        marked[*image][*tile] = true;
+    }
+    marked
 }
 
 /// The set with the foreground's tiles in spans of one frame, the same ones at every frame.
 fn split(set: &SampleSet) -> SampleSet {
+    let marked = object_tiles(set);
     let frames = (0..FRAMES as u32).map(|start| Span { start, end: start + 1 });
     let of_span = |span: Span| {
         let foreground = span != ALL_FRAMES;
-        set.images.iter().map(move |image| {
-            let camera = &set.cameras[image.camera as usize];
-            Arc::new(tiles_where(image, span, |tile| is_foreground(camera, tile) == foreground))
-        })
+        let images = set.images.iter().zip(&marked);
+        images
+            .map(move |(image, marked)| Arc::new(tiles_where(image, span, |tile| marked[tile] == foreground)))
     };
     let images = of_span(ALL_FRAMES).chain(frames.flat_map(of_span));
     SampleSet { images: images.filter(|image| !image.is_empty()).collect(), ..set.clone() }
 }
 
-/// The image's tiles for which `keep` holds, as an image of `span`.
-fn tiles_where(image: &SampleImage, span: Span, keep: impl Fn(&SampleTile) -> bool) -> SampleImage {
+/// The image's tiles for whose index `keep` holds, as an image of `span`.
+fn tiles_where(image: &SampleImage, span: Span, keep: impl Fn(usize) -> bool) -> SampleImage {
     let mut part = SampleImage {
         camera: image.camera,
         span,
@@ -154,7 +171,7 @@ fn tiles_where(image: &SampleImage, span: Span, keep: impl Fn(&SampleTile) -> bo
     };
     let inverse_depths = image.inverse_depths();
     let mut kept_depths = Vec::new();
-    for tile in image.tiles.iter().filter(|tile| keep(tile)) {
+    for (_, tile) in image.tiles.iter().enumerate().filter(|(index, _)| keep(*index)) {
         let samples = tile.first as usize..tile.first as usize + tile.count();
         part.tiles.push(SampleTile { first: kept_depths.len() as u32, ..*tile });
         part.color.extend_from_slice(&image.color[samples.clone()]);
