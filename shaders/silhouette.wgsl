@@ -181,6 +181,10 @@ fn decide(pixel: vec2<i32>, at: vec2<f32>) -> Standing {
         }
         share = 1.0;
     }
+    // What the votes do not carry is no crack: the gap is there.
+    if is_crack && share < 0.5 {
+        return only_own;
+    }
     if far.y == 0u {
         return Standing(select(near, nothing, share < 0.5), nothing, 1.0);
     }

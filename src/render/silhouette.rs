@@ -90,9 +90,11 @@ impl Patch {
         let (own_w, at) = (inverse_depth_of(own), ((self.left + x) as f32, (self.top + y) as f32));
         if let Some(crack) = self.crack(own_w, x, y) {
             let share = share(gather, cameras, at, inverse_depth_of(crack)).unwrap_or(1.0);
+            // What the votes do not carry is no crack: the gap is there.
             return match own {
                 0 if share < 0.5 => Pixel::Hole,
                 0 => Pixel::Surface(crack),
+                far if share < 0.5 => Pixel::Surface(far),
                 far => Pixel::Edge { near: crack, far, share },
             };
         }
