@@ -157,9 +157,9 @@ fn facts_ui(ui: &mut Ui, state: &State) {
         Some(shown) => {
             let stats = &shown.picture.stats;
             let [width, height] = shown.picture.image.size;
-            let reused = if stats.background_reused { ", background reused" } else { "" };
+            let reused = if stats.background_reused { ", background kept" } else { "" };
             format!(
-                "{} samples painted at {width}×{height} in {} ms by the {}{reused}",
+                "{} samples at {width}×{height} in {} ms by the {}{reused}",
                 text::count(stats.samples),
                 text::significant(stats.milliseconds),
                 shown.picture.painter
