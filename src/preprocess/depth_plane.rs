@@ -33,15 +33,55 @@ pub struct DepthTile {
 
 impl DepthTile {
     /// Whether samples of this tile have two high bytes.
+    #[inline(always)]
     #[must_use]
     pub fn is_wide(self) -> bool {
         self.nearest - self.farthest >= WIDE
     }
+}
 
+/// The inverse depths of one tile's samples, where they lie.
+#[derive(Clone, Copy, Debug)]
+pub struct TileDepths<'a> {
+    place: DepthTile,
+    low: &'a [u16],
+    high: &'a [u8],
+}
+
+impl TileDepths<'_> {
     /// Smallest and largest inverse depth.
     #[must_use]
-    pub fn bounds(self) -> (f32, f32) {
-        (f32::from_bits(self.farthest), f32::from_bits(self.nearest))
+    pub fn bounds(&self) -> (f32, f32) {
+        (f32::from_bits(self.place.farthest), f32::from_bits(self.place.nearest))
+    }
+
+    /// The inverse depth of a sample, from 0.
+    #[inline(always)]
+    #[must_use]
+    pub fn get(&self, nth: usize) -> f32 {
+        let high = if self.place.is_wide() {
+            u32::from(self.high[2 * nth]) | u32::from(self.high[2 * nth + 1]) << 8
+        } else {
+            u32::from(self.high[nth])
+        };
+        f32::from_bits(self.place.farthest + (u32::from(self.low[nth]) | high << 16))
+    }
+
+    /// The inverse depths of all samples, in their order, into the front of `depths`; the rest of it is left as it is.
+    #[inline(always)]
+    pub fn unpack(&self, depths: &mut [f32; TILE_SAMPLES]) {
+        let farthest = self.place.farthest;
+        if self.place.is_wide() {
+            let (high, _) = self.high.as_chunks::<2>();
+            for ((depth, &low), high) in depths.iter_mut().zip(self.low).zip(high) {
+                let high = u32::from(u16::from_le_bytes(*high));
+                *depth = f32::from_bits(farthest + (u32::from(low) | high << 16));
+            }
+        } else {
+            for ((depth, &low), &high) in depths.iter_mut().zip(self.low).zip(self.high) {
+                *depth = f32::from_bits(farthest + (u32::from(low) | u32::from(high) << 16));
+            }
+        }
     }
 }
 
@@ -117,40 +157,15 @@ impl DepthPlane {
         &self.high
     }
 
-    /// The inverse depth of sample `nth` (from 0) of tile `tile`, whose first sample is `first`.
-    #[inline]
+    /// The depths of tile `tile`, whose first sample is `first` and which has `count`.
     #[must_use]
-    pub fn get(&self, tile: usize, first: u32, nth: usize) -> f32 {
-        let place = &self.tiles[tile];
-        let low = u32::from(self.low[first as usize + nth]);
-        let high = if place.is_wide() {
-            let at = place.first_high as usize + 2 * nth;
-            u32::from(self.high[at]) | u32::from(self.high[at + 1]) << 8
-        } else {
-            u32::from(self.high[place.first_high as usize + nth])
-        };
-        f32::from_bits(place.farthest + (low | high << 16))
-    }
-
-    /// The inverse depths of tile `tile`, whose first sample is `first` and which has `count`, into the front of `depths`;
-    /// the rest of it is left as it is.
-    #[inline]
-    pub fn unpack_tile(&self, tile: usize, first: u32, count: usize, depths: &mut [f32; TILE_SAMPLES]) {
-        let place = &self.tiles[tile];
-        let low = &self.low[first as usize..first as usize + count];
-        let first_high = place.first_high as usize;
-        let depths = &mut depths[..count];
-        if place.is_wide() {
-            let (high, _) = self.high[first_high..first_high + 2 * count].as_chunks::<2>();
-            for ((depth, &low), high) in depths.iter_mut().zip(low).zip(high) {
-                let high = u32::from(u16::from_le_bytes(*high));
-                *depth = f32::from_bits(place.farthest + (u32::from(low) | high << 16));
-            }
-        } else {
-            let high = &self.high[first_high..first_high + count];
-            for ((depth, &low), &high) in depths.iter_mut().zip(low).zip(high) {
-                *depth = f32::from_bits(place.farthest + (u32::from(low) | u32::from(high) << 16));
-            }
+    pub fn tile(&self, tile: usize, first: u32, count: usize) -> TileDepths<'_> {
+        let place = self.tiles[tile];
+        let (first, first_high) = (first as usize, place.first_high as usize);
+        TileDepths {
+            place,
+            low: &self.low[first..first + count],
+            high: &self.high[first_high..first_high + (count << usize::from(place.is_wide()))],
         }
     }
 
@@ -162,7 +177,7 @@ impl DepthPlane {
         let mut first = 0;
         for (index, tile) in tiles.iter().enumerate().take(self.tiles.len()) {
             let count = tile.count().min(self.len() - first);
-            self.unpack_tile(index, first as u32, count, &mut depths);
+            self.tile(index, first as u32, count).unpack(&mut depths);
             all.extend_from_slice(&depths[..count]);
             first += count;
         }
@@ -232,8 +247,9 @@ mod tests {
             prop_assert_eq!(bits(&plane.unpack(&tiles)), bits(&depths));
             for (index, tile) in tiles.iter().enumerate() {
                 let (far, near) = (plane.tiles()[index].farthest, plane.tiles()[index].nearest);
+                let found = plane.tile(index, tile.first, tile.count());
                 for nth in 0..tile.count() {
-                    let depth = plane.get(index, tile.first, nth).to_bits();
+                    let depth = found.get(nth).to_bits();
                     prop_assert_eq!(depth, depths[tile.first as usize + nth].to_bits());
                     prop_assert!((far..=near).contains(&depth));
                 }

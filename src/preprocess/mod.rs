@@ -45,7 +45,7 @@ use layer::Layer;
 use pruning::{Decided, Rig};
 use report::Tally;
 
-pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES};
+pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
 pub use inspection::{CameraInspection, FrameInspection, PairArgument, PixelClass, Rule, Verdict};
 pub use report::Report;
 pub use samples::{OctNormal, Sample, SampleImage, SampleSet, SampleTile, Span, TILE};

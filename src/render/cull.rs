@@ -51,7 +51,7 @@ pub(super) struct Reach {
 /// Where a tile may touch the target; empty where it cannot.
 fn bounds_of(tile: &FrameTile<'_>, projector: &Projector, target: &Camera, reach: Reach) -> Bounds {
     let (width, height) = (target.intrinsics.width, target.intrinsics.height);
-    let (far, near) = tile.bounds();
+    let (far, near) = tile.depths.bounds();
     let (x, y) = (tile.origin.0 as f32 - 0.5, tile.origin.1 as f32 - 0.5);
     let (mut min, mut max) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
     let (mut nearest_z, mut behind) = (f32::INFINITY, 0);

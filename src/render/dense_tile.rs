@@ -24,12 +24,11 @@ impl DenseTile {
     /// Lays out a tile.
     #[inline(always)]
     pub(super) fn unpack(&mut self, tile: &FrameTile<'_>) {
+        tile.depths.unpack(&mut self.packed);
         if tile.color.len() == TILE_SAMPLES {
-            tile.unpack(&mut self.packed);
             self.inverse_depth.as_flattened_mut().copy_from_slice(&self.packed);
             return;
         }
-        tile.unpack(&mut self.packed);
         let mut next = 0;
         for (row, &mask) in self.inverse_depth.iter_mut().zip(&tile.rows) {
             *row = [MISSING; TILE];

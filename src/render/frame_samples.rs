@@ -12,7 +12,7 @@ use std::ops::Range;
 use half::f16;
 
 use crate::error::{Error, Result};
-use crate::preprocess::{SampleImage, SampleSet, TILE, TILE_SAMPLES};
+use crate::preprocess::{SampleImage, SampleSet, TILE, TileDepths};
 
 /// Tiles that slots can tell apart.
 const MAX_TILES: usize = 1 << 24;
@@ -26,10 +26,8 @@ pub(super) struct FrameTile<'a> {
     before: [u8; TILE],
     /// One color per sample.
     pub(super) color: &'a [[f16; 3]],
-    low: &'a [u16],
-    high: &'a [u8],
-    farthest: u32,
-    nearest: u32,
+    /// One inverse depth per sample.
+    pub(super) depths: TileDepths<'a>,
     /// Column and row of the tile's first pixel in the camera.
     pub(super) origin: (u32, u32),
     /// Index of the camera.
@@ -41,7 +39,6 @@ pub(super) struct FrameTile<'a> {
 impl<'a> FrameTile<'a> {
     fn new(image_index: usize, image: &'a SampleImage, index: usize) -> Self {
         let tile = &image.tiles[index];
-        let place = image.depth.tiles()[index];
         let mut before = [0; TILE];
         let mut count = 0;
         for (before, row) in before.iter_mut().zip(&tile.rows) {
@@ -49,15 +46,11 @@ impl<'a> FrameTile<'a> {
             count += row.count_ones();
         }
         let samples = tile.first as usize..tile.first as usize + count as usize;
-        let bytes = samples.len() << usize::from(place.is_wide());
         Self {
             rows: tile.rows,
             before,
-            color: &image.color[samples.clone()],
-            low: &image.depth.low()[samples],
-            high: &image.depth.high()[place.first_high as usize..place.first_high as usize + bytes],
-            farthest: place.farthest,
-            nearest: place.nearest,
+            depths: image.depth.tile(index, tile.first, samples.len()),
+            color: &image.color[samples],
             origin: (u32::from(tile.tile_x) * TILE as u32, u32::from(tile.tile_y) * TILE as u32),
             camera: image.camera as u16,
             image: image_index as u32,
@@ -76,47 +69,10 @@ impl<'a> FrameTile<'a> {
         self.before[row] as usize + (self.rows[row] & ((1 << column) - 1)).count_ones() as usize
     }
 
-    /// The inverse depth of a sample.
-    #[inline(always)]
-    pub(super) fn depth(&self, nth: usize) -> f32 {
-        let high = if self.is_wide() {
-            u32::from(self.high[2 * nth]) | u32::from(self.high[2 * nth + 1]) << 8
-        } else {
-            u32::from(self.high[nth])
-        };
-        f32::from_bits(self.farthest + (u32::from(self.low[nth]) | high << 16))
-    }
-
     /// The color of a sample, linear.
     #[inline(always)]
     pub(super) fn color(&self, nth: usize) -> [f32; 3] {
         self.color[nth].map(f32_from_f16)
-    }
-
-    /// Smallest and largest inverse depth.
-    pub(super) fn bounds(&self) -> (f32, f32) {
-        (f32::from_bits(self.farthest), f32::from_bits(self.nearest))
-    }
-
-    #[inline(always)]
-    fn is_wide(&self) -> bool {
-        self.nearest - self.farthest >= 1 << 24
-    }
-
-    /// The inverse depths of all samples, in their order, into the front of `depths`.
-    #[inline(always)]
-    pub(super) fn unpack(&self, depths: &mut [f32; TILE_SAMPLES]) {
-        if self.is_wide() {
-            let (high, _) = self.high.as_chunks::<2>();
-            for ((depth, &low), high) in depths.iter_mut().zip(self.low).zip(high) {
-                let high = u32::from(u16::from_le_bytes(*high));
-                *depth = f32::from_bits(self.farthest + (u32::from(low) | high << 16));
-            }
-        } else {
-            for ((depth, &low), &high) in depths.iter_mut().zip(self.low).zip(self.high) {
-                *depth = f32::from_bits(self.farthest + (u32::from(low) | u32::from(high) << 16));
-            }
-        }
     }
 }
 

@@ -133,7 +133,7 @@ impl<'a> Lookup<'a> {
 impl Quad {
     #[inline(always)]
     fn set(&mut self, corner: usize, at: u32, tile: &FrameTile<'_>, nth: usize) {
-        self.depth[corner] = tile.depth(nth);
+        self.depth[corner] = tile.depths.get(nth);
         self.tile[corner] = at;
         self.nth[corner] = nth as u32;
     }

@@ -124,7 +124,7 @@ fn object_tiles(set: &SampleSet) -> Vec<Vec<bool>> {
         let camera = &set.cameras[image.camera as usize];
         let tile_place = &image.tiles[tile];
         let nth = tile_place.count() / 2;
-        let w = f64::from(image.depth.get(tile, tile_place.first, nth));
+        let w = f64::from(image.depth.tile(tile, tile_place.first, tile_place.count()).get(nth));
         let corner = DVec2::new(f64::from(tile_place.tile_x), f64::from(tile_place.tile_y)) * TILE as f64;
         // Samples at infinity go far away.
         camera.unproject(corner + 0.5 * TILE as f64, 1.0 / w.max(1e-6))
