@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use overlook::capture::transforms::{open, open_views};
+use overlook::capture::{Capture, View};
 use overlook::evaluate::{Compared, compare, evaluate};
 use overlook::job::Job;
 use overlook::preprocess::{preprocess, scan};
@@ -15,7 +16,15 @@ fn pruning_by_rate_costs_little_and_first_camera_wins_costs_clearly_more() {
     let views = open_views(&folder.join("novel/transforms.json")).unwrap();
     assert_eq!((capture.cameras.len(), capture.frame_count()), (4, 4));
 
-    let comparison = compare(&capture, &views, &Settings::default(), &Job::new()).unwrap();
+    // First camera wins loses three times the coverage of blocks. Footprints close many of its gaps as well: twice.
+    compare_rules(&capture, &views, Kernel::Block, 3.0);
+    compare_rules(&capture, &views, Kernel::Gather, 2.0);
+}
+
+fn compare_rules(capture: &Capture, views: &[View], kernel: Kernel, coverage_ratio: f64) {
+    let mut settings = Settings::default();
+    settings.render.kernel = kernel;
+    let comparison = compare(capture, views, &settings, &Job::new()).unwrap();
     let mean = |compared: &Compared| compared.evaluation.mean.clone();
     let all = mean(&comparison.no_pruning);
     let lost = |compared: &Compared| {
@@ -28,12 +37,17 @@ fn pruning_by_rate_costs_little_and_first_camera_wins_costs_clearly_more() {
     };
     let (ours, first) = (lost(&comparison.as_set), lost(&comparison.first_camera));
     println!(
-        "lost (dB where sampled, dB everywhere, coverage): by rate {ours:?}, first camera wins {first:?}"
+        "{kernel} lost (dB where sampled, dB everywhere, coverage): by rate {ours:?}, first camera wins {first:?}"
     );
     assert!(ours.0 <= 0.15, "pruning by rate loses {} dB", ours.0);
     assert!(first.0 > 1.5 * ours.0, "first camera wins loses {} dB, by rate {}", first.0, ours.0);
     assert!(first.1 > 2.0 * ours.1, "with holes black: {} dB, by rate {}", first.1, ours.1);
-    assert!(ours.2 < 0.005 && first.2 > 2.0 * ours.2, "coverage lost: {} by rate, {}", ours.2, first.2);
+    assert!(
+        ours.2 < 0.005 && first.2 > coverage_ratio * ours.2,
+        "coverage lost: {} by rate, {}",
+        ours.2,
+        first.2
+    );
     let (ours, all) = (&comparison.as_set, &comparison.no_pruning);
     assert!(ours.samples_kept * 10 < all.samples_kept * 8, "{} of {}", ours.samples_kept, all.samples_kept);
 }

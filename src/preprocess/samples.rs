@@ -64,14 +64,6 @@ impl SampleTile {
     pub fn count(&self) -> usize {
         self.rows.iter().map(|row| row.count_ones() as usize).sum()
     }
-
-    /// How many samples of the tile come before pixel `(column, row)` of the tile, in storage order.
-    #[inline]
-    #[must_use]
-    pub fn rank(&self, column: usize, row: usize) -> usize {
-        let before: u32 = self.rows[..row].iter().map(|row| row.count_ones()).sum();
-        (before + (self.rows[row] & ((1 << column) - 1)).count_ones()) as usize
-    }
 }
 
 /// A unit normal in octahedral coordinates, two signed bytes; about one degree of precision.

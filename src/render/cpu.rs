@@ -129,10 +129,12 @@ impl<'a> Painting<'a> {
         background_picture: Option<&Picture>,
         (which, picture): (&Blocks, &mut Picture),
     ) -> Result<()> {
-        let gathers = (self.settings.kernel == Kernel::Gather).then(|| {
-            let among = |tiles| Gather::new(self.frame, tiles, self.target, self.settings.depth_tolerance);
-            [among(self.frame.lasting()), among(0..self.frame.tiles.len())]
-        });
+        let gathers = self.settings.kernel == Kernel::Gather;
+        let among = |tiles| Gather::new(self.frame, tiles, self.target, self.settings.depth_tolerance);
+        // Blocks without foreground are copied where the background's picture is there already.
+        let lasting = (gathers && background_picture.is_none()).then(|| among(self.frame.lasting()));
+        let all = (gathers && foreground.is_some()).then(|| among(0..self.frame.tiles.len()));
+        let either = lasting.as_ref().or(all.as_ref());
         let resolve = Resolve {
             frame: self.frame,
             kernel: self.settings.kernel,
@@ -141,7 +143,7 @@ impl<'a> Painting<'a> {
             background,
             foreground,
             background_picture,
-            gather: gathers.as_ref().map(|[lasting, all]| [lasting, all]),
+            gather: either.map(|either| [either, all.as_ref().unwrap_or(either)]),
             job: self.job,
         };
         resolve.resolve(which, picture)
