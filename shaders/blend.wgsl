@@ -10,6 +10,9 @@ const SCREEN_VARIANCE: f32 = 0.1;
 const KERNEL_END: f32 = 6.0;
 // Footprints reach no farther, in target pixels.
 const MAX_REACH: f32 = 64.0;
+// How far a sample's weight reaches: in target pixels, and in projected source pixels.
+const REACH_PIXELS: f32 = 1.5;
+const REACH_SOURCE_PIXELS: f32 = 2.0 * MAX_STRETCH;
 
 fn add_part(at: u32, value: f32) {
     let part = fixed_point(value);
@@ -47,7 +50,7 @@ fn add_block(projected: Projected, w: f32, color: vec3<f32>) {
     }
 }
 
-fn add_footprint(projected: Projected, found: Footprint, color: vec3<f32>) {
+fn add_footprint(projected: Projected, found: Footprint, focal_ratio: f32, color: vec3<f32>) {
     let a = found.jacobian.x;
     let b = found.jacobian.y;
     let c = found.jacobian.z;
@@ -57,7 +60,8 @@ fn add_footprint(projected: Projected, found: Footprint, color: vec3<f32>) {
     let xy = SOURCE_VARIANCE * (a * c + b * d);
     let area = max(abs(a * d - b * c), 0.05);
     let determinant = xx * yy - xy * xy;
-    let half_size = min(sqrt(KERNEL_END * vec2<f32>(xx, yy)), vec2<f32>(MAX_REACH));
+    let reach = min(REACH_PIXELS + REACH_SOURCE_PIXELS * focal_ratio * projected.reciprocal, MAX_REACH);
+    let half_size = min(sqrt(KERNEL_END * vec2<f32>(xx, yy)), vec2<f32>(reach));
     let edges = edges_around(projected.pixel, half_size);
     for (var y = edges.z; y <= edges.w; y++) {
         for (var x = edges.x; x <= edges.y; x++) {
@@ -89,7 +93,7 @@ fn blend(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) 
     let color = clamp(unpack_color(piece, pixel.index), vec3<f32>(0.0), vec3<f32>(LARGEST_HALF));
     if stage.kernel == KERNEL_SURFEL {
         let found = footprint(projector, projected, w, slopes(local.xy, projector.per_footprint));
-        add_footprint(projected, found, color);
+        add_footprint(projected, found, projector.focal_ratio, color);
     } else {
         add_block(projected, w, color);
     }

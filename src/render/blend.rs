@@ -12,9 +12,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::cull::Band;
+use super::cull::{Band, Reach};
 use super::dense_tile::{DenseTile, slopes};
-use super::footprint::footprints;
+use super::footprint::{MAX_STRETCH, footprints};
 use super::frame_samples::FrameTile;
 use super::keys::inverse_depth_of;
 use super::project::{ProjectedRow, Projector};
@@ -33,6 +33,12 @@ const SCREEN_VARIANCE: f32 = 0.1;
 
 /// The squared distance, in standard deviations, at which a footprint's weight has fallen to 0.
 const KERNEL_END: f32 = 6.0;
+
+/// Footprints reach no farther, in target pixels.
+const MAX_REACH: f32 = 64.0;
+
+/// How far a sample's weight reaches: the filter alone, and with it two of the widest footprints.
+pub(super) const BLEND_REACH: Reach = Reach { pixels: 1.5, source_pixels: 2.0 * MAX_STRETCH };
 
 /// Adds up the pixels of `bands` over the samples that are no farther than `surface_ratio` of the nearest depth in `keys`.
 ///
@@ -182,7 +188,10 @@ impl Canvas<'_> {
             let area = (a * d - b * c).abs().max(0.05);
             let determinant = xx * yy - xy * xy;
             let (half_width, half_height) = ((KERNEL_END * xx).sqrt(), (KERNEL_END * yy).sqrt());
-            let limit = 64.0_f32;
+            // Not beyond the bounds that tiles are culled by: what is painted must not depend on how the picture is cut.
+            let limit = (BLEND_REACH.pixels
+                + BLEND_REACH.source_pixels * projector.focal_ratio * projected.reciprocal[i])
+                .min(MAX_REACH);
             let (half_width, half_height) = (half_width.min(limit), half_height.min(limit));
             let (u, v) = (projected.u[i], projected.v[i]);
             let left = (u - half_width - 0.5).ceil().max(0.0);

@@ -8,7 +8,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::blend::blend;
+use super::blend::{BLEND_REACH, blend};
 use super::blocks::Blocks;
 use super::cull::{Bounds, Reach, bands, bounds};
 use super::fill::fill;
@@ -94,8 +94,7 @@ impl<'a> Painting<'a> {
         let reach = match self.settings.kernel {
             Kernel::Point => Reach { pixels: 0.0, source_pixels: 0.0 },
             Kernel::Block => Reach { pixels: 1.0, source_pixels: 0.0 },
-            // The kernel ends at the root of six standard deviations of half a source pixel, stretched.
-            Kernel::Surfel => Reach { pixels: 1.5, source_pixels: 2.0 * MAX_STRETCH },
+            Kernel::Surfel => BLEND_REACH,
             Kernel::Gather => Reach { pixels: 1.0, source_pixels: MAX_STRETCH },
         };
         bounds(self.frame, tiles, &self.projectors, self.target, reach)
