@@ -13,7 +13,10 @@ mod picture;
 mod preprocess;
 mod progress;
 mod render;
+mod results;
 mod settings;
+mod sweep;
+mod truth;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -63,6 +66,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Score settings: accuracy, speed and size, against no pruning and against first camera wins.
     Evaluate(evaluate::EvaluateArgs),
+    /// Try many settings and all baselines: accuracy against time and bytes, with the Pareto front.
+    Sweep(sweep::SweepArgs),
     /// Measure how fast each stage is, beside the limits of this machine.
     Bench(bench::BenchArgs),
     /// Print every setting with its meaning, unit, range and value, as TOML.
@@ -145,6 +150,7 @@ impl Cli {
             Some(Command::Preprocess(args)) => args.run(),
             Some(Command::Render(args)) => args.run(),
             Some(Command::Evaluate(args)) => args.run(),
+            Some(Command::Sweep(args)) => args.run(),
             Some(Command::Bench(args)) => args.run(),
             Some(Command::Settings(args)) => args.run(),
             None => explore(self.path, open_window),

@@ -7,9 +7,14 @@
 //!
 //! [`speed`] measures the stages for themselves, beside the machine's own limits.
 
+pub mod baselines;
 pub mod hold_out;
 pub mod metrics;
 pub mod speed;
+pub mod subset;
+pub mod sweep;
+pub mod trial;
+pub mod truth;
 
 use std::sync::Arc;
 
