@@ -126,7 +126,7 @@ fn quoted(text: &str) -> String {
 pub(super) fn table(points: &[Point]) -> String {
     let mut text = format!(
         "{:<52} {:>15} {:>15} {:>7} {:>7} {:>7} {:>12} {:>10} {:>8}",
-        "setting", "all dB ± SE", "PSNR dB ± SE", "SSIM", "FLIP", "cover", "samples", "bytes", "ms"
+        "setting", "filled dB ± SE", "PSNR dB ± SE", "SSIM", "FLIP", "cover", "samples", "bytes", "ms"
     );
     for point in points {
         let star = if point.pareto { '*' } else { ' ' };
@@ -134,8 +134,8 @@ pub(super) fn table(points: &[Point]) -> String {
             text,
             "\n{star} {:<50} {:>8.2} ± {:>4.2} {:>8.2} ± {:>4.2} {:>7.4} {:>7.4} {:>7.4} {:>12} {:>10} {:>8.1}",
             point.label,
-            point.psnr_all_db,
-            point.psnr_all_db_se,
+            point.psnr_filled_db,
+            point.psnr_filled_db_se,
             point.psnr_db,
             point.psnr_db_se,
             point.ssim,

@@ -23,7 +23,7 @@ pub(super) struct SweepArgs {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Try these values of a setting, and all combinations where given several times, instead of the usual variations: as
-    /// in --vary pruning.depth_tolerance=0.5,1,2.
+    /// in `--vary pruning.depth_tolerance=0.5,1,2`.
     #[arg(long, value_name = "KEY=VALUE,VALUE…")]
     vary: Vec<String>,
     /// Try the settings of this file, under its name; may be given several times.

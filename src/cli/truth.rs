@@ -20,25 +20,28 @@ pub(super) struct TruthArgs {
     cross_validate: bool,
     /// Look at this many frames alone, spread over the capture, those with truth among them.
     #[arg(long, value_name = "N")]
-    frames: Option<usize>,
+    pub(super) frames: Option<usize>,
 }
 
 impl TruthArgs {
     /// The capture to work on, and its truth.
     pub(super) fn open(&self, path: &Path, capture: Capture) -> Result<(Capture, Truth), Failure> {
-        let beside = || if self.cross_validate { None } else { transforms::truth_beside(path) };
-        let truth = match self.views.clone().or_else(beside) {
-            Some(views) => Truth::Views(transforms::open_views(&views)?),
-            None if capture.cameras.len() > 1 => Truth::HoldOut,
-            None => {
-                return Err(Failure::Usage(format!(
-                    "{} comes without truth views and has a single camera, which cannot be left out; name views with --views",
-                    path.display()
-                )));
-            }
-        };
+        let truth = self.truth(path, &capture)?;
         let Some(frames) = self.frames else { return Ok((capture, truth)) };
         Ok(subset::frames(&capture, truth, frames)?)
+    }
+
+    /// The truth at all frames.
+    pub(super) fn truth(&self, path: &Path, capture: &Capture) -> Result<Truth, Failure> {
+        let beside = || if self.cross_validate { None } else { transforms::truth_beside(path) };
+        match self.views.clone().or_else(beside) {
+            Some(views) => Ok(Truth::Views(transforms::open_views(&views)?)),
+            None if capture.cameras.len() > 1 => Ok(Truth::HoldOut),
+            None => Err(Failure::Usage(format!(
+                "{} comes without truth views and has a single camera, which cannot be left out; name views with --views",
+                path.display()
+            ))),
+        }
     }
 
     /// The truth in words.
@@ -48,7 +51,10 @@ impl TruthArgs {
             (None, true) => "each camera left out in turn".to_owned(),
             (None, false) => "the capture's own views, or else each camera left out in turn".to_owned(),
         };
-        format!("{source}; {} frames", capture.frame_count())
+        format!(
+            "{source}; {} frames",
+            self.frames.map_or(capture.frame_count(), |frames| frames.min(capture.frame_count()))
+        )
     }
 
     /// Tells results apart that must not be mixed.

@@ -11,10 +11,12 @@ pub mod baselines;
 pub mod hold_out;
 pub mod metrics;
 pub mod speed;
+pub mod stress;
 pub mod subset;
 pub mod sweep;
 pub mod trial;
 pub mod truth;
+pub mod tune;
 
 use std::sync::Arc;
 
@@ -143,6 +145,8 @@ pub struct PaintedView {
     pub score: ViewScore,
     /// The picture beside its truth, where that is known.
     pub pair: Option<Pair>,
+    /// The part of [`ViewScore::milliseconds`] that filling holes took.
+    pub fill_ms: f64,
 }
 
 /// Paints one view and, where its truth is known, scores it. Nothing is kept from one view to the next, so that neither
@@ -187,7 +191,7 @@ pub fn render_view(
         samples: stats.samples,
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
     };
-    Ok(PaintedView { picture, score, pair })
+    Ok(PaintedView { picture, score, pair, fill_ms: stats.fill_ms })
 }
 
 /// Scores the views whose truth is known.

@@ -19,7 +19,8 @@ use crate::settings::Settings;
 
 pub use plan::{Plan, Planned, Series, paper, variations};
 
-/// One setting with all that was measured of it. Accuracy is over pixels that some camera saw; see [`Scores`].
+/// One setting with all that was measured of it. Accuracy is over pixels that some camera saw, of pictures whose holes are
+/// filled; see [`Scores`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Says in short what is special about it.
@@ -32,10 +33,11 @@ pub struct Point {
     pub psnr_db: f64,
     /// Its standard error over vantages and frames.
     pub psnr_db_se: f64,
-    /// See [`Scores::psnr_all_db`]: holes that some camera could have filled count as black.
-    pub psnr_all_db: f64,
+    /// The same over all these pixels, holes filled (`pushpull`) whatever the settings say: the one number that neither
+    /// leaving holes nor being good where it is easy can better. Points are ranked by it.
+    pub psnr_filled_db: f64,
     /// Its standard error.
-    pub psnr_all_db_se: f64,
+    pub psnr_filled_db_se: f64,
     /// See [`Scores::ssim`].
     pub ssim: f64,
     /// Its standard error.
@@ -60,13 +62,15 @@ pub struct Point {
     pub bytes_memory: u64,
     /// Samples that live longer than one frame.
     pub samples_shared: u64,
-    /// Milliseconds of painting one view, median; as noisy as the machine.
+    /// Different spans that hold a sample.
+    pub spans: u64,
+    /// Milliseconds of painting one view, median, filling left out unless the settings fill; as noisy as the machine.
     pub milliseconds: f64,
     /// Work of painting one view that is the same on every machine: samples times the kernel's cost.
     pub work: f64,
     /// Seconds of preprocessing.
     pub seconds_preprocess: f64,
-    /// Whether no other point is both more accurate (`psnr_all_db`) and smaller (`bytes`).
+    /// Whether no other point is both more accurate (`psnr_filled_db`) and smaller (`bytes`).
     pub pareto: bool,
 }
 
@@ -77,7 +81,7 @@ impl Point {
         let of = |value: &dyn Fn(&Scores) -> f64| {
             Estimate::of(&measured.scores.iter().map(value).collect::<Vec<_>>())
         };
-        let (psnr, psnr_all) = (of(&|scores| scores.psnr_db), of(&|scores| scores.psnr_all_db));
+        let (psnr, psnr_filled) = (of(&|scores| scores.psnr_db), of(&|scores| scores.psnr_all_db));
         let (ssim, flip) = (of(&|scores| scores.ssim), of(&|scores| scores.flip));
         let edges: Vec<f64> = measured.scores.iter().filter_map(|scores| scores.silhouette_steps).collect();
         Self {
@@ -86,8 +90,8 @@ impl Point {
             settings: trial.settings.clone(),
             psnr_db: psnr.mean,
             psnr_db_se: psnr.standard_error,
-            psnr_all_db: psnr_all.mean,
-            psnr_all_db_se: psnr_all.standard_error,
+            psnr_filled_db: psnr_filled.mean,
+            psnr_filled_db_se: psnr_filled.standard_error,
             ssim: ssim.mean,
             ssim_se: ssim.standard_error,
             ms_ssim: of(&|scores| scores.ms_ssim).mean,
@@ -100,6 +104,7 @@ impl Point {
             bytes: measured.bytes,
             bytes_memory: measured.bytes_memory,
             samples_shared: measured.samples_shared,
+            spans: measured.spans,
             milliseconds: measured.milliseconds,
             work: measured.samples_painted * kernel_cost(trial.settings.render.kernel),
             seconds_preprocess: measured.seconds_preprocess,
@@ -154,7 +159,7 @@ pub fn run(
     }
     let mut points: Vec<Point> = points.into_iter().flatten().collect();
     only_the_best_single_camera(&mut points);
-    mark_pareto(&mut points, |point| point.bytes as f64, |point| point.psnr_all_db);
+    mark_pareto(&mut points, |point| point.bytes as f64, |point| point.psnr_filled_db);
     Ok(points)
 }
 
@@ -173,7 +178,7 @@ fn only_the_best_single_camera(points: &mut Vec<Point>) {
     let best = points
         .iter()
         .filter(|point| is_single(point))
-        .max_by(|a, b| a.psnr_all_db.total_cmp(&b.psnr_all_db))
+        .max_by(|a, b| a.psnr_filled_db.total_cmp(&b.psnr_filled_db))
         .map(|point| point.label.clone());
     points.retain(|point| !is_single(point) || Some(&point.label) == best.as_ref());
 }

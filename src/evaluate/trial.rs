@@ -5,8 +5,11 @@
 //!        └─ kept between trials that agree so far ─┘
 //! ```
 //!
-//! What is painted has been through the file, so that precision given up there shows in the pictures.
+//! What is painted has been through the file, so that precision given up there shows in the pictures. Holes are filled for
+//! every trial alike: a method must not look good because it leaves out what is difficult, nor lose by a gap of one pixel
+//! what it gains everywhere else.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -20,7 +23,7 @@ use crate::job::Job;
 use crate::preprocess::{self, Report, SampleSet, TemporalScan};
 use crate::render::Renderer;
 use crate::settings::{
-    CaptureSettings, Kernel, NormalSettings, PruningMethod, RenderSettings, Settings, SpanSettings,
+    CaptureSettings, Fill, Kernel, NormalSettings, PruningMethod, RenderSettings, Settings, SpanSettings,
 };
 use crate::store;
 
@@ -34,7 +37,7 @@ pub enum Thinning {
     Random,
     /// As many as the reference keeps, one for each cube of a grid.
     VoxelGrid,
-    /// The pruning tolerance is lowered until at least as many stay as the reference keeps, then as many at random.
+    /// Tolerances are lowered until at least as many stay as the reference keeps; of these, as many at random.
     Tolerance,
 }
 
@@ -107,6 +110,8 @@ pub struct Measured {
     pub bytes_memory: u64,
     /// Samples that live longer than one frame, mean over folds.
     pub samples_shared: u64,
+    /// Different spans that hold a sample, mean over folds.
+    pub spans: u64,
     /// Median wall-clock milliseconds of painting a view.
     pub milliseconds: f64,
     /// Mean number of samples that are projected for a view.
@@ -168,6 +173,7 @@ impl Workbench {
     /// # Errors
     /// As [`preprocess::preprocess`], [`store::write`] and [`render_view`]; `Invalid` where no fold has a camera left.
     pub fn measure(&mut self, trial: &Trial, job: &Job) -> Result<Measured> {
+        let filling = RenderSettings { fill: Fill::PushPull, ..trial.settings.render.clone() };
         let (mut models, mut evaluations) = (Vec::new(), Vec::new());
         for fold in &mut self.folds {
             if !fold.has_cameras(trial) {
@@ -178,8 +184,11 @@ impl Workbench {
             let mut scores = Scoreboard::default();
             for view in &fold.fold.views {
                 job.check()?;
-                let settings = &trial.settings.render;
-                scores.add(view, render_view(&mut self.renderer, &model.samples, view, settings, job)?);
+                let mut painted = render_view(&mut self.renderer, &model.samples, view, &filling, job)?;
+                if trial.settings.render.fill == Fill::None {
+                    painted.score.milliseconds -= painted.fill_ms;
+                }
+                scores.add(view, painted);
                 job.advance(1);
             }
             evaluations.push(scores.finish(&self.renderer));
@@ -203,6 +212,7 @@ impl Workbench {
             bytes: mean(&|model| model.bytes as f64).round() as u64,
             bytes_memory: mean(&|model| model.samples.bytes() as f64).round() as u64,
             samples_shared: mean(&|model| shared(&model.samples) as f64).round() as u64,
+            spans: mean(&|model| span_count(&model.samples) as f64).round() as u64,
             milliseconds: *times.select_nth_unstable_by(middle, f64::total_cmp).1,
             samples_painted: Estimate::of(&views().map(|view| view.samples as f64).collect::<Vec<_>>()).mean,
             seconds_preprocess: mean(&|model| model.seconds),
@@ -213,6 +223,11 @@ impl Workbench {
 /// Samples that live longer than one frame.
 fn shared(samples: &SampleSet) -> u64 {
     samples.images.iter().filter(|image| image.span.len() > 1).map(|image| image.len() as u64).sum()
+}
+
+/// Different spans that hold a sample.
+fn span_count(samples: &SampleSet) -> usize {
+    samples.images.iter().map(|image| image.span).collect::<BTreeSet<_>>().len()
 }
 
 impl FoldState {
@@ -285,23 +300,29 @@ impl FoldState {
         Ok(Model { samples, report: all.report.clone(), bytes: 0, seconds })
     }
 
-    /// Lowers the tolerance of depth until at least `count` samples stay, and takes as many of them.
+    /// Lowers all tolerances together until at least `count` samples stay, and takes as many of them.
     fn pruned_to(&mut self, mut trial: Trial, count: u64, job: &Job) -> Result<Model> {
-        const SMALLEST: f64 = 0.05;
         const BISECTIONS: usize = 7;
         let mut best = self.pruned(&trial, job)?;
         if best.samples.sample_count() < count {
-            let (mut low, mut high) = (SMALLEST, f64::from(trial.settings.pruning.depth_tolerance));
-            trial.settings.pruning.depth_tolerance = low as f32;
-            best = self.pruned(&trial, job)?;
+            let tolerances = trial.settings.pruning.clone();
+            let mut tightened = |share: f64| {
+                let between = |from: f32, to: f32| from * (to / from).powf(share as f32);
+                let pruning = &mut trial.settings.pruning;
+                pruning.depth_tolerance = between(tolerances.depth_tolerance, 0.05);
+                pruning.color_tolerance = between(tolerances.color_tolerance, 1.0);
+                pruning.normal_tolerance = between(tolerances.normal_tolerance, 1.0);
+                self.pruned(&trial, job)
+            };
+            let (mut low, mut high) = (0.0, 1.0);
+            best = tightened(high)?;
             for _ in 0..BISECTIONS {
-                let middle = (low * high).sqrt();
-                trial.settings.pruning.depth_tolerance = middle as f32;
-                let pruned = self.pruned(&trial, job)?;
+                let middle = 0.5 * (low + high);
+                let pruned = tightened(middle)?;
                 if pruned.samples.sample_count() < count {
-                    high = middle;
+                    low = middle;
                 } else {
-                    (low, best) = (middle, pruned);
+                    (high, best) = (middle, pruned);
                 }
             }
         }

@@ -50,8 +50,8 @@ pub struct Recorded {
     pub edit_truth: Option<TruthEdit>,
 }
 
-/// Changes a true picture, given where it was taken from and the index of its frame.
-pub type TruthEdit = Arc<dyn Fn(&Camera, usize, Frame) -> Frame + Send + Sync>;
+/// Changes a true picture, given where it was taken from and the number of its frame.
+pub type TruthEdit = Arc<dyn Fn(&Camera, i64, Frame) -> Frame + Send + Sync>;
 
 impl Recorded {
     /// A capture as it is.
@@ -138,7 +138,7 @@ fn masked(recorded: &Recorded, view: View) -> Result<View> {
     };
     let mut truth = load()?;
     if let Some(edit) = &recorded.edit_truth {
-        truth = edit(&view.camera, frame, truth);
+        truth = edit(&view.camera, view.frame_number, truth);
     }
     let sights = (0..recorded.capture.cameras.len())
         .map(|camera| Sight::new(recorded, camera, frame))

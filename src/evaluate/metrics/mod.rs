@@ -250,7 +250,9 @@ mod tests {
         let [bright, dark] = [picture, dark].map(|picture| Pair::new(&picture, &truth).unwrap());
         let flicker = |views: &[(&Camera, &Pair)]| {
             let mut meter = FlickerMeter::default();
-            views.iter().for_each(|(camera, compared)| meter.add(camera, compared));
+            for (camera, pair) in views {
+                meter.add(camera, pair);
+            }
             meter.steps()
         };
         let (one, two) = (camera("one"), camera("two"));
