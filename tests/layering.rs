@@ -16,7 +16,7 @@ const LAYERS: [&[&str]; 8] = [
 ];
 
 /// Outside libraries that only some files may use, as prefixes of paths below `src`.
-const CONFINED: [(&str, &[&str]); 7] = [
+const CONFINED: [(&str, &[&str]); 8] = [
     ("egui", &["app/"]),
     ("eframe", &["app/"]),
     ("egui_plot", &["app/"]),
@@ -24,6 +24,7 @@ const CONFINED: [(&str, &[&str]); 7] = [
     ("wgpu", &["render/gpu", "app/"]),
     ("clap", &["cli/", "main.rs"]),
     ("indicatif", &["cli/"]),
+    ("resvg", &["evaluate/chart"]),
 ];
 
 /// Files that know bytes, not cameras.

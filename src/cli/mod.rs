@@ -35,6 +35,9 @@ Examples:
   overlook preprocess scene --out scene.ovl                 drop what is redundant
   overlook render scene.ovl --views scene/novel/transforms.json --out pictures
   overlook evaluate scene                                   accuracy against no pruning and first camera wins
+  overlook sweep scene --out sweep                          accuracy against time and bytes, for many settings
+  overlook stress scene --out stress                        where methods fail
+  overlook tune scene --out tuned.toml                      the simplest settings that are as good as the best
   overlook bench                                            speed of each stage beside the limits of this machine
 
 Exit codes: 0 success, 1 bad input (one line on stderr says what, where and what to do), 2 bad usage.";

@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 
 use super::output;
 use crate::error::{Error, Result};
+use crate::evaluate::chart::Chart;
 use crate::evaluate::sweep::Point;
 
 /// What a run has measured so far, one JSON document a line below a line that says what it was measured on.
@@ -69,6 +70,11 @@ pub(super) fn write_json(path: &Path, document: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(document)
         .map_err(|error| Error::invalid(path.display(), error.to_string()))?;
     fs::write(path, text + "\n").map_err(|error| Error::io(path, error))
+}
+
+/// Writes a chart as PNG.
+pub(super) fn write_chart(path: &Path, chart: &Chart) -> Result<()> {
+    fs::write(path, chart.png()?).map_err(|error| Error::io(path, error))
 }
 
 /// Writes documents as CSV (RFC 4180): one a row, a column for every number, text or truth value, nested ones by the path to

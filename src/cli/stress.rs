@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::truth::TruthArgs;
 use super::{Failure, SettingsArgs, output, progress, results};
 use crate::capture::transforms;
+use crate::evaluate::chart;
 use crate::evaluate::stress::{self, Disturbance, Failure as PointOfFailure, Plan, StressPoint};
 use crate::evaluate::truth::Truth;
 use crate::settings::Settings;
@@ -76,39 +77,57 @@ impl StressArgs {
         };
         results::write_json(&self.out.join("stress.json"), &document)?;
         results::write_csv(&self.out.join("stress.csv"), &points)?;
+        results::write_chart(&self.out.join("stress.png"), &chart::stress(&capture.name, &points))?;
         if self.json { output::print_json(&document) } else { output::print(&table(&points, &failures)) }
     }
 }
 
-/// Per disturbance and method: accuracy and share kept along the dial, and where 1 dB is lost.
+/// Per disturbance: where each method loses 1 dB, and the least that ours is ahead of the others anywhere on the dial.
 fn table(points: &[StressPoint], failures: &[PointOfFailure]) -> String {
-    let mut text = String::new();
+    let mut methods: Vec<&str> = Vec::new();
     for failure in failures {
-        let along = points
-            .iter()
-            .filter(|point| point.disturbance == failure.disturbance && point.method == failure.method);
-        let along: Vec<String> = along
-            .map(|point| {
-                format!(
-                    "{}: {:.2} dB {:.0} %",
-                    point.dial,
-                    point.point.psnr_filled_db,
-                    100.0 * point.kept_share
-                )
-            })
-            .collect();
-        let _ = writeln!(
-            text,
-            "{:<26} {:<18} loses 1 dB at {:<28} {}",
-            failure.disturbance,
-            failure.method,
-            failure.dial.map_or_else(
-                || format!("none ({:.2} dB at most)", failure.worst_loss_db),
-                |dial| format!("{dial:.3} {}", failure.unit)
-            ),
-            along.join(", ")
-        );
+        if !methods.contains(&failure.method.as_str()) {
+            methods.push(&failure.method);
+        }
     }
-    text.truncate(text.trim_end().len());
+    let mut text = format!("{:<44}", "1 dB is lost at");
+    for method in &methods {
+        let _ = write!(text, " {method:>18}");
+    }
+    for method in methods.iter().skip(1) {
+        let _ = write!(text, " {:>26}", format!("least over {method}"));
+    }
+    for first in failures.iter().filter(|failure| Some(&failure.method.as_str()) == methods.first()) {
+        let name = format!("{}, {}", first.disturbance, first.unit);
+        let _ = write!(text, "\n{name:<44}");
+        for method in &methods {
+            let failure = failures
+                .iter()
+                .find(|other| other.disturbance == first.disturbance && other.method == *method);
+            let dial = failure.map_or_else(String::new, |failure| {
+                failure.dial.map_or_else(
+                    || format!("never ({:.2} dB)", failure.worst_loss_db),
+                    |dial| format!("{dial:.2}"),
+                )
+            });
+            let _ = write!(text, " {dial:>18}");
+        }
+        for method in methods.iter().skip(1) {
+            let lead = least_lead_db(points, &first.disturbance, [&first.method, method]);
+            let _ = write!(text, " {:>26}", format!("{lead:+.2} dB"));
+        }
+    }
     text
+}
+
+/// The least by which one method is ahead of another at any value of a disturbance's dial, dB; negative where it is behind.
+fn least_lead_db(points: &[StressPoint], disturbance: &str, [ahead, behind]: [&str; 2]) -> f64 {
+    let of = |method: &str| {
+        let of_it = points.iter().filter(move |point| point.disturbance == disturbance);
+        of_it
+            .filter(|point| point.method == method)
+            .map(|point| point.point.psnr_filled_db)
+            .collect::<Vec<_>>()
+    };
+    of(ahead).iter().zip(of(behind)).map(|(ahead, behind)| ahead - behind).fold(f64::INFINITY, f64::min)
 }

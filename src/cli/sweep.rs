@@ -9,6 +9,7 @@ use super::render::PaintingArgs;
 use super::truth::TruthArgs;
 use super::{Failure, SettingsArgs, output, progress, results};
 use crate::capture::transforms;
+use crate::evaluate::chart;
 use crate::evaluate::sweep::{self, Plan, Point};
 use crate::settings::Settings;
 
@@ -72,6 +73,7 @@ impl SweepArgs {
             SweepOutput { capture: &capture.name, truth: self.truth.words(&capture), points: &points };
         results::write_json(&self.out.join("sweep.json"), &document)?;
         results::write_csv(&self.out.join("sweep.csv"), &points)?;
+        results::write_chart(&self.out.join("pareto.png"), &chart::pareto(&capture.name, &points))?;
         if self.json { output::print_json(&document) } else { output::print(&results::table(&points)) }
     }
 

@@ -5,9 +5,12 @@
 //! View ─────────────────── truth ─▶ Frame ────┴ metrics ─▶ ViewScore … ─▶ Evaluation
 //! ```
 //!
-//! [`speed`] measures the stages for themselves, beside the machine's own limits.
+//! [`sweep`] measures many settings that way, [`stress`] disturbs the capture, [`tune`] picks the simplest setting that is
+//! good enough; all hold [`trial`]s against a [`truth`]. [`speed`] measures the stages for themselves, beside the machine's own
+//! limits.
 
 pub mod baselines;
+pub mod chart;
 pub mod hold_out;
 pub mod metrics;
 pub mod speed;

@@ -20,12 +20,13 @@ use serde::{Deserialize, Serialize};
 use super::subset;
 use super::sweep::{self, Point, Series, context};
 use super::trial::{Trial, Workbench};
-use super::truth::{Recorded, Truth};
+use super::truth::Truth;
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::Settings;
 
+pub use super::truth::Recorded;
 pub use disturbance::Disturbance;
 
 /// A method that is put under stress.

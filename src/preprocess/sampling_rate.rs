@@ -7,8 +7,11 @@
 //! `(cV·d)•cD` is planar depth `z`, and the `cos(…)` of a dot product is that dot product itself, the cosine of the angle
 //! of incidence θ. So `r = (z₁ / cos θ₁) / (z₂ / cos θ₂)`: a ratio of two numbers that each belong to one sample alone,
 //! here called its *footprint*. What differs: the cosine has a floor, so that grazing views and poor normals stay
-//! comparable; and beside the paper's footprint there is the surface area of a pixel, `z² cos α / (fx fy cos θ)` with α
-//! the angle off the optical axis, which also knows focal length and resolution.
+//! comparable; and beside the paper's footprint there are two that also know focal length and resolution: the surface area
+//! of a pixel, `z² cos α / (fx fy cos θ)` with α the angle off the optical axis, and the longest side of that area,
+//! `z √(cos α / (fx fy)) / cos θ`. A surface is resolved no better than along the longest side: on every capture tried,
+//! the longest side keeps fewer samples than the area and comes closer to the truth (`overlook sweep`, RESULTS.md). Where
+//! cameras are alike it orders samples as the paper does, but for α.
 
 use glam::{Vec2, Vec3};
 
@@ -22,6 +25,8 @@ pub enum Rate {
     Paper,
     /// `z² cos α / (fx fy cos θ)`, capture units squared.
     Footprint,
+    /// `z √(cos α / (fx fy)) / cos θ`, capture units.
+    Stretch,
 }
 
 /// Relative difference of focal lengths below which two cameras count as alike.
@@ -38,7 +43,8 @@ impl Rate {
         match model {
             RateModel::Paper => Self::Paper,
             RateModel::Auto if cameras.windows(2).all(|pair| alike(&pair[0], &pair[1])) => Self::Paper,
-            RateModel::Footprint | RateModel::Auto => Self::Footprint,
+            RateModel::Footprint => Self::Footprint,
+            RateModel::Stretch | RateModel::Auto => Self::Stretch,
         }
     }
 }
@@ -103,7 +109,9 @@ pub fn footprint(
     if inverse_depth <= 0.0 {
         return match rate {
             Rate::Paper => 1.0,
-            Rate::Footprint => rays.pixel_area / (secant_off_axis * secant_off_axis * secant_off_axis),
+            Rate::Footprint | Rate::Stretch => {
+                rays.pixel_area / (secant_off_axis * secant_off_axis * secant_off_axis)
+            }
         };
     }
     let cosine = cosine_of_incidence(ray, normal, settings.cosine_floor);
@@ -111,6 +119,7 @@ pub fn footprint(
     match rate {
         Rate::Paper => z / cosine,
         Rate::Footprint => z * z * rays.pixel_area / (secant_off_axis * cosine),
+        Rate::Stretch => z * (rays.pixel_area / secant_off_axis).sqrt() / cosine,
     }
 }
 

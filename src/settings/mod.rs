@@ -68,12 +68,14 @@ choice! {
 choice! {
     /// How the sampling rate of a pixel is measured.
     pub enum RateModel {
-        /// The footprint where cameras differ in focal length or resolution, the paper's ratio where they are alike.
+        /// The longest side where cameras differ in focal length or resolution, the paper's ratio where they are alike.
         Auto = "auto",
         /// The paper's r: planar depth over cosine of incidence. Knows nothing of focal length and resolution.
         Paper = "paper",
         /// Surface area of a pixel, z² cos α / (fx fy cos θ).
         Footprint = "footprint",
+        /// Longest side of a pixel on the surface, z √(cos α / (fx fy)) / cos θ: the paper's r with focal length and resolution.
+        Stretch = "stretch",
     }
 }
 

@@ -1,0 +1,171 @@
+//! A sweep: accuracy against bytes, and against time, with the Pareto front of each.
+
+use super::Chart;
+use super::axis::{Axis, Scale, short};
+use super::svg::{Anchor, Marker, Svg, color};
+use crate::evaluate::sweep::{Point, Series, mark_pareto};
+use crate::settings::Kernel;
+
+const WIDTH: f64 = 1800.0;
+const HEIGHT: f64 = 1040.0;
+const TOP: f64 = 110.0;
+const BOTTOM: f64 = 800.0;
+/// Left and right of the two panels.
+const PANELS: [(f64, f64); 2] = [(100.0, 890.0), (980.0, 1770.0)];
+
+fn kernel_color(kernel: Kernel) -> &'static str {
+    match kernel {
+        Kernel::Point => color::FAINT,
+        Kernel::Block => color::ORANGE,
+        Kernel::Surfel => color::GREEN,
+        Kernel::Gather => color::BLUE,
+    }
+}
+
+fn marker(series: Series) -> Marker {
+    match series {
+        Series::Reference | Series::Variation => Marker::Dot,
+        Series::NoPruning => Marker::Up,
+        Series::FirstCamera => Marker::Down,
+        Series::FirstCameraAtCount => Marker::Diamond,
+        Series::Random => Marker::Cross,
+        Series::VoxelGrid => Marker::Square,
+        Series::SingleCamera => Marker::Plus,
+        Series::Paper => Marker::Star,
+    }
+}
+
+fn mebibytes(point: &Point) -> f64 {
+    point.bytes as f64 / (1024.0 * 1024.0)
+}
+
+/// Draws a sweep of a capture.
+#[must_use]
+pub fn pareto(capture: &str, points: &[Point]) -> Chart {
+    let mut svg = Svg::new(WIDTH, HEIGHT);
+    svg.text(
+        (40.0, 50.0),
+        Anchor::Start,
+        (30.0, color::INK),
+        &format!("{capture}: accuracy, size and speed"),
+    );
+    svg.text(
+        (40.0, 80.0),
+        Anchor::Start,
+        (17.0, color::FAINT),
+        &format!(
+            "{} settings and baselines; PSNR over all pixels that some camera saw, holes filled alike; bars are ± 1 standard error",
+            points.len()
+        ),
+    );
+    let y = Axis::around(Scale::Linear, points.iter().map(|point| point.psnr_filled_db), (BOTTOM, TOP));
+    panel(&mut svg, points, (PANELS[0], &y), ("size of the store, MiB", &mebibytes));
+    panel(&mut svg, points, (PANELS[1], &y), ("painting one view, ms", &|point| point.milliseconds));
+    svg.upward((38.0, 0.5 * (TOP + BOTTOM)), (18.0, color::INK), "accuracy, PSNR in dB");
+    legend(&mut svg, points);
+    svg.finish()
+}
+
+/// Name of a cost with its unit, and the cost.
+type Cost<'a> = (&'a str, &'a dyn Fn(&Point) -> f64);
+
+fn panel(svg: &mut Svg, points: &[Point], ((left, right), y): ((f64, f64), &Axis), (name, cost): Cost<'_>) {
+    let x = Axis::around(Scale::Log, points.iter().map(cost), (left, right));
+    for tick in y.ticks(8) {
+        svg.line((left, y.at(tick)), (right, y.at(tick)), (1.0, color::GRID));
+        svg.text((left - 10.0, y.at(tick) + 5.0), Anchor::End, (15.0, color::FAINT), &short(tick));
+    }
+    for tick in x.ticks(7) {
+        svg.line((x.at(tick), TOP), (x.at(tick), BOTTOM), (1.0, color::GRID));
+        svg.text((x.at(tick), BOTTOM + 24.0), Anchor::Middle, (15.0, color::FAINT), &short(tick));
+    }
+    svg.line((left, BOTTOM), (right, BOTTOM), (1.5, color::INK));
+    svg.line((left, TOP), (left, BOTTOM), (1.5, color::INK));
+    svg.text((0.5 * (left + right), BOTTOM + 54.0), Anchor::Middle, (18.0, color::INK), name);
+
+    let place = |point: &Point| (x.at(cost(point)), y.at(point.psnr_filled_db));
+    front(svg, points, cost, &place, right);
+    for point in points {
+        let (px, _) = place(point);
+        let bar = |sign: f64| y.at(point.psnr_filled_db + sign * point.psnr_filled_db_se);
+        svg.line((px, bar(-1.0)), (px, bar(1.0)), (0.8, "#c3c9d1"));
+    }
+    for wanted in [false, true] {
+        for point in points.iter().filter(|point| point.series.is_baseline() == wanted) {
+            let radius = if wanted { 8.0 } else { 5.0 };
+            svg.marker(
+                marker(point.series),
+                place(point),
+                radius,
+                kernel_color(point.settings.render.kernel),
+            );
+        }
+    }
+    for point in points.iter().filter(|point| point.series == Series::Reference) {
+        let (px, py) = place(point);
+        svg.marker(Marker::Ring, (px, py), 13.0, color::INK);
+        svg.text((px + 18.0, py - 14.0), Anchor::Start, (17.0, color::INK), "default");
+    }
+}
+
+/// The staircase along the points that nothing beats.
+fn front(
+    svg: &mut Svg,
+    points: &[Point],
+    cost: &dyn Fn(&Point) -> f64,
+    place: &dyn Fn(&Point) -> (f64, f64),
+    right: f64,
+) {
+    let mut best = points.to_vec();
+    mark_pareto(&mut best, cost, |point| point.psnr_filled_db);
+    best.retain(|point| point.pareto);
+    best.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+    let mut steps: Vec<(f64, f64)> = Vec::new();
+    for point in &best {
+        let (x, y) = place(point);
+        if let Some(&(_, before)) = steps.last() {
+            steps.push((x, before));
+        }
+        steps.push((x, y));
+    }
+    if let Some(&(_, last)) = steps.last() {
+        steps.push((right, last));
+    }
+    svg.path(&steps, (2.2, color::RED), "7 5");
+}
+
+fn legend(svg: &mut Svg, points: &[Point]) {
+    let (mut x, y) = (100.0, BOTTOM + 110.0);
+    svg.text((x, y), Anchor::Start, (16.0, color::FAINT), "kernel");
+    x += 80.0;
+    for kernel in Kernel::ALL.iter().rev() {
+        if points.iter().any(|point| point.settings.render.kernel == *kernel) {
+            svg.marker(Marker::Dot, (x, y - 5.0), 7.0, kernel_color(*kernel));
+            svg.text((x + 15.0, y), Anchor::Start, (16.0, color::INK), kernel.name());
+            x += 110.0;
+        }
+    }
+    svg.path(&[(x + 20.0, y - 5.0), (x + 70.0, y - 5.0)], (2.2, color::RED), "7 5");
+    svg.text(
+        (x + 82.0, y),
+        Anchor::Start,
+        (16.0, color::INK),
+        "Pareto front: nothing is both cheaper and closer",
+    );
+    let (mut x, mut y) = (180.0, y + 40.0);
+    svg.text((100.0, y), Anchor::Start, (16.0, color::FAINT), "samples");
+    for series in Series::ALL {
+        if !points.iter().any(|point| point.series == series) {
+            continue;
+        }
+        if x > 1450.0 {
+            (x, y) = (180.0, y + 34.0);
+        }
+        svg.marker(marker(series), (x, y - 5.0), if series.is_baseline() { 8.0 } else { 6.0 }, color::INK);
+        if series == Series::Reference {
+            svg.marker(Marker::Ring, (x, y - 5.0), 11.0, color::INK);
+        }
+        svg.text((x + 18.0, y), Anchor::Start, (16.0, color::INK), series.name());
+        x += 340.0;
+    }
+}

@@ -1,0 +1,71 @@
+//! Disturbances: each does nothing at the start of its dial and something at the end, and tells where methods fail.
+
+use overlook::evaluate::stress::{self, Disturbance, Plan, StressPoint};
+use overlook::evaluate::truth::Truth;
+use overlook::job::Job;
+use overlook::settings::Settings;
+
+use crate::scenes::orrery;
+
+#[test]
+fn every_disturbance_leaves_the_capture_alone_at_the_start_of_its_dial_and_not_at_its_end() {
+    let scene = orrery(4);
+    for disturbance in Disturbance::ALL {
+        let dial = disturbance.dial(&scene.capture);
+        let under = |value| disturbance.apply(&scene.capture, value).unwrap();
+        let (start, end) = (under(dial[0]), under(dial[dial.len() - 1]));
+        let differs = |recorded: &stress::Recorded| {
+            recorded.capture.cameras != scene.capture.cameras
+                || recorded.capture.cameras.iter().enumerate().any(|(camera, _)| {
+                    (0..4).any(|frame| {
+                        *recorded.capture.frame(camera, frame).unwrap()
+                            != *scene.capture.frame(camera, frame).unwrap()
+                    })
+                })
+        };
+        let inserts = matches!(disturbance, Disturbance::ThinStructures | Disturbance::GrazingViews);
+        assert!(inserts || !differs(&start), "{} disturbs at {}", disturbance.name(), dial[0]);
+        assert!(differs(&end), "{} does nothing at its end", disturbance.name());
+        let again = under(dial[dial.len() - 1]);
+        assert_eq!(*end.capture.frame(0, 2).unwrap(), *again.capture.frame(0, 2).unwrap());
+    }
+}
+
+#[test]
+fn a_pose_error_costs_accuracy_and_the_point_of_failure_lies_on_the_dial() {
+    let scene = orrery(2);
+    let plan = Plan { disturbances: vec![Disturbance::CameraPose], ..Plan::standard(&Settings::default()) };
+    let mut told = 0;
+    let points = stress::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, (known, total)| {
+        told += 1;
+        assert_eq!((known, total), (told, 15));
+    })
+    .unwrap();
+    let failures = stress::failures(&points);
+    assert_eq!(failures.len(), 3);
+    for failure in &failures {
+        let dial = failure.dial.unwrap();
+        assert!(dial > 0.0 && dial < 1.0 && failure.worst_loss_db > 1.0, "{failure:?}");
+    }
+    let again = Plan { done: points.clone(), ..plan };
+    let job = Job::new();
+    job.cancel();
+    let known = stress::run(&scene.capture, &again, &scene.truth, &job, |_, _| ()).unwrap();
+    assert_eq!(known, points, "all is known: nothing is measured, nothing can be cancelled");
+}
+
+#[test]
+fn one_decibel_is_interpolated_between_values_of_the_dial() {
+    let scene = orrery(2);
+    let Truth::Views(views) = &scene.truth else { panic!("the orrery has views") };
+    let truth = Truth::Views(views[..2].to_vec());
+    let mut plan = Plan { disturbances: vec![Disturbance::Exposure], ..Plan::standard(&Settings::default()) };
+    plan.methods.truncate(1);
+    let mut points = stress::run(&scene.capture, &plan, &truth, &Job::new(), |_, _| ()).unwrap();
+    for (point, loss_db) in points.iter_mut().zip([0.0, 0.5, 1.5, 9.0]) {
+        *point = StressPoint { loss_db, ..point.clone() };
+    }
+    let failures = stress::failures(&points);
+    assert!((failures[0].dial.unwrap() - 0.2).abs() < 1e-9 && failures[0].worst_loss_db == 9.0);
+    assert_eq!(stress::failures(&points[..2])[0].dial, None);
+}

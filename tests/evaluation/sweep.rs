@@ -1,0 +1,76 @@
+//! Sweeps: baselines keep as many samples as they may, a sweep that was cut short goes on, the front is the front.
+
+use overlook::evaluate::sweep::{self, Plan, Point, Series};
+use overlook::job::Job;
+use overlook::settings::{Kernel, Settings};
+
+use crate::scenes::orrery;
+
+fn axes() -> Vec<(String, Vec<String>)> {
+    vec![
+        ("pruning.depth_tolerance".to_owned(), vec!["0.5".to_owned(), "2".to_owned()]),
+        ("render.kernel".to_owned(), vec!["gather".to_owned(), "block".to_owned()]),
+    ]
+}
+
+/// Everything but what a clock says.
+fn without_times(points: &[Point]) -> Vec<Point> {
+    let timeless = |point: &Point| Point { milliseconds: 0.0, seconds_preprocess: 0.0, ..point.clone() };
+    points.iter().map(timeless).collect()
+}
+
+#[test]
+fn a_sweep_measures_settings_and_baselines_and_goes_on_where_it_was_cut_short() {
+    let scene = orrery(4);
+    let mut plan = Plan::grid(&Settings::default(), &axes(), &scene.capture).unwrap();
+    let whole = sweep::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, _| ()).unwrap();
+
+    let job = Job::new();
+    let mut told = Vec::new();
+    let cut = sweep::run(&scene.capture, &plan, &scene.truth, &job, |point, _| {
+        told.push(point.clone());
+        if told.len() == 7 {
+            job.cancel();
+        }
+    });
+    assert!(cut.is_err() && told.len() == 7);
+    plan.done = told;
+    let mut counts = Vec::new();
+    let again =
+        sweep::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, count| counts.push(count)).unwrap();
+    assert_eq!(counts.first(), Some(&8), "what is known is not measured again");
+    assert_eq!(without_times(&again), without_times(&whole));
+
+    let of = |series| whole.iter().filter(move |point| point.series == series);
+    let reference = of(Series::Reference).next().unwrap();
+    assert_eq!(of(Series::Variation).count(), 4);
+    for series in [Series::Random, Series::VoxelGrid, Series::FirstCameraAtCount] {
+        assert_eq!(of(series).count(), 3, "{series:?}");
+        for point in of(series) {
+            assert_eq!(point.samples, reference.samples, "{}", point.label);
+        }
+    }
+    assert_eq!(of(Series::SingleCamera).count(), 1, "the best stands for all");
+    assert_eq!(of(Series::Paper).next().unwrap().settings.render.kernel, Kernel::Block);
+    let unpruned = of(Series::NoPruning).next().unwrap();
+    assert!(unpruned.samples > reference.samples && unpruned.coverage >= reference.coverage);
+    for point in &whole {
+        let beaten = whole
+            .iter()
+            .any(|other| other.bytes < point.bytes && other.psnr_filled_db > point.psnr_filled_db);
+        assert!(point.psnr_filled_db.is_finite() && point.bytes > 0 && !(point.pareto && beaten));
+    }
+}
+
+#[test]
+fn the_standard_sweep_has_sixty_settings_and_every_baseline() {
+    let scene = orrery(2);
+    let plan = Plan::standard(&Settings::default(), &scene.capture);
+    assert!(plan.trials.len() >= 60 + 7);
+    for series in Series::ALL {
+        assert!(plan.trials.iter().any(|planned| planned.series == series), "{series:?}");
+    }
+    for path in ["spans.levels", "pruning.rate", "pruning.overlap"] {
+        assert!(plan.trials.iter().any(|planned| planned.trial.label.starts_with(path)), "{path}");
+    }
+}

@@ -1,0 +1,70 @@
+//! Tuning: the same answer every time, no camera too many, and nothing claimed that is not so.
+
+use overlook::evaluate::sweep::Point;
+use overlook::evaluate::tune::{self, Budget, Plan, Tuned};
+use overlook::job::Job;
+use overlook::settings::{Settings, SpanLevels};
+
+use crate::scenes::{Scene, flashing, one_too_many, orrery, still};
+
+fn plan() -> Plan {
+    Plan { settings: Settings::default(), budget: None, drop_cameras: true, done: Vec::new() }
+}
+
+fn tuned(scene: &Scene, plan: &Plan) -> Tuned {
+    let tuned = tune::run(&scene.capture, plan, &scene.truth, &Job::new(), |_| ()).unwrap();
+    println!("{}", tuned.words.join("\n"));
+    tuned
+}
+
+#[test]
+fn a_redundant_camera_is_dropped_and_no_other_and_the_answer_is_the_same_every_time() {
+    let scene = one_too_many(2);
+    let first = tuned(&scene, &plan());
+    let names: Vec<_> = scene.capture.cameras[..3].iter().map(|camera| camera.name.clone()).collect();
+    assert_eq!(first.cameras, names, "exactly the added camera goes");
+    let limit_db = first.limit_db.unwrap();
+    assert!(first.chosen.psnr_filled_db >= limit_db && first.chosen.bytes <= first.best.bytes);
+    let simpler = |point: &&Point| point.bytes < first.chosen.bytes && point.psnr_filled_db >= limit_db;
+    assert!(first.points.iter().filter(|point| !point.label.starts_with("without")).find(simpler).is_none());
+
+    let second = tuned(&scene, &plan());
+    assert_eq!(
+        (first.settings, first.cameras, first.camera_costs, first.words),
+        (second.settings, second.cameras, second.camera_costs, second.words)
+    );
+}
+
+#[test]
+fn a_scene_at_rest_ends_with_one_span() {
+    let tuned = tuned(&still(4), &Plan { drop_cameras: false, ..plan() });
+    assert_ne!(tuned.settings.spans.levels, SpanLevels::Off);
+    assert_eq!((tuned.chosen.spans, tuned.chosen.samples_shared), (1, tuned.chosen.samples));
+    assert!(tuned.words.iter().any(|line| line.contains("single span")), "{:?}", tuned.words);
+}
+
+#[test]
+fn a_scene_that_changes_everywhere_is_not_called_still() {
+    let tuned = tuned(&flashing(4), &Plan { drop_cameras: false, ..plan() });
+    let shared = tuned.chosen.samples_shared as f64 / tuned.chosen.samples as f64;
+    assert!(shared < 0.01, "{shared} of the samples are said to stay the same");
+    assert!(tuned.words.iter().any(|line| line.contains("every frame")), "{:?}", tuned.words);
+}
+
+#[test]
+fn a_budget_is_kept_and_one_that_cannot_be_kept_is_refused() {
+    let scene = orrery(2);
+    let free = tuned(&scene, &Plan { drop_cameras: false, ..plan() });
+    let bytes = free.points[0].bytes * 9 / 10;
+    let within =
+        Plan { budget: Some(Budget::Bytes(bytes)), drop_cameras: false, done: free.points, ..plan() };
+    let kept = tuned(&scene, &within);
+    assert!(kept.chosen.bytes <= bytes && kept.limit_db.is_none());
+    let best = kept.points.iter().filter(|point| point.bytes <= bytes);
+    let best = best.map(|point| point.psnr_filled_db).fold(0.0, f64::max);
+    assert_eq!(kept.chosen.psnr_filled_db, best);
+
+    let absurd = Plan { budget: Some(Budget::Bytes(10)), ..within };
+    let error = tune::run(&scene.capture, &absurd, &scene.truth, &Job::new(), |_| ()).unwrap_err();
+    assert!(error.to_string().contains("10 bytes"), "{error}");
+}
