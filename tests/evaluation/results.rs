@@ -4,25 +4,29 @@ use std::fmt::Write;
 use std::path::Path;
 
 use overlook::capture::transforms::{open, open_views};
-use overlook::evaluate::sweep::{self, Plan};
+use overlook::evaluate::sweep::{self, Plan, Series};
 use overlook::evaluate::truth::Truth;
 use overlook::job::Job;
-use overlook::settings::{CaptureSettings, Settings};
+use overlook::settings::{CaptureSettings, Kernel, Settings};
 
-/// What `overlook sweep assets/small_capture --vary render.kernel=gather,block --out small` measures, as RESULTS.md shows
-/// it.
+/// What `overlook sweep assets/small_capture --set spans.levels=paper --vary render.kernel=gather --out small` measures with
+/// the kernel `gather` and with the paper's settings, as RESULTS.md shows it.
 fn small_table() -> String {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
     let capture = open(&folder, &CaptureSettings::default()).unwrap();
     let truth = Truth::Views(open_views(&folder.join("novel/transforms.json")).unwrap());
-    let axes = [("render.kernel".to_owned(), vec!["gather".to_owned(), "block".to_owned()])];
-    let plan = Plan::grid(&Settings::default(), &axes, &capture).unwrap();
+    let mut settings = Settings::default();
+    settings.set_text("spans.levels=paper").unwrap();
+    let mut plan = Plan::grid(&settings, &[], &capture).unwrap();
+    plan.trials.retain(|planned| {
+        planned.trial.settings.render.kernel == Kernel::Gather || planned.series == Series::Paper
+    });
     let points = sweep::run(&capture, &plan, &truth, &Job::new(), |_, _| ()).unwrap();
     let mut table = String::new();
     for point in points {
         let _ = writeln!(
             table,
-            "| {} | {:.2} ± {:.2} | {:.2} | {:.3} | {:.3} | {:.3} | {} | {:.0} |",
+            "| {} | {:.2} ± {:.2} | {:.2} | {:.3} | {:.3} | {:.3} | {} |",
             point.label,
             point.psnr_filled_db,
             point.psnr_filled_db_se,
@@ -30,8 +34,7 @@ fn small_table() -> String {
             point.ssim,
             point.flip,
             point.coverage,
-            point.samples,
-            point.bytes as f64 / 1024.0
+            point.samples
         );
     }
     table
