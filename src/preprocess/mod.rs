@@ -12,6 +12,7 @@
 //! background; [`registration`] carries samples between cameras; [`sampling_rate`] tells which of two is better; and
 //! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add.
 
+pub mod argument;
 pub mod background;
 pub mod depth_plane;
 pub mod foreground;
@@ -45,6 +46,7 @@ use layer::Layer;
 use pruning::{Decided, Rig};
 use report::Tally;
 
+pub use argument::{ChainLink, PairQuantities, PixelArgument, Testimony, spans_of_pixel};
 pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
 pub use inspection::{CameraInspection, FrameInspection, PairArgument, PixelClass, Rule, Verdict};
 pub use report::Report;
