@@ -79,7 +79,7 @@ fn a_changed_threshold_previews_at_once_and_reruns_the_capture() {
 #[test]
 fn filling_holes_repaints_the_live_view_and_counts_them_as_before() {
     // Tall enough for the last of the settings.
-    let mut window = open(small_demo(), [SIZE[0], 1700.0]);
+    let mut window = open(small_demo(), [SIZE[0], 2100.0]);
     settle(&mut window);
     let look = |window: &mut Window| {
         let area = window.get_by_label("Live picture").rect();

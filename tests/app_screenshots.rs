@@ -3,7 +3,7 @@
 
 mod app_driver;
 
-use app_driver::{Window, choose, click, demo, open, settle, type_path, wait};
+use app_driver::{Window, choose, click, demo, look_at, open, settle, type_path, wait};
 use egui_kittest::kittest::Queryable;
 use image::RgbaImage;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -60,8 +60,12 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     choose(&mut window, "Source shows", "Who won");
     choose(&mut window, "Live view shows", "Camera");
     click(&mut window, "Report");
+    look_at(&mut window, "Source picture", egui::vec2(0.62, 0.55));
     settle(&mut window);
     shoot(&mut window, "who_won");
+    click(&mut window, "Cameras");
+    settle(&mut window);
+    shoot(&mut window, "cameras");
     choose(&mut window, "Source shows", "Sampling");
     choose(&mut window, "Live view shows", "Sampling");
     click(&mut window, "Thresholds");

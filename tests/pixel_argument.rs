@@ -133,7 +133,7 @@ fn a_rendered_pixel_leads_back_to_the_sample_that_painted_it() {
         let mut settings = Settings::default().render;
         settings.kernel = kernel;
         let (picture, _) = CpuRenderer::new().render(samples, &vantage, &settings, &Job::new()).unwrap();
-        let (mut found, mut near) = (0, 0);
+        let (mut found, mut near) = (0_u32, 0_u32);
         for y in (0..72).step_by(3) {
             for x in (0..96).step_by(3) {
                 let Some(picked) = pick(samples, &vantage, &picture, x, y) else {
@@ -153,10 +153,10 @@ fn a_rendered_pixel_leads_back_to_the_sample_that_painted_it() {
                 let point = samples.cameras[picked.camera].unproject(center, 1.0 / f64::from(inverse_depth));
                 let (position, _) = vantage.camera.project(point).unwrap();
                 let off = (position - DVec2::new(x as f64 + 0.5, y as f64 + 0.5)).length();
-                near += usize::from(off <= reach);
+                near += u32::from(off <= reach);
             }
         }
         assert!(found > 300, "{kernel:?}: {found}");
-        assert!(near as f64 >= share * found as f64, "{kernel:?}: {near} of {found}");
+        assert!(f64::from(near) >= share * f64::from(found), "{kernel:?}: {near} of {found}");
     }
 }

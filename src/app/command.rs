@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use glam::{DVec2, DVec3};
 
+use super::dock::View;
+use super::inspector::compare::CompareLook;
+use super::inspector::probe::Spot;
 use super::message::Purpose;
-use super::state::Sidebar;
 use super::views::live_image::ColorBy;
 use super::views::source_image::Overlay;
 
@@ -34,6 +36,14 @@ pub(super) enum Command {
     Reset(&'static str),
     /// Give all settings their defaults.
     ResetAll,
+    /// Take the settings of a preset, by its place in the list.
+    Preset(usize),
+    /// Take back the last change of a setting.
+    Undo,
+    /// Do again what was taken back.
+    Redo,
+    /// Put the other of two settings on.
+    SwitchSettings,
     /// Prune the whole capture again.
     Rerun,
     /// Stop the long work.
@@ -76,8 +86,22 @@ pub(super) enum Command {
     LiveSize([u32; 2]),
     /// Dark or light.
     Dark(bool),
-    /// What the side panel shows.
-    Sidebar(Sidebar),
+    /// Bring a view to the front.
+    OpenView(View),
+    /// Put all views where they were at first.
+    ResetLayout,
+    /// Point at a pixel, or at nothing.
+    Probe(Option<Spot>),
+    /// Keep the pixel that is looked at, or let go of it.
+    Pin(bool),
+    /// Show the point that is looked at in a camera's picture.
+    ShowPointIn(usize),
+    /// Say that something worked.
+    Done { title: &'static str, text: String },
+    /// Change how the comparison looks.
+    Compare(Box<CompareLook>),
+    /// Count frame times anew.
+    ClearMeter,
     /// Close a message.
     Dismiss(u64),
 }

@@ -6,6 +6,7 @@ use glam::DVec3;
 use super::command::Command;
 use super::message::Purpose;
 use super::state::State;
+use super::views::pixel_view;
 
 /// Keys and what they do, for the help.
 pub(super) const HELP: &[(&str, &str)] = &[
@@ -14,10 +15,13 @@ pub(super) const HELP: &[(&str, &str)] = &[
     ("1 – 9", "show a camera"),
     ("Shift + 1 – 9", "stand where a camera stood"),
     ("W A S D, Q E", "fly, down and up"),
+    ("P", "keep the pixel, or let go of it"),
     ("F or Home", "back to the first vantage"),
     ("Esc", "close a message, or cancel"),
     ("Ctrl + O", "open a file"),
     ("Ctrl + S", "save the store"),
+    ("Ctrl + Z, Ctrl + Y", "take back a change, do it again"),
+    ("Ctrl + Shift + C", "copy the argument for the pixel"),
     ("Ctrl + Q", "quit"),
 ];
 
@@ -46,6 +50,19 @@ pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
     if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::Q))) {
         ctx.send_viewport_cmd(egui::ViewportCommand::Close);
     }
+    if state.has_capture() {
+        let shift = Modifiers::COMMAND | Modifiers::SHIFT;
+        let redo = [shortcut(Key::Y), KeyboardShortcut::new(shift, Key::Z)];
+        if redo.iter().any(|keys| ctx.input_mut(|input| input.consume_shortcut(keys))) {
+            commands.push(Command::Redo);
+        } else if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::Z))) {
+            commands.push(Command::Undo);
+        }
+    }
+    let copy = KeyboardShortcut::new(Modifiers::COMMAND | Modifiers::SHIFT, Key::C);
+    if ctx.input_mut(|input| input.consume_shortcut(&copy)) {
+        pixel_view::copy(ctx, state, commands);
+    }
     if ctx.egui_wants_keyboard_input() || state.typed_path.is_some() || state.scene.is_none() {
         return;
     }
@@ -54,6 +71,7 @@ pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
             (Key::Space, Command::TogglePlay),
             (Key::Comma, Command::Step(-1)),
             (Key::Period, Command::Step(1)),
+            (Key::P, Command::Pin(!state.inspector.probe.pinned)),
             (Key::F, Command::Home),
             (Key::Home, Command::Home),
         ] {

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::inspector::InspectorLanes;
 use super::message::{Message, Purpose};
 use super::scene::{Origin, Scene, median_depth};
 use super::state::Inspected;
@@ -89,6 +90,8 @@ pub(super) struct Lanes {
     pub file: Lane<FileRequest>,
     /// The system's dialogs.
     pub dialog: Lane<Purpose>,
+    /// What the inspector asks.
+    pub inspector: InspectorLanes,
 }
 
 impl Lanes {
@@ -126,6 +129,7 @@ impl Lanes {
             dialog: Lane::start("Dialog", Supersede::Never, outbox.clone(), |purpose, _| {
                 Ok(Message::PathChosen { purpose, path: ask(purpose) })
             })?,
+            inspector: InspectorLanes::start(outbox)?,
         })
     }
 
@@ -138,6 +142,7 @@ impl Lanes {
             && self.live.is_idle()
             && self.measure.is_idle()
             && self.file.is_idle()
+            && self.inspector.are_idle()
     }
 }
 

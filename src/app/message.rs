@@ -3,6 +3,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::inspector::compare::{CompareKey, Comparison};
+use super::inspector::histograms::Histogram;
+use super::inspector::memory_map::Block;
+use super::inspector::probe::{Probed, Spot};
 use super::scene::Scene;
 use super::state::Inspected;
 use super::views::live_image::{LiveKey, LivePicture};
@@ -53,6 +57,16 @@ pub(super) enum Message {
     LivePainted { key: LiveKey, picture: Arc<LivePicture> },
     /// Accuracy at vantages with truth; `None` where there is none.
     Measured { scene: u64, settings: Settings, accuracy: Option<Accuracy> },
+    /// What there is to say about a pixel; `None` where there is nothing.
+    Probed { scene: u64, spot: Spot, probed: Option<Arc<Probed>> },
+    /// Every camera small.
+    Thumbnails { scene: u64, pictures: Vec<Arc<egui::ColorImage>> },
+    /// The quantities that thresholds cut.
+    Histograms { scene: u64, histograms: Vec<Histogram> },
+    /// Two pictures of one place, or why there are none.
+    Compared { key: Box<CompareKey>, outcome: Result<Comparison, String> },
+    /// What takes the memory.
+    MemoryMapped { scene: u64, blocks: Vec<Block> },
     /// A file is written; `bytes` where it is a store.
     Saved { path: PathBuf, bytes: Option<u64> },
     /// Settings were read from a file.

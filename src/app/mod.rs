@@ -12,12 +12,15 @@
 
 mod accuracy;
 mod command;
+mod dock;
+mod inspector;
 mod keyboard;
 mod lanes;
 mod memory;
 mod message;
 mod panels;
 mod plan;
+mod receive;
 mod scene;
 mod start;
 mod state;
@@ -36,11 +39,13 @@ use crate::error::Result;
 use crate::preprocess::Report;
 use crate::settings::Settings;
 use command::Command;
+use dock::Dock;
+pub use inspector::meter::FrameTimes;
 use lanes::Lanes;
 use memory::Memory;
 use message::Message;
 use plan::Plan;
-use state::{Busy, LiveLook, NoticeKind, Sidebar, SourceLook, State, Timeline};
+use state::{Busy, LiveLook, NoticeKind, SourceLook, State, Timeline};
 use worker::Outbox;
 
 pub use start::run;
@@ -68,6 +73,7 @@ pub struct OverlookApp {
     state: State,
     lanes: Lanes,
     plan: Plan,
+    dock: Dock,
     inbox: Receiver<Message>,
     commands: Vec<Command>,
     /// When the system's dialog was asked for.
@@ -84,9 +90,9 @@ impl OverlookApp {
         let (sender, inbox) = sync_channel(MESSAGES);
         let lanes = Lanes::start(&Outbox::new(sender, ctx.clone()))?;
         let mut state = fresh_state();
-        Memory::load(storage).restore(&mut state);
+        let dock = Memory::load(storage).restore(&mut state);
         let mut app =
-            Self { state, lanes, plan: Plan::default(), inbox, commands: Vec::new(), asked_at: None };
+            Self { state, lanes, plan: Plan::default(), dock, inbox, commands: Vec::new(), asked_at: None };
         match start {
             Start::Demo(spec) => app.open_demo(spec),
             Start::Path(path) => app.open_path(path),
@@ -136,6 +142,24 @@ impl OverlookApp {
     #[must_use]
     pub fn live_position(&self) -> Option<[f64; 3]> {
         self.state.live.rig.as_ref().map(|rig| rig.world_from_camera.translation.to_array())
+    }
+
+    /// What the window's own work took of the last frames; `None` before the first.
+    #[must_use]
+    pub fn frame_times(&self) -> Option<FrameTimes> {
+        self.state.inspector.meter.times()
+    }
+
+    /// Index of the camera whose picture the source view shows.
+    #[must_use]
+    pub fn source_camera(&self) -> usize {
+        self.state.source.camera
+    }
+
+    /// Camera, column and row of the pixel that is looked at; `None` while there is none.
+    #[must_use]
+    pub fn probed_pixel(&self) -> Option<(usize, usize, usize)> {
+        self.state.inspector.probe.shown.as_ref().map(|probed| (probed.camera, probed.x, probed.y))
     }
 
     /// Text of every message on screen.
@@ -195,6 +219,7 @@ impl OverlookApp {
 
 impl eframe::App for OverlookApp {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        let started = Instant::now();
         while let Ok(message) = self.inbox.try_recv() {
             self.receive(message, ctx);
         }
@@ -203,7 +228,7 @@ impl eframe::App for OverlookApp {
         }
         self.take_dropped_files(ctx);
         self.advance_time(ctx);
-        if let Some(wait) = self.plan.ask(&self.state, &self.lanes) {
+        if let Some(wait) = self.plan.ask(&self.state, &self.dock.visible(), &self.lanes) {
             ctx.request_repaint_after(wait);
         }
         self.watch_work(ctx);
@@ -211,18 +236,21 @@ impl eframe::App for OverlookApp {
         if ctx.theme() != theme {
             ctx.set_theme(theme);
         }
+        self.state.inspector.meter.logic(started.elapsed());
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let started = Instant::now();
         keyboard::commands(ui, &self.state, &mut self.commands);
-        panels::window_ui(ui, &self.state, &mut self.commands);
+        panels::window_ui(ui, &self.state, &mut self.dock, &mut self.commands);
         if !self.commands.is_empty() {
             ui.ctx().request_repaint();
         }
+        self.state.inspector.meter.ui(started.elapsed());
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        Memory::of(&self.state).save(storage);
+        Memory::of(&self.state, &self.dock).save(storage);
     }
 }
 
@@ -253,7 +281,7 @@ fn fresh_state() -> State {
         },
         live_shown: None,
         notices: Vec::new(),
-        sidebar: Sidebar::Settings,
+        inspector: inspector::Inspector::default(),
         typed_path: None,
         dark: true,
         recent: Vec::new(),

@@ -1,30 +1,22 @@
-//! Carries out commands and takes in answers: the only place where the state changes.
+//! Carries out commands. Here and where answers are taken in is the only place where the state changes.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-use egui::{TextureFilter, TextureOptions};
+use std::path::PathBuf;
+use std::time::Instant;
 
 use super::OverlookApp;
 use super::command::Command;
+use super::dock::Dock;
+use super::inspector::history::PRESETS;
+use super::inspector::probe::Spot;
 use super::lanes::{FileRequest, OpenRequest};
-use super::memory::remember_recent;
-use super::message::{Message, Purpose};
-use super::scene::{Content, Origin, Scene};
-use super::state::{NoticeKind, Shown, TypedPath, Whole, method_of};
+use super::message::Purpose;
+use super::scene::Content;
+use super::state::{NoticeKind, TypedPath, method_of};
 use super::text;
+use super::views::marks;
 use super::views::rig::Rig;
 use crate::capture::demo::DemoSpec;
-use crate::error::Error;
 use crate::settings::Settings;
-
-/// A dialog that is answered faster than this was not seen by a person: there is none on this system.
-const NO_DIALOG: Duration = Duration::from_millis(200);
-
-/// Pixels of the recording are looked at one by one; those of the live view are only as fine as there are samples.
-const SOURCE: (&str, TextureFilter) = ("source", TextureFilter::Nearest);
-const LIVE: (&str, TextureFilter) = ("live", TextureFilter::Linear);
 
 impl OverlookApp {
     /// Carries out one command.
@@ -57,7 +49,9 @@ impl OverlookApp {
                     self.set(path, value);
                 }
             }
-            Command::ResetAll => self.change_settings(Settings::default()),
+            Command::ResetAll => self.change_settings("all", Settings::default()),
+            Command::Preset(index) => self.take_preset(index),
+            Command::Undo | Command::Redo | Command::SwitchSettings => self.apply_to_history(&command),
             Command::Rerun => {
                 self.state.stopped = false;
                 self.plan.forget_whole();
@@ -68,9 +62,15 @@ impl OverlookApp {
             Command::Frame(_) | Command::Step(_) | Command::TogglePlay | Command::FramesPerSecond(_) => {
                 self.apply_to_timeline(&command);
             }
-            Command::Sidebar(sidebar) => self.state.sidebar = sidebar,
+            Command::OpenView(view) => self.dock.open(view),
+            Command::ResetLayout => self.dock = Dock::new(),
             Command::Dark(dark) => self.state.dark = dark,
             Command::Dismiss(id) => self.state.notices.retain(|notice| notice.id != id),
+            Command::Compare(look) => self.state.inspector.compare = *look,
+            Command::Probe(_) | Command::Pin(_) | Command::ShowPointIn(_) | Command::ClearMeter => {
+                self.apply_to_inspector(&command);
+            }
+            Command::Done { title, text } => self.state.notify(NoticeKind::Done, title, text),
             looks => self.apply_to_views(looks),
         }
     }
@@ -89,6 +89,48 @@ impl OverlookApp {
             }
             Command::FramesPerSecond(rate) => timeline.frames_per_second = rate.clamp(1.0, 120.0),
             _ => {}
+        }
+    }
+
+    fn apply_to_inspector(&mut self, command: &Command) {
+        let state = &mut self.state;
+        let probe = &mut state.inspector.probe;
+        match *command {
+            Command::Probe(spot) => probe.spot = spot,
+            Command::Pin(pinned) => {
+                probe.pinned = pinned && probe.spot.is_some();
+                if !pinned {
+                    probe.spot = None;
+                } else if let Some(probed) =
+                    probe.shown.as_ref().filter(|probed| Some(probed.spot) == probe.spot)
+                {
+                    // The surface point is kept, not the place in a picture that will turn.
+                    let (camera, x, y) = (probed.camera, probed.x, probed.y);
+                    probe.spot = Some(Spot::Source { camera, x, y });
+                }
+            }
+            Command::ShowPointIn(camera) => self.show_point_in(camera),
+            Command::ClearMeter => state.inspector.meter.clear(),
+            _ => {}
+        }
+    }
+
+    /// Shows the point that is looked at in the middle of a camera's picture.
+    fn show_point_in(&mut self, camera: usize) {
+        let Some(scene) = &self.state.scene else { return };
+        let Some(intrinsics) = scene.cameras.get(camera).map(|camera| camera.intrinsics) else { return };
+        let probed = self.state.inspector.probe.shown.clone();
+        self.apply(Command::SourceCamera(camera));
+        let probe = &mut self.state.inspector.probe;
+        if let Some(probed) = &probed {
+            probe.pinned = true;
+            probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
+        }
+        let place = probed.and_then(|probed| marks::in_camera(&self.state, &probed, camera));
+        if let Some((at, _)) = place {
+            let center = egui::vec2(at.x / intrinsics.width as f32, at.y / intrinsics.height as f32);
+            let zoom = self.state.source.zoom.max(4.0);
+            self.apply(Command::SourceZoom { zoom, center });
         }
     }
 
@@ -147,7 +189,7 @@ impl OverlookApp {
         self.lanes.open.submit(OpenRequest::Path { path, settings: self.state.settings.capture.clone() });
     }
 
-    fn type_path(&mut self, purpose: Purpose, reason: Option<&'static str>) {
+    pub(super) fn type_path(&mut self, purpose: Purpose, reason: Option<&'static str>) {
         let text = match purpose {
             Purpose::SaveStore => format!("{}.ovl", self.state.scene.as_ref().map_or("capture", |s| &s.name)),
             Purpose::SaveSettings => "settings.toml".to_owned(),
@@ -156,7 +198,7 @@ impl OverlookApp {
         self.state.typed_path = Some(TypedPath { purpose, text, reason });
     }
 
-    fn take_path(&mut self, purpose: Purpose, path: PathBuf) {
+    pub(super) fn take_path(&mut self, purpose: Purpose, path: PathBuf) {
         if path.as_os_str().is_empty() {
             return;
         }
@@ -189,12 +231,43 @@ impl OverlookApp {
     fn set(&mut self, path: &'static str, value: toml::Value) {
         let mut settings = self.state.settings.clone();
         match settings.set(path, value) {
-            Ok(()) => self.change_settings(settings),
+            Ok(()) => self.change_settings(path, settings),
             Err(error) => self.state.notify(NoticeKind::Error, "Setting not changed", error.to_string()),
         }
     }
 
-    fn change_settings(&mut self, settings: Settings) {
+    fn take_preset(&mut self, index: usize) {
+        let Some((_, _, change)) = PRESETS.get(index) else { return };
+        // How frames are read and what paints are matters of the machine.
+        let now = &self.state.settings;
+        let mut settings = Settings { capture: now.capture.clone(), ..Settings::default() };
+        settings.render.backend = now.render.backend;
+        change(&mut settings);
+        self.change_settings("preset", settings);
+    }
+
+    fn apply_to_history(&mut self, command: &Command) {
+        let now = self.state.settings.clone();
+        let history = &mut self.state.inspector.history;
+        let settings = match command {
+            Command::Undo => history.undo(&now),
+            Command::Redo => history.redo(&now),
+            _ => Some(history.switch(&now)),
+        };
+        if let Some(settings) = settings {
+            self.put_settings(settings);
+        }
+    }
+
+    /// Changes settings; `what` tells one change from the next.
+    pub(super) fn change_settings(&mut self, what: &'static str, settings: Settings) {
+        if settings != self.state.settings {
+            self.state.inspector.history.record(&self.state.settings, what, Instant::now());
+            self.put_settings(settings);
+        }
+    }
+
+    fn put_settings(&mut self, settings: Settings) {
         if method_of(&settings) != method_of(&self.state.settings) {
             self.plan.changed_at = Some(Instant::now());
             self.state.stopped = false;
@@ -214,143 +287,13 @@ impl OverlookApp {
     }
 
     fn escape(&mut self) {
-        if self.state.typed_path.take().is_none() && self.state.notices.pop().is_none() {
-            self.cancel();
-        }
-    }
-
-    /// Takes in one answer.
-    pub(super) fn receive(&mut self, message: Message, ctx: &egui::Context) {
-        let current = self.state.scene.as_ref().map(|scene| scene.id);
-        match message {
-            Message::Opened(scene) => self.opened(scene),
-            Message::Scanned { scene, scan } if Some(scene) == current => self.state.scan = Some(scan),
-            Message::Pruned { scene, settings, result } if Some(scene) == current => {
-                self.state.accuracy = None;
-                self.state.whole = Some(Whole {
-                    samples: result.samples.clone(),
-                    report: Arc::new(result.report.clone()),
-                    settings,
-                });
-            }
-            Message::Inspected { scene, inspected } if Some(scene) == current => {
-                self.state.inspected = Some(inspected);
-            }
-            Message::SourcePainted { key, picture } if Some(key.scene) == current => {
-                let texture = texture(ctx, SOURCE, &picture.image, self.state.source_shown.take());
-                self.state.source_shown = Some(Shown { key, picture, texture });
-            }
-            Message::LivePainted { key, picture } if Some(key.scene) == current => {
-                let texture = texture(ctx, LIVE, &picture.image, self.state.live_shown.take());
-                self.state.live_shown = Some(Shown { key, picture, texture });
-            }
-            Message::Measured { scene, settings, accuracy }
-                if Some(scene) == current && settings == self.state.settings =>
-            {
-                self.state.accuracy = accuracy;
-            }
-            Message::Saved { path, bytes } => self.saved(&path, bytes),
-            Message::SettingsLoaded { path, settings } => {
-                self.change_settings(settings);
-                self.state.notify(NoticeKind::Done, "Settings loaded", path.display().to_string());
-            }
-            Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
-            Message::Failed { what, error } => self.failed(what, &error),
-            // An answer about a scene that is no longer open.
-            _ => {}
-        }
-    }
-
-    fn opened(&mut self, scene: Arc<Scene>) {
-        let state = &mut self.state;
-        if let Origin::Path(path) = &scene.origin {
-            remember_recent(&mut state.recent, path);
-        }
-        state.opening = None;
-        state.scan = None;
-        state.whole = None;
-        state.stopped = false;
-        state.inspected = None;
-        state.accuracy = None;
-        state.source_shown = None;
-        state.live_shown = None;
-        state.timeline.frame = 0;
-        state.timeline.playing = false;
-        state.source.camera = 0;
-        state.source.against = None;
-        state.source.zoom = 1.0;
-        state.source.center = egui::Vec2::splat(0.5);
-        state.live.rig = Rig::home(&scene);
-        state.notices.retain(|notice| notice.kind != NoticeKind::Error);
-        if let Some(capture) = scene.capture() {
-            for warning in &capture.warnings {
-                state.notify(NoticeKind::Warning, "While opening", warning.clone());
-            }
-        }
-        state.scene = Some(scene);
-        self.lanes.whole.cancel();
-        self.plan = super::plan::Plan::default();
-    }
-
-    fn saved(&mut self, path: &Path, bytes: Option<u64>) {
-        let place = path.display();
-        let text = match bytes {
-            Some(bytes) => {
-                remember_recent(&mut self.state.recent, path);
-                format!("{place} ({})", text::bytes(bytes))
-            }
-            None => place.to_string(),
-        };
-        self.state.notify(NoticeKind::Done, "Saved", text);
-    }
-
-    fn path_chosen(&mut self, purpose: Purpose, path: Option<PathBuf>) {
-        let asked_at = self.asked_at.take();
-        match path {
-            Some(path) => self.take_path(purpose, path),
-            None if asked_at.is_some_and(|at| at.elapsed() < NO_DIALOG) => {
-                self.type_path(purpose, Some("This system offers no file dialog; type the path instead."));
-            }
-            None => {}
-        }
-    }
-
-    fn failed(&mut self, what: &'static str, error: &Error) {
-        if what == "Open" {
-            self.state.opening = None;
-        }
-        if matches!(error, Error::Cancelled) {
+        if self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
             return;
         }
-        if what == "Prune" {
-            self.state.stopped = true;
+        if self.state.inspector.probe.pinned {
+            self.apply(Command::Pin(false));
+        } else {
+            self.cancel();
         }
-        let title = match what {
-            "Open" => "Could not open",
-            "Prune" => "Could not prune the capture",
-            "Inspect frame" => "Could not read this frame",
-            "Source picture" => "Could not show this frame",
-            "Live view" => "Could not render this view",
-            "File" => "Could not save or load",
-            other => other,
-        };
-        self.state.notify(NoticeKind::Error, title, error.to_string());
-    }
-}
-
-/// Uploads a picture: into the texture of the one it replaces, where there is one.
-fn texture<K, P>(
-    ctx: &egui::Context,
-    (name, magnification): (&str, TextureFilter),
-    image: &Arc<egui::ColorImage>,
-    replaced: Option<Shown<K, P>>,
-) -> egui::TextureHandle {
-    let options = TextureOptions { magnification, minification: TextureFilter::Linear, ..Default::default() };
-    match replaced {
-        Some(Shown { mut texture, .. }) => {
-            texture.set(image.clone(), options);
-            texture
-        }
-        None => ctx.load_texture(name, image.clone(), options),
     }
 }

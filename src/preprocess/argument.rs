@@ -200,7 +200,7 @@ impl FrameInspection {
     #[must_use]
     pub fn pair_quantities(&self, at_most: usize) -> Vec<PairQuantities> {
         let cameras = self.layers.len();
-        let pairs: usize = self.layers.iter().map(|layer| layer.class.len()).sum::<usize>() * cameras;
+        let pairs: usize = self.layers.iter().map(|layer| layer.inverse_depth.len()).sum::<usize>() * cameras;
         let stride = (pairs.div_ceil(at_most.max(1)) as f64).sqrt().ceil().max(1.0) as usize;
         let rig = Rig::new(&self.samples.cameras);
         let limits = SameSurface::new(&self.settings);
@@ -332,9 +332,8 @@ impl<'a> Asker<'a> {
         let target = &self.inspection.samples.cameras[other];
         let layer = &self.inspection.layers[other];
         let own = other == self.camera;
-        let outcome = (!own).then(|| {
-            rig.registration(self.camera, other).test(self.layer, layer, self.x, self.y, limits)
-        });
+        let outcome = (!own)
+            .then(|| rig.registration(self.camera, other).test(self.layer, layer, self.x, self.y, limits));
         let mut testimony = Testimony {
             camera: other,
             outcome,
@@ -417,13 +416,7 @@ impl<'a> Asker<'a> {
             .fold(0.0, f64::max)
     }
 
-    fn ratio(
-        &self,
-        rate: Rate,
-        target: &Camera,
-        layer: &Layer,
-        (x, y, pixel): (usize, usize, usize),
-    ) -> f64 {
+    fn ratio(&self, rate: Rate, target: &Camera, layer: &Layer, (x, y, pixel): (usize, usize, usize)) -> f64 {
         let pruning = &self.inspection.settings.pruning;
         let of = |camera: &Camera, layer: &Layer, (x, y, pixel): (usize, usize, usize)| {
             let rays = Rays::new(camera);

@@ -35,6 +35,6 @@ pub mod vantage;
 pub use backend::{Painter, Renderer};
 pub use cpu::CpuRenderer;
 pub use fill::fill;
-pub use pick::{Picked, pick};
 pub use gpu::{AdapterChoice, GpuRenderer};
+pub use pick::{Picked, pick};
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};

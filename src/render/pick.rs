@@ -31,13 +31,7 @@ pub struct Picked {
 
 /// The sample that painted pixel `(x, y)` of `picture`, which `samples` gave at `vantage`; `None` in holes.
 #[must_use]
-pub fn pick(
-    samples: &SampleSet,
-    vantage: &Vantage,
-    picture: &Picture,
-    x: usize,
-    y: usize,
-) -> Option<Picked> {
+pub fn pick(samples: &SampleSet, vantage: &Vantage, picture: &Picture, x: usize, y: usize) -> Option<Picked> {
     let image_index = *picture.image.get(x, y)?;
     if image_index == NO_IMAGE {
         return None;

@@ -1,5 +1,6 @@
 //! Drives the window off screen: no display needed, a software Vulkan adapter is enough.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
+#![allow(dead_code, reason = "every test drives the window its own way")]
 
 use std::time::{Duration, Instant};
 
@@ -70,4 +71,22 @@ pub(crate) fn type_path(window: &mut Window, menu: &str, entry: &str, path: &std
     window.get_by_label("Path").set_text_value_accesskit(&path.display().to_string());
     window.run_steps(3);
     click(window, take);
+}
+
+/// Clicks a place in a picture, as shares of its size, so that the pixel there is kept.
+pub(crate) fn look_at(window: &mut Window, picture: &str, share: egui::Vec2) {
+    let area = window.get_by_label(picture).rect();
+    let at = area.min + area.size() * share;
+    window.hover_at(at);
+    window.run_steps(2);
+    for pressed in [true, false] {
+        window.event(egui::Event::PointerButton {
+            pos: at,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+        });
+        window.step();
+    }
+    wait(window, "the argument", |window| window.state().probed_pixel().is_some());
 }

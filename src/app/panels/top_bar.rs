@@ -2,10 +2,11 @@
 
 use egui::{Align, Button, Layout, RichText, Ui};
 use egui_material_icons::icons::{
-    ICON_DARK_MODE, ICON_FOLDER_OPEN, ICON_KEYBOARD, ICON_LIGHT_MODE, ICON_SAVE, ICON_SCIENCE,
+    ICON_DARK_MODE, ICON_DASHBOARD, ICON_FOLDER_OPEN, ICON_KEYBOARD, ICON_LIGHT_MODE, ICON_SAVE, ICON_SCIENCE,
 };
 
 use super::super::command::Command;
+use super::super::dock::View;
 use super::super::keyboard;
 use super::super::message::Purpose;
 use super::super::scene::Origin;
@@ -24,6 +25,7 @@ pub(super) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>
         open_menu_ui(ui, state, commands);
         save_menu_ui(ui, state, commands);
         demo_menu_ui(ui, commands);
+        views_menu_ui(ui, commands);
         ui.add_space(space::MEDIUM);
         title_ui(ui, state);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -109,6 +111,22 @@ fn demo_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
             if ui.button(text::words(name)).on_hover_text(*help).clicked() {
                 commands.push(Command::OpenDemo((*name).to_owned()));
             }
+        }
+    });
+}
+
+fn views_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+    menu_ui(ui, ICON_DASHBOARD, "Views", |ui| {
+        for view in View::ALL {
+            let name = view.name();
+            let button = ui.button(name).on_hover_text(view.help());
+            if button.accessible_name(format!("Open view {name}")).clicked() {
+                commands.push(Command::OpenView(view));
+            }
+        }
+        ui.separator();
+        if ui.button("Reset layout").on_hover_text("Put all views where they were at first").clicked() {
+            commands.push(Command::ResetLayout);
         }
     });
 }
