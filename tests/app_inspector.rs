@@ -2,7 +2,7 @@
 
 mod app_driver;
 
-use app_driver::{Window, choose, click, demo, look_at, open, settle, wait};
+use app_driver::{Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, wait};
 use egui::{Key, vec2};
 use egui_kittest::kittest::Queryable;
 use overlook::app::Start;
@@ -82,9 +82,7 @@ fn views_open_from_the_menu_and_the_layout_is_reset() {
         ("Meter", "Frame times"),
         ("Report", "What was redundant, and why"),
     ] {
-        click(&mut window, "Views");
-        click(&mut window, &format!("Open view {view}"));
-        settle(&mut window);
+        open_view(&mut window, view);
         assert!(shows(&window, holds), "{view}");
     }
     click(&mut window, "Views");
@@ -105,4 +103,64 @@ fn the_pixel_stays_while_time_passes_and_overlays_change() {
         wait(&mut window, "the argument", |window| shows(window, "its own pixel"));
     }
     assert_eq!(window.state().frame(), 2);
+}
+
+#[test]
+fn a_threshold_is_dragged_on_its_histogram_and_taken_back() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let tolerance = |window: &Window| window.state().settings().pruning.depth_tolerance;
+    assert_eq!(tolerance(&window), 1.0);
+    drag(&mut window, "Pruning depth tolerance on its histogram", vec2(0.52, 0.6), vec2(60.0, 0.0));
+    let dragged = tolerance(&window);
+    assert!(dragged > 2.0, "{dragged}");
+    settle(&mut window);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::Z);
+    window.run_steps(2);
+    assert_eq!(tolerance(&window), 1.0, "the whole drag is one change");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::Y);
+    window.run_steps(2);
+    assert_eq!(tolerance(&window), dragged);
+    click(&mut window, "Undo");
+    assert_eq!(tolerance(&window), 1.0);
+    settle(&mut window);
+    assert!(window.state().report().unwrap().1);
+}
+
+#[test]
+fn presets_are_taken_and_two_settings_take_turns() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    click(&mut window, "Settings B");
+    pick(&mut window, "Presets", "Careful");
+    assert_eq!(window.state().settings().pruning.normal_tolerance, 15.0);
+    click(&mut window, "Settings A");
+    assert_eq!(window.state().settings(), &overlook::settings::Settings::default());
+    click(&mut window, "Settings B");
+    assert_eq!(window.state().settings().pruning.normal_tolerance, 15.0);
+    settle(&mut window);
+}
+
+#[test]
+fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    open_view(&mut window, "Compare");
+    wait(&mut window, "the comparison", |window| shows(window, "of pixels are shown by one side alone"));
+    assert!(shows(&window, "dB apart") || shows(&window, "equal where both"));
+    drag(&mut window, "Comparison", vec2(0.5, 0.5), vec2(40.0, 0.0));
+    choose(&mut window, "Compare by", "Flip");
+    pick(&mut window, "Right side", "Kernel point");
+    settle(&mut window);
+    choose(&mut window, "Compare by", "Difference");
+    assert!(shows(&window, "8-bit steps"));
+    click(&mut window, "Lock the range");
+    assert!(window.query_by_label("Fit the range").is_some());
+    pick(&mut window, "Left side", "Truth");
+    wait(&mut window, "the trouble", |window| shows(window, "These two cannot be compared here"));
+    pick(&mut window, "From", "Hold-out left");
+    wait(&mut window, "the comparison", |window| !shows(window, "These two cannot be compared here"));
+    assert!(shows(&window, "dB apart"));
+    settle(&mut window);
+    assert!(window.state().notices().is_empty());
 }

@@ -3,7 +3,7 @@
 
 mod app_driver;
 
-use app_driver::{Window, choose, click, demo, look_at, open, settle, type_path, wait};
+use app_driver::{Window, choose, click, demo, look_at, open, open_view, pick, settle, type_path, wait};
 use egui_kittest::kittest::Queryable;
 use image::RgbaImage;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -29,11 +29,15 @@ fn shoot(window: &mut Window, name: &str) {
     }
 }
 
-/// Small files: steps of four in 256 cannot be seen and halve the size.
+/// Small files: the window's own colors stay as they are, and pictures within it are told in steps of eight.
 fn save(picture: RgbaImage, path: &std::path::Path) {
     let mut colors = image::DynamicImage::ImageRgba8(picture).to_rgb8();
-    for value in colors.iter_mut() {
-        *value = (*value & !3) | (*value >> 6);
+    let mut counts = std::collections::HashMap::new();
+    for pixel in colors.pixels() {
+        *counts.entry(pixel.0).or_insert(0_usize) += 1;
+    }
+    for pixel in colors.pixels_mut().filter(|pixel| counts[&pixel.0] < 300) {
+        pixel.0 = pixel.0.map(|value| (value & !7) | (value >> 5));
     }
     let file = std::io::BufWriter::new(std::fs::File::create(path).unwrap());
     let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::Adaptive);
@@ -63,7 +67,7 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     look_at(&mut window, "Source picture", egui::vec2(0.62, 0.55));
     settle(&mut window);
     shoot(&mut window, "who_won");
-    click(&mut window, "Cameras");
+    open_view(&mut window, "Cameras");
     settle(&mut window);
     shoot(&mut window, "cameras");
     choose(&mut window, "Source shows", "Sampling");
@@ -71,6 +75,17 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     click(&mut window, "Thresholds");
     settle(&mut window);
     shoot(&mut window, "sampling_ratio");
+    choose(&mut window, "Live view shows", "Picture");
+    open_view(&mut window, "Compare");
+    open_view(&mut window, "Time");
+    shoot(&mut window, "compare_wipe");
+    choose(&mut window, "Compare by", "Difference");
+    pick(&mut window, "Left side", "Truth");
+    pick(&mut window, "From", "Hold-out left");
+    open_view(&mut window, "Memory");
+    settle(&mut window);
+    shoot(&mut window, "compare_truth");
+    open_view(&mut window, "Live view");
     choose(&mut window, "Source shows", "Motion");
     window.set_size(egui::vec2(1920.0, 1080.0));
     choose(&mut window, "Live view shows", "Picture");

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use glam::{DVec2, DVec3};
 
 use super::dock::View;
-use super::inspector::compare::CompareLook;
+use super::inspector::compare_look::CompareLook;
 use super::inspector::probe::Spot;
 use super::message::Purpose;
+use super::panels::Palette;
 use super::views::live_image::ColorBy;
 use super::views::source_image::Overlay;
 
@@ -72,6 +73,8 @@ pub(super) enum Command {
     Pan(DVec2),
     /// Nearer (below 1) or farther.
     Dolly(f64),
+    /// Nearer to a point (below 1) or farther from it, which stays where it is on the screen.
+    DollyTo { factor: f64, point_in_world: DVec3 },
     /// Fly right, down, forward, in pivot distances.
     Fly(DVec3),
     /// Look from where a camera stood.
@@ -96,10 +99,36 @@ pub(super) enum Command {
     Pin(bool),
     /// Show the point that is looked at in a camera's picture.
     ShowPointIn(usize),
-    /// Say that something worked.
-    Done { title: &'static str, text: String },
     /// Change how the comparison looks.
     Compare(Box<CompareLook>),
+    /// Copy the argument for the pixel as text.
+    CopyArgument,
+    /// Copy the picture of the live view.
+    CopyPicture,
+    /// Put the kept pixel in the middle of the live view.
+    FramePoint,
+    /// Open, change or close the command palette.
+    Palette(Option<Palette>),
+    /// Open or close the sheet of keys.
+    CheatSheet(bool),
+    /// Show this callout of the first run next.
+    Callout(usize),
+    /// Ask whether to close with something unsaved, or stop asking.
+    AskToClose(bool),
+    /// Close with something unsaved.
+    CloseAnyway,
+    /// Add a key to the camera path where the view stands.
+    AddKey,
+    /// Take a key out of the camera path.
+    RemoveKey(usize),
+    /// Put a key of the camera path where the view stands.
+    ReplaceKey(usize),
+    /// Stand where a key of the camera path is.
+    GoToKey(usize),
+    /// Pictures from one key of the camera path to the next.
+    PicturesPerLeg(usize),
+    /// Play the camera path from its beginning, or stop.
+    PlayPath(bool),
     /// Count frame times anew.
     ClearMeter,
     /// Close a message.

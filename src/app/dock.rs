@@ -32,6 +32,8 @@ pub(super) enum View {
     Thresholds,
     /// What was pruned, and why.
     Report,
+    /// The camera path.
+    Path,
     /// What happened.
     Log,
     /// What the window itself costs.
@@ -40,7 +42,7 @@ pub(super) enum View {
 
 impl View {
     /// Every view, in the order of the menu.
-    pub(super) const ALL: [Self; 12] = [
+    pub(super) const ALL: [Self; 13] = [
         Self::Source,
         Self::Live,
         Self::Compare,
@@ -51,6 +53,7 @@ impl View {
         Self::Memory,
         Self::Thresholds,
         Self::Report,
+        Self::Path,
         Self::Log,
         Self::Meter,
     ];
@@ -68,6 +71,7 @@ impl View {
             Self::Memory => "Memory",
             Self::Thresholds => "Thresholds",
             Self::Report => "Report",
+            Self::Path => "Path",
             Self::Log => "Log",
             Self::Meter => "Meter",
         }
@@ -86,6 +90,7 @@ impl View {
             Self::Memory => "Which cameras and spans take the memory.",
             Self::Thresholds => "What counts as redundant, and how what is left is painted.",
             Self::Report => "What was pruned, by which rule and for which camera.",
+            Self::Path => "A camera path: set keys, play it, export it as pictures.",
             Self::Log => "What happened, in order.",
             Self::Meter => "What the window's own work takes of each frame.",
         }
@@ -128,7 +133,7 @@ impl Dock {
         let live = tabs(&mut tiles, &[View::Live, View::Compare]);
         let lower = tabs(
             &mut tiles,
-            &[View::Pixel, View::Cameras, View::Matrix, View::Time, View::Memory, View::Log],
+            &[View::Pixel, View::Cameras, View::Matrix, View::Time, View::Memory, View::Path, View::Log],
         );
         let side = tabs(&mut tiles, &[View::Thresholds, View::Report]);
         let upper = tiles.insert_container(Linear::new(LinearDir::Horizontal, vec![source, live]));

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::inspector::InspectorLanes;
+use super::inspector::path::write_png;
 use super::message::{Message, Purpose};
 use super::scene::{Origin, Scene, median_depth};
 use super::state::Inspected;
@@ -15,7 +16,7 @@ use crate::capture::{Capture, View, transforms};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{self, CameraInspection, Report, SampleSet, TemporalScan};
-use crate::render::Renderer;
+use crate::render::{Picture, Renderer};
 use crate::settings::{CaptureSettings, Settings};
 use crate::store;
 
@@ -68,6 +69,8 @@ pub(super) enum FileRequest {
     SaveStore { path: PathBuf, samples: Arc<SampleSet>, report: Arc<Report> },
     /// Write settings.
     SaveSettings { path: PathBuf, settings: Settings },
+    /// Write a picture.
+    SavePicture { path: PathBuf, picture: Arc<Picture> },
     /// Read settings.
     LoadSettings { path: PathBuf },
 }
@@ -248,6 +251,10 @@ fn file(request: FileRequest, job: &Job) -> Result<Message> {
             std::fs::write(&path, settings.to_toml()).map_err(|error| Error::io(&path, error))?;
             Ok(Message::Saved { path, bytes: None })
         }
+        FileRequest::SavePicture { path, picture } => {
+            write_png(&picture, &path)?;
+            Ok(Message::Saved { path, bytes: None })
+        }
         FileRequest::LoadSettings { path } => {
             let settings = Settings::load(&path)?;
             Ok(Message::SettingsLoaded { path, settings })
@@ -274,6 +281,12 @@ fn ask(purpose: Purpose) -> Option<PathBuf> {
             .set_file_name("settings.toml")
             .add_filter("Settings", &["toml"])
             .save_file(),
+        Purpose::SavePicture => dialog
+            .set_title("Save the picture")
+            .set_file_name("picture.png")
+            .add_filter("PNG", &["png"])
+            .save_file(),
+        Purpose::ExportPath => dialog.set_title("Export pictures into a folder").pick_folder(),
         Purpose::LoadSettings => {
             dialog.set_title("Load settings").add_filter("Settings", &["toml"]).pick_file()
         }

@@ -24,6 +24,7 @@ pub(super) struct Memory {
     frames_per_second: f32,
     show_cameras: bool,
     layout: String,
+    callout: usize,
 }
 
 impl Default for Memory {
@@ -35,6 +36,7 @@ impl Default for Memory {
             frames_per_second: 24.0,
             show_cameras: true,
             layout: String::new(),
+            callout: 0,
         }
     }
 }
@@ -54,6 +56,7 @@ impl Memory {
             frames_per_second: state.timeline.frames_per_second,
             show_cameras: state.live.show_cameras,
             layout: dock.to_json(),
+            callout: state.inspector.callout,
         }
     }
 
@@ -69,6 +72,7 @@ impl Memory {
         state.settings = Settings::from_toml(&self.settings, "remembered settings").unwrap_or_default();
         state.timeline.frames_per_second = self.frames_per_second.clamp(1.0, 120.0);
         state.live.show_cameras = self.show_cameras;
+        state.inspector.callout = self.callout;
         Dock::from_json(&self.layout)
     }
 }

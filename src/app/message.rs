@@ -28,6 +28,10 @@ pub(super) enum Purpose {
     SaveSettings,
     /// Read settings from TOML.
     LoadSettings,
+    /// Write the picture of the live view.
+    SavePicture,
+    /// Write the pictures of the camera path into a folder.
+    ExportPath,
 }
 
 /// How accurate the kept samples are where the truth is known.
@@ -69,6 +73,8 @@ pub(super) enum Message {
     MemoryMapped { scene: u64, blocks: Vec<Block> },
     /// A file is written; `bytes` where it is a store.
     Saved { path: PathBuf, bytes: Option<u64> },
+    /// The pictures of the camera path are written.
+    Exported { folder: PathBuf, pictures: usize },
     /// Settings were read from a file.
     SettingsLoaded { path: PathBuf, settings: Settings },
     /// A dialog was answered; `None` where it was closed.

@@ -13,6 +13,7 @@
 mod accuracy;
 mod command;
 mod dock;
+mod inspect;
 mod inspector;
 mod keyboard;
 mod lanes;
@@ -78,6 +79,9 @@ pub struct OverlookApp {
     commands: Vec<Command>,
     /// When the system's dialog was asked for.
     asked_at: Option<Instant>,
+    ctx: egui::Context,
+    /// When each kind of work that is watched began, by its words.
+    stages: std::collections::HashMap<String, Instant>,
 }
 
 impl OverlookApp {
@@ -91,8 +95,21 @@ impl OverlookApp {
         let lanes = Lanes::start(&Outbox::new(sender, ctx.clone()))?;
         let mut state = fresh_state();
         let dock = Memory::load(storage).restore(&mut state);
-        let mut app =
-            Self { state, lanes, plan: Plan::default(), dock, inbox, commands: Vec::new(), asked_at: None };
+        if storage.is_none() {
+            // Nothing can be remembered, so that it would be a first run every time.
+            state.inspector.callout = panels::CALLOUTS;
+        }
+        let mut app = Self {
+            state,
+            lanes,
+            plan: Plan::default(),
+            dock,
+            inbox,
+            commands: Vec::new(),
+            asked_at: None,
+            ctx: ctx.clone(),
+            stages: std::collections::HashMap::new(),
+        };
         match start {
             Start::Demo(spec) => app.open_demo(spec),
             Start::Path(path) => app.open_path(path),
@@ -184,6 +201,26 @@ impl OverlookApp {
         ctx.request_repaint_after(Duration::from_secs_f32(wait));
     }
 
+    /// Moves along the camera path, at the frame rate of the timeline.
+    fn advance_path(&mut self, ctx: &egui::Context) {
+        let path = &mut self.state.inspector.path;
+        let Some(picture) = path.playing else { return };
+        let Some(key) = path.at(picture) else { return };
+        let next =
+            picture + ctx.input(|input| input.unstable_dt).min(0.5) * self.state.timeline.frames_per_second;
+        path.playing = (picture < path.pictures() as f32 - 1.0).then_some(next);
+        self.stand_at(key);
+        ctx.request_repaint();
+    }
+
+    /// Asks before the window closes with something unsaved.
+    fn watch_closing(&mut self, ctx: &egui::Context) {
+        if self.state.inspector.unsaved && ctx.input(|input| input.viewport().close_requested()) {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.state.inspector.asks_to_close = true;
+        }
+    }
+
     fn take_dropped_files(&mut self, ctx: &egui::Context) {
         let dropped =
             ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
@@ -198,12 +235,20 @@ impl OverlookApp {
             (lanes.open.progress(), true),
             (lanes.whole.progress(), true),
             (lanes.file.progress(), true),
+            (lanes.inspector.export.progress(), true),
             (lanes.measure.progress(), false),
         ];
         self.state.busy = watched
             .into_iter()
-            .filter_map(|(progress, cancellable)| Some(Busy { progress: progress?, cancellable }))
+            .filter_map(|(progress, cancellable)| {
+                let progress = progress?;
+                let began = *self.stages.entry(progress.stage.clone()).or_insert_with(Instant::now);
+                let secs_left = secs_left(&progress, began.elapsed());
+                Some(Busy { progress, cancellable, secs_left })
+            })
             .collect();
+        let busy = &self.state.busy;
+        self.stages.retain(|stage, _| busy.iter().any(|busy| busy.progress.stage == *stage));
         if !self.state.busy.is_empty() {
             ctx.request_repaint_after(WATCH);
         }
@@ -228,6 +273,8 @@ impl eframe::App for OverlookApp {
         }
         self.take_dropped_files(ctx);
         self.advance_time(ctx);
+        self.advance_path(ctx);
+        self.watch_closing(ctx);
         if let Some(wait) = self.plan.ask(&self.state, &self.dock.visible(), &self.lanes) {
             ctx.request_repaint_after(wait);
         }
@@ -252,6 +299,13 @@ impl eframe::App for OverlookApp {
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         Memory::of(&self.state, &self.dock).save(storage);
     }
+}
+
+/// How long the rest takes at the pace so far; `None` while too little is done to tell.
+fn secs_left(progress: &crate::job::Progress, elapsed: Duration) -> Option<f32> {
+    let share = progress.fraction();
+    (share > 0.02 && elapsed > Duration::from_millis(500))
+        .then(|| elapsed.as_secs_f32() * (1.0 - share) / share)
 }
 
 fn fresh_state() -> State {

@@ -80,6 +80,10 @@ impl OverlookApp {
                 self.state.inspector.memory = Some(blocks);
             }
             Message::Saved { path, bytes } => self.saved(&path, bytes),
+            Message::Exported { folder, pictures } => {
+                let text = format!("{pictures} pictures in {}", folder.display());
+                self.state.notify(NoticeKind::Done, "Exported", text);
+            }
             Message::SettingsLoaded { path, settings } => {
                 self.change_settings("file", settings);
                 self.state.notify(NoticeKind::Done, "Settings loaded", path.display().to_string());
@@ -155,6 +159,7 @@ impl OverlookApp {
         let place = path.display();
         let text = match bytes {
             Some(bytes) => {
+                self.state.inspector.unsaved = false;
                 remember_recent(&mut self.state.recent, path);
                 format!("{place} ({})", text::bytes(bytes))
             }

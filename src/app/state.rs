@@ -121,6 +121,8 @@ pub(super) struct Busy {
     pub progress: Progress,
     /// Whether cancelling it leaves something to be rerun.
     pub cancellable: bool,
+    /// How long the rest takes at the pace so far; `None` while too little is done to tell.
+    pub secs_left: Option<f32>,
 }
 
 /// A picture that is shown, and what it was made from.

@@ -86,7 +86,7 @@ const DARK: Tokens = Tokens {
 };
 
 const LIGHT: Tokens = Tokens {
-    background: rgb(0xe6_e9ed),
+    background: rgb(0xdb_e0e6),
     surface: rgb(0xf7_f8fa),
     raised: rgb(0xe7_eaef),
     raised_hovered: rgb(0xd9_dee5),

@@ -6,14 +6,11 @@ use std::time::Instant;
 use super::OverlookApp;
 use super::command::Command;
 use super::dock::Dock;
-use super::inspector::history::PRESETS;
-use super::inspector::probe::Spot;
 use super::lanes::{FileRequest, OpenRequest};
 use super::message::Purpose;
 use super::scene::Content;
 use super::state::{NoticeKind, TypedPath, method_of};
 use super::text;
-use super::views::marks;
 use super::views::rig::Rig;
 use crate::capture::demo::DemoSpec;
 use crate::settings::Settings;
@@ -66,12 +63,11 @@ impl OverlookApp {
             Command::ResetLayout => self.dock = Dock::new(),
             Command::Dark(dark) => self.state.dark = dark,
             Command::Dismiss(id) => self.state.notices.retain(|notice| notice.id != id),
-            Command::Compare(look) => self.state.inspector.compare = *look,
-            Command::Probe(_) | Command::Pin(_) | Command::ShowPointIn(_) | Command::ClearMeter => {
-                self.apply_to_inspector(&command);
+            other => {
+                if let Some(looks) = self.apply_to_inspector(other) {
+                    self.apply_to_views(looks);
+                }
             }
-            Command::Done { title, text } => self.state.notify(NoticeKind::Done, title, text),
-            looks => self.apply_to_views(looks),
         }
     }
 
@@ -89,48 +85,6 @@ impl OverlookApp {
             }
             Command::FramesPerSecond(rate) => timeline.frames_per_second = rate.clamp(1.0, 120.0),
             _ => {}
-        }
-    }
-
-    fn apply_to_inspector(&mut self, command: &Command) {
-        let state = &mut self.state;
-        let probe = &mut state.inspector.probe;
-        match *command {
-            Command::Probe(spot) => probe.spot = spot,
-            Command::Pin(pinned) => {
-                probe.pinned = pinned && probe.spot.is_some();
-                if !pinned {
-                    probe.spot = None;
-                } else if let Some(probed) =
-                    probe.shown.as_ref().filter(|probed| Some(probed.spot) == probe.spot)
-                {
-                    // The surface point is kept, not the place in a picture that will turn.
-                    let (camera, x, y) = (probed.camera, probed.x, probed.y);
-                    probe.spot = Some(Spot::Source { camera, x, y });
-                }
-            }
-            Command::ShowPointIn(camera) => self.show_point_in(camera),
-            Command::ClearMeter => state.inspector.meter.clear(),
-            _ => {}
-        }
-    }
-
-    /// Shows the point that is looked at in the middle of a camera's picture.
-    fn show_point_in(&mut self, camera: usize) {
-        let Some(scene) = &self.state.scene else { return };
-        let Some(intrinsics) = scene.cameras.get(camera).map(|camera| camera.intrinsics) else { return };
-        let probed = self.state.inspector.probe.shown.clone();
-        self.apply(Command::SourceCamera(camera));
-        let probe = &mut self.state.inspector.probe;
-        if let Some(probed) = &probed {
-            probe.pinned = true;
-            probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
-        }
-        let place = probed.and_then(|probed| marks::in_camera(&self.state, &probed, camera));
-        if let Some((at, _)) = place {
-            let center = egui::vec2(at.x / intrinsics.width as f32, at.y / intrinsics.height as f32);
-            let zoom = self.state.source.zoom.max(4.0);
-            self.apply(Command::SourceZoom { zoom, center });
         }
     }
 
@@ -170,6 +124,7 @@ impl OverlookApp {
                     Command::Orbit(angles) => rig.orbit(angles),
                     Command::Pan(share) => rig.pan(share),
                     Command::Dolly(factor) => rig.dolly(factor),
+                    Command::DollyTo { factor, point_in_world } => rig.dolly_to(factor, point_in_world),
                     Command::Fly(steps) => rig.fly(steps),
                     _ => {}
                 }
@@ -193,6 +148,8 @@ impl OverlookApp {
         let text = match purpose {
             Purpose::SaveStore => format!("{}.ovl", self.state.scene.as_ref().map_or("capture", |s| &s.name)),
             Purpose::SaveSettings => "settings.toml".to_owned(),
+            Purpose::SavePicture => "picture.png".to_owned(),
+            Purpose::ExportPath => "pictures".to_owned(),
             _ => String::new(),
         };
         self.state.typed_path = Some(TypedPath { purpose, text, reason });
@@ -210,6 +167,13 @@ impl OverlookApp {
                 self.lanes.file.submit(FileRequest::SaveSettings { path, settings });
             }
             Purpose::LoadSettings => self.lanes.file.submit(FileRequest::LoadSettings { path }),
+            Purpose::SavePicture => {
+                if let Some(shown) = &self.state.live_shown {
+                    let picture = shown.picture.rendered.clone();
+                    self.lanes.file.submit(FileRequest::SavePicture { path, picture });
+                }
+            }
+            Purpose::ExportPath => self.export_path(path),
         }
     }
 
@@ -236,29 +200,6 @@ impl OverlookApp {
         }
     }
 
-    fn take_preset(&mut self, index: usize) {
-        let Some((_, _, change)) = PRESETS.get(index) else { return };
-        // How frames are read and what paints are matters of the machine.
-        let now = &self.state.settings;
-        let mut settings = Settings { capture: now.capture.clone(), ..Settings::default() };
-        settings.render.backend = now.render.backend;
-        change(&mut settings);
-        self.change_settings("preset", settings);
-    }
-
-    fn apply_to_history(&mut self, command: &Command) {
-        let now = self.state.settings.clone();
-        let history = &mut self.state.inspector.history;
-        let settings = match command {
-            Command::Undo => history.undo(&now),
-            Command::Redo => history.redo(&now),
-            _ => Some(history.switch(&now)),
-        };
-        if let Some(settings) = settings {
-            self.put_settings(settings);
-        }
-    }
-
     /// Changes settings; `what` tells one change from the next.
     pub(super) fn change_settings(&mut self, what: &'static str, settings: Settings) {
         if settings != self.state.settings {
@@ -267,8 +208,9 @@ impl OverlookApp {
         }
     }
 
-    fn put_settings(&mut self, settings: Settings) {
+    pub(super) fn put_settings(&mut self, settings: Settings) {
         if method_of(&settings) != method_of(&self.state.settings) {
+            self.state.inspector.unsaved = self.state.has_capture();
             self.plan.changed_at = Some(Instant::now());
             self.state.stopped = false;
         }
@@ -284,10 +226,14 @@ impl OverlookApp {
         self.lanes.open.cancel();
         self.lanes.file.cancel();
         self.lanes.measure.cancel();
+        self.lanes.inspector.export.cancel();
     }
 
     fn escape(&mut self) {
         if self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
+            return;
+        }
+        if self.state.inspector.path.playing.take().is_some() {
             return;
         }
         if self.state.inspector.probe.pinned {

@@ -57,6 +57,42 @@ pub(crate) fn click(window: &mut Window, name: &str) {
     window.run_steps(3);
 }
 
+/// Brings a view to the front by the menu.
+pub(crate) fn open_view(window: &mut Window, view: &str) {
+    click(window, "Views");
+    click(window, &format!("Open view {view}"));
+    settle(window);
+}
+
+/// Picks an entry of a drop-down list.
+pub(crate) fn pick(window: &mut Window, list: &str, entry: &str) {
+    click(window, list);
+    // The list's own button may already show the entry; the popup's comes last.
+    window.get_all_by_label(entry).last().unwrap().click();
+    window.run_steps(3);
+}
+
+/// Drags from a place in a widget, as shares of its size, by some points.
+pub(crate) fn drag(window: &mut Window, name: &str, from: egui::Vec2, by: egui::Vec2) {
+    let area = window.get_by_label(name).rect();
+    let start = area.min + area.size() * from;
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: egui::Modifiers::NONE,
+    };
+    window.event(egui::Event::PointerMoved(start));
+    window.event(button(start, true));
+    window.step();
+    for share in [0.3, 0.6, 1.0] {
+        window.event(egui::Event::PointerMoved(start + by * share));
+        window.step();
+    }
+    window.event(button(start + by, false));
+    window.run_steps(2);
+}
+
 /// Clicks one of a row of choices.
 pub(crate) fn choose(window: &mut Window, row: &str, choice: &str) {
     click(window, &format!("{row}: {choice}"));

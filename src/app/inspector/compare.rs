@@ -8,6 +8,7 @@ use super::super::scene::{Content, Scene};
 use super::super::state::method_of;
 use super::super::theme::Tokens;
 use super::super::views::colormap::sequential;
+use super::compare_look::{Place, Side};
 use crate::capture::{Capture, Frame};
 use crate::color::{srgb8_from_linear, steps_from_linear};
 use crate::error::{Error, Result};
@@ -16,62 +17,6 @@ use crate::preprocess::{self, SampleSet, TemporalScan};
 use crate::render::{NO_IMAGE, Picture, Renderer, Vantage};
 use crate::settings::{Backend, Kernel, PruningMethod, Settings, SpanLevels};
 use egui::ColorImage;
-
-/// What one side shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub(crate) enum Side {
-    /// The kept samples.
-    Kept,
-    /// All samples, nothing pruned.
-    Everything,
-    /// Settings A.
-    A,
-    /// Settings B.
-    B,
-    /// What a camera recorded there.
-    Truth,
-    /// The kept samples, one pixel each.
-    Point,
-    /// The kept samples, blended over 2×2 pixels.
-    Block,
-    /// The kept samples as oriented footprints.
-    Surfel,
-    /// The kept samples, surface first and color second.
-    Gather,
-    /// The kept samples, by the processor.
-    Cpu,
-    /// The kept samples, by the graphics adapter.
-    Gpu,
-}
-
-impl Side {
-    /// Every side, in the order of the list: name and what it is.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 11] = [
-        (Self::Kept, "Kept samples", "After pruning, with the settings on the sliders."),
-        (Self::Everything, "All samples", "Before pruning: every pixel of this frame."),
-        (Self::A, "Settings A", "After pruning with settings A."),
-        (Self::B, "Settings B", "After pruning with settings B."),
-        (Self::Truth, "Truth", "What a camera recorded there; known at truth vantages and hold-out cameras."),
-        (Self::Point, "Kernel point", "The kept samples, one pixel each."),
-        (Self::Block, "Kernel block", "The kept samples, blended over 2×2 pixels."),
-        (Self::Surfel, "Kernel surfel", "The kept samples as oriented footprints."),
-        (Self::Gather, "Kernel gather", "The kept samples, surface first and color second."),
-        (Self::Cpu, "CPU", "The kept samples, painted by the processor."),
-        (Self::Gpu, "GPU", "The kept samples, painted by the graphics adapter."),
-    ];
-}
-
-/// From where.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-pub(crate) enum Place {
-    /// Where the live view stands.
-    #[default]
-    Live,
-    /// A vantage whose truth is known, by its place among those.
-    Truth(usize),
-    /// A camera, whose own samples are left out.
-    HoldOut(usize),
-}
 
 /// What a comparison is made from; an equal key gives an equal comparison.
 #[derive(Clone)]
@@ -111,59 +56,6 @@ impl PartialEq for CompareKey {
             && self.dark == other.dark
             && self.vantage.frame == other.vantage.frame
             && (self.place != Place::Live || self.vantage == other.vantage)
-    }
-}
-
-/// How the two are shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Mode {
-    /// One over the other, cut at a line.
-    Wipe,
-    /// One at a time.
-    Flip,
-    /// Where they differ.
-    Difference,
-}
-
-impl Mode {
-    /// Every mode: name and what it does.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::Wipe, "Wipe", "One over the other, cut at a line that is dragged."),
-        (Self::Flip, "Flip", "One at a time: hold X for the other."),
-        (Self::Difference, "Difference", "Where and how much they differ."),
-    ];
-}
-
-/// How the comparison looks.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct CompareLook {
-    /// The sides.
-    pub sides: [Side; 2],
-    /// From where.
-    pub place: Place,
-    /// How the two are shown.
-    pub mode: Mode,
-    /// Where the line is, as a share of the width.
-    pub wipe: f32,
-    /// Magnification beyond fitting the view.
-    pub zoom: f32,
-    /// The picture's point in the middle of the view, as shares of its size.
-    pub center: egui::Vec2,
-    /// See [`CompareKey::range`].
-    pub range: Option<f32>,
-}
-
-impl Default for CompareLook {
-    fn default() -> Self {
-        Self {
-            sides: [Side::Everything, Side::Kept],
-            place: Place::Live,
-            mode: Mode::Wipe,
-            wipe: 0.5,
-            zoom: 1.0,
-            center: egui::Vec2::splat(0.5),
-            range: None,
-        }
     }
 }
 
@@ -242,7 +134,7 @@ impl Comparer {
             let frame = truth.ok_or_else(|| {
                 Error::invalid(
                     "comparison",
-                    "the truth is known at truth vantages and hold-out cameras only; choose one under 'From'",
+                    "The truth is known at truth vantages and hold-out cameras only: choose one in the last list above.",
                 )
             })?;
             return Ok(of_frame(frame));
@@ -325,7 +217,7 @@ fn capture_of(scene: &Scene) -> Result<&Capture> {
     scene.capture().ok_or_else(|| {
         Error::invalid(
             "comparison",
-            "a store holds no source frames to compare with; open the capture it was made from",
+            "A store holds no source frames to compare with: open the capture it was made from.",
         )
     })
 }

@@ -1,10 +1,12 @@
 //! The inspector: what the window knows beyond its two pictures, and the lanes that find it out.
 
 pub(crate) mod compare;
+pub(crate) mod compare_look;
 pub(crate) mod histograms;
 pub(crate) mod history;
 pub(crate) mod memory_map;
 pub(crate) mod meter;
+pub(crate) mod path;
 pub(crate) mod probe;
 mod thumbs;
 
@@ -16,16 +18,19 @@ use egui::TextureHandle;
 
 use super::dock::View;
 use super::message::Message;
+use super::panels::Palette;
 use super::state::{NoticeKind, State};
 use super::worker::{Lane, Outbox, Supersede};
 use crate::error::{Error, Result};
 use crate::preprocess::{FrameInspection, SampleSet, TemporalScan};
 use crate::settings::Settings;
-use compare::{CompareKey, CompareLook, Compared, Comparer};
+use compare::{CompareKey, Compared, Comparer};
+use compare_look::{CompareLook, Place};
 use histograms::Histogram;
 use history::{History, Slot};
 use memory_map::Block;
 use meter::Meter;
+use path::{CameraPath, ExportRequest};
 use probe::{ProbeKey, Probed, Spot};
 
 /// Entries the log keeps.
@@ -71,6 +76,18 @@ pub(crate) struct Inspector {
     pub compared: Option<Compared>,
     /// Why there is none.
     pub compare_trouble: Option<String>,
+    /// The camera path.
+    pub path: CameraPath,
+    /// The command palette, while it is open.
+    pub palette: Option<Palette>,
+    /// Whether the sheet of keys is open.
+    pub cheat_sheet: bool,
+    /// The callout of the first run that is next; beyond the last there is none.
+    pub callout: usize,
+    /// Whether thresholds were changed since the last store was saved.
+    pub unsaved: bool,
+    /// Whether the question before closing is asked.
+    pub asks_to_close: bool,
     /// What happened, the latest last.
     pub log: VecDeque<LogLine>,
     /// What the window's own work takes.
@@ -84,8 +101,10 @@ impl Inspector {
         self.thumbs.clear();
         self.memory = None;
         self.histograms.clear();
-        self.compare.place = compare::Place::Live;
+        self.compare.place = Place::Live;
         self.compared = None;
+        self.path = CameraPath::default();
+        self.unsaved = false;
         self.compare_trouble = None;
     }
 
@@ -105,6 +124,8 @@ pub(crate) struct InspectorLanes {
     memory: Lane<(u64, Arc<SampleSet>)>,
     histograms: Lane<HistogramRequest>,
     compare: Lane<Box<CompareKey>>,
+    /// The pictures of the camera path.
+    pub export: Lane<ExportRequest>,
 }
 
 /// What histograms are made from.
@@ -154,9 +175,19 @@ impl InspectorLanes {
                     let outcome = match comparer.compare(&key, job) {
                         Ok(comparison) => Ok(comparison),
                         Err(Error::Cancelled) => return Err(Error::Cancelled),
+                        Err(Error::Invalid { what, .. }) => Err(what),
                         Err(error) => Err(error.to_string()),
                     };
                     Ok(Message::Compared { key, outcome })
+                },
+            )?,
+            export: Lane::start(
+                "Export",
+                Supersede::Never,
+                outbox.clone(),
+                |request: ExportRequest, job| {
+                    let pictures = path::export(&request, job)?;
+                    Ok(Message::Exported { folder: request.folder, pictures })
                 },
             )?,
             thumbs: Lane::start(
@@ -178,6 +209,7 @@ impl InspectorLanes {
             && self.memory.is_idle()
             && self.histograms.is_idle()
             && self.compare.is_idle()
+            && self.export.is_idle()
     }
 }
 

@@ -40,13 +40,14 @@ pub(super) fn histogram_ui(
         painter.rect_filled(band, 3.0, tokens.raised);
         painter.vline(right, plot.y_range(), Stroke::new(1.0, tokens.text_weak));
     }
-    let most = histogram.bars.iter().map(|bar| bar[0] + bar[1]).max().unwrap_or(0).max(1) as f32;
+    // The logarithm lets rare values be seen beside frequent ones.
+    let height = |count: u32| (count as f32).ln_1p();
+    let most = height(histogram.bars.iter().map(|bar| bar[0] + bar[1]).max().unwrap_or(0).max(1));
     let step = plot.width() / BARS as f32;
     let enabled = ui.is_enabled();
     for (index, [passes, fails]) in histogram.bars.iter().enumerate() {
         let left = plot.left() + index as f32 * step;
-        // The square root lets rare values be seen beside frequent ones.
-        let total = ((passes + fails) as f32 / most).sqrt() * (plot.height() - 3.0);
+        let total = height(passes + fails) / most * (plot.height() - 3.0);
         let part = total * *passes as f32 / (passes + fails).max(1) as f32;
         let bar = |from: f32, to: f32| {
             Rect::from_min_max(pos2(left, plot.bottom() - to), pos2(left + step - 0.5, plot.bottom() - from))

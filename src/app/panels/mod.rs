@@ -4,8 +4,10 @@ mod histogram;
 mod log;
 mod memory_view;
 mod notices;
+mod palette;
 mod parts;
 mod path_field;
+mod path_view;
 mod report;
 mod settings_ui;
 mod status;
@@ -13,6 +15,7 @@ mod time;
 mod timeline;
 mod top_bar;
 mod totals;
+mod welcome;
 
 use egui::{CentralPanel, Frame, Margin, Panel};
 
@@ -21,7 +24,8 @@ use super::dock::{Dock, View};
 use super::state::State;
 use super::theme::{Tokens, space};
 use super::views::{cameras_view, compare_view, live_view, pixel_view, source_view};
-pub(super) use parts::{ICON_BUTTON, choice_ui, empty_ui, icon_button, segments_ui};
+pub(super) use palette::Palette;
+pub(super) use parts::{choice_ui, empty_ui, icon_button, segments_ui};
 
 /// The whole window.
 pub(super) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, commands: &mut Vec<Command>) {
@@ -51,6 +55,10 @@ pub(super) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
         });
     notices::notices_ui(ui.ctx(), state, commands);
     path_field::path_field_ui(ui.ctx(), state, commands);
+    welcome::callouts_ui(ui.ctx(), state, commands);
+    palette::palette_ui(ui.ctx(), state, commands);
+    palette::cheat_sheet_ui(ui.ctx(), state, commands);
+    welcome::closing_ui(ui.ctx(), state, commands);
     drop_hint_ui(ui);
 }
 
@@ -60,6 +68,7 @@ pub(super) fn view_ui(ui: &mut egui::Ui, view: View, state: &State, commands: &m
         View::Source => source_view::source_view_ui(ui, state, commands),
         View::Live => live_view::live_view_ui(ui, state, commands),
         View::Compare => compare_view::compare_view_ui(ui, state, commands),
+        View::Path => path_view::path_ui(ui, state, commands),
         View::Pixel => pixel_view::pixel_view_ui(ui, state, commands),
         View::Cameras => cameras_view::cameras_view_ui(ui, state, commands),
         View::Matrix => report::matrix_view_ui(ui, state),
@@ -101,6 +110,9 @@ fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>
         }
     });
 }
+
+/// Callouts of the first run.
+pub(super) const CALLOUTS: usize = welcome::COUNT;
 
 fn drop_hint_ui(ui: &egui::Ui) {
     if ui.ctx().input(|input| input.raw.hovered_files.is_empty()) {

@@ -30,6 +30,7 @@ pub(crate) fn choice_ui<T: Copy + PartialEq>(
     let mut picked = None;
     let response = ComboBox::from_id_salt(name)
         .width(width)
+        .height(340.0)
         .truncate()
         .selected_text(shown.map_or("–", |(_, text, _)| text))
         .show_ui(ui, |ui| {

@@ -1,6 +1,6 @@
 //! The thresholds: generated from the one table of settings, so that none is ever missing here.
 
-use egui::{Align, Button, CollapsingHeader, Layout, RichText, ScrollArea, Slider, Ui};
+use egui::{Align, Button, CollapsingHeader, DragValue, Layout, RichText, ScrollArea, Slider, Ui};
 use egui_material_icons::icons::{ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 
 use super::super::command::Command;
@@ -126,6 +126,8 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
     let full_name = text::words(&format!("{section} {name}"));
     let name = text::words(name);
     let changed = value != default;
+    // The line on the histogram takes the place of a slider.
+    let cuts = state.has_capture() && CUT.contains(&field.path);
     ui.push_id(field.path, |ui| {
         ui.add_space(2.0);
         ui.horizontal(|ui| {
@@ -145,16 +147,30 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
             } else {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     ui.add_space(space::MEDIUM);
+                    if let (true, Kind::Number { min, max, .. }, toml::Value::Float(number)) =
+                        (cuts, field.kind, value)
+                    {
+                        let mut number = *number;
+                        let speed = 0.01 * number.abs().max(max * 1e-4);
+                        let drag = DragValue::new(&mut number)
+                            .range(min..=max)
+                            .speed(speed)
+                            .custom_formatter(|value, _| shown_number(value));
+                        ui.spacing_mut().interact_size.x = NUMBER_BOX;
+                        let drag = ui.add(drag).on_hover_text(field.help).accessible_name(&full_name);
+                        if drag.changed() {
+                            commands.push(Command::Set { path: field.path, value: number.into() });
+                        }
+                    }
                     reset_ui(ui, field, changed, commands);
                 });
             }
         });
-        if let Some(value) = value_ui(ui, field, &full_name, value) {
-            commands.push(Command::Set { path: field.path, value });
-        }
-        if let (Some(value), true) = (value.as_float(), state.has_capture() && CUT.contains(&field.path)) {
+        if let (Some(value), true) = (value.as_float(), cuts) {
             let histogram = state.inspector.histograms.iter().find(|histogram| histogram.path == field.path);
             histogram::histogram_ui(ui, field, &full_name, value, histogram, commands);
+        } else if let Some(value) = value_ui(ui, field, &full_name, value) {
+            commands.push(Command::Set { path: field.path, value });
         }
     });
 }

@@ -78,14 +78,19 @@ fn card_ui(
     let line = |row: f32, x: f32, text: String, color| {
         painter.text(pos2(left + x, picture.bottom() + row), Align2::LEFT_CENTER, text, font.clone(), color);
     };
-    line(11.0, 14.0, camera.name.clone(), tokens.text);
     let kept = kept_words(state, index);
     let says = probed
         .and_then(|probed| probed.argument.as_ref())
         .and_then(|argument| argument.testimonies.get(index))
         .map(|row| words::sees(row.outcome));
-    let second = says.map_or_else(|| kept.clone(), |says| format!("{kept} · {says}"));
-    line(26.0, 0.0, second.clone(), tokens.text_weak);
+    let second = says.map_or_else(|| kept.clone(), |says| format!("{kept}, {says}"));
+    line(
+        11.0,
+        14.0,
+        says.map_or_else(|| camera.name.clone(), |says| format!("{} · {says}", camera.name)),
+        tokens.text,
+    );
+    line(26.0, 0.0, kept, tokens.text_weak);
     response.widget_info(|| {
         egui::WidgetInfo::selected(egui::Role::Button, true, selected, format!("Camera {}", camera.name))
     });

@@ -4,7 +4,8 @@ use egui::{Align2, Key, Rect, RichText, Sense, Stroke, Ui, Vec2, pos2, vec2};
 use egui_material_icons::icons::{ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
 use super::super::command::Command;
-use super::super::inspector::compare::{CompareLook, Compared, Mode, Place, Side};
+use super::super::inspector::compare::Compared;
+use super::super::inspector::compare_look::{CompareLook, Mode, Place, Side};
 use super::super::panels::{choice_ui, empty_ui, icon_button, segments_ui};
 use super::super::scene::Content;
 use super::super::state::State;
@@ -64,14 +65,14 @@ fn places(state: &State) -> Vec<(Place, String, String)> {
     let mut places = vec![(Place::Live, "Live view".to_owned(), "Where the live view stands.".to_owned())];
     let Some(scene) = &state.scene else { return places };
     if let Content::Capture { truth, .. } = &scene.content {
+        places.extend(scene.cameras.iter().enumerate().map(|(index, camera)| {
+            let help = "Where this camera stood, from the samples of all others.".to_owned();
+            (Place::HoldOut(index), format!("Hold-out {}", camera.name), help)
+        }));
         let known = truth.iter().filter(|view| view.truth.is_some()).enumerate();
         places.extend(known.map(|(index, view)| {
             let name = view.file_path.rsplit('/').next().unwrap_or(&view.file_path).to_owned();
             (Place::Truth(index), format!("Truth {name}"), "A vantage whose picture is known.".to_owned())
-        }));
-        places.extend(scene.cameras.iter().enumerate().map(|(index, camera)| {
-            let help = "Where this camera stood, from the samples of all others.".to_owned();
-            (Place::HoldOut(index), format!("Hold-out {}", camera.name), help)
         }));
     }
     places
@@ -177,7 +178,8 @@ fn move_ui(ui: &Ui, response: &egui::Response, canvas: Rect, picture: Rect, look
 
 fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
     let tokens = Tokens::in_ui(ui);
-    let Some(compared) = &state.inspector.compared else { return };
+    let compared = state.inspector.compared.as_ref().filter(|_| state.inspector.compare_trouble.is_none());
+    let Some(compared) = compared else { return };
     let comparison = &compared.comparison;
     ui.horizontal(|ui| {
         if look.mode == Mode::Difference {

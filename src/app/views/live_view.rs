@@ -88,7 +88,7 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Vec<Comma
     if state.live.show_cameras {
         cameras_overlay(ui, &painter, canvas, state);
     }
-    motion(ui, &response, canvas, commands);
+    motion(ui, &response, canvas, state, commands);
     probe_ui(&response, &painter, canvas, state, commands, tokens);
 }
 
@@ -162,7 +162,18 @@ fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State
     }
 }
 
-fn motion(ui: &Ui, response: &egui::Response, canvas: Rect, commands: &mut Vec<Command>) {
+/// The surface point that the live picture shows at a place.
+fn point_under(state: &State, canvas: Rect, at: egui::Pos2) -> Option<glam::DVec3> {
+    let shown = state.live_shown.as_ref()?;
+    let picture = &shown.picture.rendered.inverse_depth;
+    let share = (at - canvas.min) / canvas.size();
+    let place =
+        DVec2::new(f64::from(share.x) * picture.width() as f64, f64::from(share.y) * picture.height() as f64);
+    let inverse_depth = f64::from(*picture.get(place.x as usize, place.y as usize)?);
+    (inverse_depth > 0.0).then(|| shown.key.vantage.camera.unproject(place, 1.0 / inverse_depth))
+}
+
+fn motion(ui: &Ui, response: &egui::Response, canvas: Rect, state: &State, commands: &mut Vec<Command>) {
     if response.double_clicked() {
         commands.push(Command::Home);
         return;
@@ -183,7 +194,12 @@ fn motion(ui: &Ui, response: &egui::Response, canvas: Rect, commands: &mut Vec<C
         let scroll =
             ui.ctx().input(|input| input.smooth_scroll_delta().y + 200.0 * (input.zoom_delta() - 1.0));
         if scroll != 0.0 {
-            commands.push(Command::Dolly((-f64::from(scroll) * 0.003).exp()));
+            let factor = (-f64::from(scroll) * 0.003).exp();
+            let under = response.hover_pos().and_then(|pointer| point_under(state, canvas, pointer));
+            commands.push(match under {
+                Some(point_in_world) => Command::DollyTo { factor, point_in_world },
+                None => Command::Dolly(factor),
+            });
         }
     }
 }

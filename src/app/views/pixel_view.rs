@@ -59,17 +59,6 @@ pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comma
     ui.allocate_rect(area, Sense::hover());
 }
 
-/// Copies the argument for the pixel as text.
-pub(crate) fn copy(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
-    let shown = state.scene.as_ref().zip(state.inspector.probe.shown.as_ref());
-    let Some((scene, probed)) = shown else { return };
-    ctx.copy_text(words::argument(scene, probed));
-    commands.push(Command::Done {
-        title: "Copied",
-        text: "The argument for the pixel is on the clipboard.".to_owned(),
-    });
-}
-
 fn summary_ui(ui: &mut Ui, state: &State, scene: &Scene, probed: &Probed, commands: &mut Vec<Command>) {
     let tokens = Tokens::in_ui(ui);
     ui.spacing_mut().item_spacing.y = 3.0;
@@ -81,7 +70,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &Scene, probed: &Probed, comman
             if icon_button(ui, ICON_CONTENT_COPY, "Copy argument", "Copy all of this as text (Ctrl+Shift+C)")
                 .clicked()
             {
-                copy(ui.ctx(), state, commands);
+                commands.push(Command::CopyArgument);
             }
             let pinned = state.inspector.probe.pinned;
             let (icon, name) =
@@ -170,7 +159,9 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &Scene, probed: &Probed, commands
         );
         return;
     }
-    Grid::new("testimonies").striped(true).spacing(vec2(14.0, 3.0)).min_row_height(20.0).show(ui, |ui| {
+    ui.spacing_mut().interact_size.y = 18.0;
+    ui.spacing_mut().button_padding.y = 0.0;
+    Grid::new("testimonies").striped(true).spacing(vec2(14.0, 3.0)).min_row_height(18.0).show(ui, |ui| {
         for (name, help) in COLUMNS {
             ui.label(RichText::new(name).small().color(tokens.text_weak)).on_hover_text(help);
         }
@@ -237,8 +228,10 @@ fn row_ui(
         words::number(row.normal_angle_degrees),
         tolerance.normal_tolerance
     ));
-    cell(ui, words::number(row.paper_r), false);
-    cell(ui, words::number(row.footprint_r), false);
+    // Of two different surface points no rates can be compared.
+    let ratio = |value: f64| if same { words::number(value) } else { "–".to_owned() };
+    cell(ui, ratio(row.paper_r), false);
+    cell(ui, ratio(row.footprint_r), false);
     let apart = row.color_difference_steps > f64::from(tolerance.color_tolerance);
     cell(ui, words::number(row.color_difference_steps), apart);
     let there = row.verdict.map_or_else(|| "–".to_owned(), |verdict| words::fate(&scene.cameras, verdict));
