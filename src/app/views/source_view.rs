@@ -11,6 +11,8 @@ use super::super::state::State;
 use super::super::theme::{Tokens, space};
 use super::source_image::{Legend, Overlay};
 use super::{legend, marks, readout};
+use crate::grid::Grid;
+use crate::preprocess::TILE;
 
 /// Height of the legend and the read-out below a picture.
 pub(crate) const FOOTER: f32 = 46.0;
@@ -117,6 +119,9 @@ fn picture_ui(
     if inside {
         let spot = Spot::Source { camera: shown_camera, x: at.x as usize, y: at.y as usize };
         point_at(&response, spot, state, commands);
+        if let Legend::Tiles(shares) = &shown.picture.legend {
+            tile_tooltip(response, shares, [at.x as usize, at.y as usize], shown.picture.size);
+        }
     }
     if inside && scale > 2.0 {
         let corner = picture.min + vec2(at.x.floor(), at.y.floor()) * scale;
@@ -124,6 +129,23 @@ fn picture_ui(
         painter.rect_stroke(pixel, 0.0, egui::Stroke::new(1.0, tokens.on_scrim), egui::StrokeKind::Outside);
     }
     inside.then_some((at.x as usize, at.y as usize))
+}
+
+/// Says how much of the tile under the pointer is kept.
+fn tile_tooltip(
+    response: egui::Response,
+    shares: &Grid<f32>,
+    [x, y]: [usize; 2],
+    [width, height]: [usize; 2],
+) {
+    let (column, row) = (x / TILE, y / TILE);
+    let Some(share) = shares.get(column, row) else { return };
+    let (columns, rows) = (TILE.min(width - column * TILE), TILE.min(height - row * TILE));
+    let pixels = columns * rows;
+    let kept = (share * pixels as f32).round();
+    let words =
+        format!("Tile {column}, {row}: {kept} of {pixels} samples kept. An empty tile costs nothing.");
+    response.on_hover_text_at_pointer(words);
 }
 
 /// Looks at the spot under the pointer; a click keeps it.
