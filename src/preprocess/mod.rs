@@ -13,7 +13,9 @@
 //! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add.
 
 pub mod background;
+mod contest;
 pub mod depth_plane;
+pub mod facet;
 pub mod foreground;
 pub mod inspection;
 pub mod layer;
@@ -26,6 +28,7 @@ pub mod pack;
 pub mod pruning;
 pub mod registration;
 pub mod report;
+pub mod same_surface;
 pub mod samples;
 pub mod sampling_rate;
 pub mod temporal;
