@@ -109,7 +109,7 @@ impl<'a> LayerBuilder<'a> {
                     if mixed { rank | MIXED } else { rank }
                 });
                 let normal_in_camera = camera_from_world * normal;
-                facets[x] = Facet::new(inverse_depth, normal_in_camera, layer.color[pixel], ranks);
+                facets[x] = Facet::new(level, inverse_depth, normal_in_camera, layer.color[pixel], ranks);
             }
         });
     }

@@ -28,9 +28,11 @@ pub mod pack;
 pub mod pruning;
 pub mod registration;
 pub mod report;
+mod rig;
 pub mod same_surface;
 pub mod samples;
 pub mod sampling_rate;
+mod settle;
 pub mod temporal;
 
 use std::sync::Arc;
