@@ -14,7 +14,9 @@
 
 pub mod argument;
 pub mod background;
+mod contest;
 pub mod depth_plane;
+pub mod facet;
 pub mod foreground;
 pub mod inspection;
 pub mod layer;
@@ -27,8 +29,11 @@ pub mod pack;
 pub mod pruning;
 pub mod registration;
 pub mod report;
+mod rig;
+pub mod same_surface;
 pub mod samples;
 pub mod sampling_rate;
+mod settle;
 pub mod temporal;
 
 use std::sync::Arc;
