@@ -115,7 +115,7 @@ fn a_camera_path_is_set_played_and_exported() {
     let pictures = folder.path().join("pictures");
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    open_view(&mut window, "Path");
+    open_view(&mut window, "Camera path");
     assert!(shows(&window, "No camera path yet"));
     window.key_press(Key::K);
     window.run_steps(2);

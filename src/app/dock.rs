@@ -71,7 +71,7 @@ impl View {
             Self::Memory => "Memory",
             Self::Thresholds => "Thresholds",
             Self::Report => "Report",
-            Self::Path => "Path",
+            Self::Path => "Camera path",
             Self::Log => "Log",
             Self::Meter => "Meter",
         }
