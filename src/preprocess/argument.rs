@@ -180,13 +180,13 @@ impl FrameInspection {
     ) -> Option<(usize, u32)> {
         let layer = &self.layers[camera];
         let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
-        let own = (layer.rank[pixel as usize], camera);
+        let own = (layer.facets[pixel as usize].rank, camera);
         (0..self.layers.len())
             .filter(|&other| other != camera)
             .filter_map(|other| {
                 let target = &self.layers[other];
                 match rig.registration(camera, other).test(layer, target, x, y, limits) {
-                    Outcome::Same(found) => Some((target.rank[found as usize], other, found)),
+                    Outcome::Same(found) => Some((target.facets[found as usize].rank, other, found)),
                     _ => None,
                 }
             })
