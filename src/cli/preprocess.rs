@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::evaluate::hold_out;
 use crate::job::Job;
 use crate::preprocess::{Report, preprocess};
-use crate::settings::{CaptureSettings, Settings};
+use crate::settings::{CaptureSettings, Settings, SpanLevels};
 use crate::store;
 
 /// Arguments of `overlook preprocess`.
@@ -39,6 +39,14 @@ pub(super) struct PreprocessArgs {
     json: bool,
 }
 
+/// For frames that are read once.
+const ONE_FRAME: CaptureSettings = CaptureSettings { cache: 16 };
+
+/// The tree of spans reads every frame once, the paper's two lengths twice.
+fn frame_cache(settings: &Settings) -> CaptureSettings {
+    if settings.spans.levels == SpanLevels::Tree { ONE_FRAME } else { settings.capture.clone() }
+}
+
 #[derive(Serialize)]
 struct PreprocessOutput {
     samples_in: u64,
@@ -60,7 +68,7 @@ impl PreprocessArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let settings = self.settings.over(Settings::default())?;
         self.check_out()?;
-        let capture = self.open(&settings.capture)?;
+        let capture = self.open(&frame_cache(&settings))?;
         output::warn(&capture.warnings);
         let seconds_decode_only = if self.measure_decode { Some(self.decode_seconds()?) } else { None };
         let started = Instant::now();
@@ -110,7 +118,7 @@ impl PreprocessArgs {
 
     /// Decodes every frame once, through a capture of its own so that neither cache helps the other.
     fn decode_seconds(&self) -> Result<f64> {
-        let capture = self.open(&CaptureSettings { cache: 16 })?;
+        let capture = self.open(&ONE_FRAME)?;
         let frames = capture.frame_count();
         progress::watched(|job: &Job| {
             let started = Instant::now();
