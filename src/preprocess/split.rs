@@ -136,7 +136,7 @@ impl Split {
         let mut right = span;
         while let Some(&left) = self.open.last() {
             let union = Span { start: left.start, end: right.end };
-            if halves(union) != Some([left, right]) {
+            if self.tree.parent(right) != Some(union) {
                 break;
             }
             self.open.pop();
