@@ -14,6 +14,7 @@ use crate::capture::{Capture, transforms};
 use crate::error::{Error, Result};
 use crate::evaluate::hold_out;
 use crate::job::Job;
+use crate::preprocess::report::CameraReport;
 use crate::preprocess::{Report, preprocess};
 use crate::settings::{CaptureSettings, Settings, SpanLevels};
 use crate::store;
@@ -143,6 +144,9 @@ impl PreprocessArgs {
         for (rule, dropped) in &result.pruned {
             let _ = writeln!(text, "  dropped {:>16}  {rule}", output::count(*dropped));
         }
+        for camera in &result.report.cameras {
+            let _ = writeln!(text, "  {}", measured(camera));
+        }
         let _ = writeln!(
             text,
             "Raw {}, in memory {}, in the store {}",
@@ -162,4 +166,21 @@ impl PreprocessArgs {
             write!(text, "\nNext: overlook {store}, or overlook render {store} --views TRANSFORMS --out DIR");
         text
     }
+}
+
+/// What was measured of a camera, and where the tolerances of the spans lie in the distribution of its pixels.
+fn measured(camera: &CameraReport) -> String {
+    let ranges = &camera.ranges;
+    let [within, with_noise, depth] =
+        [ranges.within_color_tolerance, ranges.within_color_tolerance_and_noise, ranges.within_depth_granted]
+            .map(|share| 100.0 * share);
+    format!(
+        "{}: color noise {:.2} steps, depth noise {:.1e}, depth step {:.1e}; {within:.1} % of the pixels stay within the \
+         color tolerance, {with_noise:.1} % with noise, {depth:.1} % within a depth range of {:.1e}",
+        camera.name,
+        camera.color_noise_steps,
+        camera.depth_noise_relative,
+        camera.depth_step_relative,
+        ranges.depth_granted_relative
+    )
 }

@@ -304,8 +304,13 @@ impl Work for FindBest<'_, '_> {
 fn lanes_at_level(layer: &Layer, column: usize, row: usize, level: Level) -> u32 {
     let first = row * layer.width + column;
     let count = LANES.min(layer.width - column);
-    let mut levels = [NO_SAMPLE; LANES];
-    levels[..count].copy_from_slice(&layer.level[first..first + count]);
+    let found = &layer.level[first..first + count];
+    // Of a known length, which takes one instruction.
+    let levels = <[Level; LANES]>::try_from(found).unwrap_or_else(|_| {
+        let mut levels = [NO_SAMPLE; LANES];
+        levels[..count].copy_from_slice(found);
+        levels
+    });
     let mut lanes = 0;
     for (lane, &found) in levels.iter().enumerate() {
         lanes |= u32::from(found == level) << lane;
@@ -336,7 +341,7 @@ impl Pass<'_> {
         let layer = &self.layers[band.camera];
         let rows = [band.rows.start, band.rows.end - 1];
         let blocks: Vec<[f32; 2]> = (0..layer.width.div_ceil(LANES))
-            .map(|at| depth_bounds(layer, at * LANES, band.rows.clone()))
+            .map(|at| depth_bounds(layer, at * LANES, band.rows.clone(), self.decide))
             .collect();
         let whole = blocks
             .iter()
@@ -351,6 +356,9 @@ impl Pass<'_> {
         let blocks = blocks.iter().enumerate();
         blocks
             .map(|(at, &bounds)| {
+                if bounds[0] > bounds[1] {
+                    return Witnesses::new();
+                }
                 let columns = [at * LANES, (at * LANES + LANES).min(layer.width) - 1];
                 let seen = of_the_band.iter().copied().filter(|&other| {
                     self.rig.registration(band.camera, other).may_see(columns, rows, bounds)
@@ -486,20 +494,22 @@ impl Pass<'_> {
     }
 }
 
-/// The smallest and largest inverse depth of the samples in sixteen columns of some rows; the smallest is larger where there
-/// is none.
+/// The smallest and largest inverse depth of the samples of a level in sixteen columns of some rows; the smallest is larger
+/// where there is none.
 #[inline(always)]
-fn depth_bounds(layer: &Layer, column: usize, rows: Range<usize>) -> [f32; 2] {
+fn depth_bounds(layer: &Layer, column: usize, rows: Range<usize>, level: Level) -> [f32; 2] {
     let count = LANES.min(layer.width - column);
     let (mut smallest, mut largest) = ([f32::INFINITY; LANES], [0.0_f32; LANES]);
     for row in rows {
+        let lanes = lanes_at_level(layer, column, row, level);
+        if lanes == 0 {
+            continue;
+        }
         let first = row * layer.width + column;
-        let mut depths = [crate::capture::INVALID_INVERSE_DEPTH; LANES];
-        depths[..count].copy_from_slice(&layer.inverse_depth[first..first + count]);
-        for lane in 0..LANES {
-            let w = depths[lane];
-            smallest[lane] = smallest[lane].min(if w < 0.0 { f32::INFINITY } else { w });
-            largest[lane] = largest[lane].max(w);
+        for (lane, &w) in layer.inverse_depth[first..first + count].iter().enumerate() {
+            let wanted = lanes >> lane & 1 == 1;
+            smallest[lane] = smallest[lane].min(if wanted { w } else { f32::INFINITY });
+            largest[lane] = largest[lane].max(if wanted { w } else { 0.0 });
         }
     }
     [smallest.iter().copied().fold(f32::INFINITY, f32::min), largest.iter().copied().fold(0.0, f32::max)]

@@ -71,11 +71,22 @@ impl SpanSums {
     #[inline(always)]
     #[must_use]
     pub fn is_static(&self, pixel: usize, test: &StaticTest) -> bool {
-        self.is_open[pixel]
-            && self.min_inverse_depth[pixel] >= 0.0
-            && test.is_static(self.color_range_steps(pixel), self.depth_range_relative(pixel), || {
-                self.mean_color(pixel)
-            })
+        if !self.is_open[pixel] || self.depth_range_relative(pixel) > test.granted_depth() {
+            return false;
+        }
+        let (low, high) = (&self.min_color[3 * pixel..], &self.max_color[3 * pixel..]);
+        let is_clear = test.is_clearly_static(low[0], high[0])
+            & test.is_clearly_static(low[1], high[1])
+            & test.is_clearly_static(low[2], high[2]);
+        is_clear || self.is_color_static(pixel, test)
+    }
+
+    #[cold]
+    fn is_color_static(&self, pixel: usize, test: &StaticTest) -> bool {
+        let range = self.color_range_steps(pixel);
+        let count = self.frames as f32;
+        range <= test.granted_color()
+            || range <= test.granted_around([0, 1, 2].map(|channel| self.color[3 * pixel + channel] / count))
     }
 
     /// Range of color, the widest of the three channels, 8-bit sRGB steps.

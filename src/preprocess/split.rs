@@ -297,15 +297,16 @@ impl ShortSpans {
                 farthest >= 0.0
             } else {
                 let depth_range = if nearest > farthest { (nearest - farthest) / nearest } else { 0.0 };
+                let range = color_range(&steps[start..end]);
                 farthest >= 0.0
-                    && batch.test.is_static(color_range(&steps[start..end]), depth_range, || {
-                        mean_color(&runs[start..end], pixel)
-                    })
+                    && depth_range <= batch.test.granted_depth()
+                    && (range <= batch.test.granted_color()
+                        || range <= batch.test.granted_around(mean(&runs[start..end], pixel)))
             };
             if is_static {
                 let samples = &mut self.given[index].1;
                 samples.pixels.push((first + pixel) as u32);
-                samples.color.push(mean_color(&runs[start..end], pixel));
+                samples.color.push(mean(&runs[start..end], pixel).map(f16::from_f32));
                 samples.inverse_depth.push(mean_depth(&depth[start..end]));
                 if !runs[start].normal.is_empty() {
                     samples.normal.push(mean_normal(&runs[start..end], pixel));
@@ -333,10 +334,10 @@ fn color_range(steps: &[[f32; 3]]) -> f32 {
     (0..3).map(|channel| high[channel] - low[channel]).fold(0.0, f32::max)
 }
 
-fn mean_color(runs: &[FrameRun<'_>], pixel: usize) -> [f16; 3] {
+fn mean(runs: &[FrameRun<'_>], pixel: usize) -> [f32; 3] {
     [0, 1, 2].map(|channel| {
         let sum: f32 = runs.iter().map(|run| widened(run.color[3 * pixel + channel])).sum();
-        f16::from_f32(sum / runs.len() as f32)
+        sum / runs.len() as f32
     })
 }
 
