@@ -111,7 +111,7 @@ impl<'a> LayerBuilder<'a> {
                 if mixed { rank | MIXED } else { rank }
             });
             let normal_in_camera = camera_from_world * normal;
-            (own, Facet::new(inverse_depth, normal_in_camera, layer.color[pixel], ranks))
+            (own, Facet::new(layer.level[pixel], inverse_depth, normal_in_camera, layer.color[pixel], ranks))
         };
         let rated: Vec<(f32, Facet)> = pixels.par_iter().with_min_len(MIN_PIXELS).map(rated).collect();
         for (&pixel, (footprint, facet)) in pixels.iter().zip(rated) {

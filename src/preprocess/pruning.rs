@@ -21,12 +21,14 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::contest::{Contest, Witnesses};
+use super::contest::{Contest, Entry, Rival, hold_row};
 use super::facet::MIXED;
 use super::layer::{Layer, Level, NO_SAMPLE};
-use super::registration::{Block, LANES, Outcome, Registration, SameSurface};
+use super::registration::{Block, LANES, SameSurface, lanes_of};
+pub use super::rig::Rig;
+use super::settle::{Candidate, SettleWaiting, Waiting};
 use super::{Rule, Verdict};
-use crate::capture::Camera;
+use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{MixedPixels, PruningMethod, Settings};
@@ -43,37 +45,6 @@ pub const DROPPED: u8 = 3;
 
 /// Rows that one task works on.
 const BAND_ROWS: usize = 16;
-
-/// All cameras and every way between two of them.
-pub struct Rig<'a> {
-    cameras: &'a [Camera],
-    /// `[source * cameras + target]`.
-    registrations: Vec<Registration>,
-}
-
-impl<'a> Rig<'a> {
-    /// All pairs of `cameras`.
-    #[must_use]
-    pub fn new(cameras: &'a [Camera]) -> Self {
-        let registrations = cameras
-            .iter()
-            .flat_map(|source| cameras.iter().map(move |target| Registration::new(source, target)))
-            .collect();
-        Self { cameras, registrations }
-    }
-
-    /// From camera `source` to camera `target`.
-    #[must_use]
-    pub fn registration(&self, source: usize, target: usize) -> &Registration {
-        &self.registrations[source * self.cameras.len() + target]
-    }
-
-    /// The cameras.
-    #[must_use]
-    pub fn cameras(&self) -> &'a [Camera] {
-        self.cameras
-    }
-}
 
 /// The verdicts on one camera's samples of one level.
 #[derive(Clone, Debug, Default)]
@@ -127,6 +98,10 @@ pub fn prune(
         .collect();
     let mut decided: Vec<Decided> =
         counts.iter().map(|counts| Decided::of_size(counts.iter().sum())).collect();
+    let (samples, pixels) = (
+        decided.iter().map(|decided| decided.pixels.len()).sum::<usize>(),
+        layers.iter().map(|layer| layer.level.len()).sum::<usize>(),
+    );
     let pass = Pass {
         rig,
         layers,
@@ -137,7 +112,9 @@ pub fn prune(
         all_stand: layers
             .par_iter()
             .zip(statuses)
-            .map(|(layer, statuses)| all_stand(layer, statuses, decide, settings.pruning.across_spans))
+            .map(|(layer, statuses)| {
+                samples > pixels / FEW && all_stand(layer, statuses, decide, settings.pruning.across_spans)
+            })
             .collect(),
     };
     let mut bands = bands(layers, &counts, &mut decided);
@@ -149,7 +126,7 @@ pub fn prune(
     bands.par_iter_mut().for_each(|band| pass.settle(band));
     while bands.iter().any(|band| !band.waiting.is_empty()) {
         job.check()?;
-        bands.par_iter_mut().for_each(|band| pass.settle_waiting(band));
+        bands.par_iter_mut().for_each(|band| simd::run(SettleWaiting { pass: &pass, band }));
     }
     let disputes: Vec<(usize, Vec<Dispute>)> =
         bands.into_iter().map(|band| (band.camera, band.disputes)).collect();
@@ -159,6 +136,12 @@ pub fn prune(
     Ok(decided)
 }
 
+/// Pixels that are passed over at once.
+const RUN: usize = 64;
+
+/// Where fewer than one in so many pixels are to be decided, looking whether all others stand does not pay.
+const FEW: usize = 8;
+
 /// Marks the samples of level `decide` as undecided, mixed ones as dropped where they are to be. Gives how many there are in
 /// each band of rows.
 fn open(layer: &Layer, statuses: &[AtomicU8], decide: Level, mixed_pixels: MixedPixels) -> Vec<usize> {
@@ -166,12 +149,16 @@ fn open(layer: &Layer, statuses: &[AtomicU8], decide: Level, mixed_pixels: Mixed
     let mut counts = Vec::with_capacity(layer.level.len().div_ceil(band));
     for (band_of, (levels, statuses)) in layer.level.chunks(band).zip(statuses.chunks(band)).enumerate() {
         let mut count = 0;
-        for (i, (&level, status)) in levels.iter().zip(statuses).enumerate() {
-            if level == decide {
-                count += 1;
-                let drop =
-                    mixed_pixels == MixedPixels::Drop && layer.facets[band_of * band + i].rank & MIXED != 0;
-                status.store(if drop { DROPPED } else { UNDECIDED }, Ordering::Relaxed);
+        let runs = levels.chunks(RUN).zip(statuses.chunks(RUN)).enumerate();
+        // Most levels have few samples: runs without any are passed over sixteen or more bytes at a time.
+        for (run, (levels, statuses)) in runs.filter(|(_, (levels, _))| levels.contains(&decide)) {
+            let first = band_of * band + run * RUN;
+            for (i, (&level, status)) in levels.iter().zip(statuses).enumerate() {
+                if level == decide {
+                    count += 1;
+                    let drop = mixed_pixels == MixedPixels::Drop && layer.facets[first + i].rank & MIXED != 0;
+                    status.store(if drop { DROPPED } else { UNDECIDED }, Ordering::Relaxed);
+                }
             }
         }
         counts.push(count);
@@ -216,41 +203,25 @@ fn bands<'a>(layers: &[Layer], counts: &[Vec<usize>], decided: &'a mut [Decided]
 
 /// What all bands share.
 pub(super) struct Pass<'a> {
-    rig: &'a Rig<'a>,
+    pub(super) rig: &'a Rig<'a>,
     pub(super) layers: &'a [Layer],
-    statuses: &'a Statuses,
-    decide: Level,
+    pub(super) statuses: &'a Statuses,
+    pub(super) decide: Level,
     settings: &'a Settings,
-    limits: SameSurface,
+    pub(super) limits: SameSurface,
     /// Per camera, see [`all_stand`].
     pub(super) all_stand: Vec<bool>,
 }
 
 /// Some rows of one camera: the samples to decide and what is known of each. Until it is settled, a verdict names the
 /// sample's best candidate as if that one were kept.
-struct Band<'a> {
-    camera: usize,
+pub(super) struct Band<'a> {
+    pub(super) camera: usize,
     rows: Range<usize>,
-    pixels: &'a mut [u32],
-    verdicts: &'a mut [Verdict],
+    pub(super) pixels: &'a mut [u32],
+    pub(super) verdicts: &'a mut [Verdict],
     disputes: Vec<Dispute>,
-    waiting: Vec<Waiting>,
-}
-
-/// A sample whose candidate is undecided yet.
-struct Waiting {
-    /// Index into the band's pixels.
-    index: u32,
-    /// All candidates, worst first; found only where the best was dropped. The verdict names the one that is waited for.
-    others: Option<Vec<Candidate>>,
-}
-
-/// A better sample of a point, in the order in which they win.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Candidate {
-    rank: u32,
-    camera: u16,
-    pixel: u32,
+    pub(super) waiting: Vec<Waiting>,
 }
 
 /// Finds the best candidate of every sample of a band.
@@ -267,28 +238,27 @@ impl Work for FindBest<'_, '_> {
         let Self { pass, band } = self;
         let layer = &pass.layers[band.camera];
         let pruning = pass.settings.pruning.method != PruningMethod::Off;
-        let columns = layer.width.div_ceil(LANES);
-        let witnesses: Vec<Witnesses> = if pruning { pass.witnesses(band) } else { Vec::new() };
+        let lanes = band.lanes(layer, pass.decide);
+        let rivals = if pruning { pass.rivals(band, &lanes) } else { Vec::new() };
+        let mut entries = Vec::new();
         let mut next = 0;
-        for row in band.rows.clone() {
-            for at in 0..columns {
-                let lanes = lanes_at_level(layer, at * LANES, row, pass.decide);
-                if lanes == 0 {
-                    continue;
-                }
-                let contest = if pruning {
-                    let block = Block::new(layer, at * LANES, row, lanes);
-                    Some(Contest::hold(pass, band.camera, &block, &witnesses[at]))
-                } else {
-                    None
-                };
+        for (row, lanes) in band.rows.clone().zip(lanes.chunks_exact(layer.width.div_ceil(LANES))) {
+            entries.clear();
+            for (at, &lanes) in lanes.iter().enumerate().filter(|(_, lanes)| **lanes != 0) {
+                let block = Block::new(layer, at * LANES, row, lanes);
+                entries.push(Entry { at, lanes, contest: Contest::new(&block), block });
+            }
+            // One rival after the other, so that its picture is read along its rows.
+            for rival in &rivals {
+                hold_row(pass, band.camera, &mut entries, rival);
+            }
+            for Entry { at, lanes, contest, .. } in &entries {
                 for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
                     let pixel = row * layer.width + at * LANES + lane;
-                    let verdict = match &contest {
-                        Some(contest) => {
-                            pass.first_verdict(band.camera, pixel, contest, lane, &mut band.disputes)
-                        }
-                        None => pass.verdict_without_pruning(band.camera, pixel),
+                    let verdict = if pruning {
+                        pass.first_verdict(band.camera, pixel, contest, lane, &mut band.disputes)
+                    } else {
+                        pass.verdict_without_pruning(band.camera, pixel)
                     };
                     band.pixels[next] = pixel as u32;
                     band.verdicts[next] = verdict;
@@ -299,23 +269,23 @@ impl Work for FindBest<'_, '_> {
     }
 }
 
-/// Which of sixteen pixels hold a sample of the level.
-#[inline(always)]
-fn lanes_at_level(layer: &Layer, column: usize, row: usize, level: Level) -> u32 {
-    let first = row * layer.width + column;
-    let count = LANES.min(layer.width - column);
-    let found = &layer.level[first..first + count];
-    // Of a known length, which takes one instruction.
-    let levels = <[Level; LANES]>::try_from(found).unwrap_or_else(|_| {
-        let mut levels = [NO_SAMPLE; LANES];
-        levels[..count].copy_from_slice(found);
-        levels
-    });
-    let mut lanes = 0;
-    for (lane, &found) in levels.iter().enumerate() {
-        lanes |= u32::from(found == level) << lane;
+impl Band<'_> {
+    /// For each row and each sixteen pixels of it, which of them hold a sample of the level.
+    #[inline(always)]
+    fn lanes(&self, layer: &Layer, level: Level) -> Vec<u32> {
+        let mut all = Vec::with_capacity(self.rows.len() * layer.width.div_ceil(LANES));
+        for row in self.rows.clone() {
+            for column in (0..layer.width).step_by(LANES) {
+                let levels = lanes_of(&layer.level, layer.width, (column, row), NO_SAMPLE);
+                let mut lanes = 0;
+                for lane in 0..LANES {
+                    lanes |= u32::from(levels[lane] == level) << lane;
+                }
+                all.push(lanes);
+            }
+        }
+        all
     }
-    lanes
 }
 
 impl Pass<'_> {
@@ -323,7 +293,7 @@ impl Pass<'_> {
         self.statuses[camera][pixel as usize].load(Ordering::Relaxed)
     }
 
-    fn set_status(&self, camera: usize, pixel: u32, status: u8) {
+    pub(super) fn set_status(&self, camera: usize, pixel: u32, status: u8) {
         self.statuses[camera][pixel as usize].store(status, Ordering::Relaxed);
     }
 
@@ -335,39 +305,39 @@ impl Pass<'_> {
         (status == UNDECIDED || status == KEPT) && (self.settings.pruning.across_spans || !foreign)
     }
 
-    /// For every sixteen columns of the band, the other cameras that may see something of it.
+    /// The other cameras that may see something of the band.
     #[inline(always)]
-    fn witnesses(&self, band: &Band<'_>) -> Vec<Witnesses<'_>> {
+    fn rivals(&self, band: &Band<'_>, lanes: &[u32]) -> Vec<Rival<'_>> {
         let layer = &self.layers[band.camera];
         let rows = [band.rows.start, band.rows.end - 1];
-        let blocks: Vec<[f32; 2]> = (0..layer.width.div_ceil(LANES))
-            .map(|at| depth_bounds(layer, at * LANES, band.rows.clone(), self.decide))
-            .collect();
-        let whole = blocks
-            .iter()
-            .fold([f32::INFINITY, 0.0_f32], |all, block| [all[0].min(block[0]), all[1].max(block[1])]);
-        let of_the_band: Vec<usize> = (0..self.layers.len())
-            .filter(|&other| {
-                other != band.camera
-                    && !self.layers[other].facets.is_empty()
-                    && self.rig.registration(band.camera, other).may_see([0, layer.width - 1], rows, whole)
+        let columns = layer.width.div_ceil(LANES);
+        let bounds: Vec<Option<[f32; 2]>> = (0..columns)
+            .map(|at| {
+                let any = lanes.iter().skip(at).step_by(columns).any(|lanes| *lanes != 0);
+                any.then(|| depth_bounds(layer, at * LANES, band.rows.clone()))
             })
             .collect();
-        let blocks = blocks.iter().enumerate();
-        blocks
-            .map(|(at, &bounds)| {
-                if bounds[0] > bounds[1] {
-                    return Witnesses::new();
-                }
-                let columns = [at * LANES, (at * LANES + LANES).min(layer.width) - 1];
-                let seen = of_the_band.iter().copied().filter(|&other| {
-                    self.rig.registration(band.camera, other).may_see(columns, rows, bounds)
-                });
-                seen.map(|other| {
-                    let limits = self.limits.between(layer, &self.layers[other]);
-                    (other, self.rig.registration(band.camera, other), limits)
+        let whole = bounds
+            .iter()
+            .flatten()
+            .fold([f32::INFINITY, 0.0_f32], |all, block| [all[0].min(block[0]), all[1].max(block[1])]);
+        (0..self.layers.len())
+            .filter(|&other| other != band.camera && !self.layers[other].facets.is_empty())
+            .filter_map(|other| {
+                let registration = self.rig.registration(band.camera, other);
+                registration.may_see([0, layer.width - 1], rows, whole).then(|| Rival {
+                    camera: other,
+                    registration,
+                    limits: self.limits.between(layer, &self.layers[other]),
+                    may_see: bounds
+                        .iter()
+                        .enumerate()
+                        .map(|(at, bounds)| {
+                            let columns = [at * LANES, (at * LANES + LANES).min(layer.width) - 1];
+                            bounds.is_some_and(|bounds| registration.may_see(columns, rows, bounds))
+                        })
+                        .collect(),
                 })
-                .collect()
             })
             .collect()
     }
@@ -393,20 +363,21 @@ impl Pass<'_> {
         if self.status(camera, pixel as u32) == DROPPED {
             return Verdict::without_witness(Rule::MixedDropped);
         }
-        let winners = contest.winners(lane).map(|winner| winner.unwrap_or(camera as u32) as u16);
+        let winners = contest.winners(lane).map(|winner| winner.unwrap_or(camera as u16));
         if winners[0] != winners[1] {
             disputes.push(Dispute { pixel: pixel as u32, camera: winners[0], other_camera: winners[1] });
         }
         if let Some(best) = contest.best(lane) {
-            let best = Candidate { rank: best.rank, camera: best.camera as u16, pixel: best.pixel };
-            return self.dropped_for(self.layers[camera].facets[pixel].rank, best);
+            let best =
+                Candidate { rank: best.rank, camera: best.camera, level: best.level, pixel: best.pixel };
+            return self.dropped_for(contest.own_rank(lane), best);
         }
         self.set_status(camera, pixel as u32, KEPT);
         Verdict::without_witness(if contest.is_seen(lane) { Rule::BestRate } else { Rule::OnlyWitness })
     }
 
     #[inline(always)]
-    fn dropped_for(&self, rank: u32, witness: Candidate) -> Verdict {
+    pub(super) fn dropped_for(&self, rank: u32, witness: Candidate) -> Verdict {
         let rule = if self.settings.pruning.method == PruningMethod::FirstCamera {
             Rule::LaterCamera
         } else if rank & MIXED != 0 && witness.rank & MIXED == 0 {
@@ -418,98 +389,24 @@ impl Pass<'_> {
         };
         Verdict {
             rule,
-            witness_level: self.layers[witness.camera as usize].level[witness.pixel as usize],
+            witness_level: witness.level,
             witness_camera: witness.camera,
             witness_pixel: witness.pixel,
         }
     }
-
-    /// Decides every sample of the band whose best candidate is decided; the others wait.
-    fn settle(&self, band: &mut Band<'_>) {
-        for index in 0..band.pixels.len() {
-            let verdict = band.verdicts[index];
-            if verdict.witness_camera == Verdict::NO_CAMERA {
-                continue;
-            }
-            if self.status(verdict.witness_camera as usize, verdict.witness_pixel) == KEPT {
-                self.set_status(band.camera, band.pixels[index], DROPPED);
-            } else {
-                band.waiting.push(Waiting { index: index as u32, others: None });
-            }
-        }
-    }
-
-    /// Decides what can be decided of the samples that wait.
-    fn settle_waiting(&self, band: &mut Band<'_>) {
-        let mut waiting = std::mem::take(&mut band.waiting);
-        waiting.retain_mut(|sample| self.still_waits(band, sample));
-        band.waiting = waiting;
-    }
-
-    fn still_waits(&self, band: &mut Band<'_>, sample: &mut Waiting) -> bool {
-        let pixel = band.pixels[sample.index as usize];
-        let verdict = &mut band.verdicts[sample.index as usize];
-        loop {
-            match self.status(verdict.witness_camera as usize, verdict.witness_pixel) {
-                KEPT => {
-                    self.set_status(band.camera, pixel, DROPPED);
-                    return false;
-                }
-                UNDECIDED => return true,
-                _ => {}
-            }
-            let others = sample.others.get_or_insert_with(|| self.all_but_the_best(band.camera, pixel));
-            let Some(next) = others.pop() else {
-                *verdict = Verdict::without_witness(Rule::Coverage);
-                self.set_status(band.camera, pixel, KEPT);
-                return false;
-            };
-            *verdict = self.dropped_for(self.layers[band.camera].facets[pixel as usize].rank, next);
-        }
-    }
-
-    /// All candidates of a sample but the best, worst first.
-    fn all_but_the_best(&self, camera: usize, pixel: u32) -> Vec<Candidate> {
-        let layer = &self.layers[camera];
-        let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
-        let rank = layer.facets[pixel as usize].rank;
-        let mut candidates = Vec::new();
-        for other in (0..self.layers.len()).filter(|other| *other != camera) {
-            let target = &self.layers[other];
-            if target.facets.is_empty() {
-                continue;
-            }
-            let registration = self.rig.registration(camera, other);
-            let Outcome::Same(found) = registration.test(layer, target, x, y, &self.limits) else { continue };
-            let found_rank = target.facets[found as usize].rank;
-            let own_level = target.level[found as usize] == self.decide;
-            // What is dropped by now is still a candidate; it will be passed over.
-            if (own_level || self.may_stand(other, found)) && (found_rank, other) < (rank, camera) {
-                candidates.push(Candidate { rank: found_rank, camera: other as u16, pixel: found });
-            }
-        }
-        candidates.sort_unstable_by(|a, b| b.cmp(a));
-        candidates.pop();
-        candidates
-    }
 }
 
-/// The smallest and largest inverse depth of the samples of a level in sixteen columns of some rows; the smallest is larger
-/// where there is none.
+/// The smallest and largest inverse depth of the samples in sixteen columns of some rows; the smallest is larger where there
+/// is none.
 #[inline(always)]
-fn depth_bounds(layer: &Layer, column: usize, rows: Range<usize>, level: Level) -> [f32; 2] {
-    let count = LANES.min(layer.width - column);
+fn depth_bounds(layer: &Layer, column: usize, rows: Range<usize>) -> [f32; 2] {
     let (mut smallest, mut largest) = ([f32::INFINITY; LANES], [0.0_f32; LANES]);
     for row in rows {
-        let lanes = lanes_at_level(layer, column, row, level);
-        if lanes == 0 {
-            continue;
-        }
-        let first = row * layer.width + column;
-        for (lane, &w) in layer.inverse_depth[first..first + count].iter().enumerate() {
-            let wanted = lanes >> lane & 1 == 1;
-            smallest[lane] = smallest[lane].min(if wanted { w } else { f32::INFINITY });
-            largest[lane] = largest[lane].max(if wanted { w } else { 0.0 });
+        let depths = lanes_of(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
+        for lane in 0..LANES {
+            let w = depths[lane];
+            smallest[lane] = smallest[lane].min(if w < 0.0 { f32::INFINITY } else { w });
+            largest[lane] = largest[lane].max(w);
         }
     }
     [smallest.iter().copied().fold(f32::INFINITY, f32::min), largest.iter().copied().fold(0.0, f32::max)]

@@ -13,6 +13,7 @@ use super::layer::Layer;
 pub use super::same_surface::{Answers, Outcome, SameSurface};
 use super::same_surface::{IN_FRONT, IN_VIEW};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
+use crate::simd;
 
 /// Pixels that are carried at once.
 pub const LANES: usize = 16;
@@ -71,15 +72,59 @@ pub struct Block {
     pub other_rank: [u32; LANES],
 }
 
+/// Sixteen pixels of a row from `(column, row)` on; `nothing` beyond its end.
+#[inline(always)]
+pub(super) fn lanes_of<T: Copy>(
+    plane: &[T],
+    width: usize,
+    (column, row): (usize, usize),
+    nothing: T,
+) -> [T; LANES] {
+    let rest = &plane[row * width + column..(row + 1) * width];
+    if let Some(lanes) = rest.first_chunk() {
+        return *lanes;
+    }
+    let mut lanes = [nothing; LANES];
+    lanes.iter_mut().zip(rest).for_each(|(lane, &value)| *lane = value);
+    lanes
+}
+
+impl Carried {
+    /// Nothing was carried.
+    pub(super) const NOWHERE: Self = Self {
+        point: [[0.0; LANES]; 3],
+        cell: [[0.0; LANES]; 2],
+        off_center: [[0.0; LANES]; 2],
+        pixel: [0; LANES],
+        bits: [0; LANES],
+    };
+
+    /// Whether any of the samples lies in the target's view.
+    #[inline(always)]
+    pub(super) fn any_in_view(&self) -> bool {
+        self.bits.iter().fold(0, |all, bits| all | bits) & IN_VIEW != 0
+    }
+
+    /// Asks for what the target saw there to be fetched.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, target: &Layer) {
+        // Two facets share a cache line, and neighboring lanes lie beside each other more often than not.
+        for lane in (0..LANES).step_by(2) {
+            let pixel = self.pixel[lane] as usize;
+            let below = self.off_center[1][lane] > 0.0;
+            let beside = if below { pixel + target.width } else { pixel.wrapping_sub(target.width) };
+            simd::prefetch(&target.facets, pixel);
+            simd::prefetch(&target.facets, beside);
+        }
+    }
+}
+
 impl Block {
     /// The samples of `layer` from `(column, row)` on for whose bit of `lanes` is set.
     #[inline(always)]
     #[must_use]
     pub fn new(layer: &Layer, column: usize, row: usize, lanes: u32) -> Self {
-        let first = row * layer.width + column;
-        let count = LANES.min(layer.width - column);
-        let mut facets = [Facet::ABSENT; LANES];
-        facets[..count].copy_from_slice(&layer.facets[first..first + count]);
+        let facets = lanes_of(&layer.facets, layer.width, (column, row), Facet::ABSENT);
         let mut block = Self {
             column,
             row,
@@ -174,24 +219,8 @@ impl Registration {
         largest.iter().all(|largest| *largest >= -0.1 * depth)
     }
 
-    /// What the target camera says about the samples of a block; nothing where none of them lies in its view.
-    #[inline(always)]
-    #[must_use]
-    pub fn ask(
-        &self,
-        source: &Layer,
-        target: &Layer,
-        block: &Block,
-        limits: &SameSurface,
-    ) -> Option<Answers> {
-        let carried = self.carry(block, target.width);
-        if carried.bits.iter().fold(0, |all, bits| all | bits) & IN_VIEW == 0 {
-            return None;
-        }
-        Some(self.compare(source, target, block, &carried, limits))
-    }
-
     /// What the target camera says about the sample at pixel `(x, y)` of the source.
+    #[inline(always)]
     #[must_use]
     pub fn test(&self, source: &Layer, target: &Layer, x: usize, y: usize, limits: &SameSurface) -> Outcome {
         let block = Block::new(source, x, y, 1);
@@ -199,19 +228,13 @@ impl Registration {
         if carried.bits[0] & IN_VIEW == 0 {
             return if carried.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
         }
-        self.compare(source, target, &block, &carried, limits).outcome(0)
+        self.compare(source, target, &block, &carried, limits, |_, _| true).outcome(0)
     }
 
+    /// Carries the samples of a block.
     #[inline(always)]
-    fn carry(&self, block: &Block, target_width: usize) -> Carried {
-        let zero = [0.0; LANES];
-        let mut carried = Carried {
-            point: [zero; 3],
-            cell: [zero; 2],
-            off_center: [zero; 2],
-            pixel: [0; LANES],
-            bits: [0; LANES],
-        };
+    pub(super) fn carry(&self, block: &Block, target_width: usize) -> Carried {
+        let mut carried = Carried::NOWHERE;
         let (column, t, lens) = (block.column as f32, self.translation, &self.target);
         let row = self.first_ray + self.per_row * block.row as f32;
         let width = target_width as u32;

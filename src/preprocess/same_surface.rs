@@ -86,6 +86,8 @@ pub struct Answers {
     pub rank: [u32; LANES],
     /// Their ranks by the other rate model.
     pub other_rank: [u32; LANES],
+    /// Their levels.
+    pub level: [u32; LANES],
 }
 
 pub(super) const IN_FRONT: u32 = 1;
@@ -127,7 +129,8 @@ impl Answers {
 }
 
 impl Registration {
-    /// Compares the samples of a block with what the target saw where they lie.
+    /// Compares the samples of a block with what the target saw where they lie. Where what was found does not matter, the
+    /// last and dearest condition (its surroundings) is left open.
     #[inline(always)]
     pub(super) fn compare(
         &self,
@@ -136,6 +139,7 @@ impl Registration {
         block: &Block,
         carried: &Carried,
         limits: &SameSurface,
+        matters: impl Fn(usize, &Facet) -> bool,
     ) -> Answers {
         let mut found = [Facet::ABSENT; LANES];
         for i in 0..LANES {
@@ -146,8 +150,8 @@ impl Registration {
             pixel: carried.pixel,
             rank: [u32::MAX; LANES],
             other_rank: [u32::MAX; LANES],
+            level: [0; LANES],
         };
-        let mut difference = [0_i32; LANES];
         let color_limit = (limits.color_steps * COLOR_STEPS) as i32;
         let lens = &self.target;
         let [ax, ay, az] = self.axes;
@@ -176,7 +180,6 @@ impl Registration {
                 .max((block.color[2][i] - color[2]).abs());
             // A mixed sample's color belongs to no surface: it may not speak against a clean witness.
             let yields = (block.rank[i] & MIXED != 0) & (facet.rank & MIXED == 0);
-            difference[i] = furthest;
             answers.bits[i] |= if there >= 0.0 { HAS_DEPTH } else { 0 }
                 | if on_surface { ON_SURFACE } else { 0 }
                 | if there * qz > w { NEARER } else { 0 }
@@ -184,11 +187,12 @@ impl Registration {
                 | if yields | (furthest <= color_limit) { COLOR_AGREES } else { 0 };
             answers.rank[i] = facet.rank;
             answers.other_rank[i] = facet.other_rank;
+            answers.level[i] = facet.level();
         }
         if limits.noise_sigmas > 0.0 {
             allow_noise(source, target, block, &found, &mut answers, limits);
         }
-        self.surround(target, carried, &found, &mut answers, limits);
+        self.surround(target, carried, &found, &mut answers, limits, matters);
         answers
     }
 
@@ -201,11 +205,15 @@ impl Registration {
         found: &[Facet; LANES],
         answers: &mut Answers,
         limits: &SameSurface,
+        matters: impl Fn(usize, &Facet) -> bool,
     ) {
         const BUT_SURROUNDED: u32 = SAME & !SURROUNDED;
         let mut candidates = 0;
+        let mut wanted = [0_u32; LANES];
         for i in 0..LANES {
-            candidates |= u32::from(answers.bits[i] & BUT_SURROUNDED == BUT_SURROUNDED);
+            let so_far = answers.bits[i] & BUT_SURROUNDED == BUT_SURROUNDED;
+            wanted[i] = u32::from(so_far & matters(i, &found[i]));
+            candidates |= wanted[i];
         }
         if candidates == 0 || !limits.overlap {
             answers.bits.iter_mut().for_each(|bits| *bits |= SURROUNDED);
@@ -218,8 +226,7 @@ impl Registration {
         let mut beside = [[0_u32; LANES]; 3];
         let mut inside = [0_u32; LANES];
         for i in 0..LANES {
-            let wanted = answers.bits[i] & BUT_SURROUNDED == BUT_SURROUNDED;
-            let mut within = wanted;
+            let mut within = wanted[i] != 0;
             for axis in 0..2 {
                 let off = carried.off_center[axis][i];
                 let side = if off > CENTERED { 1.0 } else { 0.0 } - if off < -CENTERED { 1.0 } else { 0.0 };
@@ -239,7 +246,7 @@ impl Registration {
         let mut depths = [[0.0_f32; LANES]; 3];
         for corner in 0..3 {
             for i in 0..LANES {
-                depths[corner][i] = target.inverse_depth[beside[corner][i] as usize];
+                depths[corner][i] = target.facets[beside[corner][i] as usize].inverse_depth;
             }
         }
         for i in 0..LANES {

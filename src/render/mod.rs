@@ -30,10 +30,10 @@ mod silhouette;
 mod surface;
 pub mod vantage;
 
-pub use backend::{Painter, Renderer};
+pub use backend::{Painter, Renderer, Shown};
 pub use cpu::CpuRenderer;
 pub use fill::fill;
-pub use gpu::{AdapterChoice, GpuRenderer};
+pub use gpu::{AdapterChoice, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]
