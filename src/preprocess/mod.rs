@@ -22,6 +22,7 @@ pub mod layer;
 pub mod mixed_pixels;
 pub mod noise;
 pub mod normal_errors;
+mod normal_lanes;
 pub mod normals;
 mod octahedral;
 pub mod pack;
