@@ -166,6 +166,7 @@ impl Contest {
 #[cfg(test)]
 mod tests {
     use crate::capture::demo::{Demo, DemoSpec};
+    use crate::grid::Grid;
     use crate::job::Job;
     use crate::preprocess::inspect_frame;
     use crate::settings::{CaptureSettings, Settings};
@@ -185,8 +186,7 @@ mod tests {
             let inspection = inspect_frame(&capture, None, &Settings::default(), 0, &Job::new()).unwrap();
             inspection.cameras.into_iter().map(|camera| camera.verdict).collect::<Vec<_>>()
         });
-        let dropped =
-            best.iter().flat_map(|verdicts| verdicts.as_slice()).filter(|verdict| !verdict.is_kept());
+        let dropped = best.iter().flat_map(Grid::as_slice).filter(|verdict| !verdict.is_kept());
         assert!(dropped.count() > 75 * 50 / 2);
         assert!(best == portable);
     }
