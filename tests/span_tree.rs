@@ -14,7 +14,7 @@ use overlook::preprocess::noise::Noise;
 use overlook::preprocess::split::{BATCH, Given, Split};
 use overlook::preprocess::static_test::StaticTest;
 use overlook::preprocess::{PixelClass, Preprocessed, Span, inspect_frame, preprocess, scan};
-use overlook::settings::{Settings, SpanLevels};
+use overlook::settings::{PruningMethod, Settings, SpanLevels};
 use proptest::prelude::*;
 use scene::{Scene, arc, camera};
 
@@ -344,6 +344,8 @@ fn samples_that_do_not_fit_the_memory_wait_in_a_file_and_come_back_the_same() {
     let with_memory = |cache| {
         let mut settings = with_levels(SpanLevels::Tree);
         settings.capture.cache = cache;
+        (settings.spans.color_tolerance, settings.spans.noise) = (0.0, 0.0);
+        settings.pruning.method = PruningMethod::Off;
         preprocess(&capture, &settings, &Job::new()).unwrap().samples
     };
     let (tight, ample) = (with_memory(16), with_memory(4096));
