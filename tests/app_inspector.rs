@@ -164,3 +164,20 @@ fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
     settle(&mut window);
     assert!(window.state().notices().is_empty());
 }
+
+#[test]
+fn a_sweep_draws_its_points_as_they_come_and_is_cancelled() {
+    let mut window = open(demo(2, 2, (48, 36)), SIZE);
+    settle(&mut window);
+    open_view(&mut window, "Stability");
+    assert!(shows(&window, "No stress test yet"));
+    open_view(&mut window, "Speed and accuracy");
+    assert!(shows(&window, "No sweep yet"));
+    click(&mut window, "Run a sweep");
+    wait(&mut window, "the first points", |window| shows(window, "2 settings; click one to put it on"));
+    assert!(window.query_by_label("Speed and accuracy chart").is_some());
+    pick(&mut window, "Along", "Milliseconds");
+    window.key_press(Key::Escape);
+    settle(&mut window);
+    assert!(window.state().notices().is_empty());
+}

@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use glam::{DVec2, DVec3};
 
 use super::dock::View;
+use super::inspector::charts::{Quantity, Study};
 use super::inspector::compare_look::CompareLook;
 use super::inspector::probe::Spot;
 use super::message::Purpose;
 use super::panels::Palette;
 use super::views::live_image::ColorBy;
 use super::views::source_image::Overlay;
+use crate::settings::Settings;
 
 /// One wish of the person at the window.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,6 +131,14 @@ pub(super) enum Command {
     PicturesPerLeg(usize),
     /// Play the camera path from its beginning, or stop.
     PlayPath(bool),
+    /// Measure: a sweep or a stress test.
+    Study(Study),
+    /// What the chart's axes show.
+    ChartAxes([Quantity; 2]),
+    /// The disturbance that is shown.
+    Disturbance(String),
+    /// Put these settings on.
+    TakeSettings(Box<Settings>),
     /// Count frame times anew.
     ClearMeter,
     /// Close a message.

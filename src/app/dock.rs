@@ -32,6 +32,10 @@ pub(super) enum View {
     Thresholds,
     /// What was pruned, and why.
     Report,
+    /// Accuracy against cost.
+    Tradeoff,
+    /// Accuracy against disturbances.
+    Stability,
     /// The camera path.
     Path,
     /// What happened.
@@ -42,7 +46,7 @@ pub(super) enum View {
 
 impl View {
     /// Every view, in the order of the menu.
-    pub(super) const ALL: [Self; 13] = [
+    pub(super) const ALL: [Self; 15] = [
         Self::Source,
         Self::Live,
         Self::Compare,
@@ -53,6 +57,8 @@ impl View {
         Self::Memory,
         Self::Thresholds,
         Self::Report,
+        Self::Tradeoff,
+        Self::Stability,
         Self::Path,
         Self::Log,
         Self::Meter,
@@ -71,6 +77,8 @@ impl View {
             Self::Memory => "Memory",
             Self::Thresholds => "Thresholds",
             Self::Report => "Report",
+            Self::Tradeoff => "Speed and accuracy",
+            Self::Stability => "Stability",
             Self::Path => "Camera path",
             Self::Log => "Log",
             Self::Meter => "Meter",
@@ -90,6 +98,8 @@ impl View {
             Self::Memory => "Which cameras and spans take the memory.",
             Self::Thresholds => "What counts as redundant, and how what is left is painted.",
             Self::Report => "What was pruned, by which rule and for which camera.",
+            Self::Tradeoff => "What each setting costs, and how close it comes to the truth.",
+            Self::Stability => "When accuracy breaks under disturbances.",
             Self::Path => "A camera path: set keys, play it, export it as pictures.",
             Self::Log => "What happened, in order.",
             Self::Meter => "What the window's own work takes of each frame.",
@@ -99,7 +109,7 @@ impl View {
     /// The view beside which it opens.
     fn neighbor(self) -> Self {
         match self {
-            Self::Source | Self::Live | Self::Compare => Self::Live,
+            Self::Source | Self::Live | Self::Compare | Self::Tradeoff | Self::Stability => Self::Live,
             Self::Thresholds | Self::Report => Self::Thresholds,
             _ => Self::Pixel,
         }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::OverlookApp;
 use super::command::Command;
+use super::inspector::charts::{Study, StudyRequest};
 use super::inspector::history::PRESETS;
 use super::inspector::path::{ExportRequest, PathKey};
 use super::inspector::probe::Spot;
@@ -41,6 +42,10 @@ impl OverlookApp {
                 state.inspector.unsaved = false;
                 self.ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
+            Command::Study(study) => self.study(study),
+            Command::ChartAxes(axes) => state.inspector.charts.axes = axes,
+            Command::Disturbance(name) => state.inspector.charts.disturbance = name,
+            Command::TakeSettings(settings) => self.change_settings("chart", *settings),
             Command::CopyArgument => self.copy_argument(),
             Command::CopyPicture => self.copy_picture(),
             Command::FramePoint => self.frame_point(),
@@ -66,6 +71,20 @@ impl OverlookApp {
             let zoom = self.state.source.zoom.max(4.0);
             self.apply(Command::SourceZoom { zoom, center });
         }
+    }
+
+    /// Measures with the settings on the sliders; goes on from what is known.
+    fn study(&mut self, study: Study) {
+        let Some(scene) = self.state.scene.clone() else { return };
+        let charts = &mut self.state.inspector.charts;
+        if study == Study::Stress {
+            // Its points do not say which settings they were made with.
+            charts.stress.clear();
+        }
+        let request =
+            StudyRequest { scene, study, settings: self.state.settings.clone(), known: charts.sweep.clone() };
+        self.state.inspector.charts.studying = true;
+        self.lanes.inspector.study.submit(request);
     }
 
     fn copy_argument(&mut self) {

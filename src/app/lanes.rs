@@ -150,7 +150,7 @@ impl Lanes {
 }
 
 /// Threads of their own: in the pool that the views share, a picture would wait behind minutes of pruning.
-fn pool(name: &'static str, threads: usize) -> Result<Arc<rayon::ThreadPool>> {
+pub(super) fn pool(name: &'static str, threads: usize) -> Result<Arc<rayon::ThreadPool>> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(move |index| format!("{name} {index}"))

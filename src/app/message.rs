@@ -12,6 +12,8 @@ use super::state::Inspected;
 use super::views::live_image::{LiveKey, LivePicture};
 use super::views::source_image::{SourceKey, SourcePicture};
 use crate::error::Error;
+use crate::evaluate::stress::StressPoint;
+use crate::evaluate::sweep::Point;
 use crate::preprocess::{Preprocessed, TemporalScan};
 use crate::settings::Settings;
 
@@ -73,6 +75,12 @@ pub(super) enum Message {
     MemoryMapped { scene: u64, blocks: Vec<Block> },
     /// A file is written; `bytes` where it is a store.
     Saved { path: PathBuf, bytes: Option<u64> },
+    /// A point of a sweep.
+    Swept { scene: u64, point: Box<Point> },
+    /// A point of a stress test.
+    Stressed { scene: u64, point: Box<StressPoint> },
+    /// A sweep or a stress test is done.
+    Studied { scene: u64 },
     /// The pictures of the camera path are written.
     Exported { folder: PathBuf, pictures: usize },
     /// Settings were read from a file.

@@ -236,6 +236,7 @@ impl OverlookApp {
             (lanes.whole.progress(), true),
             (lanes.file.progress(), true),
             (lanes.inspector.export.progress(), true),
+            (lanes.inspector.study.progress(), true),
             (lanes.measure.progress(), false),
         ];
         self.state.busy = watched

@@ -80,6 +80,15 @@ impl OverlookApp {
                 self.state.inspector.memory = Some(blocks);
             }
             Message::Saved { path, bytes } => self.saved(&path, bytes),
+            Message::Swept { scene, point } if Some(scene) == current => {
+                self.state.inspector.charts.add(*point);
+            }
+            Message::Stressed { scene, point } if Some(scene) == current => {
+                self.state.inspector.charts.stress.push(*point);
+            }
+            Message::Studied { scene } if Some(scene) == current => {
+                self.state.inspector.charts.studying = false
+            }
             Message::Exported { folder, pictures } => {
                 let text = format!("{pictures} pictures in {}", folder.display());
                 self.state.notify(NoticeKind::Done, "Exported", text);
@@ -183,6 +192,9 @@ impl OverlookApp {
         if what == "Open" {
             self.state.opening = None;
         }
+        if what == "Study" {
+            self.state.inspector.charts.studying = false;
+        }
         if matches!(error, Error::Cancelled) {
             return;
         }
@@ -196,6 +208,8 @@ impl OverlookApp {
             "Source picture" => "Could not show this frame",
             "Live view" => "Could not render this view",
             "File" => "Could not save or load",
+            "Study" => "Could not measure",
+            "Export" => "Could not export the pictures",
             other => other,
         };
         self.state.notify(NoticeKind::Error, title, error.to_string());

@@ -227,6 +227,7 @@ impl OverlookApp {
         self.lanes.file.cancel();
         self.lanes.measure.cancel();
         self.lanes.inspector.export.cancel();
+        self.lanes.inspector.study.cancel();
     }
 
     fn escape(&mut self) {

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use crate::preprocess::noise::granted_range_sigmas;
+use crate::preprocess::ranges::Ranges;
 use crate::preprocess::registration::Outcome;
+use crate::preprocess::static_test::StaticTest;
 use crate::preprocess::{FrameInspection, PairQuantities, TemporalScan};
 use crate::settings::{Field, Kind, Settings};
 
@@ -109,6 +111,11 @@ impl Histogram {
         Some(Self { path, of, bars, sorted, noise: noise.filter(|noise| *noise > 0.0) })
     }
 
+    /// Whether anything was counted.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.sorted.is_empty()
+    }
+
     /// How many values lie within a threshold, and how many beyond.
     pub(crate) fn sides(&self, threshold: f64) -> (usize, usize) {
         let within = self.sorted.partition_point(|value| f64::from(*value) <= threshold);
@@ -161,7 +168,8 @@ pub(crate) fn histograms(
             of_pairs(&|pair| near(pair) && facing(pair), &|pair| pair.color_difference_steps),
         ),
     ];
-    if let Some(scan) = scan {
+    // The tree of spans keeps no ranges of single pixels.
+    if let Some(scan) = scan.filter(|scan| scan.cameras.iter().any(|camera| camera.ranges.is_some())) {
         let granted = granted_range_sigmas(scan.frames);
         let ranges = ranges(scan, settings);
         found.push(Histogram::new(
@@ -182,13 +190,19 @@ pub(crate) fn histograms(
 
 /// Range of color, range of depth and whether it is static, for pixels spread over all cameras.
 fn ranges(scan: &TemporalScan, settings: &Settings) -> Vec<(f32, f32, bool)> {
-    let pixels: usize = scan.cameras.iter().map(|camera| camera.color_range_steps.len()).sum();
+    let known: Vec<(&Ranges, StaticTest)> = (0..scan.cameras.len())
+        .filter_map(|index| {
+            let ranges = scan.cameras[index].ranges.as_ref()?;
+            Some((ranges, scan.static_test(index, &settings.spans)))
+        })
+        .collect();
+    let pixels: usize = known.iter().map(|(ranges, _)| ranges.color_steps.len()).sum();
     let stride = pixels.div_ceil(AT_MOST).max(1);
-    let mut ranges = Vec::new();
-    for camera in &scan.cameras {
-        let is_static = camera.static_pixels(&settings.spans, scan.frames);
-        let values = camera.color_range_steps.as_slice().iter().zip(camera.depth_range_relative.as_slice());
-        ranges.extend(
+    let mut found = Vec::new();
+    for (ranges, test) in known {
+        let is_static = ranges.static_pixels(&settings.spans, &test);
+        let values = ranges.color_steps.as_slice().iter().zip(ranges.depth_relative.as_slice());
+        found.extend(
             values
                 .zip(is_static)
                 .step_by(stride)
@@ -196,7 +210,7 @@ fn ranges(scan: &TemporalScan, settings: &Settings) -> Vec<(f32, f32, bool)> {
                 .map(|((color, depth), is_static)| (*color, *depth, is_static)),
         );
     }
-    ranges
+    found
 }
 
 #[cfg(test)]

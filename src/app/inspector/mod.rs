@@ -1,5 +1,6 @@
 //! The inspector: what the window knows beyond its two pictures, and the lanes that find it out.
 
+pub(crate) mod charts;
 pub(crate) mod compare;
 pub(crate) mod compare_look;
 pub(crate) mod histograms;
@@ -17,6 +18,7 @@ use std::time::Instant;
 use egui::TextureHandle;
 
 use super::dock::View;
+use super::lanes::pool;
 use super::message::Message;
 use super::panels::Palette;
 use super::state::{NoticeKind, State};
@@ -24,6 +26,7 @@ use super::worker::{Lane, Outbox, Supersede};
 use crate::error::{Error, Result};
 use crate::preprocess::{FrameInspection, SampleSet, TemporalScan};
 use crate::settings::Settings;
+use charts::{Charts, StudyRequest};
 use compare::{CompareKey, Compared, Comparer};
 use compare_look::{CompareLook, Place};
 use histograms::Histogram;
@@ -76,6 +79,8 @@ pub(crate) struct Inspector {
     pub compared: Option<Compared>,
     /// Why there is none.
     pub compare_trouble: Option<String>,
+    /// What was measured.
+    pub charts: Charts,
     /// The camera path.
     pub path: CameraPath,
     /// The command palette, while it is open.
@@ -104,6 +109,7 @@ impl Inspector {
         self.compare.place = Place::Live;
         self.compared = None;
         self.path = CameraPath::default();
+        self.charts = Charts::default();
         self.unsaved = false;
         self.compare_trouble = None;
     }
@@ -126,6 +132,8 @@ pub(crate) struct InspectorLanes {
     compare: Lane<Box<CompareKey>>,
     /// The pictures of the camera path.
     pub export: Lane<ExportRequest>,
+    /// Sweeps and stress tests.
+    pub study: Lane<StudyRequest>,
 }
 
 /// What histograms are made from.
@@ -143,6 +151,9 @@ impl InspectorLanes {
     /// `Io` where the operating system gives no thread.
     pub(crate) fn start(outbox: &Outbox) -> Result<Self> {
         let mut comparer = Comparer::default();
+        let studying = outbox.clone();
+        // Threads of their own: the pictures on screen must not wait for minutes of measuring.
+        let threads = pool("study", rayon::current_num_threads())?;
         Ok(Self {
             probe: Lane::start("Pixel argument", Supersede::Never, outbox.clone(), |key: ProbeKey, _| {
                 let probed = probe::probe(&key).map(Arc::new);
@@ -181,6 +192,12 @@ impl InspectorLanes {
                     Ok(Message::Compared { key, outcome })
                 },
             )?,
+            study: Lane::start(
+                "Study",
+                Supersede::Always,
+                outbox.clone(),
+                move |request: StudyRequest, job| threads.install(|| charts::study(request, &studying, job)),
+            )?,
             export: Lane::start(
                 "Export",
                 Supersede::Never,
@@ -210,6 +227,7 @@ impl InspectorLanes {
             && self.histograms.is_idle()
             && self.compare.is_idle()
             && self.export.is_idle()
+            && self.study.is_idle()
     }
 }
 

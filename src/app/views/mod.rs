@@ -1,6 +1,7 @@
 //! The pictures, and what is drawn over them and said about them.
 
 pub(super) mod cameras_view;
+pub(super) mod chart_view;
 pub(super) mod colormap;
 pub(super) mod compare_view;
 pub(super) mod frusta;
