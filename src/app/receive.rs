@@ -87,7 +87,7 @@ impl OverlookApp {
                 self.state.inspector.charts.stress.push(*point);
             }
             Message::Studied { scene } if Some(scene) == current => {
-                self.state.inspector.charts.studying = false
+                self.state.inspector.charts.studying = false;
             }
             Message::Exported { folder, pictures } => {
                 let text = format!("{pictures} pictures in {}", folder.display());
