@@ -4,7 +4,7 @@
 //! no level contracts or reorders sums, all give the same bits: a test compares them.
 #![expect(
     unsafe_code,
-    reason = "a function compiled for more instructions may only be called where they exist"
+    reason = "functions compiled for more instructions may only be called where they exist; fetching ahead takes a pointer"
 )]
 
 /// A loop that profits from wide vectors. `run` must be `#[inline(always)]`, and so must what it calls.
@@ -66,6 +66,19 @@ pub(super) fn run<W: Work>(work: W) -> W::Output {
         return run_at(Level::Portable, work);
     }
     run_at(Level::best(), work)
+}
+
+/// Asks for the memory of an element that will soon be read; nothing happens where there is no such element.
+#[inline(always)]
+pub(super) fn fetch_ahead<T>(slice: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(element) = slice.get(index) {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: a prefetch reads and writes nothing; the pointer is that of a live element besides.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(element).cast()) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = slice.get(index);
 }
 
 /// Does the work at a level, or at the best there is where that is less.
