@@ -14,11 +14,14 @@ pub struct Job {
     done: AtomicUsize,
     total: AtomicUsize,
     stage: Mutex<String>,
+    context: Mutex<String>,
 }
 
 /// How far a [`Job`] has come.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Progress {
+    /// What the stage is a part of, as in `3 of 60, 2 min left`; empty where it is all there is.
+    pub context: String,
     /// What is being done, in words fit for a progress bar.
     pub stage: String,
     /// Units of the stage that are finished.
@@ -51,6 +54,13 @@ impl Job {
         self.total.store(total, Ordering::Relaxed);
     }
 
+    /// Says what the coming stages are parts of; empty text takes it back.
+    pub fn set_context(&self, context: impl Into<String>) {
+        if let Ok(mut text) = self.context.lock() {
+            *text = context.into();
+        }
+    }
+
     /// Counts `units` more of the stage as finished.
     pub fn advance(&self, units: usize) {
         self.done.fetch_add(units, Ordering::Relaxed);
@@ -79,6 +89,7 @@ impl Job {
     #[must_use]
     pub fn progress(&self) -> Progress {
         Progress {
+            context: self.context.lock().map(|context| context.clone()).unwrap_or_default(),
             stage: self.stage.lock().map(|name| name.clone()).unwrap_or_default(),
             done: self.done.load(Ordering::Relaxed),
             total: self.total.load(Ordering::Relaxed),

@@ -40,6 +40,7 @@ pub mod error;
 pub mod grid;
 pub mod job;
 pub mod settings;
+mod simd;
 
 pub mod capture;
 pub mod evaluate;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules from the bottom up. A module may use those before it and itself.
 const LAYERS: [&[&str]; 8] = [
-    &["error", "grid", "job", "color", "settings"],
+    &["error", "grid", "job", "color", "settings", "simd"],
     &["capture"],
     &["preprocess"],
     &["store"],

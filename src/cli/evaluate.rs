@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::render::PaintingArgs;
 use super::{Failure, SettingsArgs, output, progress};
 use crate::capture::{Capture, View, transforms};
-use crate::evaluate::{Compared, Comparison, Evaluation, ViewScore, compare, hold_out, metrics::Scores};
+use crate::evaluate::{Compared, Comparison, Evaluation, MeanScore, compare, hold_out, metrics::Scores};
 use crate::settings::Settings;
 
 /// Arguments of `overlook evaluate`.
@@ -86,40 +86,54 @@ impl EvaluateArgs {
     }
 }
 
-/// One line per view, then the mean. `PSNR dB` counts pixels that got a sample, `all dB` all pixels.
+/// Columns of accuracy, their names and the decimals they are worth. `PSNR dB` counts pixels that got a sample, `all dB`
+/// all pixels; `edge` is the error near silhouettes, 8-bit steps.
+const ACCURACY: [(&str, usize); 7] =
+    [("PSNR dB", 2), ("all dB", 2), ("SSIM", 4), ("MS-SSIM", 4), ("FLIP", 4), ("edge", 2), ("cover", 3)];
+
+fn accuracy_head() -> String {
+    ACCURACY.iter().fold(String::new(), |mut text, (name, _)| {
+        let _ = write!(text, " {name:>8}");
+        text
+    })
+}
+
+fn accuracy_columns(values: [Option<f64>; ACCURACY.len()]) -> String {
+    let columns = values.iter().zip(ACCURACY);
+    columns.fold(String::new(), |mut text, (value, (_, decimals))| {
+        let _ = write!(text, " {}", output::number(*value, decimals, 8));
+        text
+    })
+}
+
+fn of_view(scores: &Scores) -> [Option<f64>; ACCURACY.len()] {
+    let s = scores;
+    let [psnr_db, all_db, ssim, ms_ssim, flip, coverage] =
+        [s.psnr_db, s.psnr_all_db, s.ssim, s.ms_ssim, s.flip, s.coverage].map(Some);
+    [psnr_db, all_db, ssim, ms_ssim, flip, s.silhouette_steps, coverage]
+}
+
+fn of_mean(mean: &MeanScore) -> [Option<f64>; ACCURACY.len()] {
+    let m = mean;
+    [m.psnr_db, m.psnr_all_db, m.ssim, m.ms_ssim, m.flip, m.silhouette_steps, m.coverage]
+}
+
+/// One line per view, then the mean.
 pub(super) fn view_table(evaluation: &Evaluation) -> String {
-    let mut text = format!(
-        "{:<28} {:>8} {:>8} {:>8} {:>7} {:>10} {:>12}",
-        "view", "PSNR dB", "all dB", "SSIM", "cover", "ms", "samples"
-    );
-    let mut line =
-        |name: &str, [psnr_db, all_db, ssim, coverage]: [Option<f64>; 4], milliseconds, samples| {
-            let _ = write!(
-                text,
-                "\n{name:<28} {} {} {} {} {milliseconds:>10.1} {:>12}",
-                output::number(psnr_db, 2, 8),
-                output::number(all_db, 2, 8),
-                output::number(ssim, 4, 8),
-                output::number(coverage, 3, 7),
-                output::count(samples)
-            );
-        };
-    for ViewScore { file_path, scores, milliseconds, samples, .. } in &evaluation.views {
-        let values = match scores {
-            Some(Scores { psnr_db, psnr_all_db, ssim, coverage }) => {
-                [Some(*psnr_db), Some(*psnr_all_db), Some(*ssim), Some(*coverage)]
-            }
-            None => [None; 4],
-        };
-        line(file_path, values, *milliseconds, *samples);
+    let mut text = format!("{:<28}{} {:>10} {:>12}", "view", accuracy_head(), "ms", "samples");
+    let mut line = |name: &str, values, milliseconds, samples| {
+        let samples = output::count(samples);
+        let _ = write!(text, "\n{name:<28}{} {milliseconds:>10.1} {samples:>12}", accuracy_columns(values));
+    };
+    for view in &evaluation.views {
+        let values = view.scores.as_ref().map_or([None; ACCURACY.len()], of_view);
+        line(&view.file_path, values, view.milliseconds, view.samples);
     }
     let mean = &evaluation.mean;
-    line(
-        "mean",
-        [mean.psnr_db, mean.psnr_all_db, mean.ssim, mean.coverage],
-        mean.milliseconds,
-        mean.samples as u64,
-    );
+    line("mean", of_mean(mean), mean.milliseconds, mean.samples as u64);
+    if let Some(steps) = mean.flicker_steps {
+        let _ = write!(text, "\nFlicker at still vantages: {steps:.2} 8-bit steps");
+    }
     text
 }
 
@@ -132,19 +146,20 @@ pub(super) fn painter_line(evaluation: &Evaluation) -> String {
 /// One line per way to prune.
 fn comparison_table(comparison: &Comparison) -> String {
     let mut text = format!(
-        "{:<16} {:>8} {:>8} {:>8} {:>7} {:>10} {:>14} {:>12}",
-        "pruning", "PSNR dB", "all dB", "SSIM", "cover", "ms", "samples kept", "in memory"
+        "{:<16}{} {:>10} {:>14} {:>12}",
+        "pruning",
+        accuracy_head(),
+        "ms",
+        "samples kept",
+        "in memory"
     );
     for compared in [&comparison.as_set, &comparison.no_pruning, &comparison.first_camera] {
         let mean = &compared.evaluation.mean;
         let _ = write!(
             text,
-            "\n{:<16} {} {} {} {} {:>10.1} {:>14} {:>12}",
+            "\n{:<16}{} {:>10.1} {:>14} {:>12}",
             compared.method.name(),
-            output::number(mean.psnr_db, 2, 8),
-            output::number(mean.psnr_all_db, 2, 8),
-            output::number(mean.ssim, 4, 8),
-            output::number(mean.coverage, 3, 7),
+            accuracy_columns(of_mean(mean)),
             mean.milliseconds,
             output::count(compared.samples_kept),
             output::bytes(compared.bytes_memory)

@@ -13,7 +13,12 @@ mod picture;
 mod preprocess;
 mod progress;
 mod render;
+mod results;
 mod settings;
+mod stress;
+mod sweep;
+mod truth;
+mod tune;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -63,6 +68,12 @@ enum Command {
     Render(render::RenderArgs),
     /// Score settings: accuracy, speed and size, against no pruning and against first camera wins.
     Evaluate(evaluate::EvaluateArgs),
+    /// Try many settings and all baselines: accuracy against time and bytes, with the Pareto front.
+    Sweep(sweep::SweepArgs),
+    /// Disturb a capture more and more: where does each method fail, with and without its defenses?
+    Stress(stress::StressArgs),
+    /// Find the simplest settings, and the fewest cameras, that are as accurate as the best.
+    Tune(tune::TuneArgs),
     /// Measure how fast each stage is, beside the limits of this machine.
     Bench(bench::BenchArgs),
     /// Print every setting with its meaning, unit, range and value, as TOML.
@@ -145,6 +156,9 @@ impl Cli {
             Some(Command::Preprocess(args)) => args.run(),
             Some(Command::Render(args)) => args.run(),
             Some(Command::Evaluate(args)) => args.run(),
+            Some(Command::Sweep(args)) => args.run(),
+            Some(Command::Stress(args)) => args.run(),
+            Some(Command::Tune(args)) => args.run(),
             Some(Command::Bench(args)) => args.run(),
             Some(Command::Settings(args)) => args.run(),
             None => explore(self.path, open_window),

@@ -50,7 +50,8 @@ fn draw(job: &Job, finished: &AtomicBool) {
         let progress = job.progress();
         bar.set_length(progress.total as u64);
         bar.set_position(progress.done as u64);
-        bar.set_message(progress.stage);
+        let separator = if progress.context.is_empty() { "" } else { ": " };
+        bar.set_message(format!("{}{separator}{}", progress.context, progress.stage));
         thread::park_timeout(REDRAW);
     }
     bar.finish_and_clear();

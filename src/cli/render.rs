@@ -11,7 +11,7 @@ use super::picture::PicturePaths;
 use super::{Failure, SettingsArgs, output, progress};
 use crate::capture::{View, transforms};
 use crate::error::{Error, Result};
-use crate::evaluate::{Evaluation, render_view};
+use crate::evaluate::{Evaluation, Scoreboard, render_view};
 use crate::job::Job;
 use crate::preprocess::SampleSet;
 use crate::render::Renderer;
@@ -115,14 +115,14 @@ fn paint(
     job: &Job,
 ) -> Result<Evaluation> {
     let mut renderer = Renderer::strict(settings.backend)?;
-    let mut scores = Vec::with_capacity(views.len());
+    let mut scores = Scoreboard::default();
     job.start("Painting views", views.len());
     for (view, paths) in views.iter().zip(paths) {
         job.check()?;
-        let (picture, score) = render_view(&mut renderer, samples, view, settings, job)?;
-        paths.write(&picture)?;
-        scores.push(score);
+        let painted = render_view(&mut renderer, samples, view, settings, job)?;
+        paths.write(&painted.picture)?;
+        scores.add(view, painted);
         job.advance(1);
     }
-    Ok(Evaluation::of(scores, &renderer))
+    Ok(scores.finish(&renderer))
 }

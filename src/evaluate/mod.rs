@@ -7,9 +7,16 @@
 //!
 //! [`speed`] measures the stages for themselves, beside the machine's own limits.
 
+pub mod baselines;
 pub mod hold_out;
 pub mod metrics;
 pub mod speed;
+pub mod stress;
+pub mod subset;
+pub mod sweep;
+pub mod trial;
+pub mod truth;
+pub mod tune;
 
 use std::sync::Arc;
 
@@ -21,7 +28,7 @@ use crate::job::Job;
 use crate::preprocess::{self, SampleSet};
 use crate::render::{Painter, Picture, Renderer, Vantage};
 use crate::settings::{PruningMethod, RenderSettings, Settings};
-use metrics::Scores;
+use metrics::{FlickerMeter, Pair, Scores};
 
 /// What one view cost and, where its truth is known, how close to it the picture came.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -52,6 +59,18 @@ pub struct MeanScore {
     /// See [`Scores::ssim`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ssim: Option<f64>,
+    /// See [`Scores::ms_ssim`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ms_ssim: Option<f64>,
+    /// See [`Scores::flip`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flip: Option<f64>,
+    /// See [`Scores::silhouette_steps`]; over the views that have silhouettes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub silhouette_steps: Option<f64>,
+    /// See [`FlickerMeter::steps`]; `None` where no vantage is seen at two frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flicker_steps: Option<f64>,
     /// See [`Scores::coverage`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage: Option<f64>,
@@ -73,10 +92,26 @@ pub struct Evaluation {
     pub notice: Option<String>,
 }
 
-impl Evaluation {
-    /// Gathers the scores of what `renderer` painted.
+/// Gathers views as they are painted.
+#[derive(Debug, Default)]
+pub struct Scoreboard {
+    views: Vec<ViewScore>,
+    flicker: FlickerMeter,
+}
+
+impl Scoreboard {
+    /// Adds what was painted of `view`. Views of one vantage must follow each other for flicker to be seen.
+    pub fn add(&mut self, view: &View, painted: PaintedView) {
+        if let Some(pair) = &painted.pair {
+            self.flicker.add(&view.camera, pair);
+        }
+        self.views.push(painted.score);
+    }
+
+    /// Scores and means of what `renderer` painted.
     #[must_use]
-    pub fn of(views: Vec<ViewScore>, renderer: &Renderer) -> Self {
+    pub fn finish(self, renderer: &Renderer) -> Evaluation {
+        let views = self.views;
         let mean_score = |value: &dyn Fn(&Scores) -> Option<f64>| {
             mean(views.iter().filter_map(|view| value(view.scores.as_ref()?)))
         };
@@ -84,17 +119,34 @@ impl Evaluation {
             psnr_db: mean_score(&|scores| Some(scores.psnr_db)),
             psnr_all_db: mean_score(&|scores| Some(scores.psnr_all_db)),
             ssim: mean_score(&|scores| Some(scores.ssim)),
+            ms_ssim: mean_score(&|scores| Some(scores.ms_ssim)),
+            flip: mean_score(&|scores| Some(scores.flip)),
+            silhouette_steps: mean_score(&|scores| scores.silhouette_steps),
+            flicker_steps: self.flicker.steps(),
             coverage: mean_score(&|scores| Some(scores.coverage)),
             milliseconds: mean(views.iter().map(|view| view.milliseconds)).unwrap_or_default(),
             samples: mean(views.iter().map(|view| view.samples as f64)).unwrap_or_default(),
         };
-        Self { views, mean, notice: renderer.notice().map(str::to_owned) }
+        Evaluation { views, mean, notice: renderer.notice().map(str::to_owned) }
     }
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (count, sum) = values.fold((0_u32, 0.0), |(count, sum), value| (count + 1, sum + value));
     (count > 0).then(|| sum / f64::from(count))
+}
+
+/// A painted view.
+#[derive(Debug)]
+pub struct PaintedView {
+    /// What was painted.
+    pub picture: Arc<Picture>,
+    /// What it cost, and how close to the truth it came.
+    pub score: ViewScore,
+    /// The picture beside its truth, where that is known.
+    pub pair: Option<Pair>,
+    /// The part of [`ViewScore::milliseconds`] that filling holes took.
+    pub fill_ms: f64,
 }
 
 /// Paints one view and, where its truth is known, scores it. Nothing is kept from one view to the next, so that neither
@@ -109,7 +161,7 @@ pub fn render_view(
     view: &View,
     settings: &RenderSettings,
     job: &Job,
-) -> Result<(Arc<Picture>, ViewScore)> {
+) -> Result<PaintedView> {
     let place = || format!("view '{}'", view.file_path);
     let frame = samples.frame_index(view.frame_number).ok_or_else(|| {
         let frames = match samples.frame_numbers.as_slice() {
@@ -125,21 +177,21 @@ pub fn render_view(
     let vantage = Vantage { camera: view.camera.clone(), frame };
     renderer.forget_background();
     let (picture, stats) = renderer.render(samples, &vantage, settings, job)?;
-    let scores = match &view.truth {
+    let pair = match &view.truth {
         None => None,
-        Some(truth) => Some(metrics::score(&picture, &truth()?).map_err(|error| match error {
+        Some(truth) => Some(Pair::new(&picture, &truth()?).map_err(|error| match error {
             Error::Invalid { what, .. } => Error::invalid(place(), what),
             error => error,
         })?),
     };
     let score = ViewScore {
         file_path: view.file_path.clone(),
-        scores,
+        scores: pair.as_ref().map(Pair::scores),
         milliseconds: stats.milliseconds,
         samples: stats.samples,
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
     };
-    Ok((picture, score))
+    Ok(PaintedView { picture, score, pair, fill_ms: stats.fill_ms })
 }
 
 /// Scores the views whose truth is known.
@@ -170,13 +222,13 @@ fn evaluate_with(
         ));
     }
     job.start("Scoring views", views.len());
-    let mut scores = Vec::with_capacity(views.len());
+    let mut scores = Scoreboard::default();
     for view in views {
         job.check()?;
-        scores.push(render_view(renderer, samples, view, settings, job)?.1);
+        scores.add(view, render_view(renderer, samples, view, settings, job)?);
         job.advance(1);
     }
-    Ok(Evaluation::of(scores, renderer))
+    Ok(scores.finish(renderer))
 }
 
 /// One way to prune: what it costs and how close to the truth it stays.

@@ -5,8 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use glam::Vec3;
 
-use super::PixelClass;
-use super::layer::{Layer, LayerBuilder};
+use super::layer::{Layer, LayerBuilder, ROOT};
 use super::pruning::{self, Decided, Rig};
 use super::temporal::{CameraScan, TemporalScan};
 use crate::capture::Capture;
@@ -40,7 +39,7 @@ impl Background {
             })
             .collect();
         Self {
-            statuses: layers.iter().map(|layer| vec![pruning::ABSENT; layer.class.len()]).collect(),
+            statuses: layers.iter().map(|layer| vec![pruning::ABSENT; layer.level.len()]).collect(),
             decided: layers.iter().map(|_| Decided::default()).collect(),
             layers,
         }
@@ -51,11 +50,11 @@ impl Background {
         let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
         for (layer, camera) in layers.iter_mut().zip(&capture.cameras) {
             job.check()?;
-            builder.rate(layer, camera, |class| class == PixelClass::Background);
+            builder.rate(layer, camera, ROOT);
         }
         let rig = Rig::new(&capture.cameras);
         let statuses = pruning::no_statuses(&layers);
-        let decided = pruning::prune(&rig, &layers, &statuses, PixelClass::Background, settings, job)?;
+        let decided = pruning::prune(&rig, &layers, &statuses, ROOT, settings, job)?;
         let statuses = statuses
             .iter()
             .map(|camera| camera.iter().map(|status| status.load(Ordering::Relaxed)).collect());
@@ -90,7 +89,7 @@ fn static_layer(scan: &CameraScan, is_static: &[bool]) -> Layer {
     layer.noise = scan.noise.clone();
     layer.depth_step_relative = scan.depth_step_relative;
     for (pixel, _) in is_static.iter().enumerate().filter(|(_, is_static)| **is_static) {
-        layer.class[pixel] = PixelClass::Background;
+        layer.level[pixel] = ROOT;
         layer.color[pixel] = scan.mean_color.as_slice()[pixel];
         layer.inverse_depth[pixel] = scan.mean_inverse_depth.as_slice()[pixel];
         if let Some(normals) = &scan.mean_normal {
@@ -133,7 +132,7 @@ impl TemporalScan {
         for (camera, scan) in capture.cameras.iter().zip(&self.cameras) {
             job.check()?;
             let mut layer = static_layer(scan, &scan.static_pixels(&settings.spans, self.frames));
-            builder.estimate_normals(&mut layer, camera, |class| class == PixelClass::Background);
+            builder.estimate_normals(&mut layer, camera, ROOT);
             layers.push(layer);
         }
         let layers = Arc::new(layers);

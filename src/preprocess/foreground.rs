@@ -7,14 +7,16 @@ use std::sync::atomic::AtomicU8;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::PixelClass;
 use super::background::Background;
-use super::layer::{Layer, LayerBuilder};
+use super::layer::{Layer, LayerBuilder, Level, NO_SAMPLE};
 use super::pruning::{self, Decided, Rig, Statuses};
 use crate::capture::{Capture, Frame};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::Settings;
+
+/// The level of samples of one frame.
+pub const FRAME: Level = 1;
 
 /// All cameras at one frame, pruned.
 pub struct PrunedFrame {
@@ -46,9 +48,8 @@ pub fn prune_frame(
             let recorded = capture.frame(camera, frame)?;
             let mut layer = background.layers[camera].clone();
             overlay(&mut layer, &recorded);
-            let foreground = |class| class == PixelClass::Foreground;
-            builder.estimate_normals(&mut layer, &capture.cameras[camera], foreground);
-            builder.rate(&mut layer, &capture.cameras[camera], foreground);
+            builder.estimate_normals(&mut layer, &capture.cameras[camera], FRAME);
+            builder.rate(&mut layer, &capture.cameras[camera], FRAME);
             Ok((recorded, layer))
         })
         .collect::<Result<_>>()?;
@@ -58,19 +59,20 @@ pub fn prune_frame(
         .par_iter()
         .map(|camera| camera.iter().map(|&status| AtomicU8::new(status)).collect())
         .collect();
-    let decided = pruning::prune(rig, &layers, &statuses, PixelClass::Foreground, settings, job)?;
+    let decided = pruning::prune(rig, &layers, &statuses, FRAME, settings, job)?;
     Ok(PrunedFrame { frames, layers, decided })
 }
 
 /// Puts the frame's samples wherever the background has none.
 fn overlay(layer: &mut Layer, frame: &Frame) {
     layer.depth_step_relative = layer.depth_step_relative.max(frame.depth_step_relative);
-    for pixel in 0..layer.class.len() {
+    layer.noise_share = vec![0.0, 1.0];
+    for pixel in 0..layer.level.len() {
         let inverse_depth = frame.inverse_depth.as_slice()[pixel];
-        if layer.class[pixel] == PixelClass::Background || inverse_depth < 0.0 {
+        if layer.level[pixel] != NO_SAMPLE || inverse_depth < 0.0 {
             continue;
         }
-        layer.class[pixel] = PixelClass::Foreground;
+        layer.level[pixel] = FRAME;
         layer.inverse_depth[pixel] = inverse_depth;
         layer.color[pixel] = frame.color.as_slice()[pixel];
         if let Some(normals) = &frame.normal_in_world {

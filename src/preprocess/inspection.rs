@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::layer::Layer;
+use super::layer::{Layer, Level, NO_SAMPLE};
 use super::pruning::Rig;
 use super::registration::{Outcome, SameSurface};
-use super::{SampleSet, TemporalScan};
+use super::{SampleSet, Span, TemporalScan};
 use crate::capture::{Camera, Frame};
 use crate::grid::Grid;
 use crate::settings::Settings;
@@ -22,6 +22,8 @@ pub enum PixelClass {
     Background,
     /// A sample of this frame alone.
     Foreground,
+    /// The same over some frames, but not over all.
+    Lasting,
 }
 
 /// Why a sample was kept or dropped.
@@ -115,8 +117,8 @@ impl Rule {
 pub struct Verdict {
     /// The rule that decided.
     pub rule: Rule,
-    /// Whether the witness is a background sample.
-    pub witness_is_background: bool,
+    /// Level of the witness, see [`FrameInspection::path`]; [`NO_SAMPLE`] where there is none.
+    pub witness_level: Level,
     /// Camera of the witness; [`Verdict::NO_CAMERA`] where there is none.
     pub witness_camera: u16,
     /// Pixel of the witness, `y * width + x`; 0 where there is none.
@@ -130,7 +132,7 @@ impl Verdict {
     /// A verdict without a witness.
     #[must_use]
     pub fn without_witness(rule: Rule) -> Self {
-        Self { rule, witness_is_background: false, witness_camera: Self::NO_CAMERA, witness_pixel: 0 }
+        Self { rule, witness_level: NO_SAMPLE, witness_camera: Self::NO_CAMERA, witness_pixel: 0 }
     }
 
     /// Whether the sample stays.
@@ -145,8 +147,10 @@ impl Verdict {
 pub struct CameraInspection {
     /// The recorded picture.
     pub frame: Arc<Frame>,
-    /// Background, foreground or nothing.
+    /// Over how many frames each pixel is the same, in words.
     pub class: Grid<PixelClass>,
+    /// The level of each pixel's sample, an index into [`FrameInspection::path`]; [`NO_SAMPLE`] where there is none.
+    pub level: Grid<Level>,
     /// Why each pixel was kept or dropped.
     pub verdict: Grid<Verdict>,
     /// World-space normals that were used, given or estimated; zero where there is none.
@@ -161,6 +165,8 @@ pub struct CameraInspection {
 pub struct FrameInspection {
     /// Index of the frame.
     pub frame: usize,
+    /// The spans that contain the frame, by level: all frames first, the frame alone last.
+    pub path: Vec<Span>,
     /// Per camera, in the capture's order.
     pub cameras: Vec<CameraInspection>,
     /// The samples kept at this frame (background and foreground), ready to be rendered.

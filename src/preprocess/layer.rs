@@ -4,12 +4,22 @@ use glam::Vec3;
 use half::f16;
 use rayon::prelude::*;
 
-use super::PixelClass;
 use super::mixed_pixels;
 use super::normals::{DepthView, MIN_CONFIDENCE};
 use super::sampling_rate::{Rate, Rays, footprint, rank};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
 use crate::settings::{MixedPixels, NormalSource, PruningMethod, Settings};
+
+/// Position on the way from the whole sequence to a single frame: 0 is the span of all frames, and every step down is a
+/// shorter span inside the one before. A sample's level says when it is decided and what it is held against: samples of one
+/// level are decided together, against each other and against those of the levels above, which are decided already.
+pub type Level = u8;
+
+/// The level of the span of all frames.
+pub const ROOT: Level = 0;
+
+/// In place of a level where there is no sample.
+pub const NO_SAMPLE: Level = Level::MAX;
 
 /// Set in the rank of a mixed sample that yields: it loses against every clean one.
 pub const MIXED: u32 = 1 << 31;
@@ -29,10 +39,12 @@ pub struct Layer {
     pub footprint: Vec<f32>,
     /// Smaller wins; [`MIXED`] is set where a mixed sample yields.
     pub rank: Vec<u32>,
-    /// Background, foreground or nothing.
-    pub class: Vec<PixelClass>,
-    /// Noise of a single frame. Foreground samples carry it; in background samples it is averaged away.
+    /// The level of each pixel's sample; [`NO_SAMPLE`] where there is none.
+    pub level: Vec<Level>,
+    /// Noise of a single frame. Samples of one frame carry it.
     pub noise: super::noise::Noise,
+    /// How much of [`Layer::noise`] is left in the samples of each level, 0 to 1; 0 for levels beyond the last.
+    pub noise_share: Vec<f32>,
     /// Relative quantization step of depth.
     pub depth_step_relative: f32,
 }
@@ -51,13 +63,8 @@ impl<'a> LayerBuilder<'a> {
         Self { settings, rate: Rate::resolve(settings.pruning.rate, cameras), antialiased }
     }
 
-    /// Estimates the normals of the pixels for which `wanted` holds, where they are not given or not wanted as given.
-    pub fn estimate_normals(
-        &self,
-        layer: &mut Layer,
-        camera: &Camera,
-        wanted: impl Fn(PixelClass) -> bool + Sync,
-    ) {
+    /// Estimates the normals of the samples of `level`, where they are not given or not wanted as given.
+    pub fn estimate_normals(&self, layer: &mut Layer, camera: &Camera, level: Level) {
         let width = layer.width.max(1);
         let rotation = camera.world_from_camera.matrix3.as_mat3();
         let view = DepthView::new(&layer.inverse_depth, camera, &self.settings.normals);
@@ -66,7 +73,7 @@ impl<'a> LayerBuilder<'a> {
             for (x, normal) in normals.iter_mut().enumerate() {
                 let pixel = y * width + x;
                 let missing = estimated || *normal == Vec3::ZERO;
-                if !missing || layer.inverse_depth[pixel] <= 0.0 || !wanted(layer.class[pixel]) {
+                if !missing || layer.inverse_depth[pixel] <= 0.0 || layer.level[pixel] != level {
                     continue;
                 }
                 let estimate = view.estimate(self.settings.normals.estimator, x, y);
@@ -76,8 +83,8 @@ impl<'a> LayerBuilder<'a> {
         });
     }
 
-    /// Fills in footprints and ranks of the pixels for which `wanted` holds, from colors, depths and normals.
-    pub fn rate(&self, layer: &mut Layer, camera: &Camera, wanted: impl Fn(PixelClass) -> bool + Sync) {
+    /// Fills in footprints and ranks of the samples of `level`, from colors, depths and normals.
+    pub fn rate(&self, layer: &mut Layer, camera: &Camera, level: Level) {
         let width = layer.width.max(1);
         let rays = Rays::new(camera);
         let pruning = &self.settings.pruning;
@@ -90,7 +97,7 @@ impl<'a> LayerBuilder<'a> {
         rows.enumerate().for_each(|(y, (footprints, ranks))| {
             for x in 0..footprints.len() {
                 let pixel = y * width + x;
-                if !wanted(layer.class[pixel]) {
+                if layer.level[pixel] != level {
                     continue;
                 }
                 let (inverse_depth, normal) = (layer.inverse_depth[pixel], layer.normal[pixel]);
@@ -116,8 +123,9 @@ impl Layer {
             normal: vec![Vec3::ZERO; pixels],
             footprint: vec![f32::INFINITY; pixels],
             rank: vec![u32::MAX; pixels],
-            class: vec![PixelClass::Invalid; pixels],
+            level: vec![NO_SAMPLE; pixels],
             noise: super::noise::Noise::default(),
+            noise_share: Vec::new(),
             depth_step_relative: 0.0,
         }
     }
@@ -131,6 +139,7 @@ impl Layer {
     /// Standard deviation of the color noise left in the sample at `pixel`, 8-bit sRGB steps.
     #[must_use]
     pub fn color_noise(&self, pixel: usize, steps: f32) -> f32 {
-        if self.class[pixel] == PixelClass::Foreground { self.noise.color_at(steps) } else { 0.0 }
+        let share = self.noise_share.get(usize::from(self.level[pixel])).copied().unwrap_or(0.0);
+        if share == 0.0 { 0.0 } else { share * self.noise.color_at(steps) }
     }
 }

@@ -41,7 +41,7 @@ use crate::settings::Settings;
 
 use background::Background;
 use foreground::{PrunedFrame, prune_frame};
-use layer::Layer;
+use layer::{Layer, Level, NO_SAMPLE, ROOT};
 use pruning::{Decided, Rig};
 use report::Tally;
 
@@ -141,6 +141,7 @@ pub fn inspect_frame(
         (0..capture.cameras.len()).map(|camera| inspect_camera(&background, &pruned, camera)).collect();
     Ok(FrameInspection {
         frame,
+        path: vec![all_frames(capture.frame_count()), one_frame(frame)],
         cameras,
         samples: Arc::new(sample_set(capture, settings, images)),
         layers: Arc::new(pruned.layers),
@@ -151,7 +152,7 @@ pub fn inspect_frame(
 fn inspect_camera(background: &Background, pruned: &PrunedFrame, camera: usize) -> CameraInspection {
     let layer = &pruned.layers[camera];
     let (width, height) = (layer.width, layer.height());
-    let mut verdicts = vec![Verdict::without_witness(Rule::NoSample); layer.class.len()];
+    let mut verdicts = vec![Verdict::without_witness(Rule::NoSample); layer.level.len()];
     for decided in [&background.decided[camera], &pruned.decided[camera]] {
         for (&pixel, &verdict) in decided.pixels.iter().zip(&decided.verdicts) {
             verdicts[pixel as usize] = verdict;
@@ -159,7 +160,8 @@ fn inspect_camera(background: &Background, pruned: &PrunedFrame, camera: usize) 
     }
     CameraInspection {
         frame: pruned.frames[camera].clone(),
-        class: Grid::from_vec(width, height, layer.class.clone()),
+        class: Grid::from_vec(width, height, layer.level.iter().map(|&level| class_of(level)).collect()),
+        level: Grid::from_vec(width, height, layer.level.clone()),
         verdict: Grid::from_vec(width, height, verdicts),
         normal_in_world: Grid::from_vec(
             width,
@@ -168,6 +170,22 @@ fn inspect_camera(background: &Background, pruned: &PrunedFrame, camera: usize) 
         ),
         footprint: Grid::from_vec(width, height, layer.footprint.clone()),
     }
+}
+
+fn class_of(level: Level) -> PixelClass {
+    match level {
+        NO_SAMPLE => PixelClass::Invalid,
+        ROOT => PixelClass::Background,
+        _ => PixelClass::Foreground,
+    }
+}
+
+fn all_frames(frames: usize) -> Span {
+    Span { start: 0, end: frames as u32 }
+}
+
+fn one_frame(frame: usize) -> Span {
+    Span { start: frame as u32, end: frame as u32 + 1 }
 }
 
 /// The kept samples of every camera over one span.
@@ -181,13 +199,11 @@ fn pack_all(span: Span, layers: &[Layer], decided: &[Decided], settings: &Settin
 }
 
 fn pack_background(background: &Background, frames: usize, settings: &Settings) -> Vec<SampleImage> {
-    let span = Span { start: 0, end: frames as u32 };
-    pack_all(span, &background.layers, &background.decided, settings)
+    pack_all(all_frames(frames), &background.layers, &background.decided, settings)
 }
 
 fn pack_foreground(pruned: &PrunedFrame, frame: usize, settings: &Settings) -> Vec<SampleImage> {
-    let span = Span { start: frame as u32, end: frame as u32 + 1 };
-    pack_all(span, &pruned.layers, &pruned.decided, settings)
+    pack_all(one_frame(frame), &pruned.layers, &pruned.decided, settings)
 }
 
 fn sample_set(capture: &Capture, settings: &Settings, images: Vec<SampleImage>) -> SampleSet {

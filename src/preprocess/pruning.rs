@@ -16,9 +16,9 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::layer::{Layer, MIXED};
+use super::layer::{Layer, Level, MIXED};
 use super::registration::{Outcome, Registration, SameSurface};
-use super::{PixelClass, Rule, Verdict};
+use super::{Rule, Verdict};
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::job::Job;
@@ -67,7 +67,7 @@ impl<'a> Rig<'a> {
     }
 }
 
-/// The verdicts on one camera's samples of one class.
+/// The verdicts on one camera's samples of one level.
 #[derive(Clone, Debug, Default)]
 pub struct Decided {
     /// Pixels that were decided, `y * width + x`, ascending.
@@ -82,10 +82,12 @@ pub type Statuses = Vec<Vec<AtomicU8>>;
 /// Statuses in which nothing is decided yet.
 #[must_use]
 pub fn no_statuses(layers: &[Layer]) -> Statuses {
-    layers.iter().map(|layer| layer.class.iter().map(|_| AtomicU8::new(ABSENT)).collect()).collect()
+    layers.iter().map(|layer| layer.level.iter().map(|_| AtomicU8::new(ABSENT)).collect()).collect()
 }
 
-/// Decides every sample of class `decide`; samples of other classes take part as `statuses` says and stay as they are.
+/// Decides every sample of level `decide`; samples of other levels take part as `statuses` says and stay as they are.
+///
+/// Levels are decided in ascending order, from the span of all frames down to the frame.
 ///
 /// # Errors
 /// `Cancelled`.
@@ -93,14 +95,14 @@ pub fn prune(
     rig: &Rig<'_>,
     layers: &[Layer],
     statuses: &Statuses,
-    decide: PixelClass,
+    decide: Level,
     settings: &Settings,
     job: &Job,
 ) -> Result<Vec<Decided>> {
     let pass = Pass { rig, layers, statuses, decide, settings, limits: SameSurface::new(settings) };
     layers.par_iter().zip(statuses).for_each(|(layer, statuses)| {
-        for (class, status) in layer.class.iter().zip(statuses) {
-            if *class == decide {
+        for (level, status) in layer.level.iter().zip(statuses) {
+            if *level == decide {
                 status.store(UNDECIDED, Ordering::Relaxed);
             }
         }
@@ -140,7 +142,7 @@ struct Pass<'a> {
     rig: &'a Rig<'a>,
     layers: &'a [Layer],
     statuses: &'a Statuses,
-    decide: PixelClass,
+    decide: Level,
     settings: &'a Settings,
     limits: SameSurface,
 }
@@ -171,8 +173,8 @@ impl Pass<'_> {
 
     fn drop_mixed(&self) {
         for (layer, statuses) in self.layers.iter().zip(self.statuses) {
-            for ((class, rank), status) in layer.class.iter().zip(&layer.rank).zip(statuses) {
-                if *class == self.decide && *rank != u32::MAX && rank & MIXED != 0 {
+            for ((level, rank), status) in layer.level.iter().zip(&layer.rank).zip(statuses) {
+                if *level == self.decide && *rank != u32::MAX && rank & MIXED != 0 {
                     status.store(DROPPED, Ordering::Relaxed);
                 }
             }
@@ -194,7 +196,7 @@ impl Pass<'_> {
         for y in rows {
             for x in 0..layer.width {
                 let pixel = y * layer.width + x;
-                if layer.class[pixel] != self.decide {
+                if layer.level[pixel] != self.decide {
                     continue;
                 }
                 let undecided = self.status(camera, pixel as u32) == UNDECIDED;
@@ -222,7 +224,7 @@ impl Pass<'_> {
             let target = &self.layers[other];
             let registration = self.rig.registration(camera, other);
             let Outcome::Same(found) = registration.test(layer, target, x, y, &self.limits) else { continue };
-            let foreign = target.class[found as usize] != self.decide;
+            let foreign = target.level[found as usize] != self.decide;
             if foreign && !self.settings.pruning.across_spans {
                 continue;
             }
@@ -297,10 +299,9 @@ impl Pass<'_> {
         } else {
             Rule::LowerRate
         };
-        let class = self.layers[witness.camera as usize].class[witness.pixel as usize];
         Verdict {
             rule,
-            witness_is_background: class == PixelClass::Background,
+            witness_level: self.layers[witness.camera as usize].level[witness.pixel as usize],
             witness_camera: witness.camera,
             witness_pixel: witness.pixel,
         }

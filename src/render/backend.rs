@@ -4,12 +4,12 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::cpu::CpuRenderer;
-use super::gpu::{AdapterChoice, GpuRenderer};
+use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::SampleSet;
-use crate::settings::{Backend, Kernel, RenderSettings};
+use crate::settings::{Backend, Fill, Kernel, RenderSettings};
 
 /// Something that has painted a picture.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, serde::Serialize)]
@@ -26,6 +26,10 @@ impl Painter {
     #[must_use]
     pub fn cpu() -> Self {
         Self { backend: Backend::Cpu, adapter: None }
+    }
+
+    fn gpu(gpu: &GpuRenderer) -> Self {
+        Self { backend: Backend::Gpu, adapter: Some(gpu.adapter_name().to_owned()) }
     }
 }
 
@@ -60,6 +64,17 @@ pub struct Renderer {
     faster: HashMap<Kernel, Backend>,
     notice: Option<String>,
     painter: Option<Painter>,
+    /// The window's device.
+    shared: Option<SharedDevice>,
+}
+
+/// A picture for a window.
+#[derive(Clone, Debug)]
+pub enum Shown {
+    /// On the window's own device, holes hatched.
+    OnAdapter(ScreenTexture),
+    /// In memory, still to be colored and sent.
+    InMemory(Arc<Picture>),
 }
 
 /// One picture that is asked for.
@@ -90,6 +105,12 @@ impl Renderer {
             Backend::Auto | Backend::Cpu => Adapter::Unknown,
         };
         Ok(Self { adapter, ..Self::default() })
+    }
+
+    /// As [`Renderer::new`], but paints on the device that a window draws with, where it can.
+    #[must_use]
+    pub fn sharing(shared: Option<SharedDevice>) -> Self {
+        Self { shared, ..Self::default() }
     }
 
     /// What painted the last picture; `None` before the first.
@@ -148,6 +169,48 @@ impl Renderer {
         }
     }
 
+    /// Paints for a window: on its own device where the GPU paints there, so that nothing is copied, else as
+    /// [`Renderer::render`].
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn show(
+        &mut self,
+        samples: &Arc<SampleSet>,
+        vantage: &Vantage,
+        settings: &RenderSettings,
+        holes: &HolePattern,
+        job: &Job,
+    ) -> Result<(Shown, RenderStats)> {
+        let gpu_is_faster = || self.faster.get(&settings.kernel) == Some(&Backend::Gpu);
+        let on_gpu = match settings.backend {
+            Backend::Cpu => false,
+            Backend::Gpu => true,
+            Backend::Auto => gpu_is_faster(),
+        };
+        if on_gpu {
+            self.open(AdapterChoice::Any);
+        }
+        if let Adapter::Open(gpu) = &mut self.adapter
+            && on_gpu
+            && gpu.is_shared()
+            && settings.fill == Fill::None
+        {
+            match gpu.show(samples, vantage, settings, holes, job) {
+                Ok((texture, stats)) => {
+                    self.painter = Some(Painter::gpu(gpu));
+                    self.notice = None;
+                    return Ok((Shown::OnAdapter(texture), stats));
+                }
+                // Whatever failed fails again below, where the CPU takes over.
+                Err(Error::Gpu { .. }) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        let (picture, stats) = self.render(samples, vantage, settings, job)?;
+        Ok((Shown::InMemory(picture), stats))
+    }
+
     fn on_the_faster(&mut self, request: &Request<'_>) -> Result<Painted> {
         self.open(AdapterChoice::Hardware);
         let hardware = matches!(&self.adapter, Adapter::Open(gpu) if !gpu.is_software());
@@ -194,7 +257,13 @@ impl Renderer {
             (Adapter::Unknown, _) | (Adapter::NoCard, AdapterChoice::Any) => {}
             _ => return,
         }
-        self.adapter = match GpuRenderer::new(choice) {
+        let options = GpuOptions { adapter: choice, ..GpuOptions::default() };
+        let shared = self.shared.as_ref().map(|shared| GpuRenderer::sharing(shared, &options));
+        let opened = match shared {
+            Some(Ok(gpu)) => Ok(gpu),
+            Some(Err(_)) | None => GpuRenderer::with_options(&options),
+        };
+        self.adapter = match opened {
             Ok(gpu) => Adapter::Open(Box::new(gpu)),
             Err(_) if choice == AdapterChoice::Hardware => Adapter::NoCard,
             Err(error) => Adapter::Missing(error.to_string()),
@@ -218,8 +287,7 @@ impl Renderer {
         };
         match gpu.render(request.samples, request.vantage, request.settings, request.job) {
             Ok(painted) => {
-                let adapter = Some(gpu.adapter_name().to_owned());
-                self.painter = Some(Painter { backend: Backend::Gpu, adapter });
+                self.painter = Some(Painter::gpu(gpu));
                 self.notice = None;
                 Ok(painted)
             }

@@ -18,11 +18,11 @@ use super::footprint::{MAX_STRETCH, footprints};
 use super::frame_samples::FrameTile;
 use super::keys::inverse_depth_of;
 use super::project::{ProjectedRow, Projector};
-use super::simd::{self, Work};
 use super::surface::{Stage, split_at_bands};
 use crate::error::Result;
 use crate::preprocess::TILE;
 use crate::settings::Kernel;
+use crate::simd::{self, Work};
 
 /// One pixel's sum of weighted colors, and of weights.
 pub(super) type Sum = [f32; 4];

@@ -27,12 +27,44 @@ mod lookup;
 mod project;
 mod resolve;
 mod silhouette;
-mod simd;
 mod surface;
 pub mod vantage;
 
-pub use backend::{Painter, Renderer};
+pub use backend::{Painter, Renderer, Shown};
 pub use cpu::CpuRenderer;
 pub use fill::fill;
-pub use gpu::{AdapterChoice, GpuRenderer};
+pub use gpu::{AdapterChoice, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
+
+#[cfg(test)]
+mod tests {
+    use super::{CpuRenderer, Vantage};
+    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::job::Job;
+    use crate::preprocess::preprocess;
+    use crate::settings::{CaptureSettings, Kernel, RenderSettings, Settings};
+    use crate::simd;
+
+    #[test]
+    fn every_instruction_set_paints_the_same_bits() {
+        let spec = DemoSpec {
+            scene: "orrery".to_owned(),
+            cameras: None,
+            frames: Some(2),
+            size: Some((72, 50)),
+            noise: None,
+        };
+        let demo = Demo::new(&spec).unwrap();
+        let capture = demo.capture(&CaptureSettings::default());
+        let samples = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples;
+        let vantage = Vantage { camera: demo.home(), frame: 1 };
+        for &kernel in Kernel::ALL {
+            let settings = RenderSettings { kernel, ..RenderSettings::default() };
+            let [best, portable] = simd::at_best_and_portable(|| {
+                CpuRenderer::new().render(&samples, &vantage, &settings, &Job::new()).unwrap().0
+            });
+            assert!(best.holes() < best.image.len() as u64 / 2);
+            assert_eq!(best, portable, "{kernel}");
+        }
+    }
+}

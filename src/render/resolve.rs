@@ -12,11 +12,11 @@ use super::frame_samples::{ColorPlace, FrameSamples, f32_from_f16_bits};
 use super::gather::{BLOCK, Gather};
 use super::keys::{inverse_depth_of, slot_of};
 use super::silhouette::{Patch, Pixel, RING, SIDE};
-use super::simd::{self, Work};
 use super::vantage::{NO_IMAGE, Picture};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::Kernel;
+use crate::simd::{self, Work};
 
 /// What was painted of some tiles.
 #[derive(Clone, Debug, Default)]

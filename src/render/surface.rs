@@ -13,11 +13,11 @@ use super::footprint::{Footprints, OVERLAP, footprints};
 use super::frame_samples::FrameSamples;
 use super::keys::{CORE, key, nearness};
 use super::project::{ProjectedRow, Projector};
-use super::simd::{self, Work};
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::TILE;
 use crate::settings::Kernel;
+use crate::simd::{self, Work};
 
 /// A sample belongs to the core of a pixel that gets at least this share of it by bilinear weights, and else to its
 /// fringe. The fringe fills pixels that are no sample's core; elsewhere it stays away, so that silhouettes do not grow.

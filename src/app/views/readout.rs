@@ -71,6 +71,7 @@ fn recorded(camera: &CameraInspection, x: usize, y: usize) -> String {
     let [r, g, b] = camera.frame.color[(x, y)].map(|c| srgb8_from_linear(c.to_f32()));
     let class = match camera.class[(x, y)] {
         PixelClass::Background => "same over all frames",
+        PixelClass::Lasting => "same over some frames",
         PixelClass::Foreground => "of this frame",
         PixelClass::Invalid => "takes part in nothing",
     };
@@ -121,12 +122,8 @@ mod tests {
     fn a_dropped_pixel_names_its_witness_and_where_it_is() {
         let lens = Intrinsics::from_horizontal_angle(64, 48, 1.0);
         let camera = |name| Camera::look_at(name, lens, DVec3::ZERO, DVec3::X, DVec3::Z);
-        let lost = Verdict {
-            rule: Rule::LowerRate,
-            witness_is_background: false,
-            witness_camera: 1,
-            witness_pixel: 64 * 3 + 5,
-        };
+        let lost =
+            Verdict { rule: Rule::LowerRate, witness_level: 0, witness_camera: 1, witness_pixel: 64 * 3 + 5 };
         let sentence = verdict(&[camera("front"), camera("left")], lost);
         assert_eq!(sentence, "Dropped: left samples this point more densely, at 5, 3.");
         let kept = verdict(&[camera("front")], Verdict::without_witness(Rule::BestRate));

@@ -268,7 +268,7 @@ fn split(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) ->
                 background += 1;
                 mix(own, tokens.static_over_time, 0.55)
             }
-            PixelClass::Foreground => {
+            PixelClass::Lasting | PixelClass::Foreground => {
                 foreground += 1;
                 mix(own, tokens.moving, 0.7)
             }
@@ -319,17 +319,13 @@ mod tests {
             normal_in_world: None,
             depth_step_relative: 0.0,
         };
-        let lost = Verdict {
-            rule: Rule::LowerRate,
-            witness_is_background: true,
-            witness_camera: 2,
-            witness_pixel: 0,
-        };
+        let lost = Verdict { rule: Rule::LowerRate, witness_level: 0, witness_camera: 2, witness_pixel: 0 };
         let camera = CameraInspection {
             frame: Arc::new(frame),
             class: Grid::from_fn(width, height, |x, _| {
                 if x < 16 { PixelClass::Background } else { PixelClass::Foreground }
             }),
+            level: Grid::from_fn(width, height, |x, _| u8::from(x >= 16)),
             verdict: Grid::from_fn(width, height, |x, _| {
                 if x < 16 { Verdict::without_witness(Rule::BestRate) } else { lost }
             }),

@@ -19,6 +19,46 @@ pub enum AdapterChoice {
     Any,
 }
 
+/// A device that a window draws with. What is painted on it can be shown without being copied.
+#[derive(Clone, Debug)]
+pub struct SharedDevice {
+    /// What the device runs on.
+    pub adapter: wgpu::Adapter,
+    /// The device, opened as [`device_descriptor`] says.
+    pub device: wgpu::Device,
+    /// Where its work is handed in.
+    pub queue: wgpu::Queue,
+}
+
+/// How to open a device of `adapter` so that the renderer can share it: with all that the adapter can do.
+#[must_use]
+pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+    wgpu::DeviceDescriptor {
+        label: Some("overlook"),
+        required_features: wanted_features() & adapter.features(),
+        required_limits: adapter.limits(),
+        ..Default::default()
+    }
+}
+
+fn wide_atomics() -> wgpu::Features {
+    wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX
+}
+
+fn wanted_features() -> wgpu::Features {
+    wide_atomics() | wgpu::Features::TIMESTAMP_QUERY
+}
+
+/// Whether something with these limits can run all stages.
+fn is_able(limits: &wgpu::Limits, adapter: &wgpu::Adapter) -> bool {
+    limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
+        && limits.max_compute_invocations_per_workgroup >= 256
+        && adapter
+            .get_downlevel_capabilities()
+            .flags
+            .contains(wgpu::DownlevelFlags::COMPUTE_SHADERS | wgpu::DownlevelFlags::SHADER_F16_IN_F32)
+}
+
 /// An adapter that has been opened.
 pub(super) struct Context {
     pub(super) device: wgpu::Device,
@@ -28,6 +68,8 @@ pub(super) struct Context {
     pub(super) has_wide_atomics: bool,
     /// Nanoseconds of a tick, where stages can be timed.
     pub(super) tick_ns: Option<f32>,
+    /// Whether a window draws with the same device.
+    pub(super) is_shared: bool,
     /// The first failure that no guard saw.
     failure: Arc<Mutex<Option<String>>>,
 }
@@ -74,62 +116,67 @@ impl Context {
         };
         let instance = wgpu::Instance::new(description);
         let adapters = pollster::block_on(instance.enumerate_adapters(backends));
-        let able = |adapter: &wgpu::Adapter| {
-            adapter.limits().max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
-                && adapter.limits().max_compute_invocations_per_workgroup >= 256
-                && adapter
-                    .get_downlevel_capabilities()
-                    .flags
-                    .contains(wgpu::DownlevelFlags::COMPUTE_SHADERS | wgpu::DownlevelFlags::SHADER_F16_IN_F32)
-        };
-        let found = adapters.iter().filter(|adapter| able(adapter)).filter_map(|adapter| {
-            preference(&adapter.get_info(), choice).map(|preference| (preference, adapter))
-        });
+        let found =
+            adapters.iter().filter(|adapter| is_able(&adapter.limits(), adapter)).filter_map(|adapter| {
+                preference(&adapter.get_info(), choice).map(|preference| (preference, adapter))
+            });
         let (_, adapter) = found.min_by_key(|(preference, _)| *preference).ok_or_else(none)?;
         Self::open(adapter)
     }
 
     fn open(adapter: &wgpu::Adapter) -> Result<Self> {
-        let wide_atomics = wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX;
-        let offered = adapter.features();
-        let mut features = wgpu::Features::empty();
-        for wanted in [wide_atomics, wgpu::Features::TIMESTAMP_QUERY] {
-            if offered.contains(wanted) {
-                features |= wanted;
-            }
-        }
+        let opened = pollster::block_on(adapter.request_device(&device_descriptor(adapter)));
         let info = adapter.get_info();
-        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-            label: Some("overlook"),
-            required_features: features,
-            required_limits: adapter.limits(),
-            ..Default::default()
-        }))
-        .map_err(|error| gpu_error(format!("{} cannot be opened: {error}", info.name)))?;
-        let failure = Arc::new(Mutex::new(None));
-        let note = |failure: &Arc<Mutex<Option<String>>>| {
-            let failure = failure.clone();
-            move |what: String| {
-                if let Ok(mut first) = failure.lock() {
-                    first.get_or_insert(what);
-                }
-            }
-        };
-        let (note_error, note_loss) = (note(&failure), note(&failure));
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note_error(error.to_string())));
-        device.set_device_lost_callback(move |reason, message| {
-            note_loss(format!("the adapter was lost ({reason:?}): {message}"));
-        });
+        let (device, queue) =
+            opened.map_err(|error| gpu_error(format!("{} cannot be opened: {error}", info.name)))?;
+        let context = Self::around(info, device, queue);
+        let note_error = context.note();
+        context.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note_error(error.to_string())));
+        Ok(context)
+    }
+
+    /// Takes part in a device that belongs to a window. Its owner goes on to hear of the owner's own failures.
+    ///
+    /// # Errors
+    /// `Gpu` where `choice` excludes the adapter, or the device was opened with less than the stages need.
+    pub(super) fn share(shared: &SharedDevice, choice: AdapterChoice) -> Result<Self> {
+        let info = shared.adapter.get_info();
+        if preference(&info, choice).is_none() {
+            return Err(gpu_error(format!("{} is no graphics card", info.name)));
+        }
+        if !is_able(&shared.device.limits(), &shared.adapter) {
+            return Err(gpu_error(format!("{} draws the window but cannot paint", info.name)));
+        }
+        Ok(Self { is_shared: true, ..Self::around(info, shared.device.clone(), shared.queue.clone()) })
+    }
+
+    fn around(adapter: wgpu::AdapterInfo, device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        let features = device.features();
         let timed = features.contains(wgpu::Features::TIMESTAMP_QUERY);
-        let tick_ns = timed.then(|| queue.get_timestamp_period());
-        Ok(Self {
+        let context = Self {
+            tick_ns: timed.then(|| queue.get_timestamp_period()),
+            has_wide_atomics: features.contains(wide_atomics()),
             device,
             queue,
-            adapter: info,
-            has_wide_atomics: features.contains(wide_atomics),
-            tick_ns,
-            failure,
-        })
+            adapter,
+            is_shared: false,
+            failure: Arc::default(),
+        };
+        let note_loss = context.note();
+        context.device.set_device_lost_callback(move |reason, message| {
+            note_loss(format!("the adapter was lost ({reason:?}): {message}"));
+        });
+        context
+    }
+
+    /// Remembers the first failure it is told.
+    fn note(&self) -> impl Fn(String) + Send + Sync + 'static {
+        let failure = self.failure.clone();
+        move |what: String| {
+            if let Ok(mut first) = failure.lock() {
+                first.get_or_insert(what);
+            }
+        }
     }
 
     /// Whether the adapter is a program that runs on the processor.

@@ -132,6 +132,7 @@ pub(super) fn kernel_number(kernel: Kernel) -> u32 {
 mod tests {
     use std::mem::offset_of;
 
+    use super::super::display::GpuDisplay;
     use super::super::shaders;
     use super::*;
     use wgpu::naga;
@@ -217,6 +218,23 @@ mod tests {
             origin,
             padding_1
         );
+    }
+
+    #[test]
+    fn what_the_display_stage_reads_lies_as_it_expects() {
+        let module = naga::front::wgsl::parse_str(&shaders::DISPLAY.source()).unwrap();
+        assert_same_layout!(
+            &module,
+            "Display",
+            GpuDisplay,
+            width,
+            height,
+            stripe,
+            padding,
+            hole,
+            hole_stripe
+        );
+        assert_eq!(constant(&module, "NO_IMAGE"), crate::render::NO_IMAGE);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! SampleSet ─ upload, once an image ─▶ pages ─ surface ─▶ keys ─ blend ─▶ sums    of the background, kept while the vantage is still
 //!                                            ─ surface ─▶ keys ─ blend ─▶ sums    of the frame
 //!                                                                                  both   ─ resolve or gather ─▶ picture ─▶ CPU
+//!                                                                                                                └─ display ─▶ window
 //! ```
 //!
 //! What differs from the CPU renderer: one thread a sample instead of one a band of rows, so keys are raised and colors are
@@ -14,6 +15,7 @@
 mod clock;
 mod context;
 mod copy;
+mod display;
 mod layout;
 mod memory;
 mod pipelines;
@@ -27,8 +29,9 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-pub use context::AdapterChoice;
+pub use context::{AdapterChoice, SharedDevice, device_descriptor};
 pub use copy::GpuCopy;
+pub use display::{HolePattern, ScreenTexture};
 
 use super::cpu::check;
 use super::fill::fill;
@@ -41,6 +44,7 @@ use crate::preprocess::SampleSet;
 use crate::settings::{Fill, Kernel, RenderSettings};
 use clock::StageClock;
 use context::Context;
+use display::Display;
 use memory::SampleMemory;
 use pipelines::Pipelines;
 use recorder::Recorder;
@@ -73,6 +77,7 @@ pub struct GpuRenderer {
     target: Option<Target>,
     background: Option<Background>,
     clock: StageClock,
+    display: Option<Display>,
 }
 
 /// What the background layer of the target was painted from.
@@ -107,12 +112,23 @@ impl GpuRenderer {
     /// # Errors
     /// `Gpu` where there is none.
     pub fn with_options(options: &GpuOptions) -> Result<Self> {
-        let context = Context::new(options.adapter)?;
+        Self::on(Context::new(options.adapter)?, options)
+    }
+
+    /// Takes part in the device of a window, for [`GpuRenderer::show`].
+    ///
+    /// # Errors
+    /// `Gpu` where `options` exclude its adapter, or it was not opened as [`device_descriptor`] says.
+    pub fn sharing(shared: &SharedDevice, options: &GpuOptions) -> Result<Self> {
+        Self::on(Context::share(shared, options.adapter)?, options)
+    }
+
+    fn on(context: Context, options: &GpuOptions) -> Result<Self> {
         let one_pass = options.wide_atomics && context.has_wide_atomics;
         let (pipelines, clock) =
             context.guarded(|| Ok((Pipelines::new(&context, one_pass), StageClock::new(&context)?)))?;
         let memory = SampleMemory::new(&context, options.sample_bytes);
-        Ok(Self { context, pipelines, memory, target: None, background: None, clock })
+        Ok(Self { context, pipelines, memory, target: None, background: None, clock, display: None })
     }
 
     /// The adapter's name.
@@ -176,6 +192,12 @@ impl GpuRenderer {
         context.guarded(|| memory.prefetch(context, &images))
     }
 
+    /// Whether a window draws with the same device, so that [`GpuRenderer::show`] is of use.
+    #[must_use]
+    pub fn is_shared(&self) -> bool {
+        self.context.is_shared
+    }
+
     /// Paints the samples of the vantage's frame.
     ///
     /// # Errors
@@ -189,6 +211,58 @@ impl GpuRenderer {
         job: &Job,
     ) -> Result<(Arc<Picture>, RenderStats)> {
         let started = Instant::now();
+        let (mut picture, mut stats) =
+            self.paint(samples, vantage, settings, job, |context, target, clock, mut encoder| {
+                target.record_readback(&mut encoder);
+                clock.record_readback(&mut encoder);
+                context.queue.submit([encoder.finish()]);
+                target.read(context)
+            })?;
+        let filling = Instant::now();
+        if settings.fill != Fill::None {
+            fill(&mut picture, &vantage.camera, settings);
+        }
+        stats.fill_ms = filling.elapsed().as_secs_f64() * 1e3;
+        stats.holes = picture.holes();
+        stats.milliseconds = started.elapsed().as_secs_f64() * 1e3;
+        Ok((Arc::new(picture), stats))
+    }
+
+    /// Paints as [`GpuRenderer::render`], but leaves the picture on the adapter: sRGB-encoded, holes hatched and never filled.
+    ///
+    /// # Errors
+    /// As [`GpuRenderer::render`].
+    pub fn show(
+        &mut self,
+        samples: &Arc<SampleSet>,
+        vantage: &Vantage,
+        settings: &RenderSettings,
+        holes: &HolePattern,
+        job: &Job,
+    ) -> Result<(ScreenTexture, RenderStats)> {
+        let started = Instant::now();
+        let mut display = match self.display.take() {
+            Some(display) => display,
+            None => self.context.guarded(|| Ok(Display::new(&self.context)))?,
+        };
+        let shown = self.paint(samples, vantage, settings, job, |context, target, clock, encoder| {
+            display.show(context, target, clock, encoder, holes)
+        });
+        self.display = Some(display);
+        let ((texture, holes), stats) = shown?;
+        let milliseconds = started.elapsed().as_secs_f64() * 1e3;
+        Ok((texture, RenderStats { holes, milliseconds, ..stats }))
+    }
+
+    /// Has everything painted up to the picture, and `finish` do the work that was written down and take what comes of it.
+    fn paint<T>(
+        &mut self,
+        samples: &Arc<SampleSet>,
+        vantage: &Vantage,
+        settings: &RenderSettings,
+        job: &Job,
+        finish: impl FnOnce(&Context, &Target, &mut StageClock, wgpu::CommandEncoder) -> Result<T>,
+    ) -> Result<(T, RenderStats)> {
         check(samples, vantage)?;
         job.check()?;
         let frame = FrameSamples::at(samples, vantage.frame)?;
@@ -199,54 +273,29 @@ impl GpuRenderer {
             settings: settings.clone(),
         };
         let reused = self.background.take().as_ref().is_some_and(|background| background.is(&wanted));
-        let mut picture = self.paint(&frame, &vantage.camera, settings, reused, job)?;
-        self.background = Some(wanted);
-        let filling = Instant::now();
-        if settings.fill != Fill::None {
-            fill(&mut picture, &vantage.camera, settings);
-        }
-        let fill_ms = filling.elapsed().as_secs_f64() * 1e3;
-        let tiles = if reused { frame.passing() } else { 0..frame.tiles.len() };
-        let stats = RenderStats {
-            samples: frame.sample_count(tiles),
-            holes: picture.holes(),
-            milliseconds: started.elapsed().as_secs_f64() * 1e3,
-            fill_ms,
-            background_reused: reused,
-        };
-        Ok((Arc::new(picture), stats))
-    }
-
-    fn paint(
-        &mut self,
-        frame: &FrameSamples<'_>,
-        camera: &Camera,
-        settings: &RenderSettings,
-        background_is_painted: bool,
-        job: &Job,
-    ) -> Result<Picture> {
         let Self { context, pipelines, memory, target, clock, .. } = self;
         let context = &*context;
-        context.guarded(|| {
-            let target = target_for(target, context, pipelines, camera, settings)?;
-            let scene = Scene::new(context, pipelines, memory, target, (frame, camera, settings))?;
+        let result = context.guarded(|| {
+            let target = target_for(target, context, pipelines, &vantage.camera, settings)?;
+            let scene = Scene::new(context, pipelines, memory, target, (&frame, &vantage.camera, settings))?;
             job.check()?;
             clock.start();
             let mut encoder =
                 context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let mut recorder = Recorder { pipelines, scene: &scene, target, clock, encoder: &mut encoder };
-            if !background_is_painted {
+            if !reused {
                 recorder.paint(0, &["background surface", "background blend"]);
             }
             recorder.paint(1, &["surface", "blend"]);
             recorder.resolve();
-            clock.record_readback(&mut encoder);
-            target.record_readback(&mut encoder);
-            context.queue.submit([encoder.finish()]);
-            let picture = target.read(context)?;
+            let result = finish(context, target, clock, encoder)?;
             clock.read(context)?;
-            Ok(picture)
-        })
+            Ok(result)
+        })?;
+        self.background = Some(wanted);
+        let tiles = if reused { frame.passing() } else { 0..frame.tiles.len() };
+        let samples = frame.sample_count(tiles);
+        Ok((result, RenderStats { samples, background_reused: reused, ..RenderStats::default() }))
     }
 }
 

@@ -57,7 +57,8 @@ fn layout(device: &wgpu::Device, label: &str, bindings: &[Holds]) -> wgpu::BindG
         .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
-fn pipeline(
+/// Compiles a shader that binds `groups`.
+pub(super) fn pipeline(
     device: &wgpu::Device,
     shader: &Shader,
     groups: &[Option<&wgpu::BindGroupLayout>],

@@ -79,6 +79,8 @@ shader!(
     ]
 );
 
+shader!(DISPLAY, "display", "The display stage.", ["display"]);
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,6 +108,7 @@ mod tests {
             (RESOLVE, plain),
             (SILHOUETTE, plain),
             (GATHER, plain),
+            (DISPLAY, plain),
         ] {
             let source = shader.source();
             assert_eq!(problem(&source, capabilities), None, "{}", shader.entry);

@@ -8,7 +8,7 @@
 )]
 
 /// A loop that profits from wide vectors. `run` must be `#[inline(always)]`, and so must what it calls.
-pub(super) trait Work {
+pub(crate) trait Work {
     /// What it gives.
     type Output;
 
@@ -60,9 +60,9 @@ impl Level {
 }
 
 /// Does the work at the best level.
-pub(super) fn run<W: Work>(work: W) -> W::Output {
+pub(crate) fn run<W: Work>(work: W) -> W::Output {
     #[cfg(test)]
-    if tests::PORTABLE.load(std::sync::atomic::Ordering::Relaxed) {
+    if PORTABLE.load(std::sync::atomic::Ordering::Relaxed) {
         return run_at(Level::Portable, work);
     }
     run_at(Level::best(), work)
@@ -108,44 +108,18 @@ fn avx512<W: Work>(work: W) -> W::Output {
     work.run()
 }
 
+/// Whether every loop runs at the lowest level. Other tests may see it: they give the same either way.
 #[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-    use std::sync::atomic::{AtomicBool, Ordering};
+static PORTABLE: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
 
-    use crate::capture::demo::{Demo, DemoSpec};
-    use crate::job::Job;
-    use crate::preprocess::preprocess;
-    use crate::render::{CpuRenderer, Picture, Vantage};
-    use crate::settings::{CaptureSettings, Kernel, RenderSettings, Settings};
-
-    /// Whether every loop runs at the lowest level. Other tests may see it: they give the same either way.
-    pub(super) static PORTABLE: AtomicBool = AtomicBool::new(false);
-
-    #[test]
-    fn every_instruction_set_gives_the_same_bits() {
-        let spec = DemoSpec {
-            scene: "orrery".to_owned(),
-            cameras: None,
-            frames: Some(2),
-            size: Some((72, 50)),
-            noise: None,
-        };
-        let demo = Demo::new(&spec).unwrap();
-        let capture = demo.capture(&CaptureSettings::default());
-        let samples = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples;
-        let vantage = Vantage { camera: demo.home(), frame: 1 };
-        let paint = |kernel: Kernel| -> Arc<Picture> {
-            let settings = RenderSettings { kernel, ..RenderSettings::default() };
-            CpuRenderer::new().render(&samples, &vantage, &settings, &Job::new()).unwrap().0
-        };
-        for kernel in Kernel::ALL {
-            let best = paint(*kernel);
-            PORTABLE.store(true, Ordering::Relaxed);
-            let portable = paint(*kernel);
-            PORTABLE.store(false, Ordering::Relaxed);
-            assert!(best.holes() < best.image.len() as u64 / 2);
-            assert_eq!(best, portable, "{kernel}");
-        }
-    }
+/// What `work` gives at the best level and at the lowest, for tests that compare them.
+#[cfg(test)]
+pub(crate) fn at_best_and_portable<T>(mut work: impl FnMut() -> T) -> [T; 2] {
+    static ONE_AT_A_TIME: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let best = work();
+    PORTABLE.store(true, std::sync::atomic::Ordering::Relaxed);
+    let portable = work();
+    PORTABLE.store(false, std::sync::atomic::Ordering::Relaxed);
+    [best, portable]
 }

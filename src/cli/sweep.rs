@@ -1,0 +1,101 @@
+//! `overlook sweep`: accuracy against time and bytes, for many settings and all baselines.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::render::PaintingArgs;
+use super::truth::TruthArgs;
+use super::{Failure, SettingsArgs, output, progress, results};
+use crate::capture::transforms;
+use crate::evaluate::sweep::{self, Plan, Point};
+use crate::settings::Settings;
+
+/// Arguments of `overlook sweep`.
+#[derive(Debug, Args)]
+pub(super) struct SweepArgs {
+    /// The capture: a folder or its transforms.json.
+    capture: PathBuf,
+    #[command(flatten)]
+    truth: TruthArgs,
+    /// Folder for sweep.csv, sweep.json and pareto.png. A sweep that was cut short goes on from what it left there.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Try these values of a setting, and all combinations where given several times, instead of the usual variations: as
+    /// in `--vary pruning.depth_tolerance=0.5,1,2`.
+    #[arg(long, value_name = "KEY=VALUE,VALUE…")]
+    vary: Vec<String>,
+    /// Try the settings of this file, under its name; may be given several times.
+    #[arg(long, value_name = "FILE", conflicts_with = "vary")]
+    with: Vec<PathBuf>,
+    #[command(flatten)]
+    painting: PaintingArgs,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct SweepOutput<'a> {
+    capture: &'a str,
+    truth: String,
+    points: &'a [Point],
+}
+
+impl SweepArgs {
+    pub(super) fn run(self) -> Result<(), Failure> {
+        let mut settings = self.settings.over(Settings::default())?;
+        self.painting.apply(&mut settings.render);
+        let opened = transforms::open(&self.capture, &settings.capture)?;
+        output::warn(&opened.warnings);
+        let (capture, truth) = self.truth.open(&self.capture, opened)?;
+        let mut plan = self.plan(&settings, &capture)?;
+        let journal = results::Journal::open(&self.out, "sweep", &self.truth.fingerprint(&capture))?;
+        plan.done = journal.points();
+        let mut trouble = None;
+        let points = progress::watched(|job| {
+            sweep::run(&capture, &plan, &truth, job, |point, _| {
+                if let Err(error) = journal.add(point) {
+                    trouble = Some(error);
+                    job.cancel();
+                }
+            })
+        });
+        if let Some(error) = trouble {
+            return Err(error.into());
+        }
+        let points = points?;
+        let document =
+            SweepOutput { capture: &capture.name, truth: self.truth.words(&capture), points: &points };
+        results::write_json(&self.out.join("sweep.json"), &document)?;
+        results::write_csv(&self.out.join("sweep.csv"), &points)?;
+        if self.json { output::print_json(&document) } else { output::print(&results::table(&points)) }
+    }
+
+    fn plan(&self, settings: &Settings, capture: &crate::capture::Capture) -> Result<Plan, Failure> {
+        if !self.with.is_empty() {
+            let load = |path: &PathBuf| {
+                let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into());
+                Ok((name, Settings::load(path)?))
+            };
+            let named = self.with.iter().map(load).collect::<Result<Vec<_>, Failure>>()?;
+            return Ok(Plan::list(settings, named, capture));
+        }
+        if self.vary.is_empty() {
+            return Ok(Plan::standard(settings, capture));
+        }
+        let axis = |text: &String| {
+            let (path, values) = text.split_once('=').ok_or_else(|| {
+                Failure::Usage(format!(
+                    "--vary {text}: write it as key=value,value, as in render.kernel=block,gather"
+                ))
+            })?;
+            Ok((path.trim().to_owned(), values.split(',').map(|value| value.trim().to_owned()).collect()))
+        };
+        let axes = self.vary.iter().map(axis).collect::<Result<Vec<_>, Failure>>()?;
+        Plan::grid(settings, &axes, capture).map_err(|error| Failure::Usage(error.to_string()))
+    }
+}

@@ -1,0 +1,75 @@
+//! What `sweep`, `stress` and `tune` hold pictures against.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::Failure;
+use crate::capture::{Camera, Capture, transforms};
+use crate::evaluate::subset;
+use crate::evaluate::truth::Truth;
+
+/// Where the truth comes from, and how much of the capture is looked at.
+#[derive(Debug, Args)]
+pub(super) struct TruthArgs {
+    /// Vantages whose truth is known [default: the capture's novel/transforms.json, or else --cross-validate].
+    #[arg(long, value_name = "TRANSFORMS", conflicts_with = "cross_validate")]
+    views: Option<PathBuf>,
+    /// Leave each camera out in turn and score against its frames, where the others could have seen what it saw.
+    #[arg(long)]
+    cross_validate: bool,
+    /// Look at this many frames alone, spread over the capture, those with truth among them.
+    #[arg(long, value_name = "N")]
+    pub(super) frames: Option<usize>,
+}
+
+impl TruthArgs {
+    /// The capture to work on, and its truth.
+    pub(super) fn open(&self, path: &Path, capture: Capture) -> Result<(Capture, Truth), Failure> {
+        let truth = self.truth(path, &capture)?;
+        let Some(frames) = self.frames else { return Ok((capture, truth)) };
+        Ok(subset::frames(&capture, truth, frames)?)
+    }
+
+    /// The truth at all frames.
+    pub(super) fn truth(&self, path: &Path, capture: &Capture) -> Result<Truth, Failure> {
+        let beside = || if self.cross_validate { None } else { transforms::truth_beside(path) };
+        match self.views.clone().or_else(beside) {
+            Some(views) => Ok(Truth::Views(transforms::open_views(&views)?)),
+            None if capture.cameras.len() > 1 => Ok(Truth::HoldOut),
+            None => Err(Failure::Usage(format!(
+                "{} comes without truth views and has a single camera, which cannot be left out; name views with --views",
+                path.display()
+            ))),
+        }
+    }
+
+    /// The truth in words.
+    pub(super) fn words(&self, capture: &Capture) -> String {
+        let source = match (&self.views, self.cross_validate) {
+            (Some(path), _) => path.display().to_string(),
+            (None, true) => "each camera left out in turn".to_owned(),
+            (None, false) => "the capture's own views, or else each camera left out in turn".to_owned(),
+        };
+        format!(
+            "{source}; {} frames",
+            self.frames.map_or(capture.frame_count(), |frames| frames.min(capture.frame_count()))
+        )
+    }
+
+    /// Tells results apart that must not be mixed.
+    pub(super) fn fingerprint(&self, capture: &Capture) -> String {
+        let cameras: Vec<_> = capture
+            .cameras
+            .iter()
+            .map(|Camera { name, intrinsics: i, .. }| (name, i.width, i.height))
+            .collect();
+        format!(
+            "{} {} {cameras:?} {:?} {}",
+            env!("CARGO_PKG_VERSION"),
+            capture.name,
+            capture.frame_numbers,
+            self.words(capture)
+        )
+    }
+}

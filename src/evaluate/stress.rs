@@ -1,0 +1,249 @@
+//! When does it break? Disturbances with a dial, applied to any capture, and what they do to ours and to the paper's plain
+//! settings.
+//!
+//! ```text
+//! capture ─ Disturbance::apply(dial) ─▶ Recorded ─ Workbench ─▶ StressPoint …─ failures ─▶ the dial at which 1 dB is lost
+//! ```
+//!
+//! Every disturbance is applied to frames as they are asked for. Loss is against the same method at the first value of the
+//! dial, where nothing is disturbed.
+
+mod disturbance;
+mod frames;
+mod light;
+mod shapes;
+
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use super::subset;
+use super::sweep::{self, Point, Series, context};
+use super::trial::{Trial, Workbench};
+use super::truth::{Recorded, Truth};
+use crate::capture::Capture;
+use crate::error::Result;
+use crate::job::Job;
+use crate::settings::Settings;
+
+pub use disturbance::Disturbance;
+
+/// A method that is put under stress.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Method {
+    /// Name for legends and tables.
+    pub name: String,
+    /// Its settings.
+    pub settings: Settings,
+}
+
+/// What is put under which stress, and what of it is known already.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The disturbances, each at all values of its dial.
+    pub disturbances: Vec<Disturbance>,
+    /// The methods; the first is ours.
+    pub methods: Vec<Method>,
+    /// Frames that are looked at, those with truth first; all where `None`. Frames are disturbed before they are chosen.
+    pub frames: Option<usize>,
+    /// Points of an earlier run on the same capture and truth.
+    pub done: Vec<StressPoint>,
+}
+
+impl Plan {
+    /// Every disturbance; `settings` with their defenses, the same kernel on the paper's plain preprocessing, and the
+    /// paper's settings as they are.
+    #[must_use]
+    pub fn standard(settings: &Settings) -> Self {
+        let paper = sweep::paper(settings);
+        let mut undefended = paper.clone();
+        undefended.render = settings.render.clone();
+        let method = |name: &str, settings| Method { name: name.to_owned(), settings };
+        Self {
+            disturbances: Disturbance::ALL.to_vec(),
+            methods: vec![
+                method("ours", settings.clone()),
+                method("without defenses", undefended),
+                method("paper", paper),
+            ],
+            frames: None,
+            done: Vec::new(),
+        }
+    }
+}
+
+/// One method under one value of a disturbance's dial.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StressPoint {
+    /// Name of the disturbance.
+    pub disturbance: String,
+    /// Where its dial stands.
+    pub dial: f64,
+    /// Unit of the dial.
+    pub unit: String,
+    /// Name of the method.
+    pub method: String,
+    /// Samples kept, as a share of all recorded pixels.
+    pub kept_share: f64,
+    /// By how much accuracy (`psnr_filled_db`) fell since the first value of the dial, dB.
+    pub loss_db: f64,
+    /// What was measured.
+    #[serde(flatten)]
+    pub point: Point,
+}
+
+/// Where a method fails.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Failure {
+    /// Name of the disturbance.
+    pub disturbance: String,
+    /// Unit of its dial.
+    pub unit: String,
+    /// Name of the method.
+    pub method: String,
+    /// Where the dial stands when [`LOST_DB`] are lost, interpolated; `None` where they never are.
+    pub dial: Option<f64>,
+    /// The largest loss anywhere, dB.
+    pub worst_loss_db: f64,
+    /// The last value of the dial that was tried.
+    pub last_dial: f64,
+}
+
+/// A method fails where it has lost this much, dB.
+pub const LOST_DB: f64 = 1.0;
+
+/// Measures every disturbance of the plan at every value of its dial with every method; `on_point` is told each with how
+/// many are known then, of how many.
+///
+/// # Errors
+/// Whatever preprocessing, painting and truth give; `Cancelled`, after which the points told so far can be put into
+/// [`Plan::done`] to go on.
+pub fn run(
+    capture: &Capture,
+    plan: &Plan,
+    truth: &Truth,
+    job: &Job,
+    mut on_point: impl FnMut(&StressPoint, (usize, usize)),
+) -> Result<Vec<StressPoint>> {
+    let steps: Vec<(Disturbance, f64)> = plan
+        .disturbances
+        .iter()
+        .flat_map(|&disturbance| disturbance.dial(capture).into_iter().map(move |dial| (disturbance, dial)))
+        .collect();
+    let total = steps.len() * plan.methods.len();
+    let (started, mut measured, mut points) = (Instant::now(), 0, Vec::with_capacity(total));
+    for (disturbance, dial) in steps {
+        let known = |method: &Method| {
+            plan.done.iter().find(|point| {
+                point.disturbance == disturbance.name()
+                    && point.dial == dial
+                    && point.method == method.name
+                    && point.point.settings == method.settings
+            })
+        };
+        let mut workbench = None;
+        for method in &plan.methods {
+            let mut point = if let Some(known) = known(method) {
+                known.clone()
+            } else {
+                let each = (measured > 0).then(|| started.elapsed().as_secs_f64() / f64::from(measured));
+                job.set_context(context(
+                    points.len() + 1,
+                    total,
+                    each.map(|each| each * (total - points.len()) as f64),
+                ));
+                if workbench.is_none() {
+                    workbench = Some(disturbed(capture, plan, truth, (disturbance, dial), job)?);
+                }
+                let Some((workbench, pixels)) = &mut workbench else { continue };
+                measured += 1;
+                let trial = Trial::new(
+                    format!("{} {dial} {}, {}", disturbance.name(), disturbance.unit(), method.name),
+                    method.settings.clone(),
+                );
+                let point = Point::new(&trial, Series::Variation, &workbench.measure(&trial, job)?);
+                StressPoint {
+                    disturbance: disturbance.name().to_owned(),
+                    dial,
+                    unit: disturbance.unit().to_owned(),
+                    method: method.name.clone(),
+                    kept_share: point.samples as f64 / *pixels as f64,
+                    loss_db: 0.0,
+                    point,
+                }
+            };
+            let undisturbed = points.iter().find(|other: &&StressPoint| {
+                other.disturbance == point.disturbance && other.method == point.method
+            });
+            let before = undisturbed.map_or(point.point.psnr_filled_db, |point| point.point.psnr_filled_db);
+            point.loss_db = before - point.point.psnr_filled_db;
+            points.push(point);
+            if let Some(point) = points.last() {
+                on_point(point, (points.len(), total));
+            }
+        }
+    }
+    job.set_context("");
+    Ok(points)
+}
+
+/// The disturbed capture ready to be measured, and the pixels it has.
+fn disturbed(
+    capture: &Capture,
+    plan: &Plan,
+    truth: &Truth,
+    (disturbance, dial): (Disturbance, f64),
+    job: &Job,
+) -> Result<(Workbench, u64)> {
+    let mut recorded = disturbance.apply(capture, dial)?;
+    let mut truth = truth.clone();
+    if let Some(count) = plan.frames {
+        let frames = subset::choose(capture, &truth, count)?;
+        truth = subset::truth_at(capture, truth, &frames);
+        recorded = Recorded {
+            capture: subset::only(&recorded.capture, &frames),
+            clean: subset::only(&recorded.clean, &frames),
+            edit_truth: recorded.edit_truth,
+        };
+    }
+    let pixels = recorded.capture.pixel_count();
+    Ok((Workbench::new(&recorded, &truth, &plan.methods[0].settings, job)?, pixels))
+}
+
+/// Where each method fails under each disturbance, in the order of the points.
+#[must_use]
+pub fn failures(points: &[StressPoint]) -> Vec<Failure> {
+    let mut failures: Vec<Failure> = Vec::new();
+    let mut previous: Option<&StressPoint> = None;
+    let mut by_method: Vec<&StressPoint> = points.iter().collect();
+    let order = |point: &StressPoint| {
+        points.iter().position(|other| other.disturbance == point.disturbance && other.method == point.method)
+    };
+    by_method.sort_by_key(|point| order(point));
+    for point in by_method {
+        let same = previous
+            .filter(|previous| previous.disturbance == point.disturbance && previous.method == point.method);
+        if same.is_none() {
+            failures.push(Failure {
+                disturbance: point.disturbance.clone(),
+                unit: point.unit.clone(),
+                method: point.method.clone(),
+                dial: None,
+                worst_loss_db: point.loss_db,
+                last_dial: point.dial,
+            });
+        }
+        if let Some(failure) = failures.last_mut() {
+            failure.worst_loss_db = failure.worst_loss_db.max(point.loss_db);
+            failure.last_dial = point.dial;
+            if let (None, Some(before)) = (failure.dial, same)
+                && point.loss_db >= LOST_DB
+            {
+                let share = (LOST_DB - before.loss_db) / (point.loss_db - before.loss_db);
+                failure.dial = Some(before.dial + share * (point.dial - before.dial));
+            }
+        }
+        previous = Some(point);
+    }
+    failures
+}

@@ -1,0 +1,98 @@
+//! Other light on a recorded scene, drawn in the picture from depth and normals: no shadows, no light that bounces. The
+//! truth is changed by the same rule, so that it stays the truth.
+
+use glam::{DVec2, DVec3, Vec3};
+use half::f16;
+use rayon::prelude::*;
+
+use crate::capture::{Camera, Capture, Frame};
+use crate::preprocess::normals::DepthView;
+use crate::settings::{NormalEstimator, NormalSettings};
+
+/// How the scene is lit in addition.
+pub(super) struct Lighting {
+    kind: Kind,
+    /// Radiance of a highlight, or share of a surface's own color that the light adds.
+    strength: f32,
+    up: DVec3,
+    frames: usize,
+}
+
+enum Kind {
+    /// A highlight of a light that stands still.
+    Specular,
+    /// A light that goes round once.
+    Moving,
+}
+
+/// Phong's exponent: a highlight about 25° wide, as of varnish.
+const SHININESS: i32 = 20;
+
+impl Lighting {
+    /// Surfaces shine with a highlight of this radiance.
+    pub(super) fn specular(capture: &Capture, strength: f32) -> Self {
+        Self { kind: Kind::Specular, strength, up: capture.up_in_world, frames: capture.frame_count() }
+    }
+
+    /// A light goes round the scene that adds this share of a surface's own color where it faces the light.
+    pub(super) fn moving(capture: &Capture, strength: f32) -> Self {
+        Self { kind: Kind::Moving, strength, up: capture.up_in_world, frames: capture.frame_count() }
+    }
+
+    /// Toward the light, unit length, world space, at a frame.
+    fn toward(&self, frame: usize) -> Vec3 {
+        let turn = match self.kind {
+            Kind::Specular => 0.1,
+            Kind::Moving => frame as f64 / self.frames.max(1) as f64,
+        };
+        let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
+        let across = self.up.any_orthonormal_vector();
+        let around = across * cos + self.up.cross(across) * sin;
+        (around + 0.8 * self.up).normalize_or_zero().as_vec3()
+    }
+
+    fn apply(&self, color: [f16; 3], normal: Vec3, toward_eye: Vec3, toward_light: Vec3) -> [f16; 3] {
+        let facing = normal.dot(toward_light).max(0.0);
+        let value = |channel: f16| match self.kind {
+            Kind::Specular => {
+                let mirrored = 2.0 * normal.dot(toward_light) * normal - toward_light;
+                let highlight = mirrored.dot(toward_eye).max(0.0).powi(SHININESS);
+                channel.to_f32() + self.strength * highlight * facing.sqrt()
+            }
+            Kind::Moving => channel.to_f32() * (1.0 + self.strength * facing),
+        };
+        color.map(|channel| f16::from_f32(value(channel)))
+    }
+}
+
+/// The frame under other light. Surfaces without a normal, and what is at infinity, stay as they are.
+pub(super) fn lit(lighting: &Lighting, camera: &Camera, frame_index: usize, mut frame: Frame) -> Frame {
+    let width = frame.size().0.max(1);
+    let toward_light = lighting.toward(frame_index);
+    let settings = NormalSettings::default();
+    let view = DepthView::new(frame.inverse_depth.as_slice(), camera, &settings);
+    let rotation = camera.world_from_camera.matrix3.as_mat3();
+    let normal = |x: usize, y: usize| match &frame.normal_in_world {
+        Some(normals) => Vec3::from(normals[(x, y)]),
+        None => rotation * view.estimate(NormalEstimator::Plane, x, y).normal_in_camera,
+    };
+    let colors: Vec<[f16; 3]> = (0..frame.color.len())
+        .into_par_iter()
+        .map(|pixel| {
+            let (x, y) = (pixel % width, pixel / width);
+            let color = frame.color[(x, y)];
+            if frame.inverse_depth[(x, y)] <= 0.0 {
+                return color;
+            }
+            let normal = normal(x, y);
+            if normal == Vec3::ZERO {
+                return color;
+            }
+            let ray = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+            let toward_eye = -camera.world_from_camera.transform_vector3(ray).normalize_or_zero().as_vec3();
+            lighting.apply(color, normal, toward_eye, toward_light)
+        })
+        .collect();
+    frame.color.as_mut_slice().copy_from_slice(&colors);
+    frame
+}

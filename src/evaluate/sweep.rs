@@ -1,0 +1,184 @@
+//! How much accuracy does each setting buy for its time and bytes? Many settings and all baselines on one capture, the
+//! Pareto front among them.
+//!
+//! Points come one by one, so that whoever waits can draw them, keep them, and go on from there another day.
+
+mod plan;
+
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use super::metrics::Scores;
+use super::trial::{Estimate, Measured, Trial, Workbench, kernel_cost};
+use super::truth::{Recorded, Truth};
+use crate::capture::Capture;
+use crate::error::Result;
+use crate::job::Job;
+use crate::settings::Settings;
+
+pub use plan::{Plan, Planned, Series, paper, variations};
+
+/// One setting with all that was measured of it. Accuracy is over pixels that some camera saw, of pictures whose holes are
+/// filled; see [`Scores`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// Says in short what is special about it.
+    pub label: String,
+    /// What it is: our default, a variation, or a baseline.
+    pub series: Series,
+    /// Everything that was set.
+    pub settings: Settings,
+    /// See [`Scores::psnr_db`].
+    pub psnr_db: f64,
+    /// Its standard error over vantages and frames.
+    pub psnr_db_se: f64,
+    /// The same over all these pixels, holes filled (`pushpull`) whatever the settings say: the one number that neither
+    /// leaving holes nor being good where it is easy can better. Points are ranked by it.
+    pub psnr_filled_db: f64,
+    /// Its standard error.
+    pub psnr_filled_db_se: f64,
+    /// See [`Scores::ssim`].
+    pub ssim: f64,
+    /// Its standard error.
+    pub ssim_se: f64,
+    /// See [`Scores::ms_ssim`].
+    pub ms_ssim: f64,
+    /// See [`Scores::flip`].
+    pub flip: f64,
+    /// Its standard error.
+    pub flip_se: f64,
+    /// See [`Scores::silhouette_steps`].
+    pub silhouette_steps: Option<f64>,
+    /// See [`super::metrics::FlickerMeter`].
+    pub flicker_steps: Option<f64>,
+    /// See [`Scores::coverage`].
+    pub coverage: f64,
+    /// Samples kept.
+    pub samples: u64,
+    /// Bytes of the store.
+    pub bytes: u64,
+    /// Bytes of the samples in memory.
+    pub bytes_memory: u64,
+    /// Samples that live longer than one frame.
+    pub samples_shared: u64,
+    /// Different spans that hold a sample.
+    pub spans: u64,
+    /// Milliseconds of painting one view, median, filling left out unless the settings fill; as noisy as the machine.
+    pub milliseconds: f64,
+    /// Work of painting one view that is the same on every machine: samples times the kernel's cost.
+    pub work: f64,
+    /// Seconds of preprocessing.
+    pub seconds_preprocess: f64,
+    /// Whether no other point is both more accurate (`psnr_filled_db`) and smaller (`bytes`).
+    pub pareto: bool,
+}
+
+impl Point {
+    /// What a trial gave.
+    #[must_use]
+    pub fn new(trial: &Trial, series: Series, measured: &Measured) -> Self {
+        let of = |value: &dyn Fn(&Scores) -> f64| {
+            Estimate::of(&measured.scores.iter().map(value).collect::<Vec<_>>())
+        };
+        let (psnr, psnr_filled) = (of(&|scores| scores.psnr_db), of(&|scores| scores.psnr_all_db));
+        let (ssim, flip) = (of(&|scores| scores.ssim), of(&|scores| scores.flip));
+        let edges: Vec<f64> = measured.scores.iter().filter_map(|scores| scores.silhouette_steps).collect();
+        Self {
+            label: trial.label.clone(),
+            series,
+            settings: trial.settings.clone(),
+            psnr_db: psnr.mean,
+            psnr_db_se: psnr.standard_error,
+            psnr_filled_db: psnr_filled.mean,
+            psnr_filled_db_se: psnr_filled.standard_error,
+            ssim: ssim.mean,
+            ssim_se: ssim.standard_error,
+            ms_ssim: of(&|scores| scores.ms_ssim).mean,
+            flip: flip.mean,
+            flip_se: flip.standard_error,
+            silhouette_steps: (!edges.is_empty()).then(|| Estimate::of(&edges).mean),
+            flicker_steps: measured.flicker_steps,
+            coverage: of(&|scores| scores.coverage).mean,
+            samples: measured.samples,
+            bytes: measured.bytes,
+            bytes_memory: measured.bytes_memory,
+            samples_shared: measured.samples_shared,
+            spans: measured.spans,
+            milliseconds: measured.milliseconds,
+            work: measured.samples_painted * kernel_cost(trial.settings.render.kernel),
+            seconds_preprocess: measured.seconds_preprocess,
+            pareto: false,
+        }
+    }
+}
+
+/// Marks the points that no other beats in one thing without losing in the other: `cost` is better where smaller, `gain`
+/// where larger. Of equals, all are marked.
+pub fn mark_pareto(points: &mut [Point], cost: impl Fn(&Point) -> f64, gain: impl Fn(&Point) -> f64) {
+    let values: Vec<(f64, f64)> = points.iter().map(|point| (cost(point), gain(point))).collect();
+    for (point, (cost, gain)) in points.iter_mut().zip(&values) {
+        point.pareto = !values.iter().any(|(other_cost, other_gain)| {
+            (other_cost < cost && other_gain >= gain) || (other_cost <= cost && other_gain > gain)
+        });
+    }
+}
+
+/// Measures every point of the plan that is not known yet, in the plan's order; `on_point` is told each with how many are
+/// known then.
+///
+/// # Errors
+/// Whatever preprocessing, painting and truth give; `Cancelled`, after which the points told so far can be put into
+/// [`Plan::done`] to go on.
+pub fn run(
+    capture: &Capture,
+    plan: &Plan,
+    truth: &Truth,
+    job: &Job,
+    mut on_point: impl FnMut(&Point, usize),
+) -> Result<Vec<Point>> {
+    let mut points: Vec<Option<Point>> = plan.trials.iter().map(|planned| plan.known(planned)).collect();
+    let open = points.iter().filter(|point| point.is_none()).count();
+    if open > 0 {
+        let mut workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.reference, job)?;
+        let (started, mut measured) = (Instant::now(), 0);
+        for (planned, slot) in plan.trials.iter().zip(&mut points) {
+            if slot.is_some() {
+                continue;
+            }
+            let left = (measured > 0)
+                .then(|| started.elapsed().as_secs_f64() / measured as f64)
+                .map(|each| each * (open - measured) as f64);
+            job.set_context(context(plan.trials.len() - open + measured + 1, plan.trials.len(), left));
+            let point = Point::new(&planned.trial, planned.series, &workbench.measure(&planned.trial, job)?);
+            measured += 1;
+            on_point(&point, plan.trials.len() - open + measured);
+            *slot = Some(point);
+        }
+        job.set_context("");
+    }
+    let mut points: Vec<Point> = points.into_iter().flatten().collect();
+    only_the_best_single_camera(&mut points);
+    mark_pareto(&mut points, |point| point.bytes as f64, |point| point.psnr_filled_db);
+    Ok(points)
+}
+
+/// `12 of 60, 3 min left`.
+pub(super) fn context(number: usize, total: usize, seconds_left: Option<f64>) -> String {
+    match seconds_left {
+        None => format!("{number} of {total}"),
+        Some(seconds) if seconds < 90.0 => format!("{number} of {total}, {seconds:.0} s left"),
+        Some(seconds) => format!("{number} of {total}, {:.0} min left", seconds / 60.0),
+    }
+}
+
+/// Of all cameras alone, the one that comes closest stands for the idea.
+fn only_the_best_single_camera(points: &mut Vec<Point>) {
+    let is_single = |point: &Point| point.series == Series::SingleCamera;
+    let best = points
+        .iter()
+        .filter(|point| is_single(point))
+        .max_by(|a, b| a.psnr_filled_db.total_cmp(&b.psnr_filled_db))
+        .map(|point| point.label.clone());
+    points.retain(|point| !is_single(point) || Some(&point.label) == best.as_ref());
+}

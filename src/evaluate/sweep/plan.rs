@@ -1,0 +1,275 @@
+//! Which settings a sweep tries.
+
+use serde::{Deserialize, Serialize};
+
+use super::Point;
+use crate::capture::Capture;
+use crate::error::Result;
+use crate::evaluate::trial::{Thinning, Trial};
+use crate::settings::{Fill, Kernel, Kind, MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
+
+/// What a point is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Series {
+    /// The settings the sweep started from.
+    Reference,
+    /// Settings that differ from these.
+    Variation,
+    /// No pruning.
+    NoPruning,
+    /// The first camera that saw a point keeps it: a layered depth image.
+    FirstCamera,
+    /// The same with its tolerance lowered until as many samples stay as under the reference.
+    FirstCameraAtCount,
+    /// As many samples as under the reference, chosen at random.
+    Random,
+    /// As many samples as under the reference, from a grid of cubes.
+    VoxelGrid,
+    /// The best camera alone.
+    SingleCamera,
+    /// The paper's settings.
+    Paper,
+}
+
+impl Series {
+    /// Every series, the reference first.
+    pub const ALL: [Self; 9] = [
+        Self::Reference,
+        Self::Variation,
+        Self::NoPruning,
+        Self::FirstCamera,
+        Self::FirstCameraAtCount,
+        Self::Random,
+        Self::VoxelGrid,
+        Self::SingleCamera,
+        Self::Paper,
+    ];
+
+    /// Name for legends.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Reference => "default settings",
+            Self::Variation => "other settings",
+            Self::NoPruning => "no pruning",
+            Self::FirstCamera => "first camera wins",
+            Self::FirstCameraAtCount => "first camera wins, as many samples",
+            Self::Random => "random, as many samples",
+            Self::VoxelGrid => "voxel grid, as many samples",
+            Self::SingleCamera => "one camera alone",
+            Self::Paper => "the paper's settings",
+        }
+    }
+
+    /// Whether this is what others do.
+    #[must_use]
+    pub fn is_baseline(self) -> bool {
+        !matches!(self, Self::Reference | Self::Variation)
+    }
+}
+
+/// One trial of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planned {
+    /// What is tried.
+    pub trial: Trial,
+    /// What it is.
+    pub series: Series,
+}
+
+/// What a sweep tries, and what of it is known already.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// In the order in which they are measured.
+    pub trials: Vec<Planned>,
+    /// Says how many samples the baselines may keep.
+    pub reference: Settings,
+    /// Points of an earlier run on the same capture and truth.
+    pub done: Vec<Point>,
+}
+
+/// Values that numbers are tried at, beside every choice there is.
+const NUMBERS: [(&str, &[f64]); 6] = [
+    ("pruning.depth_tolerance", &[0.25, 0.5, 2.0, 4.0, 8.0]),
+    ("pruning.normal_tolerance", &[15.0, 60.0]),
+    ("pruning.color_tolerance", &[6.0, 12.0, 48.0, 255.0]),
+    ("spans.color_tolerance", &[1.0, 4.0, 8.0]),
+    ("spans.depth_tolerance", &[0.004]),
+    ("spans.noise", &[0.0]),
+];
+
+/// Choices and switches that are no variation of the method: they are baselines, or change nothing that is measured.
+const LEFT_OUT: [&str; 3] = ["pruning.method", "store.normals", "pruning.mixed_pixels"];
+
+/// The paper's settings, as near as ours come to them: a pixel is background or foreground; the denser of two samples at
+/// one place stays, whatever their normals and colors; no noise is granted, no overlap kept; a sample covers 2×2 pixels.
+#[must_use]
+pub fn paper(base: &Settings) -> Settings {
+    let mut settings = base.clone();
+    settings.spans.levels = SpanLevels::Paper;
+    settings.spans.noise = 0.0;
+    settings.pruning.method = PruningMethod::HighestRate;
+    settings.pruning.rate = RateModel::Paper;
+    settings.pruning.normal_tolerance = 90.0;
+    settings.pruning.color_tolerance = 255.0;
+    settings.pruning.cosine_floor = 0.01;
+    settings.pruning.across_spans = false;
+    settings.pruning.overlap = false;
+    settings.pruning.mixed_pixels = MixedPixels::Keep;
+    settings.render.kernel = Kernel::Block;
+    settings.render.fill = Fill::None;
+    settings
+}
+
+impl Plan {
+    /// The reference, every variation of one setting and every kernel with each, and all baselines.
+    #[must_use]
+    pub fn standard(reference: &Settings, capture: &Capture) -> Self {
+        let mut plan = Self::empty(reference);
+        plan.add_kernels("default", reference, &KERNELS);
+        for (label, settings) in variations(reference) {
+            plan.add_kernels(&label, &settings, &KERNELS);
+        }
+        plan.add_baselines(capture);
+        plan
+    }
+
+    /// The reference and every combination of the given values: each a setting's path and the texts it is set to.
+    ///
+    /// # Errors
+    /// `Invalid` where there is no such setting or it does not take a value.
+    pub fn grid(reference: &Settings, axes: &[(String, Vec<String>)], capture: &Capture) -> Result<Self> {
+        let mut combinations = vec![(Vec::new(), reference.clone())];
+        for (path, values) in axes {
+            let mut wider = Vec::new();
+            for (labels, settings) in &combinations {
+                for value in values {
+                    let (mut labels, mut settings) = (Vec::clone(labels), Settings::clone(settings));
+                    settings.set_text(&format!("{path}={value}"))?;
+                    labels.push(format!("{path} = {value}"));
+                    wider.push((labels, settings));
+                }
+            }
+            combinations = wider;
+        }
+        // Painting varies fastest, so that one set of samples is made once.
+        combinations.sort_by_key(|(labels, _)| {
+            labels.iter().filter(|label| !label.starts_with("render.")).cloned().collect::<Vec<_>>()
+        });
+        let list = combinations.into_iter().map(|(labels, settings)| (labels.join(", "), settings));
+        Ok(Self::list(reference, list.collect(), capture))
+    }
+
+    /// The reference, the given settings under their names, and all baselines.
+    #[must_use]
+    pub fn list(reference: &Settings, named: Vec<(String, Settings)>, capture: &Capture) -> Self {
+        let mut plan = Self::empty(reference);
+        plan.add("default", reference.clone());
+        for (label, settings) in named {
+            plan.add(label, settings);
+        }
+        plan.add_baselines(capture);
+        plan
+    }
+
+    fn empty(reference: &Settings) -> Self {
+        Self { trials: Vec::new(), reference: reference.clone(), done: Vec::new() }
+    }
+
+    /// The point that an earlier run measured for this trial.
+    #[must_use]
+    pub fn known(&self, planned: &Planned) -> Option<Point> {
+        let Planned { trial, series } = planned;
+        let is_same = |point: &&Point| {
+            point.label == trial.label && point.series == *series && point.settings == trial.settings
+        };
+        self.done.iter().find(is_same).cloned()
+    }
+
+    /// Adds settings, unless they are there already.
+    fn add(&mut self, label: impl Into<String>, settings: Settings) {
+        if !self.trials.iter().any(|planned| planned.trial.settings == settings) {
+            let series = if settings == self.reference { Series::Reference } else { Series::Variation };
+            self.trials.push(Planned { trial: Trial::new(label, settings), series });
+        }
+    }
+
+    fn add_kernels(&mut self, label: &str, settings: &Settings, kernels: &[Kernel]) {
+        for &kernel in kernels {
+            let mut settings = settings.clone();
+            settings.render.kernel = kernel;
+            self.add(format!("{label}, {kernel}"), settings);
+        }
+    }
+
+    fn add_baselines(&mut self, capture: &Capture) {
+        let with_method = |method| {
+            let mut settings = self.reference.clone();
+            settings.pruning.method = method;
+            settings
+        };
+        let (all, first) = (with_method(PruningMethod::Off), with_method(PruningMethod::FirstCamera));
+        let mut add = |series: Series, settings: &Settings, thinning, cameras: Option<Vec<String>>| {
+            let mut settings = settings.clone();
+            for kernel in [Kernel::Gather, Kernel::Surfel, Kernel::Block] {
+                settings.render.kernel = kernel;
+                let name = match &cameras {
+                    Some(names) => names.join(" and ") + " alone",
+                    None => series.name().to_owned(),
+                };
+                let trial = Trial {
+                    label: format!("{name}, {kernel}"),
+                    settings: settings.clone(),
+                    thinning,
+                    cameras: cameras.clone(),
+                };
+                self.trials.push(Planned { trial, series });
+            }
+        };
+        add(Series::Random, &all, Thinning::Random, None);
+        add(Series::VoxelGrid, &all, Thinning::VoxelGrid, None);
+        add(Series::NoPruning, &all, Thinning::None, None);
+        add(Series::FirstCamera, &first, Thinning::None, None);
+        add(Series::FirstCameraAtCount, &first, Thinning::Tolerance, None);
+        for camera in &capture.cameras {
+            add(Series::SingleCamera, &all, Thinning::None, Some(vec![camera.name.clone()]));
+        }
+        let settings = paper(&self.reference);
+        let label = format!("{}, {}", Series::Paper.name(), settings.render.kernel);
+        self.trials.push(Planned { trial: Trial::new(label, settings), series: Series::Paper });
+    }
+}
+
+/// The kernels of a sweep, the most accurate first.
+const KERNELS: [Kernel; 4] = [Kernel::Gather, Kernel::Surfel, Kernel::Block, Kernel::Point];
+
+/// The reference with one thing changed: every choice and switch of spans, pruning and store, and numbers around their
+/// defaults. Settings that are added to the program are varied without being named here.
+#[must_use]
+pub fn variations(reference: &Settings) -> Vec<(String, Settings)> {
+    let mut assignments: Vec<String> = Vec::new();
+    for field in Settings::fields() {
+        let section = field.path.split('.').next().unwrap_or_default();
+        if !["spans", "pruning", "store"].contains(&section) || LEFT_OUT.contains(&field.path) {
+            continue;
+        }
+        match field.kind {
+            Kind::Choice(choices) => {
+                assignments.extend(choices.iter().map(|(name, _)| format!("{} = {name}", field.path)));
+            }
+            Kind::Switch => assignments.extend([true, false].map(|on| format!("{} = {on}", field.path))),
+            Kind::Number { .. } | Kind::Integer { .. } => {
+                let values = NUMBERS.iter().find(|(path, _)| *path == field.path).map(|(_, values)| *values);
+                let values = values.unwrap_or_default().iter();
+                assignments.extend(values.map(|value| format!("{} = {value}", field.path)));
+            }
+        }
+    }
+    let changed = |assignment: String| {
+        let mut settings = reference.clone();
+        settings.set_text(&assignment).ok()?;
+        (settings != *reference).then_some((assignment, settings))
+    };
+    assignments.into_iter().filter_map(changed).collect()
+}

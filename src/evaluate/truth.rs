@@ -1,0 +1,219 @@
+//! What pictures are held against: vantages whose truth is known, or every camera left out in turn.
+//!
+//! ```text
+//! Truth::Views ──────── one fold:  all cameras,       the views that came with the capture
+//! Truth::HoldOut ────── n folds:   all but camera k,  frames of camera k
+//!                                  each truth masked to what the fold's cameras could see
+//! ```
+//!
+//! Whatever no camera of a fold saw cannot be painted by any method: such pixels are taken out of the truth, so that holes
+//! are counted where a method made them, and nowhere else.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::hold_out;
+use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, View};
+use crate::error::{Error, Result};
+use crate::job::Job;
+
+/// Where the truth comes from.
+#[derive(Clone)]
+pub enum Truth {
+    /// Vantages with true pictures; views without are passed over.
+    Views(Vec<View>),
+    /// Each camera is left out in turn, and some of its own frames are the truth.
+    HoldOut,
+}
+
+/// Cameras to make a model of, and views to score it at.
+#[derive(Clone)]
+pub struct Fold {
+    /// The camera that is left out, where one is.
+    pub held_out: Option<String>,
+    /// The cameras to make a model of.
+    pub capture: Capture,
+    /// Views whose truth is masked to what those cameras saw, ordered by vantage and frame.
+    pub views: Vec<View>,
+}
+
+/// What was recorded, and what was there: they differ where a disturbance lies between them.
+#[derive(Clone)]
+pub struct Recorded {
+    /// What models are made of.
+    pub capture: Capture,
+    /// What the cameras would have recorded without the disturbance; tells where surfaces truly are.
+    pub clean: Capture,
+    /// Changes the truth where the disturbance changes the scene itself.
+    pub edit_truth: Option<TruthEdit>,
+}
+
+/// Changes a true picture, given where it was taken from and the number of its frame.
+pub type TruthEdit = Arc<dyn Fn(&Camera, i64, Frame) -> Frame + Send + Sync>;
+
+impl Recorded {
+    /// A capture as it is.
+    #[must_use]
+    pub fn undisturbed(capture: &Capture) -> Self {
+        Self { capture: capture.clone(), clean: capture.clone(), edit_truth: None }
+    }
+}
+
+impl Truth {
+    /// Loads and masks the truth of every fold.
+    ///
+    /// # Errors
+    /// Whatever loading frames and truth gives; `Invalid` where nothing has truth, and where a single camera should be left
+    /// out; `Cancelled`.
+    pub fn folds(&self, recorded: &Recorded, job: &Job) -> Result<Vec<Fold>> {
+        let folds = match self {
+            Self::Views(views) => {
+                let views = views.iter().filter(|view| view.truth.is_some()).cloned().collect();
+                vec![(None, views)]
+            }
+            Self::HoldOut => {
+                let names = recorded.clean.cameras.iter().map(|camera| camera.name.clone());
+                let split = |name: String| {
+                    let (_, views) = hold_out::split(&recorded.clean, std::slice::from_ref(&name))?;
+                    Ok((Some(name), views))
+                };
+                names.map(split).collect::<Result<Vec<_>>>()?
+            }
+        };
+        let count: usize = folds.iter().map(|(_, views)| views.len()).sum();
+        if count == 0 {
+            return Err(Error::invalid(
+                &recorded.capture.name,
+                "no view has a true picture to be compared with; name others with --views, or leave cameras out",
+            ));
+        }
+        job.start("Loading the truth", count);
+        let mask = |(held_out, views): (Option<String>, Vec<View>)| {
+            let keep = |_: usize, camera: &Camera| Some(&camera.name) != held_out.as_ref();
+            let fold = Recorded {
+                capture: recorded.capture.with_cameras(keep),
+                clean: recorded.clean.with_cameras(keep),
+                edit_truth: recorded.edit_truth.clone(),
+            };
+            let views: Vec<View> = views
+                .into_par_iter()
+                .map(|view| {
+                    job.check()?;
+                    let view = masked(&fold, view);
+                    job.advance(1);
+                    view
+                })
+                .collect::<Result<_>>()?;
+            Ok(Fold { held_out, capture: fold.capture, views: ordered(views) })
+        };
+        folds.into_iter().map(mask).collect()
+    }
+}
+
+/// Views of one vantage after each other, each by frame; vantages in the order in which they first come.
+fn ordered(views: Vec<View>) -> Vec<View> {
+    let mut vantages: Vec<Camera> = Vec::new();
+    let mut keyed: Vec<(usize, View)> = Vec::with_capacity(views.len());
+    for view in views {
+        let known = vantages.iter().position(|camera| *camera == view.camera);
+        let vantage = known.unwrap_or_else(|| {
+            vantages.push(view.camera.clone());
+            vantages.len() - 1
+        });
+        keyed.push((vantage, view));
+    }
+    keyed.sort_by_key(|(vantage, view)| (*vantage, view.frame_number));
+    keyed.into_iter().map(|(_, view)| view).collect()
+}
+
+/// The view with its truth loaded and masked to what the recorded cameras saw.
+fn masked(recorded: &Recorded, view: View) -> Result<View> {
+    let (Some(load), Some(frame)) = (&view.truth, recorded.capture.frame_index(view.frame_number)) else {
+        return Err(Error::invalid(
+            format!("view '{}'", view.file_path),
+            format!("'{}' has no frame {}", recorded.capture.name, view.frame_number),
+        ));
+    };
+    let mut truth = load()?;
+    if let Some(edit) = &recorded.edit_truth {
+        truth = edit(&view.camera, view.frame_number, truth);
+    }
+    let sights = (0..recorded.capture.cameras.len())
+        .map(|camera| Sight::new(recorded, camera, frame))
+        .collect::<Result<Vec<_>>>()?;
+    let width = truth.size().0;
+    let unseen: Vec<usize> = (0..truth.inverse_depth.len())
+        .into_par_iter()
+        .filter(|&pixel| {
+            let inverse_depth = truth.inverse_depth.as_slice()[pixel];
+            let center = DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
+            !sights.iter().any(|sight| sight.sees(&view.camera, center, inverse_depth))
+        })
+        .collect();
+    for pixel in unseen {
+        truth.inverse_depth.as_mut_slice()[pixel] = INVALID_INVERSE_DEPTH;
+    }
+    let truth = Arc::new(truth);
+    Ok(View { truth: Some(Arc::new(move || Ok((*truth).clone()))), ..view })
+}
+
+/// What one camera saw at one frame.
+struct Sight {
+    camera: Camera,
+    clean: Arc<Frame>,
+    recorded: Arc<Frame>,
+}
+
+/// A point was seen where the surface recorded there lies within so many of the camera's pixel widths of it: the widths
+/// of the paper's 4-pixel neighborhood on a surface seen at 75°.
+const SEEN_WITHIN_PX: f64 = 4.0;
+
+impl Sight {
+    fn new(recorded: &Recorded, camera: usize, frame: usize) -> Result<Self> {
+        Ok(Self {
+            camera: recorded.clean.cameras[camera].clone(),
+            clean: recorded.clean.frame(camera, frame)?,
+            recorded: recorded.capture.frame(camera, frame)?,
+        })
+    }
+
+    /// Whether one of the four pixels around the point that `from` sees at `pixel` shows it, and was recorded.
+    fn sees(&self, from: &Camera, pixel: DVec2, inverse_depth: f32) -> bool {
+        if inverse_depth < 0.0 {
+            return false;
+        }
+        let ray = from.intrinsics.ray_in_camera(pixel);
+        let at_infinity = inverse_depth == 0.0;
+        let (position, depth) = if at_infinity {
+            let direction = from.world_from_camera.transform_vector3(ray);
+            let in_camera = self.camera.camera_from_world().transform_vector3(direction);
+            let Some(position) = self.camera.intrinsics.project(in_camera) else { return false };
+            (position, f64::INFINITY)
+        } else {
+            let point = from.world_from_camera.transform_point3(ray / f64::from(inverse_depth));
+            let Some(projected) = self.camera.project(point) else { return false };
+            projected
+        };
+        let (width, height) = self.clean.size();
+        let corner = (position - 0.5).floor();
+        [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].iter().any(|&(dx, dy)| {
+            let (x, y) = (corner.x + dx, corner.y + dy);
+            if !(0.0..width as f64).contains(&x) || !(0.0..height as f64).contains(&y) {
+                return false;
+            }
+            let at = (x as usize, y as usize);
+            let recorded = self.recorded.inverse_depth[at];
+            let there = f64::from(self.clean.inverse_depth[at]);
+            if recorded < 0.0 || there < 0.0 {
+                return false;
+            }
+            if at_infinity {
+                return there == 0.0;
+            }
+            let width_of_pixel = depth / self.camera.intrinsics.fx;
+            there > 0.0 && (1.0 / there - depth).abs() <= SEEN_WITHIN_PX * width_of_pixel
+        })
+    }
+}

@@ -1,0 +1,132 @@
+//! No more model than the scene needs: the simplest setting whose held-out accuracy lies within one standard error of the
+//! best, and no camera whose absence costs nothing by the same rule.
+//!
+//! Source: the one-standard-error rule of Breiman, Friedman, Olshen and Stone, *Classification and Regression Trees*, 1984.
+//! *Simplest* means fewest bytes, then least work to paint, counted in samples and kernels: no clock is asked, so that the
+//! same capture gives the same answer.
+//!
+//! ```text
+//! every variation of one setting ─▶ best, limit = best − 1 SE ─▶ combine what saves bytes ─▶ cheaper kernel ─▶ cameras
+//! ```
+
+mod cameras;
+mod search;
+mod words;
+
+use serde::{Deserialize, Serialize};
+
+use super::sweep::Point;
+use super::truth::Truth;
+use crate::capture::Capture;
+use crate::error::Result;
+use crate::job::Job;
+use crate::settings::Settings;
+
+use search::Search;
+
+/// What may be spent instead of what the scene needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Budget {
+    /// Bytes of the store.
+    Bytes(u64),
+    /// Milliseconds of painting a view, as measured on this machine: the one thing that may differ from run to run.
+    Milliseconds(f64),
+}
+
+impl Budget {
+    fn allows(self, point: &Point) -> bool {
+        match self {
+            Self::Bytes(bytes) => point.bytes <= bytes,
+            Self::Milliseconds(milliseconds) => point.milliseconds <= milliseconds,
+        }
+    }
+
+    fn spent(self, point: &Point) -> f64 {
+        match self {
+            Self::Bytes(_) => point.bytes as f64,
+            Self::Milliseconds(_) => point.milliseconds,
+        }
+    }
+}
+
+/// What is looked for, and what of it is known already.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The settings to start from.
+    pub settings: Settings,
+    /// Where given, the most accurate setting within it is chosen.
+    pub budget: Option<Budget>,
+    /// Whether cameras may be dropped.
+    pub drop_cameras: bool,
+    /// Points of an earlier run on the same capture and truth.
+    pub done: Vec<Point>,
+}
+
+/// A camera, and what its absence costs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CameraCost {
+    /// Its name.
+    pub name: String,
+    /// Held-out accuracy without it, dB: where views come with the capture, at these; else at its own place.
+    pub psnr_filled_db: f64,
+    /// Whether it was dropped.
+    pub dropped: bool,
+}
+
+/// What was chosen, and why.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Tuned {
+    /// The settings.
+    pub settings: Settings,
+    /// Names of the cameras that are needed, in the capture's order.
+    pub cameras: Vec<String>,
+    /// What each camera that was tried without would cost, in the order of trying.
+    pub camera_costs: Vec<CameraCost>,
+    /// The most accurate point.
+    pub best: Point,
+    /// Accuracy that is good enough, dB: the best less one standard error. `None` where a budget decided.
+    pub limit_db: Option<f64>,
+    /// The point that was chosen, all cameras still there.
+    pub chosen: Point,
+    /// Everything that was tried, in the order of trying.
+    pub points: Vec<Point>,
+    /// What was chosen and what was given up, one sentence each.
+    pub words: Vec<String>,
+}
+
+/// Tunes; `on_point` is told each point as it is measured.
+///
+/// # Errors
+/// Whatever preprocessing, painting and truth give; `Invalid` where no setting keeps the budget; `Cancelled`, after which
+/// the points told so far can be put into [`Plan::done`] to go on.
+pub fn run(
+    capture: &Capture,
+    plan: &Plan,
+    truth: &Truth,
+    job: &Job,
+    on_point: impl FnMut(&Point),
+) -> Result<Tuned> {
+    let mut search = Search::new(capture, plan, truth, job, Box::new(on_point))?;
+    let chosen = search.choose()?;
+    let best = search.best().clone();
+    let limit_db = plan.budget.is_none().then(|| search.limit_db());
+    let (kept, camera_costs) = if plan.drop_cameras && plan.budget.is_none() {
+        cameras::drop_needless(&mut search, capture, &chosen)?
+    } else {
+        (capture.cameras.iter().map(|camera| camera.name.clone()).collect(), Vec::new())
+    };
+    let points = search.finish();
+    job.set_context("");
+    let mut tuned = Tuned {
+        settings: chosen.settings.clone(),
+        cameras: kept,
+        camera_costs,
+        best,
+        limit_db,
+        chosen,
+        points,
+        words: Vec::new(),
+    };
+    tuned.words = words::of(&tuned, plan, capture.frame_count());
+    Ok(tuned)
+}

@@ -1,0 +1,88 @@
+//! Which cameras are needed: one is dropped when the others tell what it tells, as accurately as any held-out view.
+//!
+//! Where views come with the capture, accuracy is that at these views, of a model without the camera. Else the camera's own
+//! frames are the truth, all of each: what no other camera saw counts against dropping it. Those that keep the fewest
+//! samples are tried first, so that of two alike the one goes whose samples were pruned for the other's.
+
+use super::CameraCost;
+use super::search::Search;
+use crate::capture::Capture;
+use crate::error::Result;
+use crate::evaluate::evaluate;
+use crate::evaluate::hold_out;
+use crate::evaluate::metrics::Scores;
+use crate::evaluate::sweep::Point;
+use crate::evaluate::trial::{Estimate, Trial};
+use crate::evaluate::truth::Truth;
+use crate::preprocess;
+use crate::settings::{Fill, RenderSettings, Settings};
+
+/// Names of the cameras that stay, and what the absence of each that was tried costs.
+pub(super) fn drop_needless(
+    search: &mut Search<'_>,
+    capture: &Capture,
+    chosen: &Point,
+) -> Result<(Vec<String>, Vec<CameraCost>)> {
+    let mut kept: Vec<String> = capture.cameras.iter().map(|camera| camera.name.clone()).collect();
+    let mut costs = Vec::new();
+    let limit_db = search.limit_db();
+    for name in by_samples(search, capture, &chosen.settings)? {
+        if kept.len() == 1 {
+            break;
+        }
+        let without: Vec<String> = kept.iter().filter(|other| **other != name).cloned().collect();
+        let psnr_filled_db = match search.truth {
+            Truth::Views(_) => {
+                let trial = Trial {
+                    cameras: Some(without.clone()),
+                    ..Trial::new(
+                        format!("without {}", dropped_from(capture, &without)),
+                        chosen.settings.clone(),
+                    )
+                };
+                search.measure(&trial)?.psnr_filled_db
+            }
+            Truth::HoldOut => at_its_own_place(search, capture, &without, &name, &chosen.settings)?,
+        };
+        let dropped = psnr_filled_db >= limit_db;
+        if dropped {
+            kept = without;
+        }
+        costs.push(CameraCost { name, psnr_filled_db, dropped });
+    }
+    Ok((kept, costs))
+}
+
+fn dropped_from(capture: &Capture, without: &[String]) -> String {
+    let gone = capture.cameras.iter().map(|camera| &camera.name).filter(|name| !without.contains(name));
+    gone.cloned().collect::<Vec<_>>().join(" and ")
+}
+
+/// Names of the cameras, those that keep the fewest samples first; of equals the last first.
+fn by_samples(search: &Search<'_>, capture: &Capture, settings: &Settings) -> Result<Vec<String>> {
+    let samples = preprocess::preprocess(capture, settings, search.job)?.samples;
+    let mut counts = vec![0; capture.cameras.len()];
+    for image in &samples.images {
+        counts[image.camera as usize] += image.len();
+    }
+    let mut order: Vec<usize> = (0..counts.len()).collect();
+    order.sort_by_key(|&camera| (counts[camera], std::cmp::Reverse(camera)));
+    Ok(order.into_iter().map(|camera| capture.cameras[camera].name.clone()).collect())
+}
+
+/// Accuracy of what the other cameras make of this one's frames.
+fn at_its_own_place(
+    search: &Search<'_>,
+    capture: &Capture,
+    without: &[String],
+    name: &str,
+    settings: &Settings,
+) -> Result<f64> {
+    let (_, views) = hold_out::split(capture, &[name.to_owned()])?;
+    let rest = capture.with_cameras(|_, camera| without.contains(&camera.name));
+    let samples = preprocess::preprocess(&rest, settings, search.job)?.samples;
+    let filling = RenderSettings { fill: Fill::PushPull, ..settings.render.clone() };
+    let evaluation = evaluate(&samples, &views, &filling, search.job)?;
+    let scores: Vec<Scores> = evaluation.views.iter().filter_map(|view| view.scores).collect();
+    Ok(Estimate::of(&scores.iter().map(|scores| scores.psnr_all_db).collect::<Vec<_>>()).mean)
+}

@@ -1,0 +1,100 @@
+//! What was chosen and what was given up, in words.
+
+use super::{Budget, Plan, Tuned};
+use crate::evaluate::sweep::Point;
+use crate::settings::Settings;
+
+/// One sentence each.
+pub(super) fn of(tuned: &Tuned, plan: &Plan, frames: usize) -> Vec<String> {
+    let mut words = vec![good_enough(tuned, plan), chosen(tuned)];
+    words.extend(changes(&plan.settings, &tuned.settings));
+    words.push(over_time(&tuned.chosen, frames));
+    words.extend(cameras(tuned));
+    words
+}
+
+fn mebibytes(bytes: u64) -> String {
+    let kibibytes = bytes as f64 / 1024.0;
+    if kibibytes < 1024.0 { format!("{kibibytes:.1} KiB") } else { format!("{:.2} MiB", kibibytes / 1024.0) }
+}
+
+fn good_enough(tuned: &Tuned, plan: &Plan) -> String {
+    let Point { label, psnr_filled_db, psnr_filled_db_se, .. } = &tuned.best;
+    let tried = tuned.points.len();
+    match (tuned.limit_db, plan.budget) {
+        (Some(limit_db), _) => format!(
+            "Of {tried} settings tried, '{label}' comes closest to the truth: {psnr_filled_db:.2} ± {psnr_filled_db_se:.2} dB. \
+             Whatever reaches {limit_db:.2} dB cannot be told from it."
+        ),
+        (None, Some(Budget::Milliseconds(milliseconds))) => {
+            format!("Of {tried} settings tried, the most accurate within {milliseconds} ms was taken.")
+        }
+        (None, Some(Budget::Bytes(bytes))) => {
+            format!("Of {tried} settings tried, the most accurate within {} was taken.", mebibytes(bytes))
+        }
+        (None, None) => format!("{tried} settings were tried."),
+    }
+}
+
+fn chosen(tuned: &Tuned) -> String {
+    let (chosen, best) = (&tuned.chosen, &tuned.best);
+    let share = 100.0 * chosen.bytes as f64 / best.bytes.max(1) as f64;
+    format!(
+        "Chosen: '{}' with {:.2} dB in {}; it gives up {:.2} dB of the best and takes {share:.0} % of its bytes.",
+        chosen.label,
+        chosen.psnr_filled_db,
+        mebibytes(chosen.bytes),
+        (best.psnr_filled_db - chosen.psnr_filled_db).max(0.0),
+    )
+}
+
+fn changes(before: &Settings, after: &Settings) -> Vec<String> {
+    let changed: Vec<String> = Settings::fields()
+        .filter_map(|field| {
+            let (old, new) = (before.get(field.path)?, after.get(field.path)?);
+            (old != new).then(|| format!("{} = {new} instead of {old}.", field.path))
+        })
+        .collect();
+    if changed.is_empty() { vec!["No setting needs to change.".to_owned()] } else { changed }
+}
+
+fn over_time(point: &Point, frames: usize) -> String {
+    let share = 100.0 * point.samples_shared as f64 / point.samples.max(1) as f64;
+    match (point.samples_shared, point.spans) {
+        _ if frames < 2 => "There is a single frame; nothing can be shared over time.".to_owned(),
+        (shared, 1) if shared == point.samples => {
+            "Nothing moves: a single span holds the whole scene.".to_owned()
+        }
+        (0, _) => "Nothing stays the same from frame to frame: every frame is kept for itself.".to_owned(),
+        (_, spans) => {
+            format!(
+                "{share:.0} % of the samples serve more than one frame, in {spans} spans of {frames} frames."
+            )
+        }
+    }
+}
+
+fn cameras(tuned: &Tuned) -> Vec<String> {
+    let Some(limit_db) = tuned.limit_db else { return Vec::new() };
+    let mut words: Vec<String> = tuned
+        .camera_costs
+        .iter()
+        .filter(|cost| cost.dropped)
+        .map(|cost| {
+            format!(
+                "Camera '{}' can go: what it saw is told without it at {:.2} dB, and {limit_db:.2} is enough.",
+                cost.name, cost.psnr_filled_db
+            )
+        })
+        .collect();
+    let needed = tuned.camera_costs.iter().filter(|cost| !cost.dropped);
+    if let Some(next) = needed.max_by(|a, b| a.psnr_filled_db.total_cmp(&b.psnr_filled_db)) {
+        words.push(format!(
+            "No {}camera can go: without '{}' it is {:.2} dB.",
+            if words.is_empty() { "" } else { "other " },
+            next.name,
+            next.psnr_filled_db
+        ));
+    }
+    words
+}

@@ -1,0 +1,172 @@
+//! The display stage: a picture that a window shows without its pixels ever leaving the adapter.
+//!
+//! What differs from reading the picture back and coloring it on the CPU: the window must draw with the very device that
+//! painted, see [`SharedDevice`]; and only colors are shown, as what tells of samples needs the picture itself.
+//!
+//! [`SharedDevice`]: super::SharedDevice
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use wgpu::BufferUsages as Usage;
+use wgpu::util::DeviceExt;
+
+use super::clock::StageClock;
+use super::context::Context;
+use super::pipelines::pipeline;
+use super::shaders;
+use super::target::{Target, read_words};
+use crate::error::Result;
+
+/// How holes are shown: stripes of two colors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HolePattern {
+    /// 8-bit sRGB of the stripes, the first at the corner.
+    pub colors: [[u8; 3]; 2],
+    /// Width of a stripe along rows and columns, pixels; at least 1.
+    pub stripe: u32,
+}
+
+/// A picture on the adapter: sRGB-encoded, opaque, four bytes a pixel. It is written again only after all clones are gone.
+pub type ScreenTexture = Arc<wgpu::Texture>;
+
+/// `Display` in `display.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GpuDisplay {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) stripe: u32,
+    pub(super) padding: u32,
+    pub(super) hole: [f32; 4],
+    pub(super) hole_stripe: [f32; 4],
+}
+
+/// Threads of a workgroup along each side, as in `display.wgsl`.
+const GROUP: usize = 16;
+
+/// What pictures are shown as: sRGB-encoded, four bytes a pixel.
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// The compiled stage, and the textures that it has written.
+#[derive(Debug)]
+pub(super) struct Display {
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::ComputePipeline,
+    /// Those that nobody shows any more are written again.
+    textures: Vec<ScreenTexture>,
+}
+
+impl Display {
+    /// Compiles the stage.
+    pub(super) fn new(context: &Context) -> Self {
+        let device = &context.device;
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty,
+            count: None,
+        };
+        let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        let texture = wgpu::BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::WriteOnly,
+            format: FORMAT,
+            view_dimension: wgpu::TextureViewDimension::D2,
+        };
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("display"),
+            entries: &[
+                entry(0, buffer(wgpu::BufferBindingType::Uniform)),
+                entry(1, buffer(wgpu::BufferBindingType::Storage { read_only: true })),
+                entry(2, buffer(wgpu::BufferBindingType::Storage { read_only: false })),
+                entry(3, texture),
+            ],
+        });
+        let pipeline = pipeline(device, &shaders::DISPLAY, &[Some(&layout)]);
+        Self { layout, pipeline, textures: Vec::new() }
+    }
+
+    /// Ends the work of `encoder` with the picture of `target` on a texture, and does it; how many pixels are holes.
+    ///
+    /// # Errors
+    /// `Gpu` where the adapter fails.
+    pub(super) fn show(
+        &mut self,
+        context: &Context,
+        target: &Target,
+        clock: &mut StageClock,
+        mut encoder: wgpu::CommandEncoder,
+        pattern: &HolePattern,
+    ) -> Result<(ScreenTexture, u64)> {
+        let texture = self.free_texture(context, target.width, target.height);
+        let color = |[r, g, b]: [u8; 3]| [r, g, b, u8::MAX].map(|channel| f32::from(channel) / 255.0);
+        let numbers = GpuDisplay {
+            width: target.width as u32,
+            height: target.height as u32,
+            stripe: pattern.stripe.max(1),
+            padding: 0,
+            hole: color(pattern.colors[0]),
+            hole_stripe: color(pattern.colors[1]),
+        };
+        let numbers = context.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("display"),
+            contents: bytemuck::bytes_of(&numbers),
+            usage: Usage::UNIFORM,
+        });
+        let holes = context.buffer("holes", 4, Usage::STORAGE | Usage::COPY_SRC)?;
+        let readback = context.buffer("holes readback", 4, Usage::MAP_READ | Usage::COPY_DST)?;
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let resources = [
+            numbers.as_entire_binding(),
+            target.picture.as_entire_binding(),
+            holes.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&view),
+        ];
+        let entries: Vec<_> = resources
+            .into_iter()
+            .enumerate()
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource })
+            .collect();
+        let group = context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("display"),
+            layout: &self.layout,
+            entries: &entries,
+        });
+        let mut pass = clock.pass(&mut encoder, "display");
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        let groups = |pixels: usize| pixels.div_ceil(GROUP) as u32;
+        pass.dispatch_workgroups(groups(target.width), groups(target.height), 1);
+        drop(pass);
+        encoder.copy_buffer_to_buffer(&holes, 0, &readback, 0, 4);
+        clock.record_readback(&mut encoder);
+        context.queue.submit([encoder.finish()]);
+        let holes = read_words(context, &readback, |words| u64::from(words[0]))?;
+        Ok((texture, holes))
+    }
+
+    /// A texture of this size that nobody shows.
+    fn free_texture(&mut self, context: &Context, width: usize, height: usize) -> ScreenTexture {
+        let (width, height) = (width as u32, height as u32);
+        let fits = |texture: &ScreenTexture| (texture.width(), texture.height()) == (width, height);
+        self.textures.retain(|texture| fits(texture) || Arc::strong_count(texture) > 1);
+        let free = |texture: &&ScreenTexture| fits(texture) && Arc::strong_count(texture) == 1;
+        if let Some(texture) = self.textures.iter().find(free) {
+            return texture.clone();
+        }
+        let texture = Arc::new(context.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("display"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: FORMAT,
+            usage: wgpu::TextureUsages::STORAGE_BINDING
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        }));
+        self.textures.push(texture.clone());
+        texture
+    }
+}
