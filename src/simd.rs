@@ -70,7 +70,7 @@ pub(crate) fn run<W: Work>(work: W) -> W::Output {
 
 /// Asks for the memory of an element that will soon be read; nothing happens where there is no such element.
 #[inline(always)]
-pub(super) fn fetch_ahead<T>(slice: &[T], index: usize) {
+pub(crate) fn fetch_ahead<T>(slice: &[T], index: usize) {
     #[cfg(target_arch = "x86_64")]
     if let Some(element) = slice.get(index) {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};

@@ -12,9 +12,9 @@ use rayon::prelude::*;
 
 use super::frame_samples::{FrameSamples, FrameTile};
 use super::project::Projector;
-use super::simd::{self, Work};
 use crate::capture::Camera;
 use crate::preprocess::TILE;
+use crate::simd::{self, Work};
 
 /// Pixels `[left, right) × [top, bottom)` of the target that a tile may touch, cut to the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -11,9 +11,9 @@ use std::ops::Range;
 
 use half::f16;
 
-use super::simd::{self, Work};
 use crate::error::{Error, Result};
 use crate::preprocess::{SampleImage, SampleSet, TILE, TILE_SAMPLES, TileDepths};
+use crate::simd::{self, Work};
 
 /// Tiles that slots can tell apart.
 const MAX_TILES: usize = 1 << 24;
