@@ -1,9 +1,10 @@
-//! One camera at one frame, ready to be registered: every pixel's sample with its normal, footprint and rank.
+//! One camera at one frame, ready to be registered: every pixel's sample with its normal, footprint and facet.
 
 use glam::Vec3;
 use half::f16;
 use rayon::prelude::*;
 
+use super::facet::{Facet, MIXED};
 use super::mixed_pixels;
 use super::normals::{DepthView, MIN_CONFIDENCE};
 use super::sampling_rate::{Rate, Rays, footprint, rank};
@@ -21,9 +22,6 @@ pub const ROOT: Level = 0;
 /// In place of a level where there is no sample.
 pub const NO_SAMPLE: Level = Level::MAX;
 
-/// Set in the rank of a mixed sample that yields: it loses against every clean one.
-pub const MIXED: u32 = 1 << 31;
-
 /// The samples of one camera, row-major planes of the camera's size.
 #[derive(Clone, Debug)]
 pub struct Layer {
@@ -37,8 +35,8 @@ pub struct Layer {
     pub normal: Vec<Vec3>,
     /// See [`footprint`]; infinite where there is no sample.
     pub footprint: Vec<f32>,
-    /// Smaller wins; [`MIXED`] is set where a mixed sample yields.
-    pub rank: Vec<u32>,
+    /// The samples as other cameras test them.
+    pub facets: Vec<Facet>,
     /// The level of each pixel's sample; [`NO_SAMPLE`] where there is none.
     pub level: Vec<Level>,
     /// Noise of a single frame. Samples of one frame carry it.
@@ -83,29 +81,35 @@ impl<'a> LayerBuilder<'a> {
         });
     }
 
-    /// Fills in footprints and ranks of the samples of `level`, from colors, depths and normals.
+    /// Fills in footprints and facets of the samples of `level`, from colors, depths and normals.
     pub fn rate(&self, layer: &mut Layer, camera: &Camera, level: Level) {
         let width = layer.width.max(1);
         let rays = Rays::new(camera);
+        let camera_from_world = camera.camera_from_world().matrix3.as_mat3();
         let pruning = &self.settings.pruning;
         let mixed = if self.antialiased && pruning.mixed_pixels != MixedPixels::Keep {
             mixed_pixels::detect(layer, camera, self.settings.normals.edge)
         } else {
             Vec::new()
         };
-        let rows = layer.footprint.par_chunks_mut(width).zip(layer.rank.par_chunks_mut(width));
-        rows.enumerate().for_each(|(y, (footprints, ranks))| {
+        let rows = layer.footprint.par_chunks_mut(width).zip(layer.facets.par_chunks_mut(width));
+        rows.enumerate().for_each(|(y, (footprints, facets))| {
             for x in 0..footprints.len() {
                 let pixel = y * width + x;
                 if layer.level[pixel] != level {
                     continue;
                 }
                 let (inverse_depth, normal) = (layer.inverse_depth[pixel], layer.normal[pixel]);
-                footprints[x] = footprint(self.rate, &rays, rays.at(x, y), inverse_depth, normal, pruning);
-                ranks[x] = if pruning.method == PruningMethod::FirstCamera { 0 } else { rank(footprints[x]) };
-                if mixed.get(pixel).is_some_and(|mixed| *mixed) {
-                    ranks[x] |= MIXED;
-                }
+                let ray = rays.at(x, y);
+                let of = |rate| footprint(rate, &rays, ray, inverse_depth, normal, pruning);
+                footprints[x] = of(self.rate);
+                let mixed = mixed.get(pixel).is_some_and(|mixed| *mixed);
+                let ranks = [footprints[x], of(self.rate.other())].map(|footprint| {
+                    let rank = if pruning.method == PruningMethod::FirstCamera { 0 } else { rank(footprint) };
+                    if mixed { rank | MIXED } else { rank }
+                });
+                let normal_in_camera = camera_from_world * normal;
+                facets[x] = Facet::new(level, inverse_depth, normal_in_camera, layer.color[pixel], ranks);
             }
         });
     }
@@ -122,7 +126,7 @@ impl Layer {
             inverse_depth: vec![INVALID_INVERSE_DEPTH; pixels],
             normal: vec![Vec3::ZERO; pixels],
             footprint: vec![f32::INFINITY; pixels],
-            rank: vec![u32::MAX; pixels],
+            facets: vec![Facet::ABSENT; pixels],
             level: vec![NO_SAMPLE; pixels],
             noise: super::noise::Noise::default(),
             noise_share: Vec::new(),
@@ -134,6 +138,13 @@ impl Layer {
     #[must_use]
     pub fn height(&self) -> usize {
         self.inverse_depth.len().checked_div(self.width).unwrap_or(0)
+    }
+
+    /// Whether any sample may hold color noise.
+    #[must_use]
+    pub fn has_color_noise(&self) -> bool {
+        self.noise_share.iter().any(|share| *share > 0.0)
+            && self.noise.color_steps.iter().any(|steps| *steps > 0.0)
     }
 
     /// Standard deviation of the color noise left in the sample at `pixel`, 8-bit sRGB steps.

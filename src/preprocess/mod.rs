@@ -13,7 +13,9 @@
 //! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add.
 
 pub mod background;
+mod contest;
 pub mod depth_plane;
+pub mod facet;
 pub mod foreground;
 pub mod inspection;
 pub mod layer;
@@ -26,8 +28,11 @@ pub mod pack;
 pub mod pruning;
 pub mod registration;
 pub mod report;
+mod rig;
+pub mod same_surface;
 pub mod samples;
 pub mod sampling_rate;
+mod settle;
 pub mod temporal;
 
 use std::sync::Arc;

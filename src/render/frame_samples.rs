@@ -75,8 +75,8 @@ impl<'a> FrameTile<'a> {
     #[inline(always)]
     pub(super) fn fetch_depths_ahead(&self) {
         let (low, high) = self.depths.planes();
-        (0..low.len()).step_by(32).for_each(|at| simd::fetch_ahead(low, at));
-        (0..high.len()).step_by(64).for_each(|at| simd::fetch_ahead(high, at));
+        (0..low.len()).step_by(32).for_each(|at| simd::prefetch(low, at));
+        (0..high.len()).step_by(64).for_each(|at| simd::prefetch(high, at));
     }
 
     /// The color of a sample, linear.

@@ -253,14 +253,14 @@ impl Strip<'_> {
             // What will be written is not in the cache either.
             let at = row * self.resolve.width + block.left;
             for part in 0..3 {
-                simd::fetch_ahead(self.rows.color, at + part * BLOCK / 3);
+                simd::prefetch(self.rows.color, at + part * BLOCK / 3);
             }
-            simd::fetch_ahead(self.rows.inverse_depth, at);
-            simd::fetch_ahead(self.rows.image, at);
+            simd::prefetch(self.rows.inverse_depth, at);
+            simd::prefetch(self.rows.image, at);
             for (place, &key) in found.places[row].iter_mut().zip(&*keys) {
                 // A hole looks at the first sample there is, and forgets it.
                 *place = frame.color_place(if key == 0 { 0 } else { slot_of(key) });
-                simd::fetch_ahead(frame.colors(place.image), place.nth as usize);
+                simd::prefetch(frame.colors(place.image), place.nth as usize);
             }
         }
         for row in 0..rows {

@@ -6,9 +6,9 @@ use super::measure::{Times, repeat};
 use super::report::{Bound, Measured};
 use crate::error::{Error, Result};
 use crate::preprocess::background::Background;
-use crate::preprocess::foreground::prune_frame;
+use crate::preprocess::foreground::{FRAME, prune_frame};
 use crate::preprocess::normals::DepthView;
-use crate::preprocess::pruning::Rig;
+use crate::preprocess::pruning::{self, Rig};
 use crate::preprocess::{Report, Span, Verdict, inspect_frame, pack, scan};
 use crate::settings::{NormalEstimator, Settings};
 use crate::store;
@@ -24,7 +24,9 @@ pub(super) enum PreprocessCase {
     Scan,
     /// Normals of every pixel at one frame.
     Normals(NormalEstimator),
-    /// All verdicts of one frame after a pruning threshold changed, the background's included.
+    /// The verdicts on every pixel of one frame, from layers that are ready: all cameras against all others.
+    Prune,
+    /// All verdicts of one frame after a pruning threshold changed, the background's included, and what is kept, packed.
     Reprune,
     /// From verdicts to sparse images, one frame.
     Pack,
@@ -38,6 +40,7 @@ pub(super) enum PreprocessCase {
 pub(super) fn cases() -> Vec<PreprocessCase> {
     let normals = NormalEstimator::ALL.iter().copied().map(PreprocessCase::Normals);
     let others = [
+        PreprocessCase::Prune,
         PreprocessCase::Reprune,
         PreprocessCase::Pack,
         PreprocessCase::StoreWrite,
@@ -52,6 +55,7 @@ impl PreprocessCase {
         match self {
             Self::Scan => "preprocess/scan".to_owned(),
             Self::Normals(estimator) => format!("preprocess/normals/{estimator}"),
+            Self::Prune => "preprocess/prune-frame".to_owned(),
             Self::Reprune => "preprocess/re-prune-frame".to_owned(),
             Self::Pack => "preprocess/pack".to_owned(),
             Self::StoreWrite => "store/write".to_owned(),
@@ -72,6 +76,7 @@ impl PreprocessCase {
             Self::Normals(estimator) => {
                 (estimate_normals(bench, estimator)?, one_frame, one_frame * DEPTH_BYTES)
             }
+            Self::Prune => (prune_layers(bench)?, one_frame, one_frame * PIXEL_BYTES),
             Self::Reprune => (reprune(bench)?, one_frame, one_frame * PIXEL_BYTES),
             Self::Pack => {
                 let verdicts = one_frame * size_of::<(u32, Verdict)>() as u64;
@@ -108,6 +113,21 @@ fn estimate_normals(bench: &Bench<'_>, estimator: NormalEstimator) -> Result<Tim
             Ok(view.estimate_all(estimator))
         });
         views.collect::<Result<Vec<_>>>()
+    })
+}
+
+fn prune_layers(bench: &Bench<'_>) -> Result<Times> {
+    let capture = &bench.scene.capture;
+    let mut settings = Settings::default();
+    let rig = Rig::new(&capture.cameras);
+    let layers = prune_frame(capture, &rig, &Background::none(capture), &settings, 0, bench.job)?.layers;
+    let tolerance = settings.pruning.color_tolerance;
+    let mut turn = 0_u8;
+    repeat(bench.budget, bench.job, || {
+        turn = turn.wrapping_add(1);
+        settings.pruning.color_tolerance = tolerance + 0.01 * f32::from(turn);
+        let statuses = pruning::no_statuses(&layers);
+        pruning::prune(&rig, &layers, &statuses, FRAME, &settings, bench.job)
     })
 }
 
