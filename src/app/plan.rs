@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::dock::View;
+use super::inspector::InspectorPlan;
 use super::lanes::{InspectRequest, Lanes, MeasureRequest, WholeRequest};
 use super::state::{State, method_of};
 use super::views::live_image::LiveKey;
@@ -19,7 +21,8 @@ struct InspectKey {
     scene: u64,
     frame: usize,
     method: Settings,
-    with_scan: bool,
+    /// Whether there is a scan, and whether it serves the settings or is shown until one does.
+    scan_serves: Option<bool>,
 }
 
 /// What was asked for last, per lane.
@@ -30,6 +33,7 @@ pub(super) struct Plan {
     live: Option<LiveKey>,
     whole: Option<(u64, Settings)>,
     measure: Option<(Arc<SampleSet>, Settings)>,
+    inspector: InspectorPlan,
     /// When a setting was last changed.
     pub changed_at: Option<Instant>,
 }
@@ -56,11 +60,12 @@ impl Plan {
     }
 
     /// Asks the lanes for whatever is missing. Gives how long to wait before it should be called again, if so.
-    pub(super) fn ask(&mut self, state: &State, lanes: &Lanes) -> Option<Duration> {
+    pub(super) fn ask(&mut self, state: &State, visible: &[View], lanes: &Lanes) -> Option<Duration> {
         self.ask_inspection(state, lanes);
         self.ask_source(state, lanes);
         self.ask_live(state, lanes);
         self.ask_accuracy(state, lanes);
+        self.inspector.ask(state, visible, &lanes.inspector);
         self.ask_whole(state, lanes)
     }
 
@@ -75,7 +80,7 @@ impl Plan {
             scene: scene.id,
             frame: state.timeline.frame,
             method: method_of(&state.settings),
-            with_scan: state.scan.is_some(),
+            scan_serves: state.scan.as_ref().map(|scan| scan.serves(&state.settings.spans)),
         };
         if self.inspect.as_ref() != Some(&key) {
             lanes.inspect.submit(InspectRequest {

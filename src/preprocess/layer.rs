@@ -1,10 +1,11 @@
-//! One camera at one frame, ready to be registered: every pixel's sample with its normal, footprint and rank.
+//! One camera at one frame, ready to be registered: every pixel's sample with its normal, footprint and facet.
 
 use glam::Vec3;
 use half::f16;
 use rayon::prelude::*;
 
-use super::mixed_pixels;
+use super::facet::{Facet, MIXED};
+use super::mixed_pixels::MixedTest;
 use super::normals::{DepthView, MIN_CONFIDENCE};
 use super::sampling_rate::{Rate, Rays, footprint, rank};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
@@ -21,9 +22,6 @@ pub const ROOT: Level = 0;
 /// In place of a level where there is no sample.
 pub const NO_SAMPLE: Level = Level::MAX;
 
-/// Set in the rank of a mixed sample that yields: it loses against every clean one.
-pub const MIXED: u32 = 1 << 31;
-
 /// The samples of one camera, row-major planes of the camera's size.
 #[derive(Clone, Debug)]
 pub struct Layer {
@@ -37,8 +35,8 @@ pub struct Layer {
     pub normal: Vec<Vec3>,
     /// See [`footprint`]; infinite where there is no sample.
     pub footprint: Vec<f32>,
-    /// Smaller wins; [`MIXED`] is set where a mixed sample yields.
-    pub rank: Vec<u32>,
+    /// The samples as other cameras test them.
+    pub facets: Vec<Facet>,
     /// The level of each pixel's sample; [`NO_SAMPLE`] where there is none.
     pub level: Vec<Level>,
     /// Noise of a single frame. Samples of one frame carry it.
@@ -48,6 +46,9 @@ pub struct Layer {
     /// Relative quantization step of depth.
     pub depth_step_relative: f32,
 }
+
+/// Fewer pixels are not worth a task of their own.
+const MIN_PIXELS: usize = 1024;
 
 /// What is needed to complete layers, decided once per capture and settings.
 pub struct LayerBuilder<'a> {
@@ -63,51 +64,58 @@ impl<'a> LayerBuilder<'a> {
         Self { settings, rate: Rate::resolve(settings.pruning.rate, cameras), antialiased }
     }
 
-    /// Estimates the normals of the samples of `level`, where they are not given or not wanted as given.
-    pub fn estimate_normals(&self, layer: &mut Layer, camera: &Camera, level: Level) {
-        let width = layer.width.max(1);
+    /// Estimates the normals of the samples at `pixels`, where they are not given or not wanted as given.
+    pub fn estimate_normals(&self, layer: &mut Layer, camera: &Camera, pixels: &[u32]) {
         let rotation = camera.world_from_camera.matrix3.as_mat3();
         let view = DepthView::new(&layer.inverse_depth, camera, &self.settings.normals);
         let estimated = self.settings.normals.source == NormalSource::Estimated;
-        layer.normal.par_chunks_mut(width).enumerate().for_each(|(y, normals)| {
-            for (x, normal) in normals.iter_mut().enumerate() {
-                let pixel = y * width + x;
-                let missing = estimated || *normal == Vec3::ZERO;
-                if !missing || layer.inverse_depth[pixel] <= 0.0 || layer.level[pixel] != level {
-                    continue;
-                }
-                let estimate = view.estimate(self.settings.normals.estimator, x, y);
+        let missing = |pixel: &u32| {
+            let pixel = *pixel as usize;
+            layer.inverse_depth[pixel] > 0.0 && (estimated || layer.normal[pixel] == Vec3::ZERO)
+        };
+        let estimate = |pixels: &[u32]| {
+            let missing: Vec<u32> = pixels.iter().copied().filter(missing).collect();
+            let estimates = view.estimate_at(self.settings.normals.estimator, &missing);
+            let normals = missing.into_iter().zip(estimates).map(|(pixel, estimate)| {
                 let trusted = estimate.confidence >= MIN_CONFIDENCE;
-                *normal = if trusted { rotation * estimate.normal_in_camera } else { Vec3::ZERO };
-            }
-        });
+                (pixel, if trusted { rotation * estimate.normal_in_camera } else { Vec3::ZERO })
+            });
+            normals.collect::<Vec<_>>()
+        };
+        let normals: Vec<(u32, Vec3)> = pixels.par_chunks(MIN_PIXELS).flat_map_iter(estimate).collect();
+        for (pixel, normal) in normals {
+            layer.normal[pixel as usize] = normal;
+        }
     }
 
-    /// Fills in footprints and ranks of the samples of `level`, from colors, depths and normals.
-    pub fn rate(&self, layer: &mut Layer, camera: &Camera, level: Level) {
+    /// Fills in footprints and facets of the samples at `pixels`, from colors, depths and normals.
+    pub fn rate(&self, layer: &mut Layer, camera: &Camera, pixels: &[u32]) {
         let width = layer.width.max(1);
         let rays = Rays::new(camera);
+        let camera_from_world = camera.camera_from_world().matrix3.as_mat3();
         let pruning = &self.settings.pruning;
-        let mixed = if self.antialiased && pruning.mixed_pixels != MixedPixels::Keep {
-            mixed_pixels::detect(layer, camera, self.settings.normals.edge)
-        } else {
-            Vec::new()
+        let detects = self.antialiased && pruning.mixed_pixels != MixedPixels::Keep;
+        let mixed = detects.then(|| MixedTest::new(layer, camera, self.settings.normals.edge));
+        let rated = |&pixel: &u32| {
+            let pixel = pixel as usize;
+            let (x, y) = (pixel % width, pixel / width);
+            let (inverse_depth, normal) = (layer.inverse_depth[pixel], layer.normal[pixel]);
+            let ray = rays.at(x, y);
+            let of = |rate| footprint(rate, &rays, ray, inverse_depth, normal, pruning);
+            let own = of(self.rate);
+            let mixed = mixed.as_ref().is_some_and(|mixed| mixed.is_mixed(x, y));
+            let ranks = [own, of(self.rate.other())].map(|footprint| {
+                let rank = if pruning.method == PruningMethod::FirstCamera { 0 } else { rank(footprint) };
+                if mixed { rank | MIXED } else { rank }
+            });
+            let normal_in_camera = camera_from_world * normal;
+            (own, Facet::new(layer.level[pixel], inverse_depth, normal_in_camera, layer.color[pixel], ranks))
         };
-        let rows = layer.footprint.par_chunks_mut(width).zip(layer.rank.par_chunks_mut(width));
-        rows.enumerate().for_each(|(y, (footprints, ranks))| {
-            for x in 0..footprints.len() {
-                let pixel = y * width + x;
-                if layer.level[pixel] != level {
-                    continue;
-                }
-                let (inverse_depth, normal) = (layer.inverse_depth[pixel], layer.normal[pixel]);
-                footprints[x] = footprint(self.rate, &rays, rays.at(x, y), inverse_depth, normal, pruning);
-                ranks[x] = if pruning.method == PruningMethod::FirstCamera { 0 } else { rank(footprints[x]) };
-                if mixed.get(pixel).is_some_and(|mixed| *mixed) {
-                    ranks[x] |= MIXED;
-                }
-            }
-        });
+        let rated: Vec<(f32, Facet)> = pixels.par_iter().with_min_len(MIN_PIXELS).map(rated).collect();
+        for (&pixel, (footprint, facet)) in pixels.iter().zip(rated) {
+            layer.footprint[pixel as usize] = footprint;
+            layer.facets[pixel as usize] = facet;
+        }
     }
 }
 
@@ -122,7 +130,7 @@ impl Layer {
             inverse_depth: vec![INVALID_INVERSE_DEPTH; pixels],
             normal: vec![Vec3::ZERO; pixels],
             footprint: vec![f32::INFINITY; pixels],
-            rank: vec![u32::MAX; pixels],
+            facets: vec![Facet::ABSENT; pixels],
             level: vec![NO_SAMPLE; pixels],
             noise: super::noise::Noise::default(),
             noise_share: Vec::new(),
@@ -130,10 +138,27 @@ impl Layer {
         }
     }
 
+    /// Takes the sample at `pixel` away.
+    pub fn clear(&mut self, pixel: usize) {
+        self.color[pixel] = [f16::ZERO; 3];
+        self.inverse_depth[pixel] = INVALID_INVERSE_DEPTH;
+        self.normal[pixel] = Vec3::ZERO;
+        self.footprint[pixel] = f32::INFINITY;
+        self.facets[pixel] = Facet::ABSENT;
+        self.level[pixel] = NO_SAMPLE;
+    }
+
     /// Rows.
     #[must_use]
     pub fn height(&self) -> usize {
         self.inverse_depth.len().checked_div(self.width).unwrap_or(0)
+    }
+
+    /// Whether any sample may hold color noise.
+    #[must_use]
+    pub fn has_color_noise(&self) -> bool {
+        self.noise_share.iter().any(|share| *share > 0.0)
+            && self.noise.color_steps.iter().any(|steps| *steps > 0.0)
     }
 
     /// Standard deviation of the color noise left in the sample at `pixel`, 8-bit sRGB steps.

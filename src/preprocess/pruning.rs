@@ -11,23 +11,33 @@
 //! candidates of p = samples of other cameras that show p's point and are better than p
 //! p is dropped  ⇔  some candidate is kept
 //! ```
+//!
+//! Nearly always the best candidate is kept, so only that one is looked for at first, for sixteen samples at a time; where it
+//! turns out dropped, all candidates are found and tried in their order. Rectangles of samples that a camera cannot see are
+//! not held against it.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::layer::{Layer, Level, MIXED};
-use super::registration::{Outcome, Registration, SameSurface};
+use super::contest::{Contest, Entry, Rival, hold_row};
+use super::facet::MIXED;
+use super::layer::{Layer, Level, NO_SAMPLE};
+use super::registration::{Block, LANES, SameSurface, lanes_of};
+pub use super::rig::Rig;
+use super::settle::{Candidate, SettleWaiting, Waiting};
 use super::{Rule, Verdict};
-use crate::capture::Camera;
+use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{MixedPixels, PruningMethod, Settings};
+use crate::simd::{self, Work};
 
 /// No sample at the pixel that could stand for another.
 pub const ABSENT: u8 = 0;
 /// Waiting for better samples to be decided.
-const UNDECIDED: u8 = 1;
+pub(super) const UNDECIDED: u8 = 1;
 /// Stays.
 pub const KEPT: u8 = 2;
 /// Was dropped.
@@ -36,37 +46,6 @@ pub const DROPPED: u8 = 3;
 /// Rows that one task works on.
 const BAND_ROWS: usize = 16;
 
-/// All cameras and every way between two of them.
-pub struct Rig<'a> {
-    cameras: &'a [Camera],
-    /// `[source * cameras + target]`.
-    registrations: Vec<Registration>,
-}
-
-impl<'a> Rig<'a> {
-    /// All pairs of `cameras`.
-    #[must_use]
-    pub fn new(cameras: &'a [Camera]) -> Self {
-        let registrations = cameras
-            .iter()
-            .flat_map(|source| cameras.iter().map(move |target| Registration::new(source, target)))
-            .collect();
-        Self { cameras, registrations }
-    }
-
-    /// From camera `source` to camera `target`.
-    #[must_use]
-    pub fn registration(&self, source: usize, target: usize) -> &Registration {
-        &self.registrations[source * self.cameras.len() + target]
-    }
-
-    /// The cameras.
-    #[must_use]
-    pub fn cameras(&self) -> &'a [Camera] {
-        self.cameras
-    }
-}
-
 /// The verdicts on one camera's samples of one level.
 #[derive(Clone, Debug, Default)]
 pub struct Decided {
@@ -74,6 +53,19 @@ pub struct Decided {
     pub pixels: Vec<u32>,
     /// One verdict per pixel.
     pub verdicts: Vec<Verdict>,
+    /// Where the other rate model would have named another camera, by pixel.
+    pub disputes: Vec<Dispute>,
+}
+
+/// A sample of whose point the two rate models name different cameras as the best-sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dispute {
+    /// The pixel, `y * width + x`.
+    pub pixel: u32,
+    /// The camera that the model in use names.
+    pub camera: u16,
+    /// The camera that the other model names.
+    pub other_camera: u16,
 }
 
 /// Whether each pixel of each camera holds a kept sample: [`ABSENT`], [`KEPT`] or [`DROPPED`].
@@ -99,221 +91,333 @@ pub fn prune(
     settings: &Settings,
     job: &Job,
 ) -> Result<Vec<Decided>> {
-    let pass = Pass { rig, layers, statuses, decide, settings, limits: SameSurface::new(settings) };
-    layers.par_iter().zip(statuses).for_each(|(layer, statuses)| {
-        for (level, status) in layer.level.iter().zip(statuses) {
-            if *level == decide {
-                status.store(UNDECIDED, Ordering::Relaxed);
-            }
-        }
-    });
-    if settings.pruning.mixed_pixels == MixedPixels::Drop {
-        pass.drop_mixed();
-    }
-    let bands: Vec<(usize, usize)> = layers
-        .iter()
-        .enumerate()
-        .flat_map(|(camera, layer)| (0..layer.height()).step_by(BAND_ROWS).map(move |row| (camera, row)))
+    let counts: Vec<Vec<usize>> = layers
+        .par_iter()
+        .zip(statuses)
+        .map(|(layer, statuses)| open(layer, statuses, decide, settings.pruning.mixed_pixels))
         .collect();
-    let mut bands: Vec<Band> = bands
-        .into_par_iter()
-        .map(|(camera, first_row)| {
-            job.check()?;
-            Ok(pass.find_candidates(camera, first_row))
-        })
-        .collect::<Result<_>>()?;
-    loop {
+    let mut decided: Vec<Decided> =
+        counts.iter().map(|counts| Decided::of_size(counts.iter().sum())).collect();
+    let (samples, pixels) = (
+        decided.iter().map(|decided| decided.pixels.len()).sum::<usize>(),
+        layers.iter().map(|layer| layer.level.len()).sum::<usize>(),
+    );
+    let pass = Pass {
+        rig,
+        layers,
+        statuses,
+        decide,
+        settings,
+        limits: SameSurface::new(settings),
+        all_stand: layers
+            .par_iter()
+            .zip(statuses)
+            .map(|(layer, statuses)| {
+                samples > pixels / FEW && all_stand(layer, statuses, decide, settings.pruning.across_spans)
+            })
+            .collect(),
+    };
+    let mut bands = bands(layers, &counts, &mut decided);
+    bands.par_iter_mut().try_for_each(|band| {
         job.check()?;
-        let waiting: usize = bands.par_iter_mut().map(|band| pass.settle(band)).sum();
-        if waiting == 0 {
-            break;
-        }
+        simd::run(FindBest { pass: &pass, band });
+        Ok(())
+    })?;
+    bands.par_iter_mut().for_each(|band| pass.settle(band));
+    while bands.iter().any(|band| !band.waiting.is_empty()) {
+        job.check()?;
+        bands.par_iter_mut().for_each(|band| simd::run(SettleWaiting { pass: &pass, band }));
     }
-    let verdicts: Vec<Vec<Verdict>> = bands.par_iter().map(|band| pass.verdicts(band)).collect();
-    let mut decided: Vec<Decided> = layers.iter().map(|_| Decided::default()).collect();
-    for (band, verdicts) in bands.into_iter().zip(verdicts) {
-        decided[band.camera].pixels.extend(band.pixels);
-        decided[band.camera].verdicts.extend(verdicts);
+    let disputes: Vec<(usize, Vec<Dispute>)> =
+        bands.into_iter().map(|band| (band.camera, band.disputes)).collect();
+    for (camera, disputes) in disputes {
+        decided[camera].disputes.extend(disputes);
     }
     Ok(decided)
 }
 
-struct Pass<'a> {
-    rig: &'a Rig<'a>,
-    layers: &'a [Layer],
-    statuses: &'a Statuses,
-    decide: Level,
+/// Pixels that are passed over at once.
+const RUN: usize = 64;
+
+/// Where fewer than one in so many pixels are to be decided, looking whether all others stand does not pay.
+const FEW: usize = 8;
+
+/// Marks the samples of level `decide` as undecided, mixed ones as dropped where they are to be. Gives how many there are in
+/// each band of rows.
+fn open(layer: &Layer, statuses: &[AtomicU8], decide: Level, mixed_pixels: MixedPixels) -> Vec<usize> {
+    let band = (BAND_ROWS * layer.width).max(1);
+    let mut counts = Vec::with_capacity(layer.level.len().div_ceil(band));
+    for (band_of, (levels, statuses)) in layer.level.chunks(band).zip(statuses.chunks(band)).enumerate() {
+        let mut count = 0;
+        let runs = levels.chunks(RUN).zip(statuses.chunks(RUN)).enumerate();
+        // Most levels have few samples: runs without any are passed over sixteen or more bytes at a time.
+        for (run, (levels, statuses)) in runs.filter(|(_, (levels, _))| levels.contains(&decide)) {
+            let first = band_of * band + run * RUN;
+            for (i, (&level, status)) in levels.iter().zip(statuses).enumerate() {
+                if level == decide {
+                    count += 1;
+                    let drop = mixed_pixels == MixedPixels::Drop && layer.facets[first + i].rank & MIXED != 0;
+                    status.store(if drop { DROPPED } else { UNDECIDED }, Ordering::Relaxed);
+                }
+            }
+        }
+        counts.push(count);
+    }
+    counts
+}
+
+/// Whether every sample of the layer may stand for others, so that nobody needs to ask.
+fn all_stand(layer: &Layer, statuses: &[AtomicU8], decide: Level, across_spans: bool) -> bool {
+    let mut stand = true;
+    for (&level, status) in layer.level.iter().zip(statuses) {
+        let status = status.load(Ordering::Relaxed);
+        let stands = (status == UNDECIDED) | (status == KEPT);
+        stand &= (level == NO_SAMPLE) | (stands & ((level == decide) | across_spans));
+    }
+    stand
+}
+
+/// The rows of every camera, cut into bands that hold something to decide.
+fn bands<'a>(layers: &[Layer], counts: &[Vec<usize>], decided: &'a mut [Decided]) -> Vec<Band<'a>> {
+    let mut bands = Vec::new();
+    for (camera, (decided, counts)) in decided.iter_mut().zip(counts).enumerate() {
+        let (mut pixels, mut verdicts) = (&mut decided.pixels[..], &mut decided.verdicts[..]);
+        for (index, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+            let first_row = index * BAND_ROWS;
+            let (own_pixels, rest) = pixels.split_at_mut(count);
+            pixels = rest;
+            let (own_verdicts, rest) = verdicts.split_at_mut(count);
+            verdicts = rest;
+            bands.push(Band {
+                camera,
+                rows: first_row..(first_row + BAND_ROWS).min(layers[camera].height()),
+                pixels: own_pixels,
+                verdicts: own_verdicts,
+                disputes: Vec::new(),
+                waiting: Vec::new(),
+            });
+        }
+    }
+    bands
+}
+
+/// What all bands share.
+pub(super) struct Pass<'a> {
+    pub(super) rig: &'a Rig<'a>,
+    pub(super) layers: &'a [Layer],
+    pub(super) statuses: &'a Statuses,
+    pub(super) decide: Level,
     settings: &'a Settings,
-    limits: SameSurface,
+    pub(super) limits: SameSurface,
+    /// Per camera, see [`all_stand`].
+    pub(super) all_stand: Vec<bool>,
 }
 
-/// Some rows of one camera: the samples to decide and who could stand for each.
-struct Band {
-    camera: usize,
-    pixels: Vec<u32>,
-    /// `candidates[starts[i]..starts[i + 1]]` belong to `pixels[i]`.
-    starts: Vec<u32>,
-    candidates: Vec<Candidate>,
-    /// Whether any other camera shows the point at all.
-    seen_elsewhere: Vec<bool>,
-    /// Indices into `pixels` that still wait.
-    waiting: Vec<u32>,
+/// Some rows of one camera: the samples to decide and what is known of each. Until it is settled, a verdict names the
+/// sample's best candidate as if that one were kept.
+pub(super) struct Band<'a> {
+    pub(super) camera: usize,
+    rows: Range<usize>,
+    pub(super) pixels: &'a mut [u32],
+    pub(super) verdicts: &'a mut [Verdict],
+    disputes: Vec<Dispute>,
+    pub(super) waiting: Vec<Waiting>,
 }
 
-#[derive(Clone, Copy)]
-struct Candidate {
-    camera: u16,
-    pixel: u32,
+/// Finds the best candidate of every sample of a band.
+struct FindBest<'a, 'b> {
+    pass: &'a Pass<'a>,
+    band: &'a mut Band<'b>,
+}
+
+impl Work for FindBest<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { pass, band } = self;
+        let layer = &pass.layers[band.camera];
+        let pruning = pass.settings.pruning.method != PruningMethod::Off;
+        let lanes = band.lanes(layer, pass.decide);
+        let rivals = if pruning { pass.rivals(band, &lanes) } else { Vec::new() };
+        let mut entries = Vec::new();
+        let mut next = 0;
+        for (row, lanes) in band.rows.clone().zip(lanes.chunks_exact(layer.width.div_ceil(LANES))) {
+            entries.clear();
+            for (at, &lanes) in lanes.iter().enumerate().filter(|(_, lanes)| **lanes != 0) {
+                let block = Block::new(layer, at * LANES, row, lanes);
+                entries.push(Entry { at, lanes, contest: Contest::new(&block), block });
+            }
+            // One rival after the other, so that its picture is read along its rows.
+            for rival in &rivals {
+                hold_row(pass, band.camera, &mut entries, rival);
+            }
+            for Entry { at, lanes, contest, .. } in &entries {
+                for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+                    let pixel = row * layer.width + at * LANES + lane;
+                    let verdict = if pruning {
+                        pass.first_verdict(band.camera, pixel, contest, lane, &mut band.disputes)
+                    } else {
+                        pass.verdict_without_pruning(band.camera, pixel)
+                    };
+                    band.pixels[next] = pixel as u32;
+                    band.verdicts[next] = verdict;
+                    next += 1;
+                }
+            }
+        }
+    }
+}
+
+impl Band<'_> {
+    /// For each row and each sixteen pixels of it, which of them hold a sample of the level.
+    #[inline(always)]
+    fn lanes(&self, layer: &Layer, level: Level) -> Vec<u32> {
+        let mut all = Vec::with_capacity(self.rows.len() * layer.width.div_ceil(LANES));
+        for row in self.rows.clone() {
+            for column in (0..layer.width).step_by(LANES) {
+                let levels = lanes_of(&layer.level, layer.width, (column, row), NO_SAMPLE);
+                let mut lanes = 0;
+                for lane in 0..LANES {
+                    lanes |= u32::from(levels[lane] == level) << lane;
+                }
+                all.push(lanes);
+            }
+        }
+        all
+    }
 }
 
 impl Pass<'_> {
-    fn status(&self, camera: usize, pixel: u32) -> u8 {
+    pub(super) fn status(&self, camera: usize, pixel: u32) -> u8 {
         self.statuses[camera][pixel as usize].load(Ordering::Relaxed)
     }
 
-    fn drop_mixed(&self) {
-        for (layer, statuses) in self.layers.iter().zip(self.statuses) {
-            for ((level, rank), status) in layer.level.iter().zip(&layer.rank).zip(statuses) {
-                if *level == self.decide && *rank != u32::MAX && rank & MIXED != 0 {
-                    status.store(DROPPED, Ordering::Relaxed);
-                }
-            }
-        }
+    pub(super) fn set_status(&self, camera: usize, pixel: u32, status: u8) {
+        self.statuses[camera][pixel as usize].store(status, Ordering::Relaxed);
     }
 
-    fn find_candidates(&self, camera: usize, first_row: usize) -> Band {
-        let layer = &self.layers[camera];
-        let rows = first_row..(first_row + BAND_ROWS).min(layer.height());
-        let mut band = Band {
-            camera,
-            pixels: Vec::new(),
-            starts: vec![0],
-            candidates: Vec::new(),
-            seen_elsewhere: Vec::new(),
-            waiting: Vec::new(),
-        };
-        let pruning = self.settings.pruning.method != PruningMethod::Off;
-        for y in rows {
-            for x in 0..layer.width {
-                let pixel = y * layer.width + x;
-                if layer.level[pixel] != self.decide {
-                    continue;
-                }
-                let undecided = self.status(camera, pixel as u32) == UNDECIDED;
-                let seen = undecided && pruning && self.ask_the_others(camera, x, y, &mut band.candidates);
-                if undecided {
-                    band.waiting.push(band.pixels.len() as u32);
-                }
-                band.pixels.push(pixel as u32);
-                band.starts.push(band.candidates.len() as u32);
-                band.seen_elsewhere.push(seen);
-            }
-        }
-        band
+    /// Whether a sample may stand for others, as far as is known before anything of this level is decided.
+    #[inline(always)]
+    pub(super) fn may_stand(&self, camera: usize, pixel: u32) -> bool {
+        let status = self.status(camera, pixel);
+        let foreign = self.layers[camera].level[pixel as usize] != self.decide;
+        (status == UNDECIDED || status == KEPT) && (self.settings.pruning.across_spans || !foreign)
     }
 
-    /// Appends the better samples of the point; whether any other camera shows it at all.
-    fn ask_the_others(&self, camera: usize, x: usize, y: usize, candidates: &mut Vec<Candidate>) -> bool {
-        let layer = &self.layers[camera];
-        let rank = layer.rank[y * layer.width + x];
-        let mut seen = false;
-        for other in 0..self.layers.len() {
-            if other == camera {
-                continue;
-            }
-            let target = &self.layers[other];
-            let registration = self.rig.registration(camera, other);
-            let Outcome::Same(found) = registration.test(layer, target, x, y, &self.limits) else { continue };
-            let foreign = target.level[found as usize] != self.decide;
-            if foreign && !self.settings.pruning.across_spans {
-                continue;
-            }
-            if matches!(self.status(other, found), ABSENT | DROPPED) {
-                continue;
-            }
-            seen = true;
-            if (target.rank[found as usize], other) < (rank, camera) {
-                candidates.push(Candidate { camera: other as u16, pixel: found });
-            }
-        }
-        seen
-    }
-
-    /// Decides what can be decided; how many samples still wait.
-    fn settle(&self, band: &mut Band) -> usize {
-        let mut waiting = std::mem::take(&mut band.waiting);
-        waiting.retain(|&index| {
-            let mut verdict = KEPT;
-            for candidate in band.candidates_of(index as usize) {
-                match self.status(candidate.camera as usize, candidate.pixel) {
-                    KEPT => {
-                        verdict = DROPPED;
-                        break;
-                    }
-                    UNDECIDED => verdict = UNDECIDED,
-                    _ => {}
-                }
-            }
-            let pixel = band.pixels[index as usize] as usize;
-            self.statuses[band.camera][pixel].store(verdict, Ordering::Relaxed);
-            verdict == UNDECIDED
-        });
-        band.waiting = waiting;
-        band.waiting.len()
-    }
-
-    fn verdicts(&self, band: &Band) -> Vec<Verdict> {
-        (0..band.pixels.len()).map(|index| self.verdict(band, index)).collect()
-    }
-
-    fn verdict(&self, band: &Band, index: usize) -> Verdict {
-        let pixel = band.pixels[index];
-        let rank = self.layers[band.camera].rank[pixel as usize];
-        if self.status(band.camera, pixel) == KEPT {
-            let rule = if self.settings.pruning.method == PruningMethod::Off {
-                Rule::PruningOff
-            } else if !band.candidates_of(index).is_empty() {
-                Rule::Coverage
-            } else if band.seen_elsewhere[index] {
-                Rule::BestRate
-            } else {
-                Rule::OnlyWitness
-            };
-            return Verdict::without_witness(rule);
-        }
-        let witness = band
-            .candidates_of(index)
+    /// The other cameras that may see something of the band.
+    #[inline(always)]
+    fn rivals(&self, band: &Band<'_>, lanes: &[u32]) -> Vec<Rival<'_>> {
+        let layer = &self.layers[band.camera];
+        let rows = [band.rows.start, band.rows.end - 1];
+        let columns = layer.width.div_ceil(LANES);
+        let bounds: Vec<Option<[f32; 2]>> = (0..columns)
+            .map(|at| {
+                let any = lanes.iter().skip(at).step_by(columns).any(|lanes| *lanes != 0);
+                any.then(|| depth_bounds(layer, at * LANES, band.rows.clone()))
+            })
+            .collect();
+        let whole = bounds
             .iter()
-            .filter(|candidate| self.status(candidate.camera as usize, candidate.pixel) == KEPT)
-            .min_by_key(|candidate| (self.rank_of(**candidate), candidate.camera));
-        let Some(witness) = witness else {
+            .flatten()
+            .fold([f32::INFINITY, 0.0_f32], |all, block| [all[0].min(block[0]), all[1].max(block[1])]);
+        (0..self.layers.len())
+            .filter(|&other| other != band.camera && !self.layers[other].facets.is_empty())
+            .filter_map(|other| {
+                let registration = self.rig.registration(band.camera, other);
+                registration.may_see([0, layer.width - 1], rows, whole).then(|| Rival {
+                    camera: other,
+                    registration,
+                    limits: self.limits.between(layer, &self.layers[other]),
+                    may_see: bounds
+                        .iter()
+                        .enumerate()
+                        .map(|(at, bounds)| {
+                            let columns = [at * LANES, (at * LANES + LANES).min(layer.width) - 1];
+                            bounds.is_some_and(|bounds| registration.may_see(columns, rows, bounds))
+                        })
+                        .collect(),
+                })
+            })
+            .collect()
+    }
+
+    fn verdict_without_pruning(&self, camera: usize, pixel: usize) -> Verdict {
+        if self.status(camera, pixel as u32) == DROPPED {
             return Verdict::without_witness(Rule::MixedDropped);
-        };
-        let witness_rank = self.rank_of(*witness);
+        }
+        self.set_status(camera, pixel as u32, KEPT);
+        Verdict::without_witness(Rule::PruningOff)
+    }
+
+    /// The verdict on a sample if its best candidate is kept. Keeps the sample where there is none.
+    #[inline(always)]
+    fn first_verdict(
+        &self,
+        camera: usize,
+        pixel: usize,
+        contest: &Contest,
+        lane: usize,
+        disputes: &mut Vec<Dispute>,
+    ) -> Verdict {
+        if self.status(camera, pixel as u32) == DROPPED {
+            return Verdict::without_witness(Rule::MixedDropped);
+        }
+        let winners = contest.winners(lane).map(|winner| winner.unwrap_or(camera as u16));
+        if winners[0] != winners[1] {
+            disputes.push(Dispute { pixel: pixel as u32, camera: winners[0], other_camera: winners[1] });
+        }
+        if let Some(best) = contest.best(lane) {
+            let best =
+                Candidate { rank: best.rank, camera: best.camera, level: best.level, pixel: best.pixel };
+            return self.dropped_for(contest.own_rank(lane), best);
+        }
+        self.set_status(camera, pixel as u32, KEPT);
+        Verdict::without_witness(if contest.is_seen(lane) { Rule::BestRate } else { Rule::OnlyWitness })
+    }
+
+    #[inline(always)]
+    pub(super) fn dropped_for(&self, rank: u32, witness: Candidate) -> Verdict {
         let rule = if self.settings.pruning.method == PruningMethod::FirstCamera {
             Rule::LaterCamera
-        } else if rank & MIXED != 0 && witness_rank & MIXED == 0 {
+        } else if rank & MIXED != 0 && witness.rank & MIXED == 0 {
             Rule::MixedYields
-        } else if witness_rank == rank {
+        } else if witness.rank == rank {
             Rule::Tie
         } else {
             Rule::LowerRate
         };
         Verdict {
             rule,
-            witness_level: self.layers[witness.camera as usize].level[witness.pixel as usize],
+            witness_level: witness.level,
             witness_camera: witness.camera,
             witness_pixel: witness.pixel,
         }
     }
-
-    fn rank_of(&self, candidate: Candidate) -> u32 {
-        self.layers[candidate.camera as usize].rank[candidate.pixel as usize]
-    }
 }
 
-impl Band {
-    fn candidates_of(&self, index: usize) -> &[Candidate] {
-        &self.candidates[self.starts[index] as usize..self.starts[index + 1] as usize]
+/// The smallest and largest inverse depth of the samples in sixteen columns of some rows; the smallest is larger where there
+/// is none.
+#[inline(always)]
+fn depth_bounds(layer: &Layer, column: usize, rows: Range<usize>) -> [f32; 2] {
+    let (mut smallest, mut largest) = ([f32::INFINITY; LANES], [0.0_f32; LANES]);
+    for row in rows {
+        let depths = lanes_of(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
+        for lane in 0..LANES {
+            let w = depths[lane];
+            smallest[lane] = smallest[lane].min(if w < 0.0 { f32::INFINITY } else { w });
+            largest[lane] = largest[lane].max(w);
+        }
+    }
+    [smallest.iter().copied().fold(f32::INFINITY, f32::min), largest.iter().copied().fold(0.0, f32::max)]
+}
+
+impl Decided {
+    fn of_size(count: usize) -> Self {
+        Self {
+            pixels: vec![0; count],
+            verdicts: vec![Verdict::without_witness(Rule::NoSample); count],
+            disputes: Vec::new(),
+        }
     }
 }

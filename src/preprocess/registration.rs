@@ -1,249 +1,266 @@
-//! Registration (the paper, §3.2): carries every sample into every other camera and asks whether that camera saw the same
-//! surface point.
+//! Registration (the paper, §3.2): carries every sample into every other camera.
 //!
 //! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.2, "mapping every image in the same
-//! time frame to every other image in that time frame". What differs: *the same point* is decided in pixel footprints, by
-//! the distance to the other sample's tangent plane, and by normals and color, each with its own threshold; points at
-//! infinity are carried like all others (homogeneous coordinates with `w = 1/z`).
+//! time frame to every other image in that time frame". What differs: sixteen pixels of a row are carried at once, and pairs
+//! that cannot see each other are found by rectangles of pixels between two depths. All of it is linear in `(ray, w)`, where
+//! `w = 1/z`: `q = R·ray + t·w` is the point in the target camera times `w`, for points at infinity as well. Whether what the
+//! target saw there is the same surface point is asked in [`super::same_surface`].
 
-use glam::{Mat3, Vec3};
+use glam::{DVec2, Vec3};
 
-use super::layer::{Layer, MIXED};
-use super::sampling_rate::Rays;
-use crate::capture::Camera;
-use crate::color;
-use crate::settings::Settings;
+use super::facet::Facet;
+use super::layer::Layer;
+pub use super::same_surface::{Answers, Outcome, SameSurface};
+use super::same_surface::{IN_FRONT, IN_VIEW};
+use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
+use crate::simd;
 
-/// What another camera says about a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Outcome {
-    /// The point lies behind the camera.
-    Behind,
-    /// The point lies outside the picture.
-    OutsideView,
-    /// The camera recorded no depth at that pixel.
-    NoDepth,
-    /// The camera sees something nearer at that pixel.
-    Occluded,
-    /// The camera sees something farther at that pixel: it looks past the point.
-    SeesPast,
-    /// Same depth, but the normals differ.
-    NormalDiffers,
-    /// Same depth, but the colors differ.
-    ColorDiffers,
-    /// The camera shows the surface only on one side of the point: there it cannot be interpolated.
-    Seam,
-    /// The camera saw the same surface point, at this pixel (`y * width + x`).
-    Same(u32),
-}
+/// Pixels that are carried at once.
+pub const LANES: usize = 16;
 
 /// Carries samples of one camera into another.
 #[derive(Clone, Copy, Debug)]
 pub struct Registration {
-    /// Source ray (world orientation) to target camera space, scaled to target pixels: row dotted with ray.
-    image_from_ray: Mat3,
-    /// Source position in target camera space, scaled likewise; multiplied with inverse depth.
-    image_from_origin: Vec3,
-    /// Source position minus target position, world space.
-    offset_in_world: Vec3,
-    source: Rays,
-    target: Rays,
-    target_width: u32,
-    target_height: u32,
+    /// The ray of the source's first pixel, at depth 1, in the target's orientation, …
+    first_ray: Vec3,
+    /// … its growth from one column to the next, …
+    per_column: Vec3,
+    /// … and from one row to the next.
+    per_row: Vec3,
+    /// The source camera's axes and place in target camera space.
+    pub(super) axes: [Vec3; 3],
+    translation: Vec3,
+    /// Side of a source pixel held perpendicular to the optical axis at depth 1.
+    pub(super) source_side: f32,
+    pub(super) target: Lens,
 }
 
-/// Thresholds of the same-surface test, converted once.
+/// A pinhole camera's intrinsics as the loops need them.
 #[derive(Clone, Copy, Debug)]
-pub struct SameSurface {
-    depth_footprints: f32,
-    normal_cosine: f32,
-    color_steps: f32,
-    noise_sigmas: f32,
-    overlap: bool,
+pub(super) struct Lens {
+    pub(super) focal: [f32; 2],
+    pub(super) center: [f32; 2],
+    pub(super) size: [f32; 2],
+    /// Side of a pixel held perpendicular to the optical axis at depth 1.
+    pub(super) side: f32,
 }
 
-/// Two noisy colors of one surface differ by less than this many standard deviations of their difference.
-const COLOR_SIGMAS: f32 = 3.0;
-
-/// A position this close to a pixel's center, in pixels, is that pixel: no neighbor takes part in interpolating there.
-const CENTERED: f32 = 1.0 / 16.0;
-
-impl SameSurface {
-    /// The thresholds of `settings`.
-    #[must_use]
-    pub fn new(settings: &Settings) -> Self {
+impl Lens {
+    fn new(camera: &Camera) -> Self {
+        let k = camera.intrinsics;
         Self {
-            depth_footprints: settings.pruning.depth_tolerance,
-            normal_cosine: settings.pruning.normal_tolerance.to_radians().cos(),
-            color_steps: settings.pruning.color_tolerance,
-            noise_sigmas: settings.spans.noise * COLOR_SIGMAS,
-            overlap: settings.pruning.overlap,
+            focal: [k.fx as f32, k.fy as f32],
+            center: [k.cx as f32, k.cy as f32],
+            size: [k.width as f32, k.height as f32],
+            side: (1.0 / (k.fx * k.fy).sqrt()) as f32,
         }
     }
+}
+
+/// Sixteen pixels of a row, some of which hold samples to be carried.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    pub(super) column: usize,
+    pub(super) row: usize,
+    pub(super) inverse_depth: [f32; LANES],
+    pub(super) normal: [[f32; LANES]; 3],
+    pub(super) color: [[i32; LANES]; 3],
+    pub(super) known: [u32; LANES],
+    /// Ranks of the samples.
+    pub rank: [u32; LANES],
+    /// Ranks by the other rate model.
+    pub other_rank: [u32; LANES],
+}
+
+/// Sixteen pixels of a row from `(column, row)` on; `nothing` beyond its end.
+#[inline(always)]
+pub(super) fn lanes_of<T: Copy>(
+    plane: &[T],
+    width: usize,
+    (column, row): (usize, usize),
+    nothing: T,
+) -> [T; LANES] {
+    let rest = &plane[row * width + column..(row + 1) * width];
+    if let Some(lanes) = rest.first_chunk() {
+        return *lanes;
+    }
+    let mut lanes = [nothing; LANES];
+    lanes.iter_mut().zip(rest).for_each(|(lane, &value)| *lane = value);
+    lanes
+}
+
+impl Carried {
+    /// Nothing was carried.
+    pub(super) const NOWHERE: Self = Self {
+        point: [[0.0; LANES]; 3],
+        cell: [[0.0; LANES]; 2],
+        off_center: [[0.0; LANES]; 2],
+        pixel: [0; LANES],
+        bits: [0; LANES],
+    };
+
+    /// Whether any of the samples lies in the target's view.
+    #[inline(always)]
+    pub(super) fn any_in_view(&self) -> bool {
+        self.bits.iter().fold(0, |all, bits| all | bits) & IN_VIEW != 0
+    }
+
+    /// Asks for what the target saw there to be fetched.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, target: &Layer) {
+        // Two facets share a cache line, and neighboring lanes lie beside each other more often than not.
+        for lane in (0..LANES).step_by(2) {
+            let pixel = self.pixel[lane] as usize;
+            let below = self.off_center[1][lane] > 0.0;
+            let beside = if below { pixel + target.width } else { pixel.wrapping_sub(target.width) };
+            simd::prefetch(&target.facets, pixel);
+            simd::prefetch(&target.facets, beside);
+        }
+    }
+}
+
+impl Block {
+    /// The samples of `layer` from `(column, row)` on for whose bit of `lanes` is set.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(layer: &Layer, column: usize, row: usize, lanes: u32) -> Self {
+        let facets = lanes_of(&layer.facets, layer.width, (column, row), Facet::ABSENT);
+        let mut block = Self {
+            column,
+            row,
+            inverse_depth: [INVALID_INVERSE_DEPTH; LANES],
+            normal: [[0.0; LANES]; 3],
+            color: [[0; LANES]; 3],
+            known: [0; LANES],
+            rank: [0; LANES],
+            other_rank: [0; LANES],
+        };
+        for i in 0..LANES {
+            let facet = &facets[i];
+            let wanted = lanes >> i & 1 == 1;
+            block.inverse_depth[i] = if wanted { facet.inverse_depth } else { INVALID_INVERSE_DEPTH };
+            let color = facet.color();
+            for axis in 0..3 {
+                block.normal[axis][i] = facet.normal_in_camera[axis];
+                block.color[axis][i] = color[axis];
+            }
+            block.known[i] = u32::from(facet.has_normal());
+            block.rank[i] = facet.rank;
+            block.other_rank[i] = facet.other_rank;
+        }
+        block
+    }
+}
+
+/// Where the samples of a block lie in the target.
+pub(super) struct Carried {
+    /// Points in target camera space, times the source's inverse depth.
+    pub(super) point: [[f32; LANES]; 3],
+    /// Whole pixels.
+    pub(super) cell: [[f32; LANES]; 2],
+    /// Position within the pixel, off its center, −0.5 to 0.5.
+    pub(super) off_center: [[f32; LANES]; 2],
+    pub(super) pixel: [u32; LANES],
+    pub(super) bits: [u32; LANES],
+}
+
+/// A whole number from 0 to 2²³ − 1. (A cast would be turned into sixteen scalar instructions, each with checks.)
+#[inline(always)]
+pub(super) fn whole(number: f32) -> u32 {
+    (number + 8_388_608.0).to_bits() & 0x7f_ffff
 }
 
 impl Registration {
     /// Carries samples of `source` into `target`.
     #[must_use]
     pub fn new(source: &Camera, target: &Camera) -> Self {
-        let k = target.intrinsics;
-        let target_from_world = target.camera_from_world();
-        let image_from_camera = glam::DMat3::from_cols(
-            glam::DVec3::new(k.fx, 0.0, 0.0),
-            glam::DVec3::new(0.0, k.fy, 0.0),
-            glam::DVec3::new(k.cx, k.cy, 1.0),
-        );
-        let offset = source.position_in_world() - target.position_in_world();
-        let image_from_world = image_from_camera * target_from_world.matrix3;
+        let k = source.intrinsics;
+        let target_from_source = target.camera_from_world() * source.world_from_camera;
+        let axes = target_from_source.matrix3;
         Self {
-            image_from_ray: image_from_world.as_mat3(),
-            image_from_origin: (image_from_world * offset).as_vec3(),
-            offset_in_world: offset.as_vec3(),
-            source: Rays::new(source),
-            target: Rays::new(target),
-            target_width: k.width,
-            target_height: k.height,
+            first_ray: (axes * k.ray_in_camera(DVec2::splat(0.5))).as_vec3(),
+            per_column: (axes.x_axis / k.fx).as_vec3(),
+            per_row: (axes.y_axis / k.fy).as_vec3(),
+            axes: [axes.x_axis.as_vec3(), axes.y_axis.as_vec3(), axes.z_axis.as_vec3()],
+            translation: target_from_source.translation.as_vec3(),
+            source_side: Lens::new(source).side,
+            target: Lens::new(target),
         }
     }
 
-    /// Image position in the target, times depth ratio, of a source sample: `(x, y)` in pixels after division by `z`, and
-    /// `z` is target depth over source depth (for samples at infinity: cosine-like, positive in front).
-    fn carry(&self, ray: Vec3, inverse_depth: f32) -> Vec3 {
-        self.image_from_ray * ray + self.image_from_origin * inverse_depth
+    /// Whether the target may see anything of what lies between two inverse depths (from 0) behind a rectangle of source
+    /// pixels, given by its first and last columns and rows. Never wrongly says no.
+    #[must_use]
+    pub fn may_see(&self, columns: [usize; 2], rows: [usize; 2], inverse_depths: [f32; 2]) -> bool {
+        let lens = &self.target;
+        // A point is out of view where one of these is negative; they are linear, so it is enough to look at corners.
+        let mut largest = [f32::NEG_INFINITY; 5];
+        let mut depth = 0.0_f32;
+        for corner in 0..8 {
+            let [x, y] = [columns[corner & 1] as f32, rows[corner >> 1 & 1] as f32];
+            let q = self.first_ray
+                + self.per_column * x
+                + self.per_row * y
+                + self.translation * inverse_depths[corner >> 2];
+            let [right, bottom] = [lens.size[0] - lens.center[0], lens.size[1] - lens.center[1]];
+            let inside = [
+                q.x * lens.focal[0] + lens.center[0] * q.z,
+                q.y * lens.focal[1] + lens.center[1] * q.z,
+                right * q.z - q.x * lens.focal[0],
+                bottom * q.z - q.y * lens.focal[1],
+                q.z,
+            ];
+            for (largest, inside) in largest.iter_mut().zip(inside) {
+                *largest = largest.max(inside);
+            }
+            depth = depth.max(q.length());
+        }
+        // Rounding moves a point by far less than a tenth of a pixel.
+        largest.iter().all(|largest| *largest >= -0.1 * depth)
     }
 
     /// What the target camera says about the sample at pixel `(x, y)` of the source.
+    #[inline(always)]
     #[must_use]
     pub fn test(&self, source: &Layer, target: &Layer, x: usize, y: usize, limits: &SameSurface) -> Outcome {
-        let pixel = y * source.width + x;
-        let inverse_depth = source.inverse_depth[pixel];
-        let ray = self.source.at(x, y);
-        let carried = self.carry(ray, inverse_depth);
-        if carried.z <= 0.0 {
-            return Outcome::Behind;
+        let block = Block::new(source, x, y, 1);
+        let carried = self.carry(&block, target.width);
+        if carried.bits[0] & IN_VIEW == 0 {
+            return if carried.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
         }
-        let (u, v) = (carried.x / carried.z, carried.y / carried.z);
-        if !(u >= 0.0 && v >= 0.0 && u < self.target_width as f32 && v < self.target_height as f32) {
-            return Outcome::OutsideView;
-        }
-        let (column, row) = (u as usize, v as usize);
-        let found = row * target.width + column;
-        match self.compare_depth(source, target, (pixel, ray, carried.z), (found, column, row), limits) {
-            Some(outcome) => outcome,
-            None if limits.overlap && !self.surrounds(target, (u, v), (column, row), limits) => Outcome::Seam,
-            None => compare_looks(source, target, pixel, found, limits),
-        }
+        self.compare(source, target, &block, &carried, limits, |_, _| true).outcome(0)
     }
 
-    /// Whether the target shows the surface at `found` on all four pixels around the position `(u, v)`, so that it can
-    /// be interpolated there.
-    fn surrounds(
-        &self,
-        target: &Layer,
-        (u, v): (f32, f32),
-        (column, row): (usize, usize),
-        limits: &SameSurface,
-    ) -> bool {
-        // Along each axis: nothing where the position is the pixel's center, else the pixel on the other side of it.
-        let beside = |at: usize, position: f32, size: u32| {
-            let off_center = position - at as f32 - 0.5;
-            if off_center.abs() <= CENTERED {
-                return Some(at);
-            }
-            let beside = if off_center > 0.0 { at.checked_add(1) } else { at.checked_sub(1) };
-            beside.filter(|&beside| beside < size as usize)
-        };
-        let (Some(x), Some(y)) = (beside(column, u, self.target_width), beside(row, v, self.target_height))
-        else {
-            return false;
-        };
-        let found = row * target.width + column;
-        [(x, row), (column, y), (x, y)].into_iter().all(|(x, y)| {
-            let (here, there) = (target.inverse_depth[found], target.inverse_depth[y * target.width + x]);
-            if here <= 0.0 || there <= 0.0 {
-                return here == there;
-            }
-            let center = self.target.at(column, row) / here;
-            let point = self.target.at(x, y) / there;
-            let normal = target.normal[found];
-            let distance = if normal == Vec3::ZERO {
-                (here.recip() - there.recip()).abs()
-            } else {
-                normal.dot(point - center).abs()
-            };
-            distance <= limits.depth_footprints * self.target.pixel_side() / here.min(there)
-        })
-    }
-
-    /// The depth part of the test; `None` where the two samples lie on one surface.
-    fn compare_depth(
-        &self,
-        source: &Layer,
-        target: &Layer,
-        (pixel, ray, depth_ratio): (usize, Vec3, f32),
-        (found, column, row): (usize, usize, usize),
-        limits: &SameSurface,
-    ) -> Option<Outcome> {
-        let inverse_depth = source.inverse_depth[pixel];
-        let found_inverse_depth = target.inverse_depth[found];
-        if found_inverse_depth < 0.0 {
-            return Some(Outcome::NoDepth);
+    /// Carries the samples of a block.
+    #[inline(always)]
+    pub(super) fn carry(&self, block: &Block, target_width: usize) -> Carried {
+        let mut carried = Carried::NOWHERE;
+        let (column, t, lens) = (block.column as f32, self.translation, &self.target);
+        let row = self.first_ray + self.per_row * block.row as f32;
+        let width = target_width as u32;
+        for i in 0..LANES {
+            let (along, w) = (column + i as f32, block.inverse_depth[i]);
+            let x = row.x + self.per_column.x * along + t.x * w;
+            let y = row.y + self.per_column.y * along + t.y * w;
+            let z = row.z + self.per_column.z * along + t.z * w;
+            let reciprocal = 1.0 / z;
+            let u = x * reciprocal * lens.focal[0] + lens.center[0];
+            let v = y * reciprocal * lens.focal[1] + lens.center[1];
+            let in_front = (w >= 0.0) & (z > 0.0);
+            let in_view = in_front & (u >= 0.0) & (v >= 0.0) & (u < lens.size[0]) & (v < lens.size[1]);
+            // What lies outside, or is no number, goes to the first pixel.
+            let (u, v) = if in_view { (u, v) } else { (0.5, 0.5) };
+            let (left, top) = (u.floor(), v.floor());
+            carried.point[0][i] = x;
+            carried.point[1][i] = y;
+            carried.point[2][i] = z;
+            carried.cell[0][i] = left;
+            carried.cell[1][i] = top;
+            carried.off_center[0][i] = u - left - 0.5;
+            carried.off_center[1][i] = v - top - 0.5;
+            carried.pixel[i] = whole(top) * width + whole(left);
+            carried.bits[i] = if in_front { IN_FRONT } else { 0 } | if in_view { IN_VIEW } else { 0 };
         }
-        if inverse_depth == 0.0 || found_inverse_depth == 0.0 {
-            return if inverse_depth == found_inverse_depth {
-                None
-            } else if inverse_depth == 0.0 {
-                Some(Outcome::Occluded)
-            } else {
-                Some(Outcome::SeesPast)
-            };
-        }
-        let (source_z, found_z) = (inverse_depth.recip(), found_inverse_depth.recip());
-        let expected_z = depth_ratio * source_z;
-        let target_ray = self.target.at(column, row);
-        // Relative to the target's position, so that large world coordinates cancel before they round.
-        let point = ray * source_z + self.offset_in_world;
-        let normal = target.normal[found];
-        let distance = if normal == Vec3::ZERO {
-            (expected_z - found_z).abs()
-        } else {
-            normal.dot(point - target_ray * found_z).abs()
-        };
-        let footprint = (self.source.pixel_side() * source_z).max(self.target.pixel_side() * found_z);
-        let step = source.depth_step_relative * source_z + target.depth_step_relative * found_z;
-        if distance <= limits.depth_footprints * footprint + step {
-            None
-        } else if found_z < expected_z {
-            Some(Outcome::Occluded)
-        } else {
-            Some(Outcome::SeesPast)
-        }
+        carried
     }
-}
-
-/// The normal and color parts of the test.
-fn compare_looks(
-    source: &Layer,
-    target: &Layer,
-    pixel: usize,
-    found: usize,
-    limits: &SameSurface,
-) -> Outcome {
-    let (a, b) = (source.normal[pixel], target.normal[found]);
-    if a != Vec3::ZERO && b != Vec3::ZERO && a.dot(b) < limits.normal_cosine {
-        return Outcome::NormalDiffers;
-    }
-    // A mixed sample's color belongs to no surface: it may not speak against a clean witness.
-    let yields = source.rank[pixel] & MIXED != 0 && target.rank[found] & MIXED == 0;
-    if !yields {
-        for channel in 0..3 {
-            let (a, b) = (source.color[pixel][channel], target.color[found][channel]);
-            let (a, b) = (color::steps_from_linear(a), color::steps_from_linear(b));
-            let noise = source.color_noise(pixel, a).hypot(target.color_noise(found, b));
-            if (a - b).abs() > limits.color_steps + limits.noise_sigmas * noise {
-                return Outcome::ColorDiffers;
-            }
-        }
-    }
-    Outcome::Same(found as u32)
 }

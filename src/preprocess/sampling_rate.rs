@@ -47,6 +47,15 @@ impl Rate {
             RateModel::Stretch | RateModel::Auto => Self::Stretch,
         }
     }
+
+    /// The model that this is compared with.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Paper => Self::Footprint,
+            Self::Footprint => Self::Paper,
+        }
+    }
 }
 
 /// The viewing rays of a camera: camera position plus `ray(x, y) · z` is the world point of a pixel at planar depth `z`.

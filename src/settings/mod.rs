@@ -50,6 +50,8 @@ choice! {
         Off = "off",
         /// The paper's split: a pixel is background over all frames, or foreground in each one.
         Paper = "paper",
+        /// Spans of all lengths, half as long at each level: a pixel lives in the longest over which it is static.
+        Tree = "tree",
     }
 }
 
@@ -88,6 +90,32 @@ choice! {
         Yield = "yield",
         /// They are removed before anything else.
         Drop = "drop",
+    }
+}
+
+choice! {
+    /// How much of color and depth a store keeps.
+    pub enum Precision {
+        /// Every bit.
+        Lossless = "lossless",
+        /// Color to half a step of a display with 16 bits, depth as `depth_precision` says.
+        Bits16 = "bits16",
+        /// Color to half a step of a display with 12 bits, depth as `depth_precision` says.
+        Bits12 = "bits12",
+        /// Color to half a step of a display with 10 bits, depth as `depth_precision` says.
+        Bits10 = "bits10",
+        /// Color to half a step of a display with 8 bits, depth as `depth_precision` says.
+        Bits8 = "bits8",
+    }
+}
+
+choice! {
+    /// How a store codes its samples.
+    pub enum Coding {
+        /// Predicted from neighbors and the frame before; what is left is entropy-coded.
+        Modeled = "modeled",
+        /// Every number as it is.
+        Plain = "plain",
     }
 }
 
@@ -151,7 +179,7 @@ section! {
     /// Temporal redundancy: which pixels stay the same, and for how long.
     pub struct SpanSettings in "spans" {
         /// Which spans of frames a sample may live in.
-        levels: SpanLevels = SpanLevels::Paper, "", Kind::Choice(SpanLevels::NAMES);
+        levels: SpanLevels = SpanLevels::Tree, "", Kind::Choice(SpanLevels::NAMES);
         /// A pixel is static while its color stays within this range over the span, beyond what noise explains.
         color_tolerance: f32 = 2.0, "8-bit steps", Kind::Number { min: 0.0, max: 64.0, log: false };
         /// A pixel is static while its depth stays within this relative range over the span, beyond what noise explains.
@@ -191,6 +219,12 @@ section! {
     pub struct StoreSettings in "store" {
         /// Whether normals are stored with the samples.
         normals: bool = false, "", Kind::Switch;
+        /// How much of color and depth is kept.
+        precision: Precision = Precision::Lossless, "", Kind::Choice(Precision::NAMES);
+        /// Depth errs by no more than this where the precision is not lossless.
+        depth_precision: f32 = 0.0625, "footprints", Kind::Number { min: 0.001, max: 1.0, log: true };
+        /// How samples are coded.
+        coding: Coding = Coding::Modeled, "", Kind::Choice(Coding::NAMES);
     }
 }
 

@@ -1,0 +1,301 @@
+//! The same surface point? Compares a sample with what another camera saw where the sample's point lies in its picture.
+//!
+//! Source: the paper (§3.2) compares pixels that map to each other; it leaves open when they show one surface. Here that is
+//! decided in pixel footprints, by the distance to the other sample's tangent plane, and by normals and color, each with its
+//! own threshold. Distances are compared times `w·wₜ`, both inverse depths, so that points at infinity need no division and
+//! sixteen lanes no branch:
+//!
+//! ```text
+//! |n·(q/w − rayₜ/wₜ)| ≤ τ max(s/w, sₜ/wₜ) + step/w + stepₜ/wₜ     s: side of a pixel at depth 1, τ: tolerance in footprints
+//! |n·(q wₜ − rayₜ w)| ≤ τ max(s wₜ, sₜ w) + step wₜ + stepₜ w
+//! ```
+
+use super::facet::{COLOR_STEPS, Facet, MIXED};
+use super::layer::Layer;
+use super::registration::{Block, Carried, LANES, Registration, whole};
+use crate::settings::Settings;
+
+/// What another camera says about a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Outcome {
+    /// The point lies behind the camera.
+    Behind,
+    /// The point lies outside the picture.
+    OutsideView,
+    /// The camera recorded no depth at that pixel.
+    NoDepth,
+    /// The camera sees something nearer at that pixel.
+    Occluded,
+    /// The camera sees something farther at that pixel: it looks past the point.
+    SeesPast,
+    /// Same depth, but the normals differ.
+    NormalDiffers,
+    /// Same depth, but the colors differ.
+    ColorDiffers,
+    /// The camera shows the surface only on one side of the point: there it cannot be interpolated.
+    Seam,
+    /// The camera saw the same surface point, at this pixel (`y * width + x`).
+    Same(u32),
+}
+
+/// Thresholds of the same-surface test, converted once.
+#[derive(Clone, Copy, Debug)]
+pub struct SameSurface {
+    depth_footprints: f32,
+    normal_cosine: f32,
+    color_steps: f32,
+    noise_sigmas: f32,
+    overlap: bool,
+}
+
+/// Two noisy colors of one surface differ by less than this many standard deviations of their difference.
+const COLOR_SIGMAS: f32 = 3.0;
+
+/// A position this close to a pixel's center, in pixels, is that pixel: no neighbor takes part in interpolating there.
+const CENTERED: f32 = 1.0 / 16.0;
+
+impl SameSurface {
+    /// The thresholds of `settings`.
+    #[must_use]
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            depth_footprints: settings.pruning.depth_tolerance,
+            normal_cosine: settings.pruning.normal_tolerance.to_radians().cos(),
+            color_steps: settings.pruning.color_tolerance,
+            noise_sigmas: settings.spans.noise * COLOR_SIGMAS,
+            overlap: settings.pruning.overlap,
+        }
+    }
+
+    /// These thresholds for one pair of layers: where neither is noisy, nothing has to be allowed for noise.
+    #[must_use]
+    pub fn between(self, source: &Layer, target: &Layer) -> Self {
+        let noisy = source.has_color_noise() || target.has_color_noise();
+        Self { noise_sigmas: if noisy { self.noise_sigmas } else { 0.0 }, ..self }
+    }
+}
+
+/// What the target says about the samples of a block: for each a set of bits, where in the target it was looked for, and the
+/// ranks of what is there.
+#[derive(Clone, Copy, Debug)]
+pub struct Answers {
+    pub(super) bits: [u32; LANES],
+    /// Pixels of the target, `y * width + x`; 0 where the point lies outside.
+    pub pixel: [u32; LANES],
+    /// Ranks of the samples found.
+    pub rank: [u32; LANES],
+    /// Their ranks by the other rate model.
+    pub other_rank: [u32; LANES],
+    /// Their levels.
+    pub level: [u32; LANES],
+}
+
+pub(super) const IN_FRONT: u32 = 1;
+pub(super) const IN_VIEW: u32 = 1 << 1;
+const HAS_DEPTH: u32 = 1 << 2;
+const ON_SURFACE: u32 = 1 << 3;
+const NORMAL_AGREES: u32 = 1 << 4;
+const COLOR_AGREES: u32 = 1 << 5;
+const SURROUNDED: u32 = 1 << 6;
+const SAME: u32 = (1 << 7) - 1;
+/// Not a condition: the target sees something nearer than the point.
+const NEARER: u32 = 1 << 7;
+
+impl Answers {
+    /// Whether the target shows the same surface point as the sample in `lane`.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_same(&self, lane: usize) -> bool {
+        self.bits[lane] & SAME == SAME
+    }
+
+    /// In words.
+    #[must_use]
+    pub fn outcome(&self, lane: usize) -> Outcome {
+        let bits = self.bits[lane];
+        let first_missing = (!bits & SAME).trailing_zeros();
+        match 1_u32.checked_shl(first_missing).unwrap_or(0) {
+            IN_FRONT => Outcome::Behind,
+            IN_VIEW => Outcome::OutsideView,
+            HAS_DEPTH => Outcome::NoDepth,
+            ON_SURFACE if bits & NEARER != 0 => Outcome::Occluded,
+            ON_SURFACE => Outcome::SeesPast,
+            NORMAL_AGREES => Outcome::NormalDiffers,
+            COLOR_AGREES => Outcome::ColorDiffers,
+            SURROUNDED => Outcome::Seam,
+            _ => Outcome::Same(self.pixel[lane]),
+        }
+    }
+}
+
+impl Registration {
+    /// Compares the samples of a block with what the target saw where they lie. Where what was found does not matter, the
+    /// last and dearest condition (its surroundings) is left open.
+    #[inline(always)]
+    pub(super) fn compare(
+        &self,
+        source: &Layer,
+        target: &Layer,
+        block: &Block,
+        carried: &Carried,
+        limits: &SameSurface,
+        matters: impl Fn(usize, &Facet) -> bool,
+    ) -> Answers {
+        let mut found = [Facet::ABSENT; LANES];
+        for i in 0..LANES {
+            found[i] = target.facets[carried.pixel[i] as usize];
+        }
+        let mut answers = Answers {
+            bits: carried.bits,
+            pixel: carried.pixel,
+            rank: [u32::MAX; LANES],
+            other_rank: [u32::MAX; LANES],
+            level: [0; LANES],
+        };
+        let color_limit = (limits.color_steps * COLOR_STEPS) as i32;
+        let lens = &self.target;
+        let [ax, ay, az] = self.axes;
+        for i in 0..LANES {
+            let facet = &found[i];
+            let (w, there) = (block.inverse_depth[i], facet.inverse_depth);
+            let x = (carried.cell[0][i] + 0.5 - lens.center[0]) * (1.0 / lens.focal[0]);
+            let y = (carried.cell[1][i] + 0.5 - lens.center[1]) * (1.0 / lens.focal[1]);
+            let [qx, qy, qz] = [carried.point[0][i], carried.point[1][i], carried.point[2][i]];
+            let [nx, ny, nz] = facet.normal_in_camera;
+            let distance = nx * (qx * there - x * w) + ny * (qy * there - y * w) + nz * (qz * there - w);
+            let footprint = (self.source_side * there).max(lens.side * w);
+            let step = source.depth_step_relative * there + target.depth_step_relative * w;
+            let both_or_neither_finite = (w == 0.0) == (there == 0.0);
+            let on_surface =
+                (distance.abs() <= limits.depth_footprints * footprint + step) & both_or_neither_finite;
+            let (mx, my, mz) = (block.normal[0][i], block.normal[1][i], block.normal[2][i]);
+            let cosine = (ax.x * mx + ay.x * my + az.x * mz) * nx
+                + (ax.y * mx + ay.y * my + az.y * mz) * ny
+                + (ax.z * mx + ay.z * my + az.z * mz) * nz;
+            let unknown = (block.known[i] == 0) | !facet.has_normal();
+            let color = facet.color();
+            let furthest = (block.color[0][i] - color[0])
+                .abs()
+                .max((block.color[1][i] - color[1]).abs())
+                .max((block.color[2][i] - color[2]).abs());
+            // A mixed sample's color belongs to no surface: it may not speak against a clean witness.
+            let yields = (block.rank[i] & MIXED != 0) & (facet.rank & MIXED == 0);
+            answers.bits[i] |= if there >= 0.0 { HAS_DEPTH } else { 0 }
+                | if on_surface { ON_SURFACE } else { 0 }
+                | if there * qz > w { NEARER } else { 0 }
+                | if unknown | (cosine >= limits.normal_cosine) { NORMAL_AGREES } else { 0 }
+                | if yields | (furthest <= color_limit) { COLOR_AGREES } else { 0 };
+            answers.rank[i] = facet.rank;
+            answers.other_rank[i] = facet.other_rank;
+            answers.level[i] = facet.level();
+        }
+        if limits.noise_sigmas > 0.0 {
+            allow_noise(source, target, block, &found, &mut answers, limits);
+        }
+        self.surround(target, carried, &found, &mut answers, limits, matters);
+        answers
+    }
+
+    /// Whether the target shows the surface on all four pixels around each position, so that it can be interpolated there.
+    #[inline(always)]
+    fn surround(
+        &self,
+        target: &Layer,
+        carried: &Carried,
+        found: &[Facet; LANES],
+        answers: &mut Answers,
+        limits: &SameSurface,
+        matters: impl Fn(usize, &Facet) -> bool,
+    ) {
+        const BUT_SURROUNDED: u32 = SAME & !SURROUNDED;
+        let mut candidates = 0;
+        let mut wanted = [0_u32; LANES];
+        for i in 0..LANES {
+            let so_far = answers.bits[i] & BUT_SURROUNDED == BUT_SURROUNDED;
+            wanted[i] = u32::from(so_far & matters(i, &found[i]));
+            candidates |= wanted[i];
+        }
+        if candidates == 0 || !limits.overlap {
+            answers.bits.iter_mut().for_each(|bits| *bits |= SURROUNDED);
+            return;
+        }
+        let lens = &self.target;
+        let width = target.width as u32;
+        // Along each axis: 0 where the position is the pixel's center, else ±1 toward the pixel on the other side of it.
+        let mut toward = [[0.0_f32; LANES]; 2];
+        let mut beside = [[0_u32; LANES]; 3];
+        let mut inside = [0_u32; LANES];
+        for i in 0..LANES {
+            let mut within = wanted[i] != 0;
+            for axis in 0..2 {
+                let off = carried.off_center[axis][i];
+                let side = if off > CENTERED { 1.0 } else { 0.0 } - if off < -CENTERED { 1.0 } else { 0.0 };
+                let cell = carried.cell[axis][i] + side;
+                within &= (cell >= 0.0) & (cell < lens.size[axis]);
+                toward[axis][i] = side;
+            }
+            let right = if within { carried.cell[0][i] + toward[0][i] } else { 0.0 };
+            let below = if within { carried.cell[1][i] + toward[1][i] } else { 0.0 };
+            let left = if within { carried.cell[0][i] } else { 0.0 };
+            let above = if within { carried.cell[1][i] } else { 0.0 };
+            beside[0][i] = whole(above) * width + whole(right);
+            beside[1][i] = whole(below) * width + whole(left);
+            beside[2][i] = whole(below) * width + whole(right);
+            inside[i] = u32::from(within);
+        }
+        let mut depths = [[0.0_f32; LANES]; 3];
+        for corner in 0..3 {
+            for i in 0..LANES {
+                depths[corner][i] = target.facets[beside[corner][i] as usize].inverse_depth;
+            }
+        }
+        for i in 0..LANES {
+            let facet = &found[i];
+            let here = facet.inverse_depth;
+            let x = (carried.cell[0][i] + 0.5 - lens.center[0]) * (1.0 / lens.focal[0]);
+            let y = (carried.cell[1][i] + 0.5 - lens.center[1]) * (1.0 / lens.focal[1]);
+            let [nx, ny, nz] = facet.normal_in_camera;
+            let across = nx * toward[0][i] * (1.0 / lens.focal[0]);
+            let down = ny * toward[1][i] * (1.0 / lens.focal[1]);
+            let along = nx * x + ny * y + nz;
+            let mut all = inside[i] != 0;
+            for (corner, shift) in [across, down, across + down].into_iter().enumerate() {
+                let there = depths[corner][i];
+                let distance = along * (here - there) + here * shift;
+                let limit = limits.depth_footprints * lens.side * here.max(there);
+                let both_or_neither_finite = (here == 0.0) == (there == 0.0);
+                all &= (there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite;
+            }
+            answers.bits[i] |= if all { SURROUNDED } else { 0 };
+        }
+    }
+}
+
+/// Looks again at colors that differ by more than the tolerance: the measured noise of both may explain it.
+#[cold]
+#[inline(never)]
+fn allow_noise(
+    source: &Layer,
+    target: &Layer,
+    block: &Block,
+    found: &[Facet; LANES],
+    answers: &mut Answers,
+    limits: &SameSurface,
+) {
+    const BUT_LOOKS: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
+    for (i, facet) in found.iter().enumerate() {
+        if answers.bits[i] & (BUT_LOOKS | COLOR_AGREES) != BUT_LOOKS {
+            continue;
+        }
+        let pixel = block.row * source.width + block.column + i;
+        let color = facet.color();
+        let agrees = (0..3).all(|channel| {
+            let [a, b] = [block.color[channel][i], color[channel]].map(|color| color as f32 / COLOR_STEPS);
+            let noise = source.color_noise(pixel, a).hypot(target.color_noise(answers.pixel[i] as usize, b));
+            (a - b).abs() <= limits.color_steps + limits.noise_sigmas * noise
+        });
+        if agrees {
+            answers.bits[i] |= COLOR_AGREES;
+        }
+    }
+}
