@@ -130,7 +130,13 @@ fn depth_noise(frame: &mut Frame, share: f32, noise: &Noise) {
     }
 }
 
+/// From this many bits on, whole numbers are as fine as the floats that depth comes in.
+const EXACT_BITS: f64 = 24.0;
+
 fn depth_steps(frame: &mut Frame, bits: f64, (near, far): (f32, f32)) {
+    if bits >= EXACT_BITS {
+        return;
+    }
     let step = f64::from(far - near) / (bits.exp2() - 1.0);
     for inverse_depth in frame.inverse_depth.as_mut_slice() {
         if *inverse_depth > 0.0 {
@@ -221,7 +227,7 @@ fn normals_missing(frame: &mut Frame, share: f32, camera: usize) {
 }
 
 fn normals_noisy(frame: &mut Frame, radians: f32, noise: &Noise) {
-    let Some(normals) = &mut frame.normal_in_world else { return };
+    let Some(normals) = frame.normal_in_world.as_mut().filter(|_| radians > 0.0) else { return };
     for (pixel, normal) in normals.as_mut_slice().iter_mut().enumerate() {
         let exact = glam::Vec3::from(*normal);
         if exact == glam::Vec3::ZERO {
