@@ -12,6 +12,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::capture::Frame;
+use crate::color;
+
 /// Brightness classes of the color noise, each `256 / BRIGHTNESS_BINS` sRGB steps wide; the last also holds all above.
 pub const BRIGHTNESS_BINS: usize = 16;
 
@@ -37,6 +40,9 @@ const MEDIAN_DIFFERENCE_PER_SIGMA: f32 = 0.953_87;
 
 /// Share of static pixels that the granted range must hold; what is lost goes to the foreground, which costs bytes only.
 const STATIC_SHARE: f64 = 0.9998;
+
+/// Noise is measured on every `NOISE_ROW_STRIDE`-th row: plenty for a median.
+const NOISE_ROW_STRIDE: usize = 4;
 
 /// Noise of one camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -126,6 +132,28 @@ impl NoiseMeter {
             }
         });
         Noise { color_steps, color_steps_overall, depth_relative }
+    }
+}
+
+/// Counts the changes of every pixel between two successive frames.
+pub fn measure_noise(meter: &mut NoiseMeter, before: &Frame, after: &Frame) {
+    let steps = color::steps_table();
+    let (_, height) = after.size();
+    for y in (0..height).step_by(NOISE_ROW_STRIDE) {
+        let depths = before.inverse_depth.row(y).iter().zip(after.inverse_depth.row(y));
+        let colors = before.color.row(y).iter().zip(after.color.row(y));
+        for ((&w_before, &w_after), (c_before, c_after)) in depths.zip(colors) {
+            // The sky is often a constant and would speak for a noise-free scene.
+            if w_before > 0.0 && w_after > 0.0 {
+                meter.add_depth(w_before, w_after);
+                for channel in 0..3 {
+                    meter.add_color(
+                        steps[c_before[channel].to_bits() as usize],
+                        steps[c_after[channel].to_bits() as usize],
+                    );
+                }
+            }
+        }
     }
 }
 

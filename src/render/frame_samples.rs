@@ -85,7 +85,7 @@ fn f32_from_f16(value: f16) -> f32 {
     if bits & 0x8000 == 0 { magnitude } else { -magnitude }
 }
 
-/// The images at a frame, those that outlast it first, so that their slots are the same at every frame they share.
+/// The images at a frame, those of all frames first, so that their slots are the same at every frame.
 #[derive(Clone, Debug)]
 pub(super) struct FrameSamples<'a> {
     pub(super) set: &'a SampleSet,
@@ -93,7 +93,7 @@ pub(super) struct FrameSamples<'a> {
     pub(super) images: Vec<usize>,
     /// Every tile, image by image; a tile's number is its index.
     pub(super) tiles: Vec<FrameTile<'a>>,
-    /// How many of `images` outlast the frame.
+    /// How many of `images` hold at all frames.
     pub(super) lasting_images: usize,
     /// How many of `tiles` belong to them.
     pub(super) lasting_tiles: usize,
@@ -105,10 +105,12 @@ impl<'a> FrameSamples<'a> {
     /// # Errors
     /// `Unsupported` where there are more tiles than slots can number.
     pub(super) fn at(set: &'a SampleSet, frame: usize) -> Result<Self> {
+        // Images of some frames change so often that keeping them painted would not pay.
+        let outlasts = |image: &SampleImage| image.span.len() > 1 && image.span.len() == set.frame_count();
         let at_frame = |lasting: bool| {
             let images = set.images.iter().enumerate();
             images
-                .filter(move |(_, image)| image.span.contains(frame) && (image.span.len() > 1) == lasting)
+                .filter(move |(_, image)| image.span.contains(frame) && outlasts(image) == lasting)
                 .map(|(index, _)| index)
         };
         let mut images: Vec<usize> = at_frame(true).collect();
@@ -130,12 +132,12 @@ impl<'a> FrameSamples<'a> {
         Ok(Self { set, images, tiles, lasting_images, lasting_tiles })
     }
 
-    /// Numbers of the tiles that outlast the frame.
+    /// Numbers of the tiles that hold at all frames.
     pub(super) fn lasting(&self) -> Range<usize> {
         0..self.lasting_tiles
     }
 
-    /// Numbers of the tiles of this frame alone.
+    /// Numbers of the tiles of shorter spans.
     pub(super) fn passing(&self) -> Range<usize> {
         self.lasting_tiles..self.tiles.len()
     }

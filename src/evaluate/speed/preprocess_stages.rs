@@ -6,7 +6,7 @@ use super::measure::{Times, repeat};
 use super::report::{Bound, Measured};
 use crate::error::{Error, Result};
 use crate::preprocess::background::Background;
-use crate::preprocess::foreground::{FRAME, prune_frame};
+use crate::preprocess::descent::{FRAME, prune_frame};
 use crate::preprocess::normals::DepthView;
 use crate::preprocess::pruning::{self, Rig};
 use crate::preprocess::{Report, Span, Verdict, inspect_frame, pack, scan};
@@ -120,7 +120,7 @@ fn prune_layers(bench: &Bench<'_>) -> Result<Times> {
     let capture = &bench.scene.capture;
     let mut settings = Settings::default();
     let rig = Rig::new(&capture.cameras);
-    let layers = prune_frame(capture, &rig, &Background::none(capture), &settings, 0, bench.job)?.layers;
+    let layers = prune_frame(capture, None, &rig, Background::none(capture), &settings, 0, bench.job)?.layers;
     let tolerance = settings.pruning.color_tolerance;
     let mut turn = 0_u8;
     repeat(bench.budget, bench.job, || {
@@ -149,10 +149,10 @@ fn pack_frame(bench: &Bench<'_>) -> Result<Times> {
     let capture = &bench.scene.capture;
     let settings = Settings::default();
     let rig = Rig::new(&capture.cameras);
-    let pruned = prune_frame(capture, &rig, &Background::none(capture), &settings, 0, bench.job)?;
+    let pruned = prune_frame(capture, None, &rig, Background::none(capture), &settings, 0, bench.job)?;
     let span = Span { start: 0, end: 1 };
     repeat(bench.budget, bench.job, || {
-        let cameras = pruned.layers.iter().zip(&pruned.decided).enumerate();
+        let cameras = pruned.layers.iter().zip(&pruned.decided[0]).enumerate();
         let images = cameras.map(|(camera, (layer, decided))| {
             pack::pack(camera, span, layer, decided, settings.store.normals)
         });
