@@ -149,7 +149,10 @@ impl Walk<'_> {
             let step = self.descent.enter(child, level + 1, self.job)?;
             self.tally.add(child, &step.decided);
             self.images.extend(pack_all(child, &self.descent.layers, &step.decided, self.settings));
-            self.below(child, level + 1)?;
+            // Of a single frame the paper's two levels are as long as each other.
+            if child.len() < span.len() {
+                self.below(child, level + 1)?;
+            }
             self.descent.leave(&step);
             if child.len() == 1 {
                 self.job.advance(1);
