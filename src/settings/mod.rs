@@ -95,6 +95,32 @@ choice! {
 }
 
 choice! {
+    /// How much of color and depth a store keeps.
+    pub enum Precision {
+        /// Every bit.
+        Lossless = "lossless",
+        /// Color to half a step of a display with 16 bits, depth as `depth_precision` says.
+        Bits16 = "bits16",
+        /// Color to half a step of a display with 12 bits, depth as `depth_precision` says.
+        Bits12 = "bits12",
+        /// Color to half a step of a display with 10 bits, depth as `depth_precision` says.
+        Bits10 = "bits10",
+        /// Color to half a step of a display with 8 bits, depth as `depth_precision` says.
+        Bits8 = "bits8",
+    }
+}
+
+choice! {
+    /// How a store codes its samples.
+    pub enum Coding {
+        /// Predicted from neighbors and the frame before; what is left is entropy-coded.
+        Modeled = "modeled",
+        /// Every number as it is.
+        Plain = "plain",
+    }
+}
+
+choice! {
     /// How a sample is painted into the picture.
     pub enum Kernel {
         /// One pixel per sample.
@@ -194,6 +220,12 @@ section! {
     pub struct StoreSettings in "store" {
         /// Whether normals are stored with the samples.
         normals: bool = false, "", Kind::Switch;
+        /// How much of color and depth is kept.
+        precision: Precision = Precision::Lossless, "", Kind::Choice(Precision::NAMES);
+        /// Depth errs by no more than this where the precision is not lossless.
+        depth_precision: f32 = 0.0625, "footprints", Kind::Number { min: 0.001, max: 1.0, log: true };
+        /// How samples are coded.
+        coding: Coding = Coding::Modeled, "", Kind::Choice(Coding::NAMES);
     }
 }
 

@@ -3,16 +3,16 @@
 use crate::store::iff::ChunkId;
 
 /// What is left of a payload.
-pub(super) struct ByteReader<'a> {
-    pub(super) rest: &'a [u8],
+pub(in crate::store) struct ByteReader<'a> {
+    pub(in crate::store) rest: &'a [u8],
 }
 
 impl<'a> ByteReader<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
+    pub(in crate::store) fn new(bytes: &'a [u8]) -> Self {
         Self { rest: bytes }
     }
 
-    pub(super) fn take(&mut self, count: usize) -> Result<&'a [u8], String> {
+    pub(in crate::store) fn take(&mut self, count: usize) -> Result<&'a [u8], String> {
         let (taken, rest) = self.rest.split_at_checked(count).ok_or("the chunk is too short")?;
         self.rest = rest;
         Ok(taken)
@@ -24,35 +24,52 @@ impl<'a> ByteReader<'a> {
         Ok(*taken)
     }
 
-    pub(super) fn u8(&mut self) -> Result<u8, String> {
+    pub(in crate::store) fn u8(&mut self) -> Result<u8, String> {
         self.array().map(u8::from_be_bytes)
     }
 
-    pub(super) fn u16(&mut self) -> Result<u16, String> {
+    pub(in crate::store) fn u16(&mut self) -> Result<u16, String> {
         self.array().map(u16::from_be_bytes)
     }
 
-    pub(super) fn u32(&mut self) -> Result<u32, String> {
+    pub(in crate::store) fn u32(&mut self) -> Result<u32, String> {
         self.array().map(u32::from_be_bytes)
     }
 
-    pub(super) fn i64(&mut self) -> Result<i64, String> {
+    pub(in crate::store) fn u64(&mut self) -> Result<u64, String> {
+        self.array().map(u64::from_be_bytes)
+    }
+
+    /// Seven bits a byte, lowest first; the highest bit is set in all bytes but the last.
+    pub(in crate::store) fn varint(&mut self) -> Result<u64, String> {
+        let mut value = 0;
+        for shift in (0..63).step_by(7) {
+            let byte = self.u8()?;
+            value |= u64::from(byte & 0x7F) << shift;
+            if byte & 0x80 == 0 {
+                return Ok(value);
+            }
+        }
+        Err("a number is too long".to_owned())
+    }
+
+    pub(in crate::store) fn i64(&mut self) -> Result<i64, String> {
         self.array().map(i64::from_be_bytes)
     }
 
-    pub(super) fn f64(&mut self) -> Result<f64, String> {
+    pub(in crate::store) fn f64(&mut self) -> Result<f64, String> {
         let value = self.array().map(f64::from_be_bytes)?;
         if value.is_finite() { Ok(value) } else { Err("a number is not finite".to_owned()) }
     }
 
-    pub(super) fn text(&mut self) -> Result<String, String> {
+    pub(in crate::store) fn text(&mut self) -> Result<String, String> {
         let length = self.u32()? as usize;
         let bytes = self.take(length)?;
         String::from_utf8(bytes.to_vec()).map_err(|_| "a name is not UTF-8".to_owned())
     }
 
     /// A count of things that take at least `bytes_each`: never more than the rest can hold.
-    pub(super) fn count(&mut self, bytes_each: usize) -> Result<usize, String> {
+    pub(in crate::store) fn count(&mut self, bytes_each: usize) -> Result<usize, String> {
         let count = self.u32()? as usize;
         if count > self.rest.len() / bytes_each {
             return Err(format!("{count} entries do not fit into the chunk"));
@@ -60,7 +77,7 @@ impl<'a> ByteReader<'a> {
         Ok(count)
     }
 
-    pub(super) fn finish(&self) -> Result<(), String> {
+    pub(in crate::store) fn finish(&self) -> Result<(), String> {
         if self.rest.is_empty() {
             Ok(())
         } else {
@@ -69,20 +86,35 @@ impl<'a> ByteReader<'a> {
     }
 }
 
-pub(super) fn push_text(target: &mut Vec<u8>, text: &str) {
+/// See [`ByteReader::varint`].
+pub(in crate::store) fn push_varint(target: &mut Vec<u8>, mut value: u64) {
+    while value >= 0x80 {
+        target.push(value as u8 | 0x80);
+        value >>= 7;
+    }
+    target.push(value as u8);
+}
+
+pub(in crate::store) fn push_text(target: &mut Vec<u8>, text: &str) {
     target.extend_from_slice(&(text.len() as u32).to_be_bytes());
     target.extend_from_slice(text.as_bytes());
 }
 
 /// `FORM` type of a store.
-pub(super) const STORE: ChunkId = *b"OVLK";
+pub(in crate::store) const STORE: ChunkId = *b"OVLK";
 /// Version, cameras, frames.
-pub(super) const HEAD: ChunkId = *b"HEAD";
+pub(in crate::store) const HEAD: ChunkId = *b"HEAD";
 /// How the set was made, TOML.
-pub(super) const SETTINGS: ChunkId = *b"SETT";
+pub(in crate::store) const SETTINGS: ChunkId = *b"SETT";
 /// What was dropped and why, JSON.
-pub(super) const REPORT: ChunkId = *b"REPT";
+pub(in crate::store) const REPORT: ChunkId = *b"REPT";
 /// Where each image stands.
-pub(super) const INDEX: ChunkId = *b"INDX";
+pub(in crate::store) const INDEX: ChunkId = *b"INDX";
 /// One sample image.
-pub(super) const IMAGE: ChunkId = *b"IMAG";
+pub(in crate::store) const IMAGE: ChunkId = *b"IMAG";
+/// Frequencies of tokens.
+pub(in crate::store) const MODEL: ChunkId = *b"MODL";
+/// The halves that colors are made of.
+pub(in crate::store) const PALETTE: ChunkId = *b"PALT";
+/// What the store was made from, JSON.
+pub(in crate::store) const PROVENANCE: ChunkId = *b"PROV";

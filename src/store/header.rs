@@ -3,12 +3,12 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::capture::{Camera, Intrinsics};
-use crate::preprocess::{SampleSet, Span};
+use crate::preprocess::{SampleImage, SampleSet, Span};
 
 use super::bytes::{ByteReader, push_text};
 
 /// Version of the format. Another major version cannot be read; a minor one only adds chunks that may be skipped.
-pub const VERSION: (u16, u16) = (1, 0);
+pub const VERSION: (u16, u16) = (2, 0);
 
 /// Longest side of a picture, so that tiles can be counted in 16 bits.
 const MAX_SIDE: u32 = 1 << 20;
@@ -32,11 +32,21 @@ pub struct ImageEntry {
     pub samples: u32,
     /// Tiles that hold a sample.
     pub tiles: u32,
+    /// The image that this one is predicted from: of the same camera, ending where this one starts.
+    pub reference: Option<u32>,
     /// Bytes from the start of the file to the image's chunk.
-    pub offset: u32,
+    pub offset: u64,
     /// Bytes of the chunk's payload.
     pub length: u32,
+    /// Bytes of the payload's head, which says where its blocks are.
+    pub head: u32,
 }
+
+/// Images that must be read before one can be: no chain of references is longer.
+pub const MAX_REFERENCES: usize = 7;
+
+/// Stands for no reference in the index.
+const NO_REFERENCE: u32 = u32::MAX;
 
 pub(super) fn encode_head(samples: &SampleSet) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
@@ -102,22 +112,37 @@ pub(super) fn decode_version(head: &[u8]) -> Result<(u16, u16), String> {
     Ok((reader.u16()?, reader.u16()?))
 }
 
-pub(super) fn encode_index(entries: &[ImageEntry]) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(4 + entries.len() * ENTRY_BYTES);
+/// The index of a file of `file_size` bytes.
+pub(super) fn encode_index(entries: &[ImageEntry], file_size: u64) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(12 + entries.len() * ENTRY_BYTES);
+    bytes.extend_from_slice(&file_size.to_be_bytes());
     bytes.extend_from_slice(&(entries.len() as u32).to_be_bytes());
     for entry in entries {
-        let ImageEntry { camera, span, samples, tiles, offset, length } = *entry;
-        for number in [camera, span.start, span.end, samples, tiles, offset, length] {
+        let ImageEntry { camera, span, samples, tiles, reference, offset, length, head } = *entry;
+        let reference = reference.unwrap_or(NO_REFERENCE);
+        for number in [camera, span.start, span.end, samples, tiles, reference] {
             bytes.extend_from_slice(&number.to_be_bytes());
         }
+        bytes.extend_from_slice(&offset.to_be_bytes());
+        bytes.extend_from_slice(&length.to_be_bytes());
+        bytes.extend_from_slice(&head.to_be_bytes());
     }
     bytes
 }
 
-const ENTRY_BYTES: usize = 7 * 4;
+const ENTRY_BYTES: usize = 10 * 4;
 
-pub(super) fn decode_index(bytes: &[u8]) -> Result<Vec<ImageEntry>, String> {
+pub(super) fn decode_index(
+    bytes: &[u8],
+    file_size: u64,
+    cameras: usize,
+    frames: usize,
+) -> Result<Vec<ImageEntry>, String> {
     let mut reader = ByteReader::new(bytes);
+    let stated = reader.u64()?;
+    if stated != file_size {
+        return Err(format!("the file says it has {stated} bytes but has {file_size}; copy it again"));
+    }
     let entries = (0..reader.count(ENTRY_BYTES)?)
         .map(|_| {
             Ok(ImageEntry {
@@ -125,18 +150,79 @@ pub(super) fn decode_index(bytes: &[u8]) -> Result<Vec<ImageEntry>, String> {
                 span: Span { start: reader.u32()?, end: reader.u32()? },
                 samples: reader.u32()?,
                 tiles: reader.u32()?,
-                offset: reader.u32()?,
+                reference: Some(reader.u32()?).filter(|reference| *reference != NO_REFERENCE),
+                offset: reader.u64()?,
                 length: reader.u32()?,
+                head: reader.u32()?,
             })
         })
         .collect::<Result<Vec<_>, String>>()?;
     reader.finish()?;
+    for entry in &entries {
+        let Span { start, end } = entry.span;
+        if entry.camera as usize >= cameras || start >= end || end as usize > frames {
+            return Err(format!("no camera {} or no frames {start} to {end}", entry.camera));
+        }
+        if entry.head > entry.length {
+            return Err("an image is shorter than its head".to_owned());
+        }
+    }
     // Two entries for one chunk would let a small file stand for any number of samples.
-    let end = |entry: &ImageEntry| u64::from(entry.offset) + u64::from(entry.length);
-    if !entries.is_sorted_by(|a, b| end(a) <= u64::from(b.offset)) {
+    let end = |entry: &ImageEntry| entry.offset.saturating_add(u64::from(entry.length));
+    if !entries.is_sorted_by(|a, b| end(a) <= b.offset) {
         return Err("images overlap or are out of order".to_owned());
     }
+    let chain = (0..entries.len()).map(|index| chain(&entries, index).map(|chain| chain.len()));
+    if chain.into_iter().any(|length| length.is_none_or(|length| length > MAX_REFERENCES + 1)) {
+        return Err(
+            "an image is predicted from one that does not come before it, or from too many".to_owned()
+        );
+    }
     Ok(entries)
+}
+
+/// An image and those it is predicted from, itself first; `None` where a reference is not what it must be.
+pub(super) fn chain(entries: &[ImageEntry], index: usize) -> Option<Vec<usize>> {
+    let mut chain = vec![index];
+    let mut entry = entries.get(index)?;
+    while let Some(reference) = entry.reference
+        && chain.len() <= MAX_REFERENCES + 1
+    {
+        let before = entries.get(reference as usize)?;
+        // References lead back in time, so that no chain is a ring.
+        if before.camera != entry.camera || before.span.end != entry.span.start {
+            return None;
+        }
+        chain.push(reference as usize);
+        entry = before;
+    }
+    Some(chain)
+}
+
+/// Chooses what each image is predicted from: of the same camera, ending where it starts, the one with most samples; none where
+/// too many would have to be read before it.
+pub(super) fn choose_references(images: &[std::sync::Arc<SampleImage>]) -> Vec<Option<u32>> {
+    let mut ending_at = std::collections::BTreeMap::<(u32, u32), usize>::new();
+    for (index, image) in images.iter().enumerate() {
+        let best = ending_at.entry((image.camera, image.span.end)).or_insert(index);
+        if image.len() > images[*best].len() {
+            *best = index;
+        }
+    }
+    let mut order: Vec<usize> = (0..images.len()).collect();
+    order.sort_by_key(|index| images[*index].span.start);
+    let mut references = vec![None; images.len()];
+    let mut before = vec![0; images.len()];
+    for index in order {
+        let image = &images[index];
+        if let Some(&reference) = ending_at.get(&(image.camera, image.span.start))
+            && before[reference] < MAX_REFERENCES
+        {
+            before[index] = before[reference] + 1;
+            references[index] = Some(reference as u32);
+        }
+    }
+    references
 }
 
 fn push_numbers(bytes: &mut Vec<u8>, numbers: &[f64]) {

@@ -7,11 +7,14 @@
 //!    4     4      4        4    4
 //! ```
 //!
-//! Lengths are 32-bit and big-endian; chunks with an unknown id are skipped. What differs: every payload written here
-//! ends in a checksum, the CRC-32 (IEEE 802.3) of its id and of the payload before it, and the `FORM` must fill the
-//! file exactly, so that a cut or lengthened file is noticed.
+//! Lengths are 32-bit and big-endian; chunks with an unknown id are skipped. What differs: payloads written by
+//! [`FormWriter::chunk`] end in a checksum, the CRC-32 (IEEE 802.3) of the id and of the payload before it; the `FORM` must fill
+//! the file exactly, so that a cut or lengthened file is noticed; and a file beyond 4 GiB, which the length of the `FORM` cannot
+//! say, has `FFFFFFFF` there, as RF64 does for RIFF (EBU Tech 3306). Chunks never pass 4 GiB.
 
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, Seek, SeekFrom, Write};
+
+use super::source::ReadAt;
 
 /// Four characters that say what a chunk holds.
 pub type ChunkId = [u8; 4];
@@ -38,11 +41,11 @@ pub enum IffError {
         /// What is wrong.
         what: String,
     },
-    /// More bytes than 32-bit lengths can count.
-    #[error("more than {limit} bytes")]
+    /// More bytes in a chunk than 32-bit lengths can count.
+    #[error("a chunk of {bytes} bytes")]
     TooLarge {
-        /// The most that fits.
-        limit: u64,
+        /// Bytes of the chunk.
+        bytes: u64,
     },
 }
 
@@ -57,12 +60,14 @@ fn checksum(id: ChunkId, payload: &[u8]) -> u32 {
     hasher.finalize()
 }
 
+/// Length of a `FORM` that does not fit into 32 bits. Odd, as no file's is.
+const LARGE: u32 = u32::MAX;
+
 /// Writes a `FORM`, chunk by chunk.
 pub struct FormWriter<W> {
     inner: W,
     /// Bytes written, always even.
     position: u64,
-    limit: u64,
 }
 
 impl<W: Write + Seek> FormWriter<W> {
@@ -70,44 +75,56 @@ impl<W: Write + Seek> FormWriter<W> {
     ///
     /// # Errors
     /// Where `inner` refuses.
-    pub fn new(inner: W, form_type: ChunkId) -> Result<Self, IffError> {
-        Self::with_limit(inner, form_type, u64::from(u32::MAX) & !1)
-    }
-
-    fn with_limit(mut inner: W, form_type: ChunkId, limit: u64) -> Result<Self, IffError> {
+    pub fn new(mut inner: W, form_type: ChunkId) -> Result<Self, IffError> {
         inner.write_all(b"FORM\0\0\0\0")?;
         inner.write_all(&form_type)?;
-        Ok(Self { inner, position: FORM_HEADER, limit })
+        Ok(Self { inner, position: FORM_HEADER })
     }
 
-    /// Appends a chunk; gives the offset of its header from the start of the file.
+    /// Bytes written so far.
+    #[must_use]
+    pub fn position(&self) -> u64 {
+        self.position
+    }
+
+    /// Appends a chunk with a checksum; gives the offset of its header from the start of the file.
     ///
     /// # Errors
-    /// Where the file would outgrow 32-bit lengths, and where the file refuses.
-    pub fn chunk(&mut self, id: ChunkId, payload: &[u8]) -> Result<u32, IffError> {
+    /// Where the chunk would outgrow 32-bit lengths, and where the file refuses.
+    pub fn chunk(&mut self, id: ChunkId, payload: &[u8]) -> Result<u64, IffError> {
+        self.parts(id, &[payload, &checksum(id, payload).to_be_bytes()])
+    }
+
+    /// Appends a chunk as it is, without a checksum.
+    ///
+    /// # Errors
+    /// As [`FormWriter::chunk`].
+    pub fn plain_chunk(&mut self, id: ChunkId, payload: &[u8]) -> Result<u64, IffError> {
+        self.parts(id, &[payload])
+    }
+
+    fn parts(&mut self, id: ChunkId, parts: &[&[u8]]) -> Result<u64, IffError> {
         let offset = self.position;
-        let length = payload.len() as u64 + CHECKSUM;
-        let end = offset + CHUNK_HEADER + length + length % 2;
-        if end > self.limit {
-            return Err(IffError::TooLarge { limit: self.limit });
-        }
+        let length: u64 = parts.iter().map(|part| part.len() as u64).sum();
+        let stated = u32::try_from(length).map_err(|_| IffError::TooLarge { bytes: length })?;
         self.inner.write_all(&id)?;
-        self.inner.write_all(&(length as u32).to_be_bytes())?;
-        self.inner.write_all(payload)?;
-        self.inner.write_all(&checksum(id, payload).to_be_bytes())?;
+        self.inner.write_all(&stated.to_be_bytes())?;
+        for part in parts {
+            self.inner.write_all(part)?;
+        }
         if length % 2 == 1 {
             self.inner.write_all(&[0])?;
         }
-        self.position = end;
-        Ok(offset as u32)
+        self.position = offset + CHUNK_HEADER + length + length % 2;
+        Ok(offset)
     }
 
     /// Replaces the chunk at `offset` by one of the same length.
     ///
     /// # Errors
     /// Where the file refuses.
-    pub fn replace(&mut self, offset: u32, id: ChunkId, payload: &[u8]) -> Result<(), IffError> {
-        self.inner.seek(SeekFrom::Start(u64::from(offset) + CHUNK_HEADER))?;
+    pub fn replace(&mut self, offset: u64, id: ChunkId, payload: &[u8]) -> Result<(), IffError> {
+        self.inner.seek(SeekFrom::Start(offset + CHUNK_HEADER))?;
         self.inner.write_all(payload)?;
         self.inner.write_all(&checksum(id, payload).to_be_bytes())?;
         self.inner.seek(SeekFrom::Start(self.position))?;
@@ -120,7 +137,8 @@ impl<W: Write + Seek> FormWriter<W> {
     /// Where the file refuses.
     pub fn finish(mut self) -> Result<(W, u64), IffError> {
         self.inner.seek(SeekFrom::Start(4))?;
-        self.inner.write_all(&((self.position - CHUNK_HEADER) as u32).to_be_bytes())?;
+        let length = u32::try_from(self.position - CHUNK_HEADER).unwrap_or(LARGE);
+        self.inner.write_all(&length.to_be_bytes())?;
         self.inner.flush()?;
         Ok((self.inner, self.position))
     }
@@ -152,25 +170,25 @@ pub struct FormReader<R> {
     size: u64,
 }
 
-impl<R: Read + Seek> FormReader<R> {
+impl<R: ReadAt> FormReader<R> {
     /// Checks that `inner` is exactly one `FORM` of the given type.
     ///
     /// # Errors
     /// Where it is not, and where `inner` refuses.
-    pub fn open(mut inner: R, form_type: ChunkId) -> Result<Self, IffError> {
-        let size = inner.seek(SeekFrom::End(0))?;
-        inner.seek(SeekFrom::Start(0))?;
+    pub fn open(inner: R, form_type: ChunkId) -> Result<Self, IffError> {
+        let size = inner.size()?;
         let mut header = [0; FORM_HEADER as usize];
         if size < FORM_HEADER {
             return Err(malformed(0, format!("{size} bytes are too few for an IFF file")));
         }
-        inner.read_exact(&mut header)?;
+        inner.read_exact_at(&mut header, 0)?;
         if header[..4] != *b"FORM" || header[8..] != form_type {
             return Err(malformed(0, format!("not an IFF file of type {}", name(form_type))));
         }
-        let length = u64::from(u32::from_be_bytes([header[4], header[5], header[6], header[7]]));
-        if length + CHUNK_HEADER != size {
-            let stated = length + CHUNK_HEADER;
+        let length = u32::from_be_bytes([header[4], header[5], header[6], header[7]]);
+        let is_large = length == LARGE && size - CHUNK_HEADER > u64::from(LARGE);
+        if !is_large && u64::from(length) + CHUNK_HEADER != size {
+            let stated = u64::from(length) + CHUNK_HEADER;
             return Err(malformed(
                 4,
                 format!("the file says it has {stated} bytes but has {size}; copy it again"),
@@ -189,16 +207,15 @@ impl<R: Read + Seek> FormReader<R> {
     ///
     /// # Errors
     /// Where the chunk does not fit into the file.
-    pub fn header_at(&mut self, offset: u64) -> Result<Option<ChunkHeader>, IffError> {
+    pub fn header_at(&self, offset: u64) -> Result<Option<ChunkHeader>, IffError> {
         if offset == self.size {
             return Ok(None);
         }
-        if offset < FORM_HEADER || offset + CHUNK_HEADER > self.size {
+        if offset < FORM_HEADER || offset.saturating_add(CHUNK_HEADER) > self.size {
             return Err(malformed(offset, "a chunk is cut short"));
         }
         let mut header = [0; CHUNK_HEADER as usize];
-        self.inner.seek(SeekFrom::Start(offset))?;
-        self.inner.read_exact(&mut header)?;
+        self.inner.read_exact_at(&mut header, offset)?;
         let [a, b, c, d, length @ ..] = header;
         let header = ChunkHeader { id: [a, b, c, d], offset, length: u64::from(u32::from_be_bytes(length)) };
         if header.end() > self.size {
@@ -214,11 +231,8 @@ impl<R: Read + Seek> FormReader<R> {
     ///
     /// # Errors
     /// Where the checksum does not match, and where the file refuses.
-    pub fn payload(&mut self, header: &ChunkHeader) -> Result<Vec<u8>, IffError> {
-        // `header_at` has held the length against the size of the file.
-        let mut payload = vec![0; header.length as usize];
-        self.inner.seek(SeekFrom::Start(header.offset + CHUNK_HEADER))?;
-        self.inner.read_exact(&mut payload)?;
+    pub fn payload(&self, header: &ChunkHeader) -> Result<Vec<u8>, IffError> {
+        let mut payload = self.plain_payload(header, 0..header.length)?;
         let damaged = || {
             malformed(
                 header.offset,
@@ -230,6 +244,24 @@ impl<R: Read + Seek> FormReader<R> {
             return Err(damaged());
         }
         Ok(payload)
+    }
+
+    /// Some bytes of the payload of a chunk that [`FormReader::header_at`] gave, as they are.
+    ///
+    /// # Errors
+    /// Where there are no such bytes, and where the file refuses.
+    pub fn plain_payload(
+        &self,
+        header: &ChunkHeader,
+        range: std::ops::Range<u64>,
+    ) -> Result<Vec<u8>, IffError> {
+        if range.start > range.end || range.end > header.length {
+            return Err(malformed(header.offset, format!("chunk {} is too short", name(header.id))));
+        }
+        // `header_at` has held the length against the size of the file.
+        let mut bytes = vec![0; (range.end - range.start) as usize];
+        self.inner.read_exact_at(&mut bytes, header.offset + CHUNK_HEADER + range.start)?;
+        Ok(bytes)
     }
 }
 
@@ -245,7 +277,7 @@ mod tests {
     fn two_chunks() -> Vec<u8> {
         let mut form = FormWriter::new(Cursor::new(Vec::new()), *b"TEST").unwrap();
         let first = form.chunk(*b"ONE ", &[0; 3]).unwrap();
-        form.chunk(*b"TWO ", b"even").unwrap();
+        form.plain_chunk(*b"TWO ", b"even").unwrap();
         form.replace(first, *b"ONE ", &[1, 2, 3]).unwrap();
         let (file, size) = form.finish().unwrap();
         assert_eq!(size, file.get_ref().len() as u64);
@@ -255,28 +287,56 @@ mod tests {
     #[test]
     fn chunks_are_padded_to_even_offsets_and_come_back() {
         let bytes = two_chunks();
-        assert_eq!(bytes.len(), 12 + (8 + 3 + 4 + 1) + (8 + 4 + 4));
-        let mut form = FormReader::open(Cursor::new(&bytes), *b"TEST").unwrap();
+        assert_eq!(bytes.len(), 12 + (8 + 3 + 4 + 1) + (8 + 4));
+        let form = FormReader::open(bytes, *b"TEST").unwrap();
         let one = form.header_at(FORM_HEADER).unwrap().unwrap();
         let two = form.header_at(one.end()).unwrap().unwrap();
         assert_eq!((one.id, two.id), (*b"ONE ", *b"TWO "));
-        assert_eq!(form.payload(&two).unwrap(), b"even");
+        assert_eq!(form.plain_payload(&two, 0..4).unwrap(), b"even");
+        assert_eq!(form.plain_payload(&two, 1..3).unwrap(), b"ve");
+        assert!(form.plain_payload(&two, 1..5).is_err());
         assert_eq!(form.payload(&one).unwrap(), [1, 2, 3]);
         assert_eq!(form.header_at(two.end()).unwrap(), None);
     }
 
     #[test]
-    fn a_file_that_would_outgrow_its_lengths_is_refused() {
-        let mut form = FormWriter::with_limit(Cursor::new(Vec::new()), *b"TEST", 40).unwrap();
-        form.chunk(*b"ONE ", &[0; 12]).unwrap();
-        assert!(matches!(form.chunk(*b"TWO ", &[]), Err(IffError::TooLarge { limit: 40 })));
+    fn another_type_a_cut_and_a_lengthened_file_are_refused() {
+        let bytes = two_chunks();
+        assert!(FormReader::open(bytes.clone(), *b"ELSE").is_err());
+        assert!(FormReader::open(bytes[..bytes.len() - 1].to_vec(), *b"TEST").is_err());
+        assert!(FormReader::open([bytes, vec![0]].concat(), *b"TEST").is_err());
+    }
+
+    /// Counts bytes and keeps none.
+    struct Counted(u64, u64);
+
+    impl Write for Counted {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0 += bytes.len() as u64;
+            self.1 = self.1.max(self.0);
+            Ok(bytes.len())
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Seek for Counted {
+        fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+            if let SeekFrom::Start(offset) = to {
+                self.0 = offset;
+            }
+            Ok(self.0)
+        }
     }
 
     #[test]
-    fn another_type_a_cut_and_a_lengthened_file_are_refused() {
-        let bytes = two_chunks();
-        assert!(FormReader::open(Cursor::new(&bytes), *b"ELSE").is_err());
-        assert!(FormReader::open(Cursor::new(&bytes[..bytes.len() - 1]), *b"TEST").is_err());
-        assert!(FormReader::open(Cursor::new([bytes, vec![0]].concat()), *b"TEST").is_err());
+    fn offsets_go_on_beyond_four_gibibytes() {
+        let mut form = FormWriter::new(Counted(0, 0), *b"TEST").unwrap();
+        let megabyte = vec![7; 1 << 26];
+        let last = (0..70).map(|_| form.plain_chunk(*b"MANY", &megabyte).unwrap()).last().unwrap();
+        assert_eq!(last, 12 + 69 * (8 + (1 << 26)));
+        let (file, size) = form.finish().unwrap();
+        assert!(size > 1 << 32 && file.1 == size);
     }
 }

@@ -1,5 +1,6 @@
 //! Reads a store: as a whole, or image by image.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -8,14 +9,19 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::bytes::{HEAD, IMAGE, INDEX, REPORT, SETTINGS, STORE};
-use super::header::{Head, ImageEntry, VERSION, decode_head, decode_index, decode_version};
-use super::iff::{ChunkId, FORM_HEADER, FormReader, IffError};
-use super::tiles;
+use super::blocks::Coding;
+use super::bytes::{HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE};
+use super::coding::model::Model;
+use super::header::{Head, ImageEntry, VERSION, chain, decode_head, decode_index, decode_version};
+use super::iff::{ChunkHeader, ChunkId, FORM_HEADER, FormReader, IffError};
+use super::images::{self, BlockEntry, Damage, ImageHead};
+use super::palette::Palette;
+use super::provenance::Provenance;
+use super::source::ReadAt;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::{Report, SampleImage, SampleSet};
+use crate::preprocess::{DepthPlane, Report, SampleImage, SampleSet};
 use crate::settings::Settings;
 
 /// What a store says of itself before any image is read.
@@ -37,6 +43,8 @@ pub struct StoreInfo {
     pub warnings: Vec<String>,
     /// What was dropped and why.
     pub report: Report,
+    /// What it was made from.
+    pub provenance: Provenance,
     /// The images, in the order they are painted in.
     pub images: Vec<ImageEntry>,
     /// Size of the file, bytes.
@@ -58,11 +66,23 @@ impl StoreInfo {
 }
 
 /// An open store, from which images are read one by one. Reading from several threads is fine.
-#[derive(Debug)]
 pub struct Store {
     path: PathBuf,
     info: StoreInfo,
-    form: Mutex<FormReader<File>>,
+    model: Model,
+    palette: Palette,
+    form: FormReader<Box<dyn ReadAt>>,
+    /// What could not be read so far, by image.
+    damage: Mutex<BTreeMap<usize, Vec<String>>>,
+}
+
+/// An image and what of it could not be read.
+#[derive(Clone, Debug)]
+pub(super) struct Decoded {
+    pub(super) image: Arc<SampleImage>,
+    damage: Vec<Damage>,
+    /// Whether nothing of it could be read, its blocks' places included.
+    lost: bool,
 }
 
 impl Store {
@@ -89,15 +109,27 @@ impl Store {
         if is_folder {
             return Err(Error::invalid(path.display(), "is a folder, not a store"));
         }
-        let iff = |error| from_iff(path, error);
-        let mut form = FormReader::open(file, STORE).map_err(iff)?;
-        let chunks = Chunks::collect(&mut form, path)?;
+        Self::over(path, Box::new(file))
+    }
+
+    /// As [`Store::open`], over bytes that stand elsewhere; `path` is named in errors.
+    ///
+    /// # Errors
+    /// As [`Store::open`].
+    pub fn over(path: &Path, source: Box<dyn ReadAt>) -> Result<Self> {
+        let form = FormReader::open(source, STORE).map_err(|error| from_iff(path, error))?;
+        let chunks = Chunks::collect(&form, path)?;
         let Head { name, up_in_world, cameras, frame_numbers } =
-            decode_head(&chunks.head).map_err(|what| in_chunk(path, HEAD, what))?;
+            decode_head(chunks.get(HEAD)).map_err(|what| in_chunk(path, HEAD, what))?;
         let (settings, warnings) =
-            decode_settings(&chunks.settings).map_err(|what| in_chunk(path, SETTINGS, what))?;
-        let report = serde_json::from_slice(&chunks.report).map_err(|error| in_chunk(path, REPORT, error))?;
-        let images = decode_index(&chunks.index).map_err(|what| in_chunk(path, INDEX, what))?;
+            decode_settings(chunks.get(SETTINGS)).map_err(|what| in_chunk(path, SETTINGS, what))?;
+        let json = |id| move |error: serde_json::Error| in_chunk(path, id, error);
+        let report = serde_json::from_slice(chunks.get(REPORT)).map_err(json(REPORT))?;
+        let provenance = serde_json::from_slice(chunks.get(PROVENANCE)).map_err(json(PROVENANCE))?;
+        let palette = Palette::decode(chunks.get(PALETTE)).map_err(|what| in_chunk(path, PALETTE, what))?;
+        let model = Model::decode(chunks.get(MODEL)).map_err(|what| in_chunk(path, MODEL, what))?;
+        let images = decode_index(chunks.get(INDEX), form.size(), cameras.len(), frame_numbers.len())
+            .map_err(|what| in_chunk(path, INDEX, what))?;
         let info = StoreInfo {
             version: chunks.version,
             name,
@@ -107,10 +139,11 @@ impl Store {
             settings,
             warnings,
             report,
+            provenance,
             images,
             bytes: form.size(),
         };
-        Ok(Self { path: path.to_path_buf(), info, form: Mutex::new(form) })
+        Ok(Self { path: path.to_path_buf(), info, model, palette, form, damage: Mutex::default() })
     }
 
     /// What the store says of itself.
@@ -119,68 +152,202 @@ impl Store {
         &self.info
     }
 
-    /// Reads one image, by its place in [`StoreInfo::images`]; the others are not touched.
+    /// What could not be read of the images so far, one line each.
+    #[must_use]
+    pub fn damage(&self) -> Vec<String> {
+        let damage = self.damage.lock().unwrap_or_else(PoisonError::into_inner);
+        damage.values().flatten().cloned().collect()
+    }
+
+    /// Reads one image, by its place in [`StoreInfo::images`], and those it is predicted from; the others are not touched.
+    /// Tiles that are damaged are missing in it: see [`Store::damage`].
     ///
     /// # Errors
-    /// `Io`; `Invalid` where there is no such image, and where its chunk is damaged or contradicts index or header.
+    /// `Io`; `Invalid` where there is no such image.
     pub fn image(&self, index: usize) -> Result<SampleImage> {
-        let entry = self.info.images.get(index).ok_or_else(|| {
+        let chain = chain(&self.info.images, index).ok_or_else(|| {
             let count = self.info.images.len();
             Error::invalid(self.path.display(), format!("there is no image {index}; there are {count}"))
         })?;
-        let payload = self.payload(entry)?;
-        let image = tiles::decode(&payload, &self.info.cameras, self.info.frame_numbers.len());
-        let image = image.map_err(|what| self.damaged(entry, &what))?;
-        let stated = (entry.camera, entry.span, entry.samples as usize, entry.tiles as usize);
-        if stated != (image.camera, image.span, image.len(), image.tiles.len()) {
-            return Err(self.damaged(entry, "the index says something else"));
+        let mut before = None;
+        for index in chain.into_iter().rev() {
+            before = Some(self.decode(index, before.as_ref())?);
         }
-        Ok(image)
+        let image = before.map(|decoded| Arc::unwrap_or_clone(decoded.image));
+        image.ok_or_else(|| self.damaged(index, "there is no image"))
     }
 
-    fn payload(&self, entry: &ImageEntry) -> Result<Vec<u8>> {
-        let iff = |error| from_iff(&self.path, error);
-        let mut form = self.form.lock().unwrap_or_else(PoisonError::into_inner);
-        let header = form.header_at(u64::from(entry.offset)).map_err(iff)?;
-        let header = header.filter(|header| header.id == IMAGE);
-        let header = header.ok_or_else(|| self.damaged(entry, "there is no image"))?;
-        let payload = form.payload(&header).map_err(iff)?;
-        if payload.len() != entry.length as usize {
-            return Err(self.damaged(entry, "the index says another length"));
+    /// Reads an image, given the one it is predicted from.
+    ///
+    /// # Errors
+    /// `Io`.
+    pub(super) fn decode(&self, index: usize, before: Option<&Decoded>) -> Result<Decoded> {
+        match self.try_decode(index, before) {
+            Err(Error::Invalid { what, .. }) => {
+                self.tell(index, vec![format!("{}: nothing of it can be shown", self.damaged(index, &what))]);
+                Ok(Decoded { image: Arc::new(self.placeholder(index)), damage: Vec::new(), lost: true })
+            }
+            decoded => decoded,
         }
-        Ok(payload)
     }
 
-    fn damaged(&self, entry: &ImageEntry, what: &str) -> Error {
-        Error::invalid(
-            format!("{}: at byte {}: chunk 'IMAG'", self.path.display(), entry.offset),
-            format!("{what}; preprocess the capture again"),
+    fn try_decode(&self, index: usize, before: Option<&Decoded>) -> Result<Decoded> {
+        let entry = &self.info.images[index];
+        let chunk = self.chunk(index)?;
+        let payload = self.bytes(&chunk, 0..chunk.length)?;
+        let head = self.head_of(index, &payload[..entry.head as usize])?;
+        if before.is_some_and(|before| before.lost) {
+            return Err(self.damaged(index, "the image it is predicted from is lost"));
+        }
+        let reference = before.map(|before| (&*before.image, before.damage.as_slice()));
+        let code = |block: &BlockEntry| {
+            payload
+                .get(block.start..)
+                .and_then(|rest| rest.get(..block.length))
+                .ok_or("it is cut short".to_owned())
+        };
+        let coding = self.coding(entry, &head);
+        let (image, damage) =
+            images::decode((entry.camera, entry.span), &head, reference, &coding, code, |_| true);
+        images::check(&image, &self.info.cameras, self.info.frame_numbers.len())
+            .map_err(|what| self.damaged(index, &what))?;
+        self.tell(index, damage.iter().map(|damage| self.damaged_block(index, damage)).collect());
+        Ok(Decoded { image: Arc::new(image), damage, lost: false })
+    }
+
+    fn coding(&self, entry: &ImageEntry, head: &ImageHead) -> Coding<'_> {
+        Coding {
+            model: &self.model,
+            palette: &self.palette,
+            depth_shift: head.depth_shift,
+            normals: head.normals,
+            plain: head.plain,
+            size: self.info.cameras[entry.camera as usize].intrinsics.size(),
+        }
+    }
+
+    /// The chunk of an image.
+    fn chunk(&self, index: usize) -> Result<ChunkHeader> {
+        let entry = &self.info.images[index];
+        let header = self.form.header_at(entry.offset).map_err(|error| from_iff(&self.path, error))?;
+        let header = header.filter(|header| header.id == IMAGE && header.length == u64::from(entry.length));
+        header.ok_or_else(|| self.damaged(index, "there is no image of the length that the index says"))
+    }
+
+    fn bytes(&self, chunk: &ChunkHeader, range: std::ops::Range<u64>) -> Result<Vec<u8>> {
+        self.form.plain_payload(chunk, range).map_err(|error| from_iff(&self.path, error))
+    }
+
+    fn head_of(&self, index: usize, bytes: &[u8]) -> Result<ImageHead> {
+        let entry = &self.info.images[index];
+        let camera = &self.info.cameras[entry.camera as usize];
+        let head = images::decode_head(bytes, entry.length as usize, camera)
+            .map_err(|what| self.damaged(index, &what))?;
+        let samples: u64 = head.blocks.iter().map(|block| u64::from(block.samples)).sum();
+        let tiles: u32 = head.blocks.iter().map(|block| block.tiles.count_ones()).sum();
+        if (samples, tiles) != (u64::from(entry.samples), entry.tiles) {
+            return Err(self.damaged(index, "the index says something else"));
+        }
+        Ok(head)
+    }
+
+    /// Where the blocks of an image are and between which depths, without any sample of them.
+    ///
+    /// # Errors
+    /// `Io`; `Invalid` where there is no such image and where its head is damaged.
+    pub fn head(&self, index: usize) -> Result<ImageHead> {
+        let entry = self
+            .info
+            .images
+            .get(index)
+            .ok_or_else(|| Error::invalid(self.path.display(), format!("there is no image {index}")))?;
+        let head = self.bytes(&self.chunk(index)?, 0..u64::from(entry.head))?;
+        self.head_of(index, &head)
+    }
+
+    /// An image of the right camera and span without any sample.
+    pub(super) fn placeholder(&self, index: usize) -> SampleImage {
+        let entry = &self.info.images[index];
+        SampleImage {
+            camera: entry.camera,
+            span: entry.span,
+            tiles: Vec::new(),
+            color: Vec::new(),
+            depth: DepthPlane::default(),
+            normal: None,
+        }
+    }
+
+    fn tell(&self, index: usize, damage: Vec<String>) {
+        if !damage.is_empty() {
+            self.damage.lock().unwrap_or_else(PoisonError::into_inner).insert(index, damage);
+        }
+    }
+
+    fn place(&self, index: usize) -> String {
+        let entry = &self.info.images[index];
+        let frames = &self.info.frame_numbers;
+        let (first, last) = (frames[entry.span.start as usize], frames[entry.span.end as usize - 1]);
+        format!(
+            "{}: at byte {}: chunk 'IMAG' of camera '{}', frames {first} to {last}",
+            self.path.display(),
+            entry.offset,
+            self.info.cameras[entry.camera as usize].name
         )
     }
 
-    /// Reads every image.
-    ///
-    /// # Errors
-    /// As [`Store::image`], and `Cancelled`.
-    pub fn read_all(&self, job: &Job) -> Result<(SampleSet, Report)> {
-        job.start("Reading the store", self.info.images.len());
-        let images: Result<Vec<_>> = (0..self.info.images.len())
-            .into_par_iter()
-            .map(|index| {
-                job.check()?;
-                let image = self.image(index)?;
-                job.advance(1);
-                Ok(Arc::new(image))
-            })
-            .collect();
-        let samples = SampleSet {
+    fn damaged(&self, index: usize, what: &str) -> Error {
+        Error::invalid(self.place(index), what)
+    }
+
+    fn damaged_block(&self, index: usize, ((x, y), what): &Damage) -> String {
+        let (left, top) = (u32::from(*x) * 64, u32::from(*y) * 64);
+        format!("{}: the 64×64 pixels from ({left}, {top}) are missing: {what}", self.place(index))
+    }
+
+    /// A set with every image in its place and no sample in any.
+    pub(super) fn outline(&self) -> SampleSet {
+        let placeholders = (0..self.info.images.len()).map(|index| Arc::new(self.placeholder(index)));
+        SampleSet {
             name: self.info.name.clone(),
             cameras: self.info.cameras.clone(),
             frame_numbers: self.info.frame_numbers.clone(),
             up_in_world: self.info.up_in_world,
             settings: self.info.settings.clone(),
-            images: images?,
-        };
+            images: placeholders.collect(),
+        }
+    }
+
+    /// Reads every image. Tiles that are damaged are missing: see [`Store::damage`].
+    ///
+    /// # Errors
+    /// `Io` and `Cancelled`.
+    pub fn read_all(&self, job: &Job) -> Result<(SampleSet, Report)> {
+        let count = self.info.images.len();
+        job.start("Reading the store", count);
+        let depths: Vec<usize> = (0..count)
+            .map(|index| chain(&self.info.images, index).map_or(0, |chain| chain.len() - 1))
+            .collect();
+        let mut decoded: Vec<Option<Decoded>> = vec![None; count];
+        // Those that need no other first, then those that need one of these, and so on.
+        for depth in 0..=depths.iter().copied().max().unwrap_or(0) {
+            let ready: Vec<usize> = (0..count).filter(|index| depths[*index] == depth).collect();
+            let read = ready.par_iter().map(|&index| {
+                job.check()?;
+                let before =
+                    self.info.images[index].reference.and_then(|before| decoded[before as usize].as_ref());
+                let image = self.decode(index, before)?;
+                job.advance(1);
+                Ok(image)
+            });
+            let read: Result<Vec<Decoded>> = read.collect();
+            for (index, image) in ready.into_iter().zip(read?) {
+                decoded[index] = Some(image);
+            }
+        }
+        let mut samples = self.outline();
+        let images = decoded.into_iter().flatten().map(|decoded| decoded.image);
+        samples.images = images.filter(|image| !image.is_empty()).collect();
         Ok((samples, self.info.report.clone()))
     }
 }
@@ -188,46 +355,45 @@ impl Store {
 /// The payloads of the chunks that say what a store holds.
 struct Chunks {
     version: (u16, u16),
-    head: Vec<u8>,
-    settings: Vec<u8>,
-    report: Vec<u8>,
-    index: Vec<u8>,
+    payloads: BTreeMap<ChunkId, Vec<u8>>,
 }
 
+/// Chunks that every store has once.
+const REQUIRED: [ChunkId; 7] = [HEAD, SETTINGS, REPORT, PROVENANCE, PALETTE, MODEL, INDEX];
+
 impl Chunks {
-    /// Walks over the file until all four are found, skipping images and unknown chunks.
-    fn collect(form: &mut FormReader<File>, path: &Path) -> Result<Self> {
+    /// Walks over the file until all are found, skipping images and unknown chunks.
+    fn collect(form: &FormReader<Box<dyn ReadAt>>, path: &Path) -> Result<Self> {
         let iff = |error| from_iff(path, error);
         let mut version = None;
-        let mut found: [(ChunkId, Option<Vec<u8>>); 4] =
-            [(HEAD, None), (SETTINGS, None), (REPORT, None), (INDEX, None)];
+        let mut payloads = BTreeMap::new();
         let mut offset = FORM_HEADER;
-        while let Some(header) = form.header_at(offset).map_err(iff)? {
+        while payloads.len() < REQUIRED.len()
+            && let Some(header) = form.header_at(offset).map_err(iff)?
+        {
             if version.is_none() && header.id != HEAD {
                 return Err(in_chunk(path, HEAD, "it must be the first chunk"));
             }
-            if let Some((id, payload)) = found.iter_mut().find(|(id, _)| *id == header.id) {
-                if payload.is_some() {
-                    return Err(in_chunk(path, *id, "there are two of them"));
+            if REQUIRED.contains(&header.id) {
+                let payload = form.payload(&header).map_err(iff)?;
+                if header.id == HEAD && version.is_none() {
+                    version = Some(checked_version(&payload, path)?);
                 }
-                let bytes = form.payload(&header).map_err(iff)?;
-                if *id == HEAD {
-                    version = Some(checked_version(&bytes, path)?);
+                if payloads.insert(header.id, payload).is_some() {
+                    return Err(in_chunk(path, header.id, "there are two of them"));
                 }
-                *payload = Some(bytes);
-            }
-            if found.iter().all(|(_, payload)| payload.is_some()) {
-                break;
             }
             offset = header.end();
         }
-        let mut take = |wanted: usize| {
-            let (id, payload) = &mut found[wanted];
-            payload.take().ok_or_else(|| in_chunk(path, *id, "it is missing"))
-        };
-        let (head, settings, report, index) = (take(0)?, take(1)?, take(2)?, take(3)?);
+        if let Some(missing) = REQUIRED.iter().find(|id| !payloads.contains_key(*id)) {
+            return Err(in_chunk(path, *missing, "it is missing"));
+        }
         let version = version.ok_or_else(|| in_chunk(path, HEAD, "it is missing"))?;
-        Ok(Self { version, head, settings, report, index })
+        Ok(Self { version, payloads })
+    }
+
+    fn get(&self, id: ChunkId) -> &[u8] {
+        self.payloads.get(&id).map_or(&[], Vec::as_slice)
     }
 }
 

@@ -85,6 +85,28 @@ pub(crate) fn small_set() -> SampleSet {
     set_of(cameras, 2, images)
 }
 
+/// Ten frames of one camera, 90×70 pixels, in which a plane stays and its colors drift.
+pub(crate) fn moving_set() -> SampleSet {
+    let cameras = vec![camera("one", 90, 70)];
+    let images = (0..10).map(|frame| {
+        let span = Span { start: frame, end: frame + 1 };
+        let mut image = image((0, &cameras[0]), span, &[0xFFFF, 0x7FFE, 0x0FF0], &[7], false);
+        let depths: Vec<f32> =
+            image.samples().map(|sample| 0.25 + sample.x as f32 * 0.001 - sample.y as f32 * 0.0005).collect();
+        image.depth = DepthPlane::pack(&image.tiles, &depths);
+        image.color = image
+            .samples()
+            .map(|sample| {
+                let shade = (sample.x * 37 % 23 + sample.y * 11 % 17) as f32 / 80.0;
+                [shade, shade * 0.5 + 0.001 * frame as f32, 0.25].map(f16::from_f32)
+            })
+            .collect();
+        image
+    });
+    let images = images.collect();
+    set_of(cameras, 10, images)
+}
+
 pub(crate) fn small_report() -> Report {
     let mut report = Report { samples_in: 890, ..Report::default() };
     report.cameras.push(CameraReport { color_noise_steps: 0.1, ..CameraReport::default() });

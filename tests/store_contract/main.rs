@@ -13,7 +13,7 @@ use overlook::preprocess::{DepthPlane, Report, SampleImage, SampleSet};
 use overlook::store::{self, Store};
 use proptest::prelude::*;
 
-use builder::{any_set, small_report, small_set};
+use builder::{any_set, moving_set, small_report, small_set};
 
 /// Bytes from the start of a store to its first chunk.
 const FIRST_CHUNK: usize = 12;
@@ -77,6 +77,20 @@ fn tampered(bytes: &[u8], id: [u8; 4], change: impl FnOnce(&mut [u8])) -> Vec<u8
     bytes
 }
 
+/// Puts a chunk before the index, and mends every length and offset.
+fn with_unknown_chunk(bytes: &[u8], unknown: &[u8]) -> Vec<u8> {
+    let (index, _) = chunk(bytes, *b"INDX");
+    let longer = [&bytes[..index], unknown, &bytes[index..]].concat();
+    let size = longer.len() as u64;
+    with_form_length(tampered(&longer, *b"INDX", |index| {
+        index[..8].copy_from_slice(&size.to_be_bytes());
+        for entry in index[12..].chunks_mut(40) {
+            let offset = u64::from_be_bytes(entry[24..32].try_into().unwrap()) + unknown.len() as u64;
+            entry[24..32].copy_from_slice(&offset.to_be_bytes());
+        }
+    }))
+}
+
 fn with_form_length(mut bytes: Vec<u8>) -> Vec<u8> {
     let length = bytes.len() as u32 - 8;
     bytes[4..8].copy_from_slice(&length.to_be_bytes());
@@ -121,8 +135,71 @@ fn one_image_is_read_without_the_others() {
     assert_eq!(store.info().span_count(), 2);
     assert_eq!(store.info().bytes, bytes.len() as u64);
     assert_eq!(store.image(1).unwrap(), *samples.images[1]);
-    assert!(store.image(0).unwrap_err().to_string().contains("'IMAG'"));
+    assert!(store.damage().is_empty());
+    assert!(store.image(0).unwrap().is_empty());
+    let damage = store.damage();
+    assert!(damage.len() == 1 && damage[0].contains("'IMAG' of camera 'left'"), "{damage:?}");
     assert!(store.image(2).unwrap_err().to_string().contains("no image 2"));
+}
+
+#[test]
+fn a_damaged_block_is_missing_and_all_others_are_there() {
+    let (_folder, path) = scratch();
+    let samples = moving_set();
+    store::write(&path, &samples, &small_report(), &Job::new()).unwrap();
+    let whole = std::fs::read(&path).unwrap();
+    let store = Store::open(&path).unwrap();
+    let first = store.info().images[0];
+    let head = store.head(0).unwrap();
+    assert_eq!(head.blocks.len(), 4);
+    // The last byte of the first image is in its last block, which the images after it are predicted from.
+    let mut bytes = whole.clone();
+    bytes[(first.offset + 8) as usize + first.length as usize - 1] ^= 1;
+    std::fs::write(&path, &bytes).unwrap();
+    let store = Store::open(&path).unwrap();
+    let (read, _) = store.read_all(&Job::new()).unwrap();
+    // The ninth image begins anew.
+    assert_eq!(read.images[8..], samples.images[8..]);
+    for (read, written) in read.images.iter().zip(&samples.images).take(8) {
+        let in_last = |tile: &overlook::preprocess::SampleTile| tile.tile_x >= 4 && tile.tile_y >= 4;
+        let others: Vec<_> =
+            written.tiles.iter().filter(|tile| !in_last(tile)).map(|tile| tile.rows).collect();
+        assert_eq!(read.tiles.iter().map(|tile| tile.rows).collect::<Vec<_>>(), others);
+        assert!(read.color.iter().all(|color| written.color.contains(color)));
+    }
+    let damage = store.damage();
+    assert_eq!(damage.len(), 8);
+    assert!(damage[0].contains("from (64, 64) are missing"), "{damage:?}");
+    assert!(store::read(&path, &Job::new()).unwrap_err().to_string().contains("missing"));
+}
+
+#[test]
+fn images_are_predicted_from_the_frames_before_and_no_chain_is_long() {
+    let (_folder, path) = scratch();
+    let samples = moving_set();
+    store::write(&path, &samples, &small_report(), &Job::new()).unwrap();
+    let store = Store::open(&path).unwrap();
+    let references: Vec<_> = store.info().images.iter().map(|image| image.reference).collect();
+    assert_eq!(references[..9], [None, Some(0), Some(1), Some(2), Some(3), Some(4), Some(5), Some(6), None]);
+    for index in (0..samples.images.len()).rev() {
+        assert_eq!(store.image(index).unwrap(), *samples.images[index]);
+    }
+    let alone: u32 = store.info().images.iter().filter(|i| i.reference.is_none()).map(|i| i.length).sum();
+    let predicted: u32 = store.info().images.iter().filter(|i| i.reference.is_some()).map(|i| i.length).sum();
+    assert!(predicted < alone * 3, "{predicted} bytes for eight images, {alone} for two");
+}
+
+#[test]
+fn plain_coding_holds_the_same_samples() {
+    let (_folder, path) = scratch();
+    let mut samples = small_set();
+    let modeled = store::write(&path, &moving_set(), &small_report(), &Job::new()).unwrap();
+    samples.settings.set_text("store.coding=plain").unwrap();
+    store::write(&path, &samples, &small_report(), &Job::new()).unwrap();
+    assert_same(&store::read(&path, &Job::new()).unwrap(), &samples, &small_report());
+    let mut moving = moving_set();
+    moving.settings = samples.settings.clone();
+    assert!(store::write(&path, &moving, &small_report(), &Job::new()).unwrap() > 2 * modeled);
 }
 
 #[test]
@@ -193,9 +270,9 @@ fn a_folder_and_a_missing_file_are_refused() {
 #[test]
 fn another_major_version_is_unsupported_and_a_minor_one_is_read() {
     let (_folder, path, bytes) = small_store();
-    let newer = tampered(&bytes, *b"HEAD", |head| head[1] = 2);
+    let newer = tampered(&bytes, *b"HEAD", |head| head[1] = 3);
     assert!(matches!(read_bytes(&path, &newer), Err(Error::Unsupported { .. })));
-    assert!(refusal(&path, &newer).contains("version 2.0"));
+    assert!(refusal(&path, &newer).contains("version 3.0"));
     let minor = tampered(&bytes, *b"HEAD", |head| head[3] = 9);
     assert_same(&read_bytes(&path, &minor).unwrap(), &small_set(), &small_report());
 }
@@ -218,14 +295,14 @@ fn a_setting_that_is_no_more_is_told_and_the_samples_are_read() {
 fn unknown_chunks_are_skipped() {
     let (_folder, path, bytes) = small_store();
     let comment = b"ANNO\0\0\0\x05hello\0";
-    let end = [bytes.as_slice(), comment].concat();
-    assert_same(&read_bytes(&path, &with_form_length(end)).unwrap(), &small_set(), &small_report());
+    let longer = with_unknown_chunk(&bytes, comment);
+    assert_same(&read_bytes(&path, &longer).unwrap(), &small_set(), &small_report());
 }
 
 #[test]
 fn missing_doubled_and_misplaced_chunks_are_refused() {
     let (_folder, path, bytes) = small_store();
-    for id in [*b"HEAD", *b"SETT", *b"REPT", *b"INDX"] {
+    for id in [*b"HEAD", *b"SETT", *b"REPT", *b"PROV", *b"PALT", *b"MODL", *b"INDX"] {
         let (offset, _) = chunk(&bytes, id);
         let mut renamed = bytes.clone();
         renamed[offset..offset + 4].copy_from_slice(b"ANNO");
@@ -242,7 +319,7 @@ fn missing_doubled_and_misplaced_chunks_are_refused() {
 #[test]
 fn huge_lengths_are_refused_without_being_allocated() {
     let (_folder, path, bytes) = small_store();
-    for id in [*b"HEAD", *b"SETT", *b"REPT", *b"INDX", *b"IMAG"] {
+    for id in [*b"HEAD", *b"SETT", *b"REPT", *b"PROV", *b"PALT", *b"MODL", *b"INDX", *b"IMAG"] {
         let (offset, _) = chunk(&bytes, id);
         for length in [u32::MAX, u32::MAX - 1, 0x8000_0000, bytes.len() as u32, 0, 3] {
             let mut absurd = bytes.clone();
@@ -250,20 +327,22 @@ fn huge_lengths_are_refused_without_being_allocated() {
             refusal(&path, &absurd);
         }
     }
-    // Counts inside chunks: cameras' name, images, tiles, samples, first plane.
+    // Counts inside chunks: cameras' name, images, an image's samples, tiles and lengths.
     let huge = u32::MAX.to_be_bytes();
-    for (id, position) in [(*b"HEAD", 4), (*b"INDX", 0), (*b"IMAG", 12), (*b"IMAG", 16), (*b"IMAG", 22)] {
-        refusal(
-            &path,
-            &tampered(&bytes, id, |payload| payload[position..position + 4].copy_from_slice(&huge)),
-        );
+    let index = [8, 24, 28, 32, 36, 40, 44, 48].map(|position| (*b"INDX", position));
+    for (id, position) in [(*b"HEAD", 4)].into_iter().chain(index) {
+        let absurd = tampered(&bytes, id, |payload| payload[position..position + 4].copy_from_slice(&huge));
+        // A reference of all ones is none at all.
+        if (id, position) != (*b"INDX", 32) {
+            refusal(&path, &absurd);
+        }
     }
 }
 
 #[test]
 fn a_bomb_is_refused() {
     let (_folder, path, bytes) = small_store();
-    // A picture of 2^20 × 2^20 pixels would have an occupancy of 512 MiB; the plane in the file is one byte.
+    // A picture of 2^20 × 2^20 pixels would have 32 MiB of block bits; the head in the file has one byte.
     let name = small_set().name.len();
     let width = 4 + 4 + name + 24 + 4 + 4 + "left".len();
     let absurd = tampered(&bytes, *b"HEAD", |head| {
@@ -271,8 +350,15 @@ fn a_bomb_is_refused() {
     });
     assert!(refusal(&path, &absurd).contains("'IMAG'"));
     // Both index entries for one chunk.
-    let twice = tampered(&bytes, *b"INDX", |index| index.copy_within(4..32, 32));
+    let twice = tampered(&bytes, *b"INDX", |index| index.copy_within(12..52, 52));
     assert!(refusal(&path, &twice).contains("overlap"));
+    // An image that is predicted from itself, and one from another camera's.
+    for reference in [0_u32, 1] {
+        let ring = tampered(&bytes, *b"INDX", |index| {
+            index[32..36].copy_from_slice(&reference.to_be_bytes());
+        });
+        assert!(refusal(&path, &ring).contains("predicted"));
+    }
 }
 
 #[test]

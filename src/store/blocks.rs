@@ -1,0 +1,310 @@
+//! The samples of an image block by block, as the coders want them, and back.
+
+use half::f16;
+
+use super::coding::coders::{Counter, ModelReader, ModelWriter, PlainReader, PlainWriter};
+use super::coding::model::{Counts, Model};
+use super::coding::walk::{BLOCK, Coder, Pixels, Shape, Walker, cell};
+use super::palette::Palette;
+use crate::preprocess::{DepthPlane, OctNormal, SampleImage, SampleTile, Span, TILE, TILE_SAMPLES};
+
+/// Tiles across a block, and down.
+pub(super) const TILES: usize = BLOCK / TILE;
+
+/// The largest bits of a finite inverse depth.
+const LARGEST_DEPTH: u32 = 0x7F7F_FFFF;
+
+/// What all blocks of an image share.
+#[derive(Clone, Copy)]
+pub(super) struct Coding<'a> {
+    pub(super) model: &'a Model,
+    pub(super) palette: &'a Palette,
+    pub(super) depth_shift: u32,
+    pub(super) normals: bool,
+    pub(super) plain: bool,
+    /// Columns and rows of the camera's pictures.
+    pub(super) size: (usize, usize),
+}
+
+/// The tiles of one block of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct BlockTiles {
+    /// Column and row of the block; blocks are ordered row by row.
+    pub(super) place: (u16, u16),
+    /// Bit `4 y + x`: whether the block has the tile in column `x`, row `y`.
+    pub(super) tiles: u16,
+    /// Index of each tile in its image.
+    index: [u32; TILES * TILES],
+}
+
+/// Working memory of one thread.
+pub(super) struct Scratch {
+    walker: Walker,
+    pixels: Pixels,
+    reference: Pixels,
+}
+
+impl Scratch {
+    fn new() -> Self {
+        Self { walker: Walker::default(), pixels: Pixels::default(), reference: Pixels::default() }
+    }
+
+    /// Runs `work` with this thread's scratch memory. `work` must not wait for other threads' work.
+    pub(super) fn with<R>(work: impl FnOnce(&mut Self) -> R) -> R {
+        thread_local! {
+            static SCRATCH: std::cell::RefCell<Scratch> = std::cell::RefCell::new(Scratch::new());
+        }
+        SCRATCH.with_borrow_mut(work)
+    }
+}
+
+/// The blocks of an image that hold a sample, row by row.
+pub(super) fn blocks_of(image: &SampleImage) -> Vec<BlockTiles> {
+    let place = |tile: &SampleTile| (tile.tile_y / TILES as u16, tile.tile_x / TILES as u16);
+    let mut order: Vec<u32> = (0..image.tiles.len() as u32).collect();
+    order.sort_by_key(|index| place(&image.tiles[*index as usize]));
+    let mut blocks: Vec<BlockTiles> = Vec::new();
+    for index in order {
+        let tile = &image.tiles[index as usize];
+        let (y, x) = place(tile);
+        if blocks.last().is_none_or(|block| block.place != (x, y)) {
+            blocks.push(BlockTiles { place: (x, y), tiles: 0, index: [u32::MAX; TILES * TILES] });
+        }
+        let inside = tile.tile_y as usize % TILES * TILES + tile.tile_x as usize % TILES;
+        if let Some(block) = blocks.last_mut() {
+            block.tiles |= 1 << inside;
+            block.index[inside] = index;
+        }
+    }
+    blocks
+}
+
+/// The block at `place`, among those of an image.
+pub(super) fn find(blocks: &[BlockTiles], place: (u16, u16)) -> Option<&BlockTiles> {
+    let order = |block: &BlockTiles| (block.place.1, block.place.0);
+    blocks.binary_search_by_key(&(place.1, place.0), order).ok().map(|index| &blocks[index])
+}
+
+/// Samples in a block, and the bits of its smallest and largest inverse depth.
+pub(super) fn summary(image: &SampleImage, block: &BlockTiles) -> (usize, u32, u32) {
+    block.index.iter().filter(|index| **index != u32::MAX).fold(
+        (0, u32::MAX, 0),
+        |(count, low, high), &index| {
+            let depths = image.depth.tiles()[index as usize];
+            let samples = image.tiles[index as usize].count();
+            (count + samples, low.min(depths.farthest), high.max(depths.nearest))
+        },
+    )
+}
+
+impl Coding<'_> {
+    fn shape(&self, place: (u16, u16), tiles: u16) -> Shape {
+        let (left, top) = (place.0 as usize * BLOCK, place.1 as usize * BLOCK);
+        Shape {
+            width: self.size.0.saturating_sub(left).min(BLOCK),
+            height: self.size.1.saturating_sub(top).min(BLOCK),
+            tiles,
+            depth_shift: self.depth_shift,
+            colors: self.palette.len(),
+            normals: self.normals,
+        }
+    }
+
+    /// Puts the samples of a block where a walk finds them.
+    fn spread(&self, image: &SampleImage, block: &BlockTiles, pixels: &mut Pixels) {
+        pixels.clear();
+        let mut depths = [0.0; TILE_SAMPLES];
+        for (inside, &index) in block.index.iter().enumerate().filter(|(_, index)| **index != u32::MAX) {
+            let tile = &image.tiles[index as usize];
+            let count = tile.count();
+            image.depth.tile(index as usize, tile.first, count).unpack(&mut depths);
+            let mut nth = 0;
+            for (row, &mask) in tile.rows.iter().enumerate() {
+                let (left, y) = (inside % TILES * TILE, inside / TILES * TILE + row);
+                for column in columns(mask) {
+                    let at = cell(left + column, y);
+                    let sample = tile.first as usize + nth;
+                    pixels.present[at] = true;
+                    let [red, green, blue] = image.color[sample].map(|half| self.palette.rank(half));
+                    let depth = (depths[nth].to_bits() >> self.depth_shift) as i32;
+                    let normal = image.normal.as_ref().map_or([0; 2], |normals| normals[sample].0);
+                    let numbers = [depth, green, red, blue, i32::from(normal[0]), i32::from(normal[1])];
+                    let used = if self.normals { 6 } else { 4 };
+                    for (values, number) in pixels.values.iter_mut().zip(numbers).take(used) {
+                        values[at] = number;
+                    }
+                    nth += 1;
+                }
+            }
+        }
+    }
+
+    /// Counts the tokens of a block.
+    pub(super) fn count(
+        &self,
+        (image, block): (&SampleImage, &BlockTiles),
+        reference: Option<(&SampleImage, &BlockTiles)>,
+        counts: &mut Counts,
+    ) {
+        Scratch::with(|scratch| self.walk(&mut Counter(counts), scratch, (image, block), reference));
+    }
+
+    /// The code of a block.
+    pub(super) fn encode(
+        &self,
+        (image, block): (&SampleImage, &BlockTiles),
+        reference: Option<(&SampleImage, &BlockTiles)>,
+    ) -> Vec<u8> {
+        Scratch::with(|scratch| {
+            if self.plain {
+                let mut writer = PlainWriter::default();
+                self.walk(&mut writer, scratch, (image, block), reference);
+                writer.finish()
+            } else {
+                let mut writer = ModelWriter::new(self.model);
+                self.walk(&mut writer, scratch, (image, block), reference);
+                writer.finish()
+            }
+        })
+    }
+
+    fn walk<C: Coder>(
+        &self,
+        coder: &mut C,
+        scratch: &mut Scratch,
+        (image, block): (&SampleImage, &BlockTiles),
+        reference: Option<(&SampleImage, &BlockTiles)>,
+    ) {
+        self.spread(image, block, &mut scratch.pixels);
+        let reference = reference.map(|(image, block)| {
+            self.spread(image, block, &mut scratch.reference);
+            &scratch.reference
+        });
+        let shape = self.shape(block.place, block.tiles);
+        scratch.walker.walk(coder, &shape, &mut scratch.pixels, reference);
+    }
+
+    /// The samples that `code` stands for.
+    ///
+    /// # Errors
+    /// Says what is wrong with the code.
+    pub(super) fn decode(
+        &self,
+        place: (u16, u16),
+        tiles: u16,
+        code: &[u8],
+        reference: Option<(&SampleImage, &BlockTiles)>,
+    ) -> Result<BlockSamples, String> {
+        Scratch::with(|scratch| {
+            scratch.pixels.clear();
+            let reference = reference.map(|(image, block)| {
+                self.spread(image, block, &mut scratch.reference);
+                &scratch.reference
+            });
+            let shape = self.shape(place, tiles);
+            let (walker, pixels) = (&mut scratch.walker, &mut scratch.pixels);
+            let whole = if self.plain {
+                let mut reader = PlainReader::new(code);
+                walker.walk(&mut reader, &shape, pixels, reference);
+                reader.is_whole()
+            } else {
+                let mut reader = ModelReader::new(self.model, code).ok_or("its code is cut short")?;
+                walker.walk(&mut reader, &shape, pixels, reference);
+                reader.is_whole()
+            };
+            if !whole {
+                return Err("its code does not end where it should".to_owned());
+            }
+            self.gather(place, tiles, pixels)
+        })
+    }
+
+    /// Takes the samples of a block from where a walk left them.
+    fn gather(&self, place: (u16, u16), tiles: u16, pixels: &Pixels) -> Result<BlockSamples, String> {
+        let mut samples = BlockSamples::default();
+        for inside in (0..TILES * TILES).filter(|inside| tiles >> inside & 1 == 1) {
+            let (left, top) = (inside % TILES * TILE, inside / TILES * TILE);
+            let mut tile = SampleTile {
+                tile_x: place.0 * TILES as u16 + (inside % TILES) as u16,
+                tile_y: place.1 * TILES as u16 + (inside / TILES) as u16,
+                first: samples.color.len() as u32,
+                rows: [0; TILE],
+            };
+            for row in 0..TILE {
+                let start = cell(left, top + row);
+                for column in 0..TILE {
+                    let at = start + column;
+                    if !pixels.present[at] {
+                        continue;
+                    }
+                    tile.rows[row] |= 1 << column;
+                    let color = [2, 1, 3].map(|number: usize| self.palette.color(pixels.values[number][at]));
+                    let [Some(red), Some(green), Some(blue)] = color else {
+                        return Err("a color is not in the palette".to_owned());
+                    };
+                    let bits = u64::from(pixels.values[0][at] as u32) << self.depth_shift;
+                    if bits > u64::from(LARGEST_DEPTH) {
+                        return Err("an inverse depth is negative or not finite".to_owned());
+                    }
+                    samples.color.push([red, green, blue]);
+                    samples.inverse_depth.push(f32::from_bits(bits as u32));
+                    if self.normals {
+                        let normal = [4, 5].map(|number: usize| i8::try_from(pixels.values[number][at]));
+                        let [Ok(x), Ok(y)] = normal else {
+                            return Err("a normal is out of range".to_owned());
+                        };
+                        samples.normal.push(OctNormal([x, y]));
+                    }
+                }
+            }
+            if tile.rows == [0; TILE] {
+                return Err("a tile is empty".to_owned());
+            }
+            samples.tiles.push(tile);
+        }
+        Ok(samples)
+    }
+}
+
+/// Columns of the set bits of a mask.
+fn columns(mut mask: u16) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (mask != 0).then(|| {
+            let column = mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            column
+        })
+    })
+}
+
+/// The samples of one block; `first` of its tiles counts from 0.
+#[derive(Default)]
+pub(super) struct BlockSamples {
+    pub(super) tiles: Vec<SampleTile>,
+    pub(super) color: Vec<[f16; 3]>,
+    inverse_depth: Vec<f32>,
+    normal: Vec<OctNormal>,
+}
+
+/// Puts blocks together, tiles in their order.
+pub(super) fn assemble(camera: u32, span: Span, normals: bool, blocks: &[BlockSamples]) -> SampleImage {
+    let mut order: Vec<(&SampleTile, &BlockSamples)> =
+        blocks.iter().flat_map(|block| block.tiles.iter().map(move |tile| (tile, block))).collect();
+    order.sort_unstable_by_key(|(tile, _)| (tile.tile_y, tile.tile_x));
+    let count = blocks.iter().map(|block| block.color.len()).sum();
+    let mut tiles = Vec::with_capacity(order.len());
+    let mut color = Vec::with_capacity(count);
+    let mut inverse_depth = Vec::with_capacity(count);
+    let mut normal = Vec::with_capacity(if normals { count } else { 0 });
+    for (tile, block) in order {
+        let samples = tile.first as usize..tile.first as usize + tile.count();
+        tiles.push(SampleTile { first: color.len() as u32, ..*tile });
+        color.extend_from_slice(&block.color[samples.clone()]);
+        inverse_depth.extend_from_slice(&block.inverse_depth[samples.clone()]);
+        if normals {
+            normal.extend_from_slice(&block.normal[samples]);
+        }
+    }
+    let depth = DepthPlane::pack(&tiles, &inverse_depth);
+    SampleImage { camera, span, tiles, color, depth, normal: normals.then_some(normal) }
+}

@@ -1,0 +1,77 @@
+//! What a precision other than lossless leaves of a sample, and the check that it is enough.
+//!
+//! Color is held to half a step of a display with so many bits, by the choice of the [palette](super::palette). Inverse depth
+//! is rounded by leaving off its lowest bits: the relative error of `w` is that of `z`, and a pixel's footprint at depth `z` is
+//! `z / f` across, so that an error of `p` footprints is a relative error of `p / f`, whatever the depth.
+
+use super::palette::{Palette, half_step};
+use crate::capture::Camera;
+use crate::color::steps_from_linear;
+use crate::preprocess::{DepthPlane, SampleImage};
+use crate::settings::{Precision, StoreSettings};
+
+/// Bits of a display whose half step bounds the error of color, or `None` where there is none.
+pub(super) fn color_bits(settings: &StoreSettings) -> Option<u32> {
+    match settings.precision {
+        Precision::Lossless => None,
+        Precision::Bits16 => Some(16),
+        Precision::Bits12 => Some(12),
+        Precision::Bits10 => Some(10),
+        Precision::Bits8 => Some(8),
+    }
+}
+
+/// The relative error of inverse depth that the settings grant for a camera.
+fn depth_error(camera: &Camera, settings: &StoreSettings) -> f64 {
+    f64::from(settings.depth_precision) / camera.intrinsics.fx.max(camera.intrinsics.fy)
+}
+
+/// Lowest bits of inverse depth that may be left off: 2^(shift − 1) in the 24 bits of a float's fraction is the error.
+pub(super) fn depth_shift(camera: &Camera, settings: &StoreSettings) -> u32 {
+    if settings.precision == Precision::Lossless {
+        return 0;
+    }
+    let units = depth_error(camera, settings) * f64::from(1 << 23);
+    (0..=16).rev().find(|shift| *shift == 0 || f64::from(1 << (shift - 1)) <= units).unwrap_or(0)
+}
+
+/// The image as the store will hold it.
+///
+/// # Errors
+/// Where a sample would err by more than the settings grant: that would be a defect of this program.
+pub(super) fn reduce(
+    image: &SampleImage,
+    camera: &Camera,
+    palette: &Palette,
+    settings: &StoreSettings,
+) -> Result<SampleImage, String> {
+    let shift = depth_shift(camera, settings);
+    let half = if shift == 0 { 0 } else { 1_u32 << (shift - 1) };
+    let before = image.inverse_depths();
+    let after: Vec<f32> = before
+        .iter()
+        .map(|depth| f32::from_bits(depth.to_bits().saturating_add(half).min(LARGEST) >> shift << shift))
+        .collect();
+    let color = image.color.iter().map(|color| color.map(|half| palette.color(palette.rank(half))));
+    let color: Option<Vec<_>> = color.map(|[red, green, blue]| Some([red?, green?, blue?])).collect();
+    let color = color.ok_or("a color is not in the palette")?;
+    let reduced = SampleImage { color, depth: DepthPlane::pack(&image.tiles, &after), ..image.clone() };
+
+    let allowed = depth_error(camera, settings);
+    let far = |a: &f32, b: &f32| (f64::from(*a) - f64::from(*b)).abs() > allowed * f64::from(*a);
+    // Below the smallest normal float there is no relative precision to hold: such a depth is infinity to any camera.
+    if before.iter().zip(&after).any(|(a, b)| far(a, b) && *a >= f32::MIN_POSITIVE) {
+        return Err("an inverse depth errs by more than the precision that is set".to_owned());
+    }
+    if let Some(bits) = color_bits(settings) {
+        let pairs = image.color.iter().flatten().zip(reduced.color.iter().flatten());
+        let error = |a, b| (steps_from_linear(a) - steps_from_linear(b)).abs();
+        if pairs.into_iter().any(|(a, b)| error(*a, *b) > half_step(bits)) {
+            return Err("a color errs by more than the precision that is set".to_owned());
+        }
+    }
+    Ok(reduced)
+}
+
+/// Bits of the largest finite float.
+const LARGEST: u32 = 0x7F7F_FFFF;
