@@ -66,25 +66,23 @@ impl<'a> LayerBuilder<'a> {
 
     /// Estimates the normals of the samples at `pixels`, where they are not given or not wanted as given.
     pub fn estimate_normals(&self, layer: &mut Layer, camera: &Camera, pixels: &[u32]) {
-        let width = layer.width.max(1);
         let rotation = camera.world_from_camera.matrix3.as_mat3();
         let view = DepthView::new(&layer.inverse_depth, camera, &self.settings.normals);
         let estimated = self.settings.normals.source == NormalSource::Estimated;
-        let missing = |&pixel: &u32| {
-            let pixel = pixel as usize;
+        let missing = |pixel: &u32| {
+            let pixel = *pixel as usize;
             layer.inverse_depth[pixel] > 0.0 && (estimated || layer.normal[pixel] == Vec3::ZERO)
         };
-        let estimate = |pixel: u32| {
-            let estimate = view.estimate(
-                self.settings.normals.estimator,
-                pixel as usize % width,
-                pixel as usize / width,
-            );
-            let trusted = estimate.confidence >= MIN_CONFIDENCE;
-            (pixel, if trusted { rotation * estimate.normal_in_camera } else { Vec3::ZERO })
+        let estimate = |pixels: &[u32]| {
+            let missing: Vec<u32> = pixels.iter().copied().filter(missing).collect();
+            let estimates = view.estimate_at(self.settings.normals.estimator, &missing);
+            let normals = missing.into_iter().zip(estimates).map(|(pixel, estimate)| {
+                let trusted = estimate.confidence >= MIN_CONFIDENCE;
+                (pixel, if trusted { rotation * estimate.normal_in_camera } else { Vec3::ZERO })
+            });
+            normals.collect::<Vec<_>>()
         };
-        let normals: Vec<(u32, Vec3)> =
-            pixels.par_iter().copied().with_min_len(MIN_PIXELS).filter(missing).map(estimate).collect();
+        let normals: Vec<(u32, Vec3)> = pixels.par_chunks(MIN_PIXELS).flat_map_iter(estimate).collect();
         for (pixel, normal) in normals {
             layer.normal[pixel as usize] = normal;
         }

@@ -1,15 +1,14 @@
 //! Preprocessing (the paper, §3.2): removes what is said twice, over time and between cameras.
 //!
 //! ```text
-//! frames ─ temporal::scan ─▶ ranges, means, noise ─ split ─▶ background (once)  ─┐
-//!    │                                                                         ├─ pruning ─▶ pack ─▶ SampleSet + Report
-//!    └──────────────────────── overlay ─────────────────────▶ foreground (each frame) ─┘
+//! frames ─ temporal::scan ─▶ noise ─▶ split ─▶ samples of every span ─▶ background (once) ─▶ pruning ─┐
+//!                                                      └─▶ shorter spans, down to each frame ─▶ pruning ─┴▶ pack ─▶ SampleSet + Report
 //!
 //! a layer = colors, depths ─▶ normals ─▶ sampling rate ─▶ rank;  pruning asks registration who shows the same point
 //! ```
 //!
-//! The steps, in the paper's order: [`normals`] are given or estimated; [`temporal`] redundancy is split off as
-//! background; [`registration`] carries samples between cameras; [`sampling_rate`] tells which of two is better; and
+//! The steps, in the paper's order: [`normals`] are given or estimated; [`temporal`] redundancy is split off
+//! ([`split`], over the spans of a [`span_tree`]); [`registration`] carries samples between cameras; [`sampling_rate`] tells which of two is better; and
 //! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add.
 
 pub mod background;
@@ -23,6 +22,7 @@ pub mod layer;
 pub mod mixed_pixels;
 pub mod noise;
 pub mod normal_errors;
+mod normal_lanes;
 pub mod normals;
 mod octahedral;
 pub mod pack;

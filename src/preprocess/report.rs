@@ -166,7 +166,9 @@ impl Tally {
         }
         if !is_root {
             let at_frames = &mut self.report.foreground_per_frame[span.start as usize..span.end as usize];
-            at_frames.iter_mut().for_each(|kept| *kept += kept_in_span);
+            for kept in at_frames {
+                *kept += kept_in_span;
+            }
         }
     }
 

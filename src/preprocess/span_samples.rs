@@ -157,20 +157,6 @@ impl SpanStore {
             Place::File { samples, .. } => (*span, *samples),
         })
     }
-
-    /// Takes over everything that `other` holds.
-    ///
-    /// # Errors
-    /// `Io` where a temporary file cannot be read or written.
-    pub fn absorb(&mut self, other: Self) -> Result<()> {
-        let keys: Vec<_> = other.places.keys().copied().collect();
-        for (camera, span) in keys {
-            if let Some(samples) = other.get(camera, span)? {
-                self.insert(camera, span, Arc::unwrap_or_clone(samples))?;
-            }
-        }
-        Ok(())
-    }
 }
 
 fn in_file(error: std::io::Error) -> Error {

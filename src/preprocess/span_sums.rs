@@ -63,7 +63,7 @@ impl SpanSums {
 
     /// Pixels.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn pixels(&self) -> usize {
         self.inverse_depth.len()
     }
 
@@ -163,6 +163,7 @@ impl SpanSums {
 
 /// A half float widened by integer arithmetic alone, so that it is vectorized; colors are finite.
 #[inline(always)]
+#[must_use]
 pub fn widened(bits: i16) -> f32 {
     let bits = i32::from(bits);
     // The exponent and mantissa in their place, times 2^112: the difference of the two exponent biases.

@@ -177,7 +177,7 @@ impl Band {
             self.invalid += runs.iter().map(|run| count_invalid(run) as u64).sum::<u64>();
             for given in &mut long {
                 let Some(left) = open.pop() else { break };
-                sums = union(left, sums, batch.test, first, given);
+                sums = union(&left, &sums, batch.test, first, given);
             }
             if batch.is_last {
                 for pixel in 0..pixels {
@@ -209,19 +209,19 @@ fn run_of(frame: &Frame, first: usize, pixels: usize) -> FrameRun<'_> {
 
 /// The sums over two spans together. Where they are not static, the static ones of the two become samples.
 fn union(
-    left: SpanSums,
-    right: SpanSums,
+    left: &SpanSums,
+    right: &SpanSums,
     test: &StaticTest,
     first: usize,
     given: &mut [SpanSamples; 2],
 ) -> SpanSums {
     let mut both = left.clone();
-    both.merge(&right);
-    for pixel in 0..both.len() {
+    both.merge(right);
+    for pixel in 0..both.pixels() {
         if both.is_static(pixel, test) {
             continue;
         }
-        for (sums, given) in [&left, &right].into_iter().zip(&mut *given) {
+        for (sums, given) in [left, right].into_iter().zip(&mut *given) {
             if sums.is_open(pixel) {
                 give(given, first, pixel, sums);
             }

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::background::Memo;
-use super::noise::{Noise, NoiseMeter, measure_noise};
+use super::noise::{Noise, measure_pairs};
 use super::normal_errors::{NormalErrors, compare_with_given};
 use super::range_shares::RangeShares;
 use super::ranges::{CameraSum, Ranges};
@@ -174,11 +174,8 @@ fn scan_camera(
         })
         .collect::<Result<_>>()?;
     let held: BTreeMap<usize, Arc<Frame>> = held.into_iter().collect();
-    let mut meter = NoiseMeter::default();
-    for [before, after] in pairs {
-        measure_noise(&mut meter, &held[&before], &held[&after]);
-    }
-    let noise = meter.noise();
+    let pairs: Vec<[&Frame; 2]> = pairs.iter().map(|pair| pair.map(|frame| &*held[&frame])).collect();
+    let noise = measure_pairs(&pairs);
     // A step belongs to the files' format, which is one for all frames of a camera.
     let depth_step_relative = held.values().map(|frame| frame.depth_step_relative).fold(0.0, f32::max);
     let normal_errors = held.get(&0).map_or_else(Vec::new, |first| {
