@@ -12,7 +12,8 @@ use std::ops::Range;
 use half::f16;
 
 use crate::error::{Error, Result};
-use crate::preprocess::{SampleImage, SampleSet, TILE, TileDepths};
+use crate::preprocess::{SampleImage, SampleSet, TILE, TILE_SAMPLES, TileDepths};
+use crate::simd::{self, Work};
 
 /// Tiles that slots can tell apart.
 const MAX_TILES: usize = 1 << 24;
@@ -37,6 +38,7 @@ pub(super) struct FrameTile<'a> {
 }
 
 impl<'a> FrameTile<'a> {
+    #[inline(always)]
     fn new(image_index: usize, image: &'a SampleImage, index: usize) -> Self {
         let tile = &image.tiles[index];
         let mut before = [0; TILE];
@@ -69,6 +71,34 @@ impl<'a> FrameTile<'a> {
         self.before[row] as usize + (self.rows[row] & ((1 << column) - 1)).count_ones() as usize
     }
 
+    /// The three half floats of a sample's color, red lowest.
+    #[inline(always)]
+    pub(super) fn color_bits(&self, nth: usize) -> u64 {
+        bits_of(self.color[nth])
+    }
+
+    /// Inverse depths and colors of the samples at 2×2 pixels, left above, right above, left below, right below; `None` where
+    /// one is missing.
+    #[inline(always)]
+    pub(super) fn quad(&self, column: usize, row: usize) -> Option<([f32; 4], [u64; 4])> {
+        let (above, below) = (self.rows[row] >> column, self.rows[row + 1] >> column);
+        if above & below & 3 != 3 {
+            return None;
+        }
+        let firsts = [self.rank(column, row), self.rank(column, row + 1)];
+        let [a, b] = firsts.map(|first| self.color[first..].first_chunk::<2>());
+        let (a, b) = (a?, b?);
+        Some((self.depths.pairs(firsts)?, [a[0], a[1], b[0], b[1]].map(bits_of)))
+    }
+
+    /// Asks for the memory of the tile's depths.
+    #[inline(always)]
+    pub(super) fn fetch_depths_ahead(&self) {
+        let (low, high) = self.depths.planes();
+        (0..low.len()).step_by(32).for_each(|at| simd::prefetch(low, at));
+        (0..high.len()).step_by(64).for_each(|at| simd::prefetch(high, at));
+    }
+
     /// The color of a sample, linear.
     #[inline(always)]
     pub(super) fn color(&self, nth: usize) -> [f32; 3] {
@@ -76,14 +106,37 @@ impl<'a> FrameTile<'a> {
     }
 }
 
+#[inline(always)]
+fn bits_of(color: [f16; 3]) -> u64 {
+    let [red, green, blue] = color.map(|half| u64::from(half.to_bits()));
+    red | green << 16 | blue << 32
+}
+
 /// A half float widened by integer arithmetic alone, so that it is inlined and vectorized; colors are finite.
 #[inline(always)]
 fn f32_from_f16(value: f16) -> f32 {
-    let bits = u32::from(value.to_bits());
+    f32_from_f16_bits(u32::from(value.to_bits()))
+}
+
+/// As [`f32_from_f16`], from the half float's sixteen bits.
+#[inline(always)]
+pub(super) fn f32_from_f16_bits(bits: u32) -> f32 {
     // The exponent and mantissa in their place, times 2^112: the difference of the two exponent biases.
     let magnitude = f32::from_bits((bits & 0x7fff) << 13) * f32::from_bits(0x7780_0000);
-    if bits & 0x8000 == 0 { magnitude } else { -magnitude }
+    f32::from_bits(magnitude.to_bits() | (bits & 0x8000) << 16)
 }
+
+/// Where a color lies.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ColorPlace {
+    /// Index in [`FrameSamples::images`].
+    pub(super) image: u32,
+    /// Index of the sample in the image.
+    pub(super) nth: u32,
+}
+
+/// Marks tiles whose samples need not be counted: each lies at its place in the tile.
+const FULL: u32 = 1 << 31;
 
 /// The images at a frame, those of all frames first, so that their slots are the same at every frame.
 #[derive(Clone, Debug)]
@@ -97,6 +150,28 @@ pub(super) struct FrameSamples<'a> {
     pub(super) lasting_images: usize,
     /// How many of `tiles` belong to them.
     pub(super) lasting_tiles: usize,
+    /// The place of the first sample of each tile, with [`FULL`] added to the image: eight bytes, so that all of them fit in
+    /// a cache together.
+    color_places: Vec<ColorPlace>,
+    /// Colors of each image.
+    colors: Vec<&'a [[f16; 3]]>,
+}
+
+/// Adds the tiles of an image.
+struct Numbering<'a, 'b> {
+    index: usize,
+    image: &'a SampleImage,
+    tiles: &'b mut Vec<FrameTile<'a>>,
+}
+
+impl Work for Numbering<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { index, image, tiles } = self;
+        tiles.extend((0..image.tiles.len()).map(|tile| FrameTile::new(index, image, tile)));
+    }
 }
 
 impl<'a> FrameSamples<'a> {
@@ -125,11 +200,17 @@ impl<'a> FrameSamples<'a> {
             ));
         }
         let mut tiles = Vec::with_capacity(count);
-        for &index in &images {
+        let mut color_places = Vec::with_capacity(count);
+        for (nth, &index) in images.iter().enumerate() {
             let image = &set.images[index];
-            tiles.extend((0..image.tiles.len()).map(|tile| FrameTile::new(index, image, tile)));
+            simd::run(Numbering { index, image, tiles: &mut tiles });
+            color_places.extend(image.tiles.iter().map(|tile| {
+                let full = if tile.rows == [u16::MAX; TILE] { FULL } else { 0 };
+                ColorPlace { image: nth as u32 | full, nth: tile.first }
+            }));
         }
-        Ok(Self { set, images, tiles, lasting_images, lasting_tiles })
+        let colors = images.iter().map(|&image| set.images[image].color.as_slice()).collect();
+        Ok(Self { set, images, tiles, lasting_images, lasting_tiles, color_places, colors })
     }
 
     /// Numbers of the tiles that hold at all frames.
@@ -159,6 +240,25 @@ impl<'a> FrameSamples<'a> {
     pub(super) fn color_of(&self, slot: u32) -> [f32; 3] {
         let tile = &self.tiles[(slot >> 8) as usize];
         tile.color(tile.rank(slot as usize % TILE, slot as usize / TILE % TILE))
+    }
+
+    /// Where the color of the sample at a slot lies.
+    #[inline(always)]
+    pub(super) fn color_place(&self, slot: u32) -> ColorPlace {
+        let number = (slot >> 8) as usize;
+        let first = self.color_places[number];
+        let nth = if first.image & FULL != 0 {
+            slot as usize % TILE_SAMPLES
+        } else {
+            self.tiles[number].rank(slot as usize % TILE, slot as usize / TILE % TILE)
+        };
+        ColorPlace { image: first.image & !FULL, nth: first.nth + nth as u32 }
+    }
+
+    /// The colors of an image, as an index in `images`.
+    #[inline(always)]
+    pub(super) fn colors(&self, image: u32) -> &'a [[f16; 3]] {
+        self.colors[image as usize]
     }
 
     /// The cameras that some keys' samples come from, ascending.

@@ -21,9 +21,11 @@ mod fill;
 mod footprint;
 mod frame_samples;
 mod gather;
+mod gather_points;
 pub mod gpu;
 mod keys;
 mod lookup;
+pub mod pick;
 mod project;
 mod resolve;
 mod silhouette;
@@ -34,6 +36,7 @@ pub use backend::{Painter, Renderer, Shown};
 pub use cpu::CpuRenderer;
 pub use fill::fill;
 pub use gpu::{AdapterChoice, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
+pub use pick::{Picked, pick};
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]

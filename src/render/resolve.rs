@@ -8,8 +8,9 @@ use rayon::prelude::*;
 
 use super::blend::Sum;
 use super::blocks::Blocks;
-use super::frame_samples::FrameSamples;
+use super::frame_samples::{ColorPlace, FrameSamples, f32_from_f16_bits};
 use super::gather::{BLOCK, Gather};
+use super::gather_points::{Findings, SurfacePoint};
 use super::keys::{inverse_depth_of, slot_of};
 use super::silhouette::{Patch, Pixel, RING, SIDE};
 use super::vantage::{NO_IMAGE, Picture};
@@ -57,6 +58,14 @@ pub(super) struct Resolve<'a> {
     pub(super) job: &'a Job,
 }
 
+/// The nearest samples of a block of pixels.
+struct Found {
+    keys: [[u64; BLOCK]; BLOCK],
+    places: [[ColorPlace; BLOCK]; BLOCK],
+    /// Three half floats each.
+    colors: [[u64; BLOCK]; BLOCK],
+}
+
 /// Sixteen rows of the three planes of a picture.
 struct Rows<'a> {
     color: &'a mut [[f32; 3]],
@@ -95,7 +104,12 @@ impl Work for Strip<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        let mut cameras = Vec::new();
+        let (mut cameras, mut waiting) = (Vec::new(), Waiting::default());
+        let mut found = Found {
+            keys: [[0; BLOCK]; BLOCK],
+            places: [[ColorPlace::default(); BLOCK]; BLOCK],
+            colors: [[0; BLOCK]; BLOCK],
+        };
         for column in 0..self.resolve.width.div_ceil(BLOCK) {
             if !self.which.contains(column, self.row) {
                 continue;
@@ -106,9 +120,9 @@ impl Work for Strip<'_> {
             if !has_foreground && let Some(background) = self.resolve.background_picture {
                 self.copy(&block, background);
             } else if let Some(gathers) = self.resolve.gather {
-                self.gather(&block, gathers[usize::from(has_foreground)], &mut cameras);
-            } else if self.resolve.kernel == Kernel::Point {
-                self.points(&block);
+                self.gather(&block, gathers[usize::from(has_foreground)], (&mut cameras, &mut waiting));
+            } else if self.resolve.kernel == Kernel::Point && !self.resolve.frame.tiles.is_empty() {
+                self.points(&block, &mut found);
             } else {
                 self.blend(&block);
             }
@@ -223,44 +237,79 @@ impl Strip<'_> {
         }
     }
 
-    /// Every pixel shows its nearest sample. Samples of neighboring pixels lie far apart in memory: a row's are found first
-    /// and read afterwards, so that the processor waits for all of them at once.
+    /// Every pixel shows its nearest sample. Samples of neighboring pixels lie far apart in memory: those of a block are all
+    /// found before the first is read, so that the processor waits for many of them at once.
     #[inline(always)]
-    fn points(&mut self, block: &Block) {
+    fn points(&mut self, block: &Block, found: &mut Found) {
+        let frame = self.resolve.frame;
         let (columns, rows) = self.extent(block);
-        let tiles = &self.resolve.frame.tiles;
         for row in 0..rows {
             let first = (block.top + row) * self.resolve.width + block.left;
-            let (mut keys, mut places) = ([0_u64; BLOCK], [(0_usize, 0_usize); BLOCK]);
-            for column in 0..columns {
-                keys[column] = self.resolve.key(first + column);
-                // A hole looks at the first sample there is, and forgets it.
-                let slot = if keys[column] == 0 { 0 } else { slot_of(keys[column]) };
-                let number = (slot >> 8) as usize;
-                if let Some(tile) = tiles.get(number) {
-                    places[column] =
-                        (number, tile.rank(slot as usize % BLOCK, slot as usize / BLOCK % BLOCK));
-                }
+            let keys = &mut found.keys[row][..columns];
+            keys.copy_from_slice(&self.resolve.background.keys[first..first + columns]);
+            if let Some(foreground) = self.resolve.foreground {
+                let front = &foreground.keys[first..first + columns];
+                keys.iter_mut().zip(front).for_each(|(key, front)| *key = (*key).max(*front));
             }
+            // What will be written is not in the cache either.
             let at = row * self.resolve.width + block.left;
-            for column in 0..columns {
-                let (number, nth) = places[column];
-                let shown = keys[column] != 0;
-                let (mut color, mut image) = ([0.0; 3], NO_IMAGE);
-                if let Some(tile) = tiles.get(number) {
-                    let found = tile.color(nth);
-                    (0..3).for_each(|channel| color[channel] = if shown { found[channel] } else { 0.0 });
-                    image = if shown { tile.image } else { NO_IMAGE };
-                }
-                self.rows.color[at + column] = color;
-                self.rows.inverse_depth[at + column] = inverse_depth_of(keys[column]);
-                self.rows.image[at + column] = image;
+            for part in 0..3 {
+                simd::prefetch(self.rows.color, at + part * BLOCK / 3);
             }
+            simd::prefetch(self.rows.inverse_depth, at);
+            simd::prefetch(self.rows.image, at);
+            for (place, &key) in found.places[row].iter_mut().zip(&*keys) {
+                // A hole looks at the first sample there is, and forgets it.
+                *place = frame.color_place(if key == 0 { 0 } else { slot_of(key) });
+                simd::prefetch(frame.colors(place.image), place.nth as usize);
+            }
+        }
+        for row in 0..rows {
+            for (color, place) in found.colors[row].iter_mut().zip(&found.places[row]).take(columns) {
+                let [red, green, blue] =
+                    frame.colors(place.image)[place.nth as usize].map(|half| u64::from(half.to_bits()));
+                *color = red | green << 16 | blue << 32;
+            }
+        }
+        for row in 0..rows {
+            self.show(block, row, found);
         }
     }
 
+    /// Sets a row of pixels to what was found.
     #[inline(always)]
-    fn gather(&mut self, block: &Block, gather: &Gather<'_>, cameras: &mut Vec<u16>) {
+    fn show(&mut self, block: &Block, row: usize, found: &Found) {
+        let (columns, _) = self.extent(block);
+        let at = row * self.resolve.width + block.left;
+        let (mut planes, mut depths, mut images) = ([[0.0; BLOCK]; 3], [0.0; BLOCK], [NO_IMAGE; BLOCK]);
+        for column in 0..BLOCK {
+            let (key, color) = (found.keys[row][column], found.colors[row][column]);
+            let color = if key == 0 { 0 } else { color };
+            for channel in 0..3 {
+                planes[channel][column] = f32_from_f16_bits((color >> (16 * channel)) as u32 & 0xffff);
+            }
+            depths[column] = inverse_depth_of(key);
+        }
+        for (image, (key, place)) in
+            images.iter_mut().zip(found.keys[row].iter().zip(&found.places[row])).take(columns)
+        {
+            let shown = self.resolve.frame.images[place.image as usize] as u32;
+            *image = if *key == 0 { NO_IMAGE } else { shown };
+        }
+        for (column, color) in self.rows.color[at..at + columns].iter_mut().enumerate() {
+            *color = [planes[0][column & 15], planes[1][column & 15], planes[2][column & 15]];
+        }
+        self.rows.inverse_depth[at..at + columns].copy_from_slice(&depths[..columns]);
+        self.rows.image[at..at + columns].copy_from_slice(&images[..columns]);
+    }
+
+    #[inline(always)]
+    fn gather(
+        &mut self,
+        block: &Block,
+        gather: &Gather<'_>,
+        (cameras, waiting): (&mut Vec<u16>, &mut Waiting),
+    ) {
         let frame = self.resolve.frame;
         let patch = self.resolve.patch(block);
         frame.cameras_of(patch.keys.as_flattened(), cameras);
@@ -269,6 +318,7 @@ impl Strip<'_> {
         gather.rank(center, inverse_depth_of(middle).max(0.0), cameras);
         let edges = patch.edges();
         let (columns, rows) = self.extent(block);
+        waiting.clear();
         for row in 0..rows {
             for column in 0..columns {
                 let own = patch.keys[row + RING][column + RING];
@@ -286,18 +336,45 @@ impl Strip<'_> {
                         (if share >= 0.5 { near } else { far }, [(near, share), (far, 1.0 - share)])
                     }
                 };
-                let (x, y) = ((block.left + column) as f32, (block.top + row) as f32);
-                let mut color = [0.0; 3];
+                let at = row * self.resolve.width + block.left + column;
+                self.set(at, key, [0.0; 3]);
                 for (key, share) in layers {
                     if share > 0.0 {
-                        let own = || frame.color_of(slot_of(key));
-                        let sample = frame.camera_of(slot_of(key));
-                        let found = gather.color((x, y), inverse_depth_of(key), (sample, cameras), own);
-                        (0..3).for_each(|channel| color[channel] += share * found[channel]);
+                        let place = ((block.left + column) as f32, (block.top + row) as f32);
+                        waiting.push(frame, place, (key, share), at);
                     }
                 }
-                self.set(row * self.resolve.width + block.left + column, key, color);
             }
         }
+        gather.find(&waiting.points, cameras, &mut waiting.found, &mut waiting.wanting);
+        for (found, &(key, share, at)) in waiting.found.iter().zip(&waiting.pixels) {
+            let color = found.color(|| frame.color_of(slot_of(key)));
+            (0..3).for_each(|channel| self.rows.color[at][channel] += share * color[channel]);
+        }
+    }
+}
+
+/// Surface points of a block that wait for their colors.
+#[derive(Default)]
+struct Waiting {
+    points: Vec<SurfacePoint>,
+    /// The key of each, how much it counts in its pixel, and the pixel, as an index in the strip.
+    pixels: Vec<(u64, f32, usize)>,
+    found: Vec<Findings>,
+    /// Points that want one camera.
+    wanting: Vec<usize>,
+}
+
+impl Waiting {
+    fn clear(&mut self) {
+        self.points.clear();
+        self.pixels.clear();
+    }
+
+    #[inline(always)]
+    fn push(&mut self, frame: &FrameSamples<'_>, (x, y): (f32, f32), (key, share): (u64, f32), at: usize) {
+        let sample = frame.camera_of(slot_of(key));
+        self.points.push(SurfacePoint { x, y, w: inverse_depth_of(key), sample });
+        self.pixels.push((key, share, at));
     }
 }
