@@ -275,7 +275,7 @@ fn a_clean_silhouette_is_not_taken_for_a_blended_one() {
 /// A red ball before the sky, whose silhouette is blended; how many kept samples show neither red nor sky, and the report.
 fn fringe(mixed_pixels: MixedPixels) -> (usize, Preprocessed) {
     let ball = Sphere::resting(DVec3::new(0.0, 0.0, 0.6), 0.8, [0.7, 0.2, 0.1]);
-    let scene = Scene { spheres: vec![ball], normals: true, antialiased: true, ..Scene::default() };
+    let scene = Scene { spheres: vec![ball], normals: true, color_rays: 4, ..Scene::default() };
     let capture = scene.record(arc(3, 64), 1);
     let mut settings = Settings::default();
     settings.pruning.mixed_pixels = mixed_pixels;

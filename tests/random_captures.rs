@@ -108,7 +108,7 @@ fn any_scene(draws: &mut Draws) -> Scene {
         color_noise: draws.of(&[0.0, 0.02, 0.2]),
         half_depth: draws.chance(0.5),
         normals: draws.chance(0.5),
-        antialiased: draws.chance(0.3),
+        color_rays: draws.of(&[1, 1, 3]),
         ..Scene::still_life()
     };
     scene.ground = draws.chance(0.8);
@@ -141,7 +141,7 @@ fn a_thousand_random_captures_neither_panic_nor_lose_a_surface_point() {
             let draws = &mut Draws(seed);
             let (scene, settings) = (any_scene(draws), any_settings(draws));
             let mut cameras = Vec::new();
-            for _ in 0..1 + draws.below(6) {
+            for _ in 0..=draws.below(6) {
                 cameras.push(any_camera(draws, &cameras));
             }
             let frames = 1 + draws.below(3) as usize;
