@@ -256,6 +256,8 @@ impl FoldState {
 
     fn model(&mut self, trial: &Trial, reference: &Settings, job: &Job) -> Result<Arc<Model>> {
         let key = trial.model_key();
+        // A store notes its settings: those of painting must not change its size.
+        let trial = &Trial { settings: key.0.clone(), ..trial.clone() };
         if let Some(place) = self.models.iter().position(|(known, _)| *known == key) {
             let known = self.models.remove(place);
             self.models.insert(0, known);
