@@ -43,6 +43,7 @@ pub mod span_tree;
 pub mod split;
 pub mod static_test;
 pub mod temporal;
+pub mod testimony;
 
 use std::cmp::Reverse;
 use std::sync::Arc;
@@ -64,12 +65,13 @@ use pruning::{Decided, Rig};
 use report::Tally;
 use span_tree::{SpanTree, all_frames};
 
-pub use argument::{ChainLink, PairQuantities, PixelArgument, Testimony, spans_of_pixel};
+pub use argument::spans_of_pixel;
 pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
 pub use inspection::{CameraInspection, FrameInspection, PairArgument, PixelClass, Rule, Verdict};
 pub use report::Report;
 pub use samples::{OctNormal, Sample, SampleImage, SampleSet, SampleTile, Span, TILE};
 pub use temporal::TemporalScan;
+pub use testimony::{ChainLink, PairQuantities, PixelArgument, Testimony};
 
 /// What preprocessing gives: the kept samples, and the account of what was dropped and why.
 #[derive(Clone, Debug)]
