@@ -318,6 +318,52 @@ impl Store {
         }
     }
 
+    /// Chunks that this Overlook does not know, for whoever writes the store again: id and payload as it is.
+    ///
+    /// # Errors
+    /// `Io`; `Invalid` where the chunks do not follow one another to the end of the file.
+    pub fn unknown_chunks(&self) -> Result<Vec<(ChunkId, Vec<u8>)>> {
+        let mut unknown = Vec::new();
+        let mut offset = FORM_HEADER;
+        while let Some(header) = self.form.header_at(offset).map_err(|error| from_iff(&self.path, error))? {
+            if header.id != IMAGE && !REQUIRED.contains(&header.id) {
+                unknown.push((header.id, self.bytes(&header, 0..header.length)?));
+            }
+            offset = header.end();
+        }
+        Ok(unknown)
+    }
+
+    /// Walks over every chunk of the file; says where they do not follow one another, and which images the index does not have.
+    ///
+    /// # Errors
+    /// `Io`.
+    pub(super) fn walk(&self) -> Result<Vec<String>> {
+        let mut damage = Vec::new();
+        let mut offset = FORM_HEADER;
+        loop {
+            match self.form.header_at(offset).map_err(|error| from_iff(&self.path, error)) {
+                Ok(None) => return Ok(damage),
+                Ok(Some(header)) => {
+                    let listed =
+                        |at| self.info.images.binary_search_by_key(&at, |image| image.offset).is_ok();
+                    if header.id == IMAGE && !listed(offset) {
+                        damage.push(format!(
+                            "{}: at byte {offset}: chunk 'IMAG' is not in the index",
+                            self.path.display()
+                        ));
+                    }
+                    offset = header.end();
+                }
+                Err(error @ Error::Io { .. }) => return Err(error),
+                Err(error) => {
+                    damage.push(error.to_string());
+                    return Ok(damage);
+                }
+            }
+        }
+    }
+
     /// Reads every image. Tiles that are damaged are missing: see [`Store::damage`].
     ///
     /// # Errors
