@@ -7,6 +7,9 @@ use std::time::Duration;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use overlook::evaluate::speed::scene::recorded;
 use overlook::job::Job;
+use overlook::preprocess::noise::measure_pairs;
+use overlook::preprocess::split::{BATCH, Split};
+use overlook::preprocess::static_test::StaticTest;
 use overlook::preprocess::{inspect_frame, preprocess, scan};
 use overlook::render::{CpuRenderer, Vantage};
 use overlook::settings::{Kernel, RenderSettings, Settings};
@@ -21,6 +24,17 @@ fn preprocessing(c: &mut Criterion) {
     group.throughput(Throughput::Elements(capture.pixel_count()));
     group.bench_function("scan of three frames", |b| {
         b.iter(|| scan(&capture, &settings, &job).expect("a scan"));
+    });
+    let frames: Vec<_> = (0..32).map(|frame| capture.frame(0, frame % 3).expect("a frame")).collect();
+    let noise = measure_pairs(&[[&frames[0], &frames[1]]]);
+    let test = StaticTest::new(&settings.spans, &noise, 0.0, frames.len());
+    let pixels = capture.cameras[0].intrinsics.pixel_count();
+    group.throughput(Throughput::Elements((pixels * frames.len()) as u64));
+    group.bench_function("temporal split of one camera, 32 frames", |b| {
+        b.iter(|| {
+            let mut split = Split::new(pixels, frames.len(), test.clone());
+            frames.chunks(BATCH).map(|frames| split.add(frames)).collect::<Vec<_>>()
+        });
     });
     let scanned = scan(&capture, &settings, &job).expect("a scan");
     group.throughput(Throughput::Elements(capture.pixel_count() / 3));

@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | collection | [`capture`] | reads what was recorded: cameras, color, depth, normals; or traces a built-in scene |
 //! | normals | [`preprocess::normals`] | takes given normals or estimates them from depth |
-//! | temporal redundancy | [`preprocess::temporal`] | splits off what stays the same over all frames: the background |
+//! | temporal redundancy | [`preprocess::temporal`] | finds the longest spans of frames over which a pixel stays the same |
 //! | registration | [`preprocess::registration`] | carries samples into the other cameras: who saw the same surface point? |
 //! | sampling rate | [`preprocess::sampling_rate`] | of two samples of one point, which is denser? (the paper's `r`) |
 //! | spatial redundancy | [`preprocess::pruning`] | keeps the denser one, and never loses a point on the way |

@@ -1,5 +1,6 @@
 //! `overlook export`: points, pictures and films that other programs read.
 
+#[expect(dead_code, reason = "the builder serves other tests too")]
 #[path = "store_contract/builder.rs"]
 mod builder;
 

@@ -1,5 +1,6 @@
 //! What a file may make the reader allocate: never more than a stated multiple of its own size, whatever it says.
 
+#[expect(dead_code, reason = "the builder serves other tests too")]
 #[path = "store_contract/builder.rs"]
 mod builder;
 

@@ -25,6 +25,7 @@ const KILLS: u64 = 50;
 fn a_child_writes_stores_until_it_is_killed() {
     let Some(path) = std::env::var_os(TARGET) else { return };
     let sets = [moving_set(), small_set()];
+    std::fs::write(Path::new(&path).with_extension("started"), b"").unwrap();
     for set in sets.iter().cycle() {
         store::write(Path::new(&path), set, &small_report(), &Job::new()).unwrap();
     }
@@ -35,6 +36,7 @@ fn a_killed_writer_leaves_the_store_before_it_whole() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ovl");
     store::write(&path, &small_set(), &small_report(), &Job::new()).unwrap();
+    let started = path.with_extension("started");
     let mut seed = 7_u64;
     let mut replaced = 0;
     for _ in 0..KILLS {
@@ -45,9 +47,14 @@ fn a_killed_writer_leaves_the_store_before_it_whole() {
             .spawn()
             .unwrap();
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        std::thread::sleep(Duration::from_micros(20_000 + (seed >> 33) % 60_000));
+        while !started.exists() {
+            assert!(child.try_wait().unwrap().is_none(), "the child ended on its own");
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        std::thread::sleep(Duration::from_micros((seed >> 33) % 40_000));
         child.kill().unwrap();
         child.wait().unwrap();
+        std::fs::remove_file(&started).unwrap();
         let (read, _) = store::read(&path, &Job::new()).unwrap();
         let is_small = read.images == small_set().images;
         assert!(is_small || read.images == moving_set().images);

@@ -195,7 +195,7 @@ fn capture_of(scene: &Scene) -> Result<&Capture> {
 fn prune_whole(request: WholeRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
     let WholeRequest { scene, scan, settings } = request;
     let capture = capture_of(&scene)?;
-    let scan = if let Some(scan) = scan {
+    let scan = if let Some(scan) = scan.filter(|scan| scan.serves(&settings.spans)) {
         scan
     } else {
         let scan = preprocess::scan(capture, &settings, job)?;

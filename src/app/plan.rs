@@ -19,7 +19,8 @@ struct InspectKey {
     scene: u64,
     frame: usize,
     method: Settings,
-    with_scan: bool,
+    /// Whether there is a scan, and whether it serves the settings or is shown until one does.
+    scan_serves: Option<bool>,
 }
 
 /// What was asked for last, per lane.
@@ -75,7 +76,7 @@ impl Plan {
             scene: scene.id,
             frame: state.timeline.frame,
             method: method_of(&state.settings),
-            with_scan: state.scan.is_some(),
+            scan_serves: state.scan.as_ref().map(|scan| scan.serves(&state.settings.spans)),
         };
         if self.inspect.as_ref() != Some(&key) {
             lanes.inspect.submit(InspectRequest {

@@ -14,8 +14,9 @@ use crate::capture::{Capture, transforms};
 use crate::error::{Error, Result};
 use crate::evaluate::hold_out;
 use crate::job::Job;
+use crate::preprocess::report::CameraReport;
 use crate::preprocess::{Report, preprocess};
-use crate::settings::{CaptureSettings, Settings};
+use crate::settings::{CaptureSettings, Settings, SpanLevels};
 use crate::store::{self, Extras, Provenance};
 
 /// Arguments of `overlook preprocess`.
@@ -42,6 +43,14 @@ pub(super) struct PreprocessArgs {
     json: bool,
 }
 
+/// For frames that are read once.
+const ONE_FRAME: CaptureSettings = CaptureSettings { cache: 16 };
+
+/// The tree of spans reads every frame once, the paper's two lengths twice.
+fn frame_cache(settings: &Settings) -> CaptureSettings {
+    if settings.spans.levels == SpanLevels::Tree { ONE_FRAME } else { settings.capture.clone() }
+}
+
 #[derive(Serialize)]
 struct PreprocessOutput {
     samples_in: u64,
@@ -63,7 +72,7 @@ impl PreprocessArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let settings = self.settings.over(Settings::default())?;
         self.check_out()?;
-        let capture = self.open(&settings.capture)?;
+        let capture = self.open(&frame_cache(&settings))?;
         output::warn(&capture.warnings);
         let seconds_decode_only = if self.measure_decode { Some(self.decode_seconds()?) } else { None };
         let started = Instant::now();
@@ -125,7 +134,7 @@ impl PreprocessArgs {
 
     /// Decodes every frame once, through a capture of its own so that neither cache helps the other.
     fn decode_seconds(&self) -> Result<f64> {
-        let capture = self.open(&CaptureSettings { cache: 16 })?;
+        let capture = self.open(&ONE_FRAME)?;
         let frames = capture.frame_count();
         progress::watched(|job: &Job| {
             let started = Instant::now();
@@ -150,6 +159,9 @@ impl PreprocessArgs {
         for (rule, dropped) in &result.pruned {
             let _ = writeln!(text, "  dropped {:>16}  {rule}", output::count(*dropped));
         }
+        for camera in &result.report.cameras {
+            let _ = writeln!(text, "  {}", measured(camera));
+        }
         let _ = writeln!(
             text,
             "Raw {}, in memory {}, in the store {}",
@@ -169,4 +181,21 @@ impl PreprocessArgs {
             write!(text, "\nNext: overlook {store}, or overlook render {store} --views TRANSFORMS --out DIR");
         text
     }
+}
+
+/// What was measured of a camera, and where the tolerances of the spans lie in the distribution of its pixels.
+fn measured(camera: &CameraReport) -> String {
+    let ranges = &camera.ranges;
+    let [within, with_noise, depth] =
+        [ranges.within_color_tolerance, ranges.within_color_tolerance_and_noise, ranges.within_depth_granted]
+            .map(|share| 100.0 * share);
+    format!(
+        "{}: color noise {:.2} steps, depth noise {:.1e}, depth step {:.1e}; {within:.1} % of the pixels stay within the \
+         color tolerance, {with_noise:.1} % with noise, {depth:.1} % within a depth range of {:.1e}",
+        camera.name,
+        camera.color_noise_steps,
+        camera.depth_noise_relative,
+        camera.depth_step_relative,
+        ranges.depth_granted_relative
+    )
 }

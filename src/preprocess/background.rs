@@ -3,11 +3,13 @@
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 
-use glam::Vec3;
+use rayon::prelude::*;
 
+use super::descent::put;
 use super::layer::{Layer, LayerBuilder, ROOT};
 use super::pruning::{self, Decided, Rig};
-use super::temporal::{CameraScan, TemporalScan};
+use super::span_tree::all_frames;
+use super::temporal::TemporalScan;
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
@@ -16,7 +18,7 @@ use crate::settings::{
 };
 
 /// Static pixels of all cameras with their verdicts.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Background {
     /// Per camera; pixels that are not static hold no sample.
     pub layers: Vec<Layer>,
@@ -45,13 +47,23 @@ impl Background {
         }
     }
 
+    /// The pruned background under `settings`, which `scan` serves.
+    ///
+    /// # Errors
+    /// `Cancelled`, and `Io` where a temporary file cannot be read.
+    pub fn of(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &Job) -> Result<Self> {
+        Self::prune(capture, scan.static_layers(capture, settings, job)?, settings, job)
+    }
+
     /// Prunes static layers, which need their rates yet, against each other.
-    fn prune(capture: &Capture, mut layers: Vec<Layer>, settings: &Settings, job: &Job) -> Result<Self> {
+    fn prune(capture: &Capture, layers: Vec<StaticLayer>, settings: &Settings, job: &Job) -> Result<Self> {
         let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
-        for (layer, camera) in layers.iter_mut().zip(&capture.cameras) {
+        let rated = layers.into_par_iter().zip(&capture.cameras).map(|((mut layer, pixels), camera)| {
             job.check()?;
-            builder.rate(layer, camera, ROOT);
-        }
+            builder.rate(&mut layer, camera, &pixels);
+            Ok(layer)
+        });
+        let layers = rated.collect::<Result<Vec<_>>>()?;
         let rig = Rig::new(&capture.cameras);
         let statuses = pruning::no_statuses(&layers);
         let decided = pruning::prune(&rig, &layers, &statuses, ROOT, settings, job)?;
@@ -62,11 +74,14 @@ impl Background {
     }
 }
 
+/// A layer with normals, and the pixels of its samples, ascending.
+type StaticLayer = (Layer, Vec<u32>);
+
 /// The last results that depend on settings but on no frame, each with the settings it was made with: whoever looks at
 /// frame after frame, or turns one threshold, pays once for what stays.
 #[derive(Debug, Default)]
 pub(super) struct Memo {
-    static_layers: Mutex<Option<(StaticKey, Arc<Vec<Layer>>)>>,
+    static_layers: Mutex<Option<(StaticKey, Arc<Vec<StaticLayer>>)>>,
     background: Mutex<Option<(Settings, Arc<Background>)>>,
 }
 
@@ -83,27 +98,11 @@ fn remember<K, V>(memo: &Mutex<Option<(K, V)>>, key: K, value: V) {
     }
 }
 
-fn static_layer(scan: &CameraScan, is_static: &[bool]) -> Layer {
-    let (width, height) = scan.mean_color.size();
-    let mut layer = Layer::empty(width, height);
-    layer.noise = scan.noise.clone();
-    layer.depth_step_relative = scan.depth_step_relative;
-    for (pixel, _) in is_static.iter().enumerate().filter(|(_, is_static)| **is_static) {
-        layer.level[pixel] = ROOT;
-        layer.color[pixel] = scan.mean_color.as_slice()[pixel];
-        layer.inverse_depth[pixel] = scan.mean_inverse_depth.as_slice()[pixel];
-        if let Some(normals) = &scan.mean_normal {
-            layer.normal[pixel] = Vec3::from(normals.as_slice()[pixel]);
-        }
-    }
-    layer
-}
-
 impl TemporalScan {
-    /// The pruned background under `settings`; computed once for as long as the settings stay.
+    /// The pruned background under `settings`, which the scan serves; computed once for as long as the settings stay.
     ///
     /// # Errors
-    /// `Cancelled`.
+    /// As [`Background::of`].
     pub fn background(&self, capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<Background>> {
         // What is done with the samples later does not change them.
         let key = Settings {
@@ -115,28 +114,41 @@ impl TemporalScan {
         if let Some(background) = remembered(&self.memo.background, &key) {
             return Ok(background);
         }
-        let layers = self.static_layers(capture, settings, job)?;
+        let layers_key = (settings.normals.clone(), settings.spans.clone());
+        let layers = if let Some(layers) = remembered(&self.memo.static_layers, &layers_key) {
+            layers
+        } else {
+            let layers = Arc::new(self.static_layers(capture, settings, job)?);
+            remember(&self.memo.static_layers, layers_key, layers.clone());
+            layers
+        };
         let background = Arc::new(Background::prune(capture, layers.as_ref().clone(), settings, job)?);
         remember(&self.memo.background, key, background.clone());
         Ok(background)
     }
 
     /// Every camera's static pixels with normals, not rated yet: no pruning threshold touches them.
-    fn static_layers(&self, capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<Vec<Layer>>> {
-        let key = (settings.normals.clone(), settings.spans.clone());
-        if let Some(layers) = remembered(&self.memo.static_layers, &key) {
-            return Ok(layers);
-        }
+    fn static_layers(&self, capture: &Capture, settings: &Settings, job: &Job) -> Result<Vec<StaticLayer>> {
         let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
-        let mut layers = Vec::with_capacity(capture.cameras.len());
-        for (camera, scan) in capture.cameras.iter().zip(&self.cameras) {
+        let of_camera = |index: usize| {
             job.check()?;
-            let mut layer = static_layer(scan, &scan.static_pixels(&settings.spans, self.frames));
-            builder.estimate_normals(&mut layer, camera, ROOT);
-            layers.push(layer);
-        }
-        let layers = Arc::new(layers);
-        remember(&self.memo.static_layers, key, layers.clone());
-        Ok(layers)
+            let (camera, scan) = (&capture.cameras[index], &self.cameras[index]);
+            let (width, height) = camera.intrinsics.size();
+            let samples = match (&self.spans, &scan.ranges) {
+                (Some(spans), _) => spans.get(index, all_frames(self.frames))?.unwrap_or_default(),
+                (None, Some(ranges)) => {
+                    let test = self.static_test(index, &settings.spans);
+                    Arc::new(ranges.samples(&ranges.static_pixels(&settings.spans, &test)))
+                }
+                (None, None) => Arc::default(),
+            };
+            let mut layer = Layer::empty(width, height);
+            layer.noise = scan.noise.clone();
+            layer.depth_step_relative = scan.depth_step_relative;
+            put(&mut layer, ROOT, &samples);
+            builder.estimate_normals(&mut layer, camera, &samples.pixels);
+            Ok((layer, samples.pixels.clone()))
+        };
+        (0..self.cameras.len()).into_par_iter().map(of_camera).collect()
     }
 }

@@ -55,6 +55,13 @@ impl TileDepths<'_> {
         (f32::from_bits(self.place.farthest), f32::from_bits(self.place.nearest))
     }
 
+    /// The planes that it is read from, see the module's page: low halves and high bytes.
+    #[inline(always)]
+    #[must_use]
+    pub fn planes(&self) -> (&[u16], &[u8]) {
+        (self.low, self.high)
+    }
+
     /// The inverse depth of a sample, from 0.
     #[inline(always)]
     #[must_use]

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::layer::{Layer, Level, NO_SAMPLE};
 use super::pruning::Rig;
 use super::registration::{Outcome, SameSurface};
-use super::{SampleSet, Span, TemporalScan};
+use super::{SampleSet, Span};
 use crate::capture::{Camera, Frame};
 use crate::grid::Grid;
 use crate::settings::Settings;
@@ -252,19 +252,5 @@ impl FrameInspection {
             _ => f32::NAN,
         };
         PairArgument { camera: other, outcome, log2_ratio }
-    }
-}
-
-impl TemporalScan {
-    /// Share of each camera's pixels that are background under `settings`, 0 to 1.
-    #[must_use]
-    pub fn background_share(&self, settings: &Settings) -> Vec<f32> {
-        self.cameras
-            .iter()
-            .map(|camera| {
-                let pixels = camera.static_pixels(&settings.spans, self.frames);
-                pixels.iter().filter(|is_static| **is_static).count() as f32 / pixels.len().max(1) as f32
-            })
-            .collect()
     }
 }

@@ -5,7 +5,7 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::facet::{Facet, MIXED};
-use super::mixed_pixels;
+use super::mixed_pixels::MixedTest;
 use super::normals::{DepthView, MIN_CONFIDENCE};
 use super::sampling_rate::{Rate, Rays, footprint, rank};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
@@ -47,6 +47,9 @@ pub struct Layer {
     pub depth_step_relative: f32,
 }
 
+/// Fewer pixels are not worth a task of their own.
+const MIN_PIXELS: usize = 1024;
+
 /// What is needed to complete layers, decided once per capture and settings.
 pub struct LayerBuilder<'a> {
     settings: &'a Settings,
@@ -61,57 +64,58 @@ impl<'a> LayerBuilder<'a> {
         Self { settings, rate: Rate::resolve(settings.pruning.rate, cameras), antialiased }
     }
 
-    /// Estimates the normals of the samples of `level`, where they are not given or not wanted as given.
-    pub fn estimate_normals(&self, layer: &mut Layer, camera: &Camera, level: Level) {
-        let width = layer.width.max(1);
+    /// Estimates the normals of the samples at `pixels`, where they are not given or not wanted as given.
+    pub fn estimate_normals(&self, layer: &mut Layer, camera: &Camera, pixels: &[u32]) {
         let rotation = camera.world_from_camera.matrix3.as_mat3();
         let view = DepthView::new(&layer.inverse_depth, camera, &self.settings.normals);
         let estimated = self.settings.normals.source == NormalSource::Estimated;
-        layer.normal.par_chunks_mut(width).enumerate().for_each(|(y, normals)| {
-            for (x, normal) in normals.iter_mut().enumerate() {
-                let pixel = y * width + x;
-                let missing = estimated || *normal == Vec3::ZERO;
-                if !missing || layer.inverse_depth[pixel] <= 0.0 || layer.level[pixel] != level {
-                    continue;
-                }
-                let estimate = view.estimate(self.settings.normals.estimator, x, y);
+        let missing = |pixel: &u32| {
+            let pixel = *pixel as usize;
+            layer.inverse_depth[pixel] > 0.0 && (estimated || layer.normal[pixel] == Vec3::ZERO)
+        };
+        let estimate = |pixels: &[u32]| {
+            let missing: Vec<u32> = pixels.iter().copied().filter(missing).collect();
+            let estimates = view.estimate_at(self.settings.normals.estimator, &missing);
+            let normals = missing.into_iter().zip(estimates).map(|(pixel, estimate)| {
                 let trusted = estimate.confidence >= MIN_CONFIDENCE;
-                *normal = if trusted { rotation * estimate.normal_in_camera } else { Vec3::ZERO };
-            }
-        });
+                (pixel, if trusted { rotation * estimate.normal_in_camera } else { Vec3::ZERO })
+            });
+            normals.collect::<Vec<_>>()
+        };
+        let normals: Vec<(u32, Vec3)> = pixels.par_chunks(MIN_PIXELS).flat_map_iter(estimate).collect();
+        for (pixel, normal) in normals {
+            layer.normal[pixel as usize] = normal;
+        }
     }
 
-    /// Fills in footprints and facets of the samples of `level`, from colors, depths and normals.
-    pub fn rate(&self, layer: &mut Layer, camera: &Camera, level: Level) {
+    /// Fills in footprints and facets of the samples at `pixels`, from colors, depths and normals.
+    pub fn rate(&self, layer: &mut Layer, camera: &Camera, pixels: &[u32]) {
         let width = layer.width.max(1);
         let rays = Rays::new(camera);
         let camera_from_world = camera.camera_from_world().matrix3.as_mat3();
         let pruning = &self.settings.pruning;
-        let mixed = if self.antialiased && pruning.mixed_pixels != MixedPixels::Keep {
-            mixed_pixels::detect(layer, camera, self.settings.normals.edge)
-        } else {
-            Vec::new()
+        let detects = self.antialiased && pruning.mixed_pixels != MixedPixels::Keep;
+        let mixed = detects.then(|| MixedTest::new(layer, camera, self.settings.normals.edge));
+        let rated = |&pixel: &u32| {
+            let pixel = pixel as usize;
+            let (x, y) = (pixel % width, pixel / width);
+            let (inverse_depth, normal) = (layer.inverse_depth[pixel], layer.normal[pixel]);
+            let ray = rays.at(x, y);
+            let of = |rate| footprint(rate, &rays, ray, inverse_depth, normal, pruning);
+            let own = of(self.rate);
+            let mixed = mixed.as_ref().is_some_and(|mixed| mixed.is_mixed(x, y));
+            let ranks = [own, of(self.rate.other())].map(|footprint| {
+                let rank = if pruning.method == PruningMethod::FirstCamera { 0 } else { rank(footprint) };
+                if mixed { rank | MIXED } else { rank }
+            });
+            let normal_in_camera = camera_from_world * normal;
+            (own, Facet::new(layer.level[pixel], inverse_depth, normal_in_camera, layer.color[pixel], ranks))
         };
-        let rows = layer.footprint.par_chunks_mut(width).zip(layer.facets.par_chunks_mut(width));
-        rows.enumerate().for_each(|(y, (footprints, facets))| {
-            for x in 0..footprints.len() {
-                let pixel = y * width + x;
-                if layer.level[pixel] != level {
-                    continue;
-                }
-                let (inverse_depth, normal) = (layer.inverse_depth[pixel], layer.normal[pixel]);
-                let ray = rays.at(x, y);
-                let of = |rate| footprint(rate, &rays, ray, inverse_depth, normal, pruning);
-                footprints[x] = of(self.rate);
-                let mixed = mixed.get(pixel).is_some_and(|mixed| *mixed);
-                let ranks = [footprints[x], of(self.rate.other())].map(|footprint| {
-                    let rank = if pruning.method == PruningMethod::FirstCamera { 0 } else { rank(footprint) };
-                    if mixed { rank | MIXED } else { rank }
-                });
-                let normal_in_camera = camera_from_world * normal;
-                facets[x] = Facet::new(level, inverse_depth, normal_in_camera, layer.color[pixel], ranks);
-            }
-        });
+        let rated: Vec<(f32, Facet)> = pixels.par_iter().with_min_len(MIN_PIXELS).map(rated).collect();
+        for (&pixel, (footprint, facet)) in pixels.iter().zip(rated) {
+            layer.footprint[pixel as usize] = footprint;
+            layer.facets[pixel as usize] = facet;
+        }
     }
 }
 
@@ -132,6 +136,16 @@ impl Layer {
             noise_share: Vec::new(),
             depth_step_relative: 0.0,
         }
+    }
+
+    /// Takes the sample at `pixel` away.
+    pub fn clear(&mut self, pixel: usize) {
+        self.color[pixel] = [f16::ZERO; 3];
+        self.inverse_depth[pixel] = INVALID_INVERSE_DEPTH;
+        self.normal[pixel] = Vec3::ZERO;
+        self.footprint[pixel] = f32::INFINITY;
+        self.facets[pixel] = Facet::ABSENT;
+        self.level[pixel] = NO_SAMPLE;
     }
 
     /// Rows.

@@ -4,8 +4,6 @@
 //! dark fringe wherever it lands. Source: none in the paper, which reports that anti-aliased input looked worse (§4).
 //! Rule: across a depth step the pixel's color lies between its own side's and the other side's, away from its own.
 
-use rayon::prelude::*;
-
 use super::layer::Layer;
 use crate::capture::Camera;
 use crate::color;
@@ -19,22 +17,27 @@ const MIN_SHARE: f32 = 0.12;
 /// How far the color may lie off the line between the two sides, as a share of their distance.
 const MAX_OFF_LINE: f32 = 0.35;
 
-/// Which pixels of the layer are mixed, row-major. A step in depth of more than `edge_footprints` parts two surfaces.
-#[must_use]
-pub fn detect(layer: &Layer, camera: &Camera, edge_footprints: f32) -> Vec<bool> {
-    let (width, height) = (layer.width, layer.height());
-    let k = camera.intrinsics;
-    let edge_relative = edge_footprints / ((k.fx * k.fy).sqrt() as f32);
-    (0..height)
-        .into_par_iter()
-        .flat_map_iter(|y| {
-            (0..width).map(move |x| {
-                [(1, 0), (-1, 0), (0, 1), (0, -1)]
-                    .iter()
-                    .any(|&(dx, dy)| is_mixed(layer, (x as isize, y as isize), (dx, dy), edge_relative))
-            })
-        })
-        .collect()
+/// Tells mixed pixels of a layer.
+pub struct MixedTest<'a> {
+    layer: &'a Layer,
+    edge_relative: f32,
+}
+
+impl<'a> MixedTest<'a> {
+    /// For a layer of `camera`. A step in depth of more than `edge_footprints` parts two surfaces.
+    #[must_use]
+    pub fn new(layer: &'a Layer, camera: &Camera, edge_footprints: f32) -> Self {
+        let k = camera.intrinsics;
+        Self { layer, edge_relative: edge_footprints / ((k.fx * k.fy).sqrt() as f32) }
+    }
+
+    /// Whether pixel `(x, y)` is blended with one of its neighbors.
+    #[must_use]
+    pub fn is_mixed(&self, x: usize, y: usize) -> bool {
+        let at = (x as isize, y as isize);
+        let neighbors = [(1, 0), (-1, 0), (0, 1), (0, -1)];
+        neighbors.iter().any(|&toward| is_mixed(self.layer, at, toward, self.edge_relative))
+    }
 }
 
 /// Whether the pixel is blended with its neighbor in direction `(dx, dy)`; the opposite neighbor shows its own color.
@@ -97,11 +100,8 @@ mod tests {
                 layer.color[i] = [f16::from_f32(linear); 3];
             }
         }
-        let found: Vec<usize> = detect(&layer, &camera, 1.0)
-            .iter()
-            .enumerate()
-            .filter_map(|(i, &mixed)| mixed.then_some(i))
-            .collect();
+        let test = MixedTest::new(&layer, &camera, 1.0);
+        let found: Vec<usize> = (0..24).filter(|pixel| test.is_mixed(pixel % 8, pixel / 8)).collect();
         assert_eq!(found, [8 + 3]);
     }
 }

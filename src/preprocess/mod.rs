@@ -1,31 +1,33 @@
 //! Preprocessing (the paper, §3.2): removes what is said twice, over time and between cameras.
 //!
 //! ```text
-//! frames ─ temporal::scan ─▶ ranges, means, noise ─ split ─▶ background (once)  ─┐
-//!    │                                                                         ├─ pruning ─▶ pack ─▶ SampleSet + Report
-//!    └──────────────────────── overlay ─────────────────────▶ foreground (each frame) ─┘
+//! frames ─ temporal::scan ─▶ noise ─▶ split ─▶ samples of every span ─▶ background (once) ─▶ pruning ─┐
+//!                                                      └─▶ shorter spans, down to each frame ─▶ pruning ─┴▶ pack ─▶ SampleSet + Report
 //!
 //! a layer = colors, depths ─▶ normals ─▶ sampling rate ─▶ rank;  pruning asks registration who shows the same point
 //! ```
 //!
-//! The steps, in the paper's order: [`normals`] are given or estimated; [`temporal`] redundancy is split off as
-//! background; [`registration`] carries samples between cameras; [`sampling_rate`] tells which of two is better; and
+//! The steps, in the paper's order: [`normals`] are given or estimated; [`temporal`] redundancy is split off
+//! ([`split`], over the spans of a [`span_tree`]); [`registration`] carries samples between cameras; [`sampling_rate`] tells which of two is better; and
 //! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add.
 
 pub mod background;
 mod contest;
 pub mod depth_plane;
+pub mod descent;
 pub mod facet;
-pub mod foreground;
 pub mod inspection;
 pub mod layer;
 pub mod mixed_pixels;
 pub mod noise;
 pub mod normal_errors;
+mod normal_lanes;
 pub mod normals;
 mod octahedral;
 pub mod pack;
 pub mod pruning;
+pub mod range_shares;
+pub mod ranges;
 pub mod registration;
 pub mod report;
 mod rig;
@@ -33,22 +35,31 @@ pub mod same_surface;
 pub mod samples;
 pub mod sampling_rate;
 mod settle;
+pub mod span_samples;
+pub mod span_sums;
+pub mod span_tree;
+pub mod split;
+pub mod static_test;
 pub mod temporal;
 
+use std::cmp::Reverse;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::capture::Capture;
+use rayon::prelude::*;
+
+use crate::capture::{Capture, Frame};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::job::Job;
 use crate::settings::Settings;
 
 use background::Background;
-use foreground::{PrunedFrame, prune_frame};
+use descent::{Descent, PrunedFrame, load_frame, prune_frame};
 use layer::{Layer, Level, NO_SAMPLE, ROOT};
 use pruning::{Decided, Rig};
 use report::Tally;
+use span_tree::{SpanTree, all_frames};
 
 pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
 pub use inspection::{CameraInspection, FrameInspection, PairArgument, PixelClass, Rule, Verdict};
@@ -65,10 +76,10 @@ pub struct Preprocessed {
     pub report: Report,
 }
 
-/// The whole method: scan over time, split into background and foreground, prune between cameras.
+/// The whole method: scan over time, split into spans, prune between cameras.
 ///
 /// # Errors
-/// Whatever the capture gives (naming file and frame), and `Cancelled`.
+/// Whatever the capture gives (naming file and frame), `Io` where a temporary file cannot be used, and `Cancelled`.
 pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<Preprocessed> {
     let started = Instant::now();
     let scan = scan(capture, settings, job)?;
@@ -77,46 +88,79 @@ pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<P
     Ok(preprocessed)
 }
 
-/// The pass over all frames that depends on no threshold: ranges, means and noise of every pixel over time.
+/// The pass over all frames: the samples of every span, before any pruning. No pruning threshold touches it.
 ///
 /// # Errors
 /// As [`preprocess`].
 pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<TemporalScan>> {
     settings.validate("settings")?;
-    Ok(Arc::new(temporal::scan(capture, &settings.normals, job)?))
+    Ok(Arc::new(temporal::scan(capture, settings, job)?))
 }
 
-/// Everything after [`scan`]: cheap enough to be repeated whenever a threshold changes.
+/// Everything after [`scan`]: cheap enough to be repeated whenever a threshold of pruning changes. Where the scan does not
+/// serve the settings of the spans, the frames are scanned again.
 ///
 /// # Errors
 /// As [`preprocess`].
 pub fn prune(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &Job) -> Result<Preprocessed> {
     settings.validate("settings")?;
     let started = Instant::now();
-    let frames = capture.frame_count();
+    let other;
+    let scan = if scan.serves(&settings.spans) {
+        scan
+    } else {
+        other = temporal::scan(capture, settings, job)?;
+        &other
+    };
     job.start("Pruning the background", 1);
-    let background = scan.background(capture, settings, job)?;
+    let background = Background::of(capture, scan, settings, job)?;
+    let mut tally = Tally::new(capture, scan, settings);
+    tally.add(scan.tree(&settings.spans).root(), &background.decided);
+    let images = pack_all(all_frames(scan.frames), &background.layers, &background.decided, settings);
     let rig = Rig::new(&capture.cameras);
-    let mut tally = Tally::new(capture, scan);
-    let mut images = Vec::new();
-    tally.add_background(&background);
-    images.extend(pack_background(&background, frames, settings));
-    job.start("Pruning frames", frames);
-    for frame in 0..frames {
-        let pruned = prune_frame(capture, &rig, &background, settings, frame, job)?;
-        tally.add_foreground(&pruned.decided);
-        images.extend(pack_foreground(&pruned, frame, settings));
-        job.advance(1);
-    }
+    let descent = Descent::new(capture, Some(scan), &rig, settings, background);
+    job.start("Pruning frames", scan.frames);
+    let mut walk = Walk { tree: descent.tree(), descent, tally, images, settings, job };
+    walk.below(all_frames(scan.frames), ROOT)?;
+    let Walk { tally, mut images, .. } = walk;
+    images.sort_by_key(|image| (Reverse(image.span.len()), image.span, image.camera));
     let samples = Arc::new(sample_set(capture, settings, images));
     let mut report = tally.finish(&samples);
     report.seconds = started.elapsed().as_secs_f64();
     Ok(Preprocessed { samples, report })
 }
 
+/// Goes over all spans, parents before children, and decides what lives in each.
+struct Walk<'a> {
+    tree: SpanTree,
+    descent: Descent<'a>,
+    tally: Tally,
+    images: Vec<SampleImage>,
+    settings: &'a Settings,
+    job: &'a Job,
+}
+
+impl Walk<'_> {
+    /// Everything that lives in shorter spans within `span`, which lies at `level`.
+    fn below(&mut self, span: Span, level: Level) -> Result<()> {
+        for child in self.tree.children(span) {
+            let step = self.descent.enter(child, level + 1, self.job)?;
+            self.tally.add(child, &step.decided);
+            self.images.extend(pack_all(child, &self.descent.layers, &step.decided, self.settings));
+            self.below(child, level + 1)?;
+            self.descent.leave(&step);
+            if child.len() == 1 {
+                self.job.advance(1);
+            }
+        }
+        Ok(())
+    }
+}
+
 /// All verdicts of one frame, for the eye: what [`prune`] decides there, with reasons and witnesses.
 ///
-/// Without a `scan` (still under way) every pixel counts as foreground.
+/// Without a `scan` (still under way) every pixel counts as one of this frame alone. Where the scan does not serve the
+/// settings of the spans, the frame is shown with those it was made with.
 ///
 /// # Errors
 /// As [`preprocess`], and `Invalid` where there is no such frame.
@@ -134,19 +178,25 @@ pub fn inspect_frame(
             format!("there is no frame {frame}; there are {}", capture.frame_count()),
         ));
     }
+    let spans = scan.map_or_else(|| settings.spans.clone(), |scan| scan.served(&settings.spans));
+    let settings = &Settings { spans, ..settings.clone() };
     let background = match scan {
         Some(scan) => scan.background(capture, settings, job)?,
         None => Arc::new(Background::none(capture)),
     };
     let rig = Rig::new(&capture.cameras);
-    let pruned = prune_frame(capture, &rig, &background, settings, frame, job)?;
-    let mut images = pack_background(&background, capture.frame_count(), settings);
-    images.extend(pack_foreground(&pruned, frame, settings));
+    let frames = load_frame(capture, frame, job)?;
+    let pruned = prune_frame(capture, scan, &rig, background.as_ref().clone(), settings, frame, job)?;
+    let mut images = pack_all(pruned.path[0], &background.layers, &background.decided, settings);
+    for (span, decided) in pruned.path.iter().skip(1).zip(&pruned.decided) {
+        images.extend(pack_all(*span, &pruned.layers, decided, settings));
+    }
+    let cameras = frames.into_iter().enumerate();
     let cameras =
-        (0..capture.cameras.len()).map(|camera| inspect_camera(&background, &pruned, camera)).collect();
+        cameras.map(|(camera, frame)| inspect_camera(&background, &pruned, camera, frame)).collect();
     Ok(FrameInspection {
         frame,
-        path: vec![all_frames(capture.frame_count()), one_frame(frame)],
+        path: pruned.path,
         cameras,
         samples: Arc::new(sample_set(capture, settings, images)),
         layers: Arc::new(pruned.layers),
@@ -154,18 +204,28 @@ pub fn inspect_frame(
     })
 }
 
-fn inspect_camera(background: &Background, pruned: &PrunedFrame, camera: usize) -> CameraInspection {
+fn inspect_camera(
+    background: &Background,
+    pruned: &PrunedFrame,
+    camera: usize,
+    frame: Arc<Frame>,
+) -> CameraInspection {
     let layer = &pruned.layers[camera];
     let (width, height) = (layer.width, layer.height());
     let mut verdicts = vec![Verdict::without_witness(Rule::NoSample); layer.level.len()];
-    for decided in [&background.decided[camera], &pruned.decided[camera]] {
+    for decided in std::iter::once(&background.decided).chain(&pruned.decided) {
+        let decided = &decided[camera];
         for (&pixel, &verdict) in decided.pixels.iter().zip(&decided.verdicts) {
             verdicts[pixel as usize] = verdict;
         }
     }
     CameraInspection {
-        frame: pruned.frames[camera].clone(),
-        class: Grid::from_vec(width, height, layer.level.iter().map(|&level| class_of(level)).collect()),
+        frame,
+        class: Grid::from_vec(
+            width,
+            height,
+            layer.level.iter().map(|&level| class_of(level, pruned.path.len())).collect(),
+        ),
         level: Grid::from_vec(width, height, layer.level.clone()),
         verdict: Grid::from_vec(width, height, verdicts),
         normal_in_world: Grid::from_vec(
@@ -177,38 +237,23 @@ fn inspect_camera(background: &Background, pruned: &PrunedFrame, camera: usize) 
     }
 }
 
-fn class_of(level: Level) -> PixelClass {
+fn class_of(level: Level, levels: usize) -> PixelClass {
     match level {
         NO_SAMPLE => PixelClass::Invalid,
         ROOT => PixelClass::Background,
-        _ => PixelClass::Foreground,
+        level if usize::from(level) + 1 == levels => PixelClass::Foreground,
+        _ => PixelClass::Lasting,
     }
-}
-
-fn all_frames(frames: usize) -> Span {
-    Span { start: 0, end: frames as u32 }
-}
-
-fn one_frame(frame: usize) -> Span {
-    Span { start: frame as u32, end: frame as u32 + 1 }
 }
 
 /// The kept samples of every camera over one span.
 fn pack_all(span: Span, layers: &[Layer], decided: &[Decided], settings: &Settings) -> Vec<SampleImage> {
-    let cameras = layers.iter().zip(decided).enumerate();
+    let cameras = layers.par_iter().zip(decided).enumerate();
     cameras
         .filter_map(|(camera, (layer, decided))| {
             pack::pack(camera, span, layer, decided, settings.store.normals)
         })
         .collect()
-}
-
-fn pack_background(background: &Background, frames: usize, settings: &Settings) -> Vec<SampleImage> {
-    pack_all(all_frames(frames), &background.layers, &background.decided, settings)
-}
-
-fn pack_foreground(pruned: &PrunedFrame, frame: usize, settings: &Settings) -> Vec<SampleImage> {
-    pack_all(one_frame(frame), &pruned.layers, &pruned.decided, settings)
 }
 
 fn sample_set(capture: &Capture, settings: &Settings, images: Vec<SampleImage>) -> SampleSet {

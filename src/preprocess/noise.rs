@@ -12,6 +12,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::capture::Frame;
+use crate::color;
+
 /// Brightness classes of the color noise, each `256 / BRIGHTNESS_BINS` sRGB steps wide; the last also holds all above.
 pub const BRIGHTNESS_BINS: usize = 16;
 
@@ -37,6 +40,16 @@ const MEDIAN_DIFFERENCE_PER_SIGMA: f32 = 0.953_87;
 
 /// Share of static pixels that the granted range must hold; what is lost goes to the foreground, which costs bytes only.
 const STATIC_SHARE: f64 = 0.9998;
+
+/// Where fewer than one in so many pixels of resting surfaces change at all, light moves and nothing is noisy.
+const FEWEST_REDRAWN: u64 = 10;
+
+/// Depth that changes by more than this, or by so many times its noise, is that of another surface.
+const SAME_SURFACE_RELATIVE: f32 = 1e-3;
+const SAME_SURFACE_SIGMAS: f32 = 6.0;
+
+/// Noise is measured on every `NOISE_ROW_STRIDE`-th row: plenty for a median.
+const NOISE_ROW_STRIDE: usize = 4;
 
 /// Noise of one camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -66,11 +79,19 @@ fn brightness_bin(steps: f32) -> usize {
 pub struct NoiseMeter {
     color: Vec<u64>,
     depth: Vec<u64>,
+    /// Pixels that were looked at for a change of color, and those that had one, where they are told apart.
+    looked_at: u64,
+    redrawn: u64,
 }
 
 impl Default for NoiseMeter {
     fn default() -> Self {
-        Self { color: vec![0; BRIGHTNESS_BINS * COLOR_BINS], depth: vec![0; DEPTH_BINS] }
+        Self {
+            color: vec![0; BRIGHTNESS_BINS * COLOR_BINS],
+            depth: vec![0; DEPTH_BINS],
+            looked_at: 0,
+            redrawn: 0,
+        }
     }
 }
 
@@ -100,7 +121,11 @@ impl NoiseMeter {
         for class in self.color.chunks_exact(COLOR_BINS) {
             overall.iter_mut().zip(class).for_each(|(sum, count)| *sum += count);
         }
+        let is_motion = self.redrawn * FEWEST_REDRAWN < self.looked_at;
         let color_sigma = |bins: &[u64]| {
+            if is_motion {
+                return 0.0;
+            }
             // Bin 0 means "no difference that matters", so that noise-free input measures exactly 0.
             median_bin(bins).map_or(0.0, |bin| {
                 if bin < 1.0 {
@@ -126,6 +151,65 @@ impl NoiseMeter {
             }
         });
         Noise { color_steps, color_steps_overall, depth_relative }
+    }
+}
+
+/// Counts the changes of every pixel between two successive frames.
+pub fn measure_noise(meter: &mut NoiseMeter, before: &Frame, after: &Frame) {
+    let steps = color::steps_table();
+    for_each_pair(before, after, |depths, colors| {
+        meter.add_depth(depths[0], depths[1]);
+        for channel in 0..3 {
+            let [before, after] = colors.map(|color| steps[color[channel].to_bits() as usize]);
+            meter.add_color(before, after);
+        }
+    });
+}
+
+/// The noise of a camera from some pairs of successive frames.
+///
+/// Differences of color count where the surface is the same in both frames and the color is not. A renderer that draws the
+/// same random numbers for every frame gives a pixel that nothing moving shines on the very same color again, which says
+/// nothing about its noise; how the others differ does.
+#[must_use]
+pub fn measure_pairs(pairs: &[[&Frame; 2]]) -> Noise {
+    let mut meter = NoiseMeter::default();
+    for [before, after] in pairs {
+        for_each_pair(before, after, |depths, _| meter.add_depth(depths[0], depths[1]));
+    }
+    let limit = SAME_SURFACE_RELATIVE.max(SAME_SURFACE_SIGMAS * meter.noise().depth_relative);
+    let steps = color::steps_table();
+    for [before, after] in pairs {
+        for_each_pair(before, after, |[before, after], colors| {
+            if (after - before).abs() > limit * before.max(after) {
+                return;
+            }
+            meter.looked_at += 1;
+            if colors[0] == colors[1] {
+                return;
+            }
+            meter.redrawn += 1;
+            for channel in 0..3 {
+                let [before, after] = colors.map(|color| steps[color[channel].to_bits() as usize]);
+                meter.add_color(before, after);
+            }
+        });
+    }
+    meter.noise()
+}
+
+/// Calls `add` with the inverse depths and colors of pixels that have a finite depth in both frames.
+fn for_each_pair(before: &Frame, after: &Frame, mut add: impl FnMut([f32; 2], [[half::f16; 3]; 2])) {
+    let (_, height) = after.size();
+    for y in (0..height).step_by(NOISE_ROW_STRIDE) {
+        let depths = before.inverse_depth.row(y).iter().zip(after.inverse_depth.row(y));
+        let colors = before.color.row(y).iter().zip(after.color.row(y));
+        for ((&w_before, &w_after), (&c_before, &c_after)) in depths.zip(colors) {
+            // The sky is often a constant and would speak for a noise-free scene.
+            if w_before > 0.0 && w_after > 0.0 {
+                add([w_before, w_after], [c_before, c_after]);
+            }
+        }
     }
 }
 
@@ -232,6 +316,33 @@ mod tests {
         }
         let noise = meter.noise();
         assert!(noise.color_at(20.0) <= MAX_COLOR_STEPS && noise.depth_relative <= MAX_DEPTH_RELATIVE);
+    }
+
+    #[test]
+    fn noise_is_that_of_the_pixels_drawn_anew_and_light_that_moves_over_few_is_none() {
+        let frame = |shift: &dyn Fn(usize, &mut u64) -> f32| {
+            let mut state = 7;
+            let color: Vec<_> =
+                (0..80 * 80).map(|pixel| [half::f16::from_f32(0.3 + shift(pixel, &mut state)); 3]).collect();
+            Frame {
+                color: crate::grid::Grid::from_vec(80, 80, color),
+                inverse_depth: crate::grid::Grid::filled(80, 80, 0.5),
+                normal_in_world: None,
+                depth_step_relative: 0.0,
+            }
+        };
+        let still = frame(&|_, _| 0.0);
+        let shadow = frame(&|pixel, _| if pixel % 80 < 4 { -0.2 } else { 0.0 });
+        assert_eq!(measure_pairs(&[[&still, &shadow]]), Noise::default());
+        // A third of the pixels is drawn anew; a step of sRGB is about 0.0044 there.
+        let noisy = |salt: u64| {
+            frame(&move |pixel, state| {
+                *state ^= salt;
+                if pixel % 3 == 0 { 0.0044 * normal_draw(state) } else { 0.0 }
+            })
+        };
+        let noise = measure_pairs(&[[&noisy(11), &noisy(99)]]);
+        assert!((0.7..1.3).contains(&noise.color_at(150.0)), "{noise:?}");
     }
 
     #[test]

@@ -11,9 +11,11 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::normal_lanes::FitPlanes;
 use crate::capture::Camera;
 use crate::grid::Grid;
 use crate::settings::{NormalEstimator, NormalSettings};
+use crate::simd;
 
 /// Estimates below this confidence are not used.
 pub const MIN_CONFIDENCE: f32 = 0.5;
@@ -31,13 +33,13 @@ const NOTHING: Estimate = Estimate { normal_in_camera: Vec3::ZERO, confidence: 0
 
 /// Depth seen by a pinhole camera, with what an estimator needs to know about it.
 pub struct DepthView<'a> {
-    inverse_depth: &'a [f32],
-    width: i32,
-    height: i32,
-    focal: [f32; 2],
-    center: [f32; 2],
+    pub(super) inverse_depth: &'a [f32],
+    pub(super) width: i32,
+    pub(super) height: i32,
+    pub(super) focal: [f32; 2],
+    pub(super) center: [f32; 2],
     /// Largest step in depth to a direct neighbor on the same surface, as a share of the depth.
-    edge_relative: f32,
+    pub(super) edge_relative: f32,
 }
 
 impl<'a> DepthView<'a> {
@@ -86,6 +88,24 @@ impl<'a> DepthView<'a> {
         match estimator {
             NormalEstimator::Cross => self.cross(x, y, center),
             NormalEstimator::Plane => self.plane(x, y, center),
+        }
+    }
+
+    /// The estimates at some pixels (`y * width + x`), one for each.
+    #[must_use]
+    pub fn estimate_at(&self, estimator: NormalEstimator, pixels: &[u32]) -> Vec<Estimate> {
+        let width = self.width.max(1) as usize;
+        match estimator {
+            NormalEstimator::Cross => {
+                let at =
+                    |&pixel: &u32| self.estimate(estimator, pixel as usize % width, pixel as usize / width);
+                pixels.iter().map(at).collect()
+            }
+            NormalEstimator::Plane => {
+                let mut estimates = vec![NOTHING; pixels.len()];
+                simd::run(FitPlanes { view: self, pixels, estimates: &mut estimates });
+                estimates
+            }
         }
     }
 
@@ -296,6 +316,27 @@ mod tests {
             angles.iter().sum::<f32>() / angles.len() as f32
         };
         assert!(mean(NormalEstimator::Plane) < 0.5 * mean(NormalEstimator::Cross));
+    }
+
+    #[test]
+    fn planes_fitted_sixteen_at_a_time_are_those_fitted_one_by_one() {
+        let (mut depth, _) = plane_and_sphere(DVec3::new(0.3, -0.5, -0.8).normalize_or_zero());
+        for (i, w) in depth.iter_mut().enumerate() {
+            match i % 31 {
+                0 => *w = -1.0,
+                1 => *w = 0.0,
+                _ => *w *= 1.0 + 1e-4 * ((i * 7919) % 13) as f32,
+            }
+        }
+        let camera = camera();
+        let view = DepthView::new(&depth, &camera, &NormalSettings::default());
+        let pixels: Vec<u32> = (0..96 * 72).filter(|i| i % 3 != 1).collect();
+        let together = view.estimate_at(NormalEstimator::Plane, &pixels);
+        for (&pixel, found) in pixels.iter().zip(together) {
+            let alone = view.estimate(NormalEstimator::Plane, pixel as usize % 96, pixel as usize / 96);
+            assert!((found.confidence - alone.confidence).abs() < 1e-5, "{found:?} {alone:?}");
+            assert!(found.normal_in_camera.distance(alone.normal_in_camera) < 1e-5, "{found:?} {alone:?}");
+        }
     }
 
     #[test]

@@ -98,6 +98,10 @@ pub fn prune(
         .collect();
     let mut decided: Vec<Decided> =
         counts.iter().map(|counts| Decided::of_size(counts.iter().sum())).collect();
+    let (samples, pixels) = (
+        decided.iter().map(|decided| decided.pixels.len()).sum::<usize>(),
+        layers.iter().map(|layer| layer.level.len()).sum::<usize>(),
+    );
     let pass = Pass {
         rig,
         layers,
@@ -108,7 +112,9 @@ pub fn prune(
         all_stand: layers
             .par_iter()
             .zip(statuses)
-            .map(|(layer, statuses)| all_stand(layer, statuses, decide, settings.pruning.across_spans))
+            .map(|(layer, statuses)| {
+                samples > pixels / FEW && all_stand(layer, statuses, decide, settings.pruning.across_spans)
+            })
             .collect(),
     };
     let mut bands = bands(layers, &counts, &mut decided);
@@ -130,6 +136,12 @@ pub fn prune(
     Ok(decided)
 }
 
+/// Pixels that are passed over at once.
+const RUN: usize = 64;
+
+/// Where fewer than one in so many pixels are to be decided, looking whether all others stand does not pay.
+const FEW: usize = 8;
+
 /// Marks the samples of level `decide` as undecided, mixed ones as dropped where they are to be. Gives how many there are in
 /// each band of rows.
 fn open(layer: &Layer, statuses: &[AtomicU8], decide: Level, mixed_pixels: MixedPixels) -> Vec<usize> {
@@ -137,12 +149,16 @@ fn open(layer: &Layer, statuses: &[AtomicU8], decide: Level, mixed_pixels: Mixed
     let mut counts = Vec::with_capacity(layer.level.len().div_ceil(band));
     for (band_of, (levels, statuses)) in layer.level.chunks(band).zip(statuses.chunks(band)).enumerate() {
         let mut count = 0;
-        for (i, (&level, status)) in levels.iter().zip(statuses).enumerate() {
-            if level == decide {
-                count += 1;
-                let drop =
-                    mixed_pixels == MixedPixels::Drop && layer.facets[band_of * band + i].rank & MIXED != 0;
-                status.store(if drop { DROPPED } else { UNDECIDED }, Ordering::Relaxed);
+        let runs = levels.chunks(RUN).zip(statuses.chunks(RUN)).enumerate();
+        // Most levels have few samples: runs without any are passed over sixteen or more bytes at a time.
+        for (run, (levels, statuses)) in runs.filter(|(_, (levels, _))| levels.contains(&decide)) {
+            let first = band_of * band + run * RUN;
+            for (i, (&level, status)) in levels.iter().zip(statuses).enumerate() {
+                if level == decide {
+                    count += 1;
+                    let drop = mixed_pixels == MixedPixels::Drop && layer.facets[first + i].rank & MIXED != 0;
+                    status.store(if drop { DROPPED } else { UNDECIDED }, Ordering::Relaxed);
+                }
             }
         }
         counts.push(count);

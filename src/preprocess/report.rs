@@ -2,13 +2,16 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::background::Background;
 use super::normal_errors::NormalErrors;
 use super::pruning::Decided;
+use super::range_shares::RangeFacts;
+use super::temporal::CameraScan;
 use super::{SampleSet, Span, TemporalScan, Verdict};
 use crate::capture::Capture;
+use crate::settings::Settings;
 
 /// One camera's part of a [`Report`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -24,14 +27,18 @@ pub struct CameraReport {
     pub background_pixels: u64,
     /// Samples kept for all frames together.
     pub background_kept: u64,
-    /// Foreground pixels, summed over frames.
+    /// Samples that hold for fewer than all frames, before pruning.
     pub foreground_pixels: u64,
-    /// Foreground samples kept, summed over frames.
+    /// Those of them that are kept.
     pub foreground_kept: u64,
     /// Measured color noise: standard deviation over time of static pixels, 8-bit sRGB steps, median over the picture.
     pub color_noise_steps: f32,
     /// Measured depth noise: relative standard deviation over time of static pixels.
     pub depth_noise_relative: f32,
+    /// Quantization step of depth as recorded, relative; 0 where it is exact to `f32`.
+    pub depth_step_relative: f32,
+    /// How far pixels range over all frames, and where the tolerances lie among them.
+    pub ranges: RangeFacts,
     /// Estimated against given normals on the first frame; empty where none are given.
     pub normal_errors: Vec<NormalErrors>,
 }
@@ -53,7 +60,7 @@ pub struct Report {
     pub cameras: Vec<CameraReport>,
     /// Per span that holds samples, longest first.
     pub spans: Vec<SpanReport>,
-    /// Foreground samples kept at each frame, all cameras.
+    /// Samples kept that hold at each frame but not at all, all cameras.
     pub foreground_per_frame: Vec<u64>,
     /// Pixels of all frames of all cameras.
     pub samples_in: u64,
@@ -77,25 +84,38 @@ const RAW_BYTES_PER_PIXEL: u64 = 3 + 4;
 /// Name under which [`Report::pruned`] counts repetitions in time.
 pub const STATIC_RULE: &str = "static";
 
+fn range_facts(scan: &TemporalScan, settings: &Settings) -> Vec<RangeFacts> {
+    let of_camera = |(index, camera): (usize, &CameraScan)| {
+        let test = scan.static_test(index, &settings.spans);
+        let counted = camera.ranges.as_ref().map(|ranges| ranges.shares(&test));
+        counted.or_else(|| camera.shares.clone()).unwrap_or_default().facts(&test)
+    };
+    scan.cameras.par_iter().enumerate().map(of_camera).collect()
+}
+
 /// Counts verdicts while preprocessing runs.
 pub(super) struct Tally {
     report: Report,
     frames: u64,
+    /// Whether nothing was counted yet: the span of all frames comes first, also where a frame is as long.
+    is_first: bool,
 }
 
 impl Tally {
-    pub(super) fn new(capture: &Capture, scan: &TemporalScan) -> Self {
+    pub(super) fn new(capture: &Capture, scan: &TemporalScan, settings: &Settings) -> Self {
         let frames = capture.frame_count() as u64;
         let cameras: Vec<CameraReport> = capture
             .cameras
             .iter()
-            .zip(&scan.cameras)
-            .map(|(camera, scan)| CameraReport {
+            .zip(scan.cameras.iter().zip(range_facts(scan, settings)))
+            .map(|(camera, (scan, ranges))| CameraReport {
                 name: camera.name.clone(),
                 pixels: camera.intrinsics.pixel_count() as u64 * frames,
                 invalid: scan.invalid,
                 color_noise_steps: scan.noise.color_steps_overall,
                 depth_noise_relative: scan.noise.depth_relative,
+                depth_step_relative: scan.depth_step_relative,
+                ranges,
                 normal_errors: scan.normal_errors.clone(),
                 ..CameraReport::default()
             })
@@ -106,34 +126,40 @@ impl Tally {
             cameras,
             samples_in,
             bytes_raw: samples_in * RAW_BYTES_PER_PIXEL,
+            foreground_per_frame: vec![0; scan.frames],
             ..Report::default()
         };
-        Self { report, frames }
+        Self { report, frames, is_first: true }
     }
 
-    pub(super) fn add_background(&mut self, background: &Background) {
-        for (camera, decided) in background.decided.iter().enumerate() {
-            let kept = self.count(camera, decided);
-            let pixels = decided.pixels.len() as u64;
-            *self.report.pruned.entry(STATIC_RULE.to_owned()).or_default() +=
-                pixels * self.frames.saturating_sub(1);
-            let counts = &mut self.report.cameras[camera];
-            counts.background_pixels = pixels;
-            counts.background_kept = kept;
-        }
-    }
-
-    /// Must be called frame by frame, in order.
-    pub(super) fn add_foreground(&mut self, decided: &[Decided]) {
-        let mut kept_in_frame = 0;
+    /// Counts what was decided on the samples of one span.
+    pub(super) fn add(&mut self, span: Span, decided: &[Decided]) {
+        let mut kept_in_span = 0;
+        let is_root = span.len() as u64 == self.frames && self.is_first;
+        self.is_first = false;
         for (camera, decided) in decided.iter().enumerate() {
             let kept = self.count(camera, decided);
-            kept_in_frame += kept;
+            let samples = decided.pixels.len() as u64;
+            kept_in_span += kept;
+            if span.len() > 1 {
+                *self.report.pruned.entry(STATIC_RULE.to_owned()).or_default() +=
+                    samples * (span.len() as u64 - 1);
+            }
             let counts = &mut self.report.cameras[camera];
-            counts.foreground_pixels += decided.pixels.len() as u64;
-            counts.foreground_kept += kept;
+            let (pixels_of, kept_of) = if is_root {
+                (&mut counts.background_pixels, &mut counts.background_kept)
+            } else {
+                (&mut counts.foreground_pixels, &mut counts.foreground_kept)
+            };
+            *pixels_of += samples;
+            *kept_of += kept;
         }
-        self.report.foreground_per_frame.push(kept_in_frame);
+        if !is_root {
+            let at_frames = &mut self.report.foreground_per_frame[span.start as usize..span.end as usize];
+            for kept in at_frames {
+                *kept += kept_in_span;
+            }
+        }
     }
 
     /// Samples kept.

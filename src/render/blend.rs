@@ -86,7 +86,7 @@ impl Work for BandBlend<'_> {
             let (x, y) = tile.origin;
             let mut nth = 0;
             for row in (0..TILE).filter(|row| tile.rows[*row] != 0) {
-                let w = &dense.inverse_depth[row];
+                let w = dense.row(row);
                 let projected = projector.row(projector.ray(x as f32, (y as usize + row) as f32), w);
                 let samples = Samples { mask: tile.rows[row], first: nth, tile, w };
                 if stage.kernel == Kernel::Surfel {

@@ -14,6 +14,7 @@ use super::frame_samples::{FrameSamples, FrameTile};
 use super::project::Projector;
 use crate::capture::Camera;
 use crate::preprocess::TILE;
+use crate::simd::{self, Work};
 
 /// Pixels `[left, right) × [top, bottom)` of the target that a tile may touch, cut to the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,44 +49,10 @@ pub(super) struct Reach {
     pub(super) source_pixels: f32,
 }
 
-/// Where a tile may touch the target; empty where it cannot.
-fn bounds_of(tile: &FrameTile<'_>, projector: &Projector, target: &Camera, reach: Reach) -> Bounds {
-    let (width, height) = (target.intrinsics.width, target.intrinsics.height);
-    let (far, near) = tile.depths.bounds();
-    let (x, y) = (tile.origin.0 as f32 - 0.5, tile.origin.1 as f32 - 0.5);
-    let (mut min, mut max) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-    let (mut nearest_z, mut behind) = (f32::INFINITY, 0);
-    for corner in 0..8 {
-        let (along, down) = ((corner & 1) as f32 * TILE as f32, (corner >> 1 & 1) as f32 * TILE as f32);
-        let w = if corner & 4 == 0 { far } else { near };
-        let point = projector.ray(x + along, y + down) + projector.origin * w;
-        nearest_z = nearest_z.min(point.z);
-        behind += usize::from(point.z <= 0.0);
-        for (axis, value) in [point.x / point.z, point.y / point.z].into_iter().enumerate() {
-            min[axis] = min[axis].min(value);
-            max[axis] = max[axis].max(value);
-        }
-    }
-    if behind == 8 {
-        return Bounds::default();
-    }
-    // A box that reaches behind the vantage may touch everything. So may one whose corners are no numbers.
-    let sound = behind == 0 && min.iter().chain(&max).all(|value| value.is_finite());
-    if !sound {
-        return Bounds { left: 0, right: width, top: 0, bottom: height };
-    }
-    let grow = reach.pixels + reach.source_pixels * projector.focal_ratio / nearest_z;
-    let low = |value: f32, size: u32| (value - grow).floor().clamp(0.0, size as f32) as u32;
-    let high = |value: f32, size: u32| (value + grow + 1.0).ceil().clamp(0.0, size as f32) as u32;
-    Bounds {
-        left: low(min[0], width),
-        right: high(max[0], width),
-        top: low(min[1], height),
-        bottom: high(max[1], height),
-    }
-}
+/// Tiles that are bounded together.
+const TOGETHER: usize = 16;
 
-/// Where each of some tiles may touch the target, in their order.
+/// Where each of some tiles may touch the target, in their order; empty where they cannot.
 pub(super) fn bounds(
     frame: &FrameSamples<'_>,
     tiles: Range<usize>,
@@ -93,11 +60,114 @@ pub(super) fn bounds(
     target: &Camera,
     reach: Reach,
 ) -> Vec<Bounds> {
-    frame.tiles[tiles]
-        .par_iter()
-        .with_min_len(512)
-        .map(|tile| bounds_of(tile, &projectors[tile.camera as usize], target, reach))
-        .collect()
+    let tiles = &frame.tiles[tiles];
+    let mut bounds = vec![Bounds::default(); tiles.len()];
+    let parts = bounds.par_chunks_mut(64 * TOGETHER).zip(tiles.par_chunks(64 * TOGETHER));
+    parts.for_each(|(bounds, tiles)| simd::run(Bounding { tiles, projectors, target, reach, bounds }));
+    bounds
+}
+
+struct Bounding<'a> {
+    tiles: &'a [FrameTile<'a>],
+    projectors: &'a [Projector],
+    target: &'a Camera,
+    reach: Reach,
+    bounds: &'a mut [Bounds],
+}
+
+impl Work for Bounding<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (tiles, bounds) in self.tiles.chunks(TOGETHER).zip(self.bounds.chunks_mut(TOGETHER)) {
+            let boxes = Boxes::of(tiles, self.projectors);
+            boxes.bounds(self.target, self.reach, bounds);
+        }
+    }
+}
+
+/// Boxes of `(column, row, inverse depth)` in the target before the division, one a lane.
+struct Boxes {
+    /// The first corner.
+    corner: [[f32; TOGETHER]; 3],
+    /// The edges along columns, rows and inverse depths.
+    edges: [[[f32; TOGETHER]; 3]; 3],
+    focal_ratio: [f32; TOGETHER],
+}
+
+impl Boxes {
+    #[inline(always)]
+    fn of(tiles: &[FrameTile<'_>], projectors: &[Projector]) -> Self {
+        let zero = [[0.0; TOGETHER]; 3];
+        let mut boxes = Self { corner: zero, edges: [zero; 3], focal_ratio: [0.0; TOGETHER] };
+        for (lane, tile) in tiles.iter().enumerate() {
+            let projector = &projectors[tile.camera as usize];
+            let (far, near) = tile.depths.bounds();
+            let first = projector.ray(tile.origin.0 as f32 - 0.5, tile.origin.1 as f32 - 0.5);
+            let vectors = [
+                first + projector.origin * far,
+                projector.per_column * TILE as f32,
+                projector.per_row * TILE as f32,
+                projector.origin * (near - far),
+            ];
+            for axis in 0..3 {
+                boxes.corner[axis][lane] = vectors[0][axis];
+                (0..3).for_each(|edge| boxes.edges[edge][axis][lane] = vectors[edge + 1][axis]);
+            }
+            boxes.focal_ratio[lane] = projector.focal_ratio;
+        }
+        boxes
+    }
+
+    #[inline(always)]
+    fn bounds(&self, target: &Camera, reach: Reach, bounds: &mut [Bounds]) {
+        let all = |value: f32| [value; TOGETHER];
+        let (mut min, mut max) = ([all(f32::INFINITY); 2], [all(f32::NEG_INFINITY); 2]);
+        let (mut nearest_z, mut behind) = (all(f32::INFINITY), [0_u32; TOGETHER]);
+        for corner in 0..8_usize {
+            let share = [0, 1, 2].map(|edge| (corner >> edge & 1) as f32);
+            for lane in 0..TOGETHER {
+                let point = [0, 1, 2].map(|axis| {
+                    let along = |edge: usize| self.edges[edge][axis][lane] * share[edge];
+                    self.corner[axis][lane] + along(0) + along(1) + along(2)
+                });
+                nearest_z[lane] = nearest_z[lane].min(point[2]);
+                behind[lane] += u32::from(point[2] <= 0.0);
+                let reciprocal = 1.0 / point[2];
+                for axis in 0..2 {
+                    min[axis][lane] = min[axis][lane].min(point[axis] * reciprocal);
+                    max[axis][lane] = max[axis][lane].max(point[axis] * reciprocal);
+                }
+            }
+        }
+        let size = [target.intrinsics.width as f32, target.intrinsics.height as f32];
+        let (mut low, mut high) = ([all(0.0); 2], [all(0.0); 2]);
+        for axis in 0..2 {
+            for lane in 0..TOGETHER {
+                let grow = reach.pixels + reach.source_pixels * self.focal_ratio[lane] / nearest_z[lane];
+                // A box that reaches behind the vantage may touch everything. So may one whose corners are no numbers.
+                let sound = (behind[lane] == 0)
+                    & (min[axis][lane].abs() < f32::MAX)
+                    & (max[axis][lane].abs() < f32::MAX);
+                let (first, last) = (min[axis][lane] - grow, max[axis][lane] + grow + 2.0);
+                let first = if sound { first } else { 0.0 };
+                let last = if sound { last } else { size[axis] };
+                low[axis][lane] = first.max(0.0).min(size[axis]);
+                high[axis][lane] = last.max(0.0).min(size[axis]);
+            }
+        }
+        for (lane, bounds) in bounds.iter_mut().enumerate() {
+            if behind[lane] < 8 {
+                *bounds = Bounds {
+                    left: low[0][lane] as u32,
+                    right: high[0][lane] as u32,
+                    top: low[1][lane] as u32,
+                    bottom: high[1][lane] as u32,
+                };
+            }
+        }
+    }
 }
 
 /// Cuts the picture into at most `count` bands with about as many tiles each.
@@ -123,8 +193,13 @@ pub(super) fn bands(bounds: &[Bounds], first_tile: usize, height: usize, count: 
                 && (place.top as usize) < band.rows.end
                 && place.bottom as usize > band.rows.start
         };
-        let numbers = bounds.iter().enumerate().filter(|(_, place)| touches(place));
-        band.tiles = numbers.map(|(index, _)| (first_tile + index) as u32).collect();
+        let tiles: Vec<u32> = bounds
+            .iter()
+            .enumerate()
+            .filter(|(_, place)| touches(place))
+            .map(|(index, _)| (first_tile + index) as u32)
+            .collect();
+        band.tiles = tiles;
     });
     bands
 }

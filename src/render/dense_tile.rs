@@ -10,28 +10,37 @@ pub(super) const MISSING: f32 = -1.0;
 /// pixel footprints along the ray: some 83 degrees of slant.
 const EDGE_FOOTPRINTS: f32 = 8.0;
 
-/// Inverse depths of a tile's pixels, row-major.
+/// Inverse depths of a tile's pixels, row-major, between two rows of missing ones.
 pub(super) struct DenseTile {
-    pub(super) inverse_depth: [[f32; TILE]; TILE],
+    rows: [[f32; TILE]; TILE + 2],
     packed: [f32; TILE_SAMPLES],
 }
 
 impl DenseTile {
     pub(super) fn new() -> Self {
-        Self { inverse_depth: [[MISSING; TILE]; TILE], packed: [0.0; TILE_SAMPLES] }
+        Self { rows: [[MISSING; TILE]; TILE + 2], packed: [0.0; TILE_SAMPLES] }
+    }
+
+    /// The inverse depths of a row.
+    #[inline(always)]
+    pub(super) fn row(&self, row: usize) -> &[f32; TILE] {
+        &self.rows[row + 1]
     }
 
     /// Lays out a tile.
     #[inline(always)]
     pub(super) fn unpack(&mut self, tile: &FrameTile<'_>) {
-        tile.depths.unpack(&mut self.packed);
+        let Some(pixels) = self.rows.as_flattened_mut()[TILE..].first_chunk_mut::<TILE_SAMPLES>() else {
+            return;
+        };
         if tile.color.len() == TILE_SAMPLES {
-            self.inverse_depth.as_flattened_mut().copy_from_slice(&self.packed);
+            tile.depths.unpack(pixels);
             return;
         }
+        tile.depths.unpack(&mut self.packed);
+        pixels.fill(MISSING);
         let mut next = 0;
-        for (row, &mask) in self.inverse_depth.iter_mut().zip(&tile.rows) {
-            *row = [MISSING; TILE];
+        for (row, &mask) in pixels.as_chunks_mut::<TILE>().0.iter_mut().zip(&tile.rows) {
             let mut left = mask;
             while left != 0 {
                 row[left.trailing_zeros() as usize] = self.packed[next & (TILE_SAMPLES - 1)];
@@ -46,36 +55,30 @@ impl DenseTile {
 /// direction the smaller of the differences to both neighbors that lie on the same surface, 0 where neither does.
 #[inline(always)]
 pub(super) fn slopes(tile: &DenseTile, row: usize, per_footprint: f32) -> [[f32; TILE]; 2] {
-    let here = &tile.inverse_depth[row];
-    let (above, below) = (&tile.inverse_depth[row.max(1) - 1], &tile.inverse_depth[(row + 1).min(TILE - 1)]);
-    // Beyond the tile nothing is within the limit.
-    let has_above = row > 0;
-    let has_below = row + 1 < TILE;
-    let (mut left, mut right) = ([MISSING; TILE], [MISSING; TILE]);
-    left[1..].copy_from_slice(&here[..TILE - 1]);
-    right[..TILE - 1].copy_from_slice(&here[1..]);
+    let [above, here, below] = [&tile.rows[row], &tile.rows[row + 1], &tile.rows[row + 2]];
+    let first = (row + 1) * TILE;
+    let beside = &tile.rows.as_flattened()[first - 1..][..TILE + 2];
     let mut slopes = [[0.0; TILE]; 2];
     for column in 0..TILE {
         let w = here[column];
         let limit = EDGE_FOOTPRINTS * per_footprint * w;
-        slopes[0][column] = gentler(w, left[column], right[column], [limit; 2]);
-        slopes[1][column] = gentler(
-            w,
-            above[column],
-            below[column],
-            [if has_above { limit } else { -1.0 }, if has_below { limit } else { -1.0 }],
-        );
+        // Beyond the tile nothing is known.
+        let left = if column == 0 { MISSING } else { beside[column] };
+        let right = if column == TILE - 1 { MISSING } else { beside[column + 2] };
+        slopes[0][column] = gentler(w, left, right, limit);
+        slopes[1][column] = gentler(w, above[column], below[column], limit);
     }
     slopes
 }
 
-/// The smaller of `w − before` and `after − w` of those within their limits.
+/// The smaller of `w − before` and `after − w` of those within the limit.
 #[inline(always)]
-fn gentler(w: f32, before: f32, after: f32, limits: [f32; 2]) -> f32 {
+fn gentler(w: f32, before: f32, after: f32, limit: f32) -> f32 {
     let (back, on) = (w - before, after - w);
-    // Missing pixels are −1, farther from any inverse depth than every limit, save for absurdly near samples.
-    let back_steepness = if back.abs() <= limits[0] && before >= 0.0 { back.abs() } else { f32::INFINITY };
-    let on_steepness = if on.abs() <= limits[1] && after >= 0.0 { on.abs() } else { f32::INFINITY };
+    let near_back = (back.abs() <= limit) & (before >= 0.0);
+    let near_on = (on.abs() <= limit) & (after >= 0.0);
+    let back_steepness = if near_back { back.abs() } else { f32::INFINITY };
+    let on_steepness = if near_on { on.abs() } else { f32::INFINITY };
     let slope = if back_steepness <= on_steepness { back } else { on };
-    if back_steepness.min(on_steepness) < f32::INFINITY { slope } else { 0.0 }
+    if near_back | near_on { slope } else { 0.0 }
 }

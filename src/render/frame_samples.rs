@@ -12,7 +12,8 @@ use std::ops::Range;
 use half::f16;
 
 use crate::error::{Error, Result};
-use crate::preprocess::{SampleImage, SampleSet, TILE, TileDepths};
+use crate::preprocess::{SampleImage, SampleSet, TILE, TILE_SAMPLES, TileDepths};
+use crate::simd::{self, Work};
 
 /// Tiles that slots can tell apart.
 const MAX_TILES: usize = 1 << 24;
@@ -37,6 +38,7 @@ pub(super) struct FrameTile<'a> {
 }
 
 impl<'a> FrameTile<'a> {
+    #[inline(always)]
     fn new(image_index: usize, image: &'a SampleImage, index: usize) -> Self {
         let tile = &image.tiles[index];
         let mut before = [0; TILE];
@@ -69,6 +71,14 @@ impl<'a> FrameTile<'a> {
         self.before[row] as usize + (self.rows[row] & ((1 << column) - 1)).count_ones() as usize
     }
 
+    /// Asks for the memory of the tile's depths.
+    #[inline(always)]
+    pub(super) fn fetch_depths_ahead(&self) {
+        let (low, high) = self.depths.planes();
+        (0..low.len()).step_by(32).for_each(|at| simd::prefetch(low, at));
+        (0..high.len()).step_by(64).for_each(|at| simd::prefetch(high, at));
+    }
+
     /// The color of a sample, linear.
     #[inline(always)]
     pub(super) fn color(&self, nth: usize) -> [f32; 3] {
@@ -79,13 +89,30 @@ impl<'a> FrameTile<'a> {
 /// A half float widened by integer arithmetic alone, so that it is inlined and vectorized; colors are finite.
 #[inline(always)]
 fn f32_from_f16(value: f16) -> f32 {
-    let bits = u32::from(value.to_bits());
-    // The exponent and mantissa in their place, times 2^112: the difference of the two exponent biases.
-    let magnitude = f32::from_bits((bits & 0x7fff) << 13) * f32::from_bits(0x7780_0000);
-    if bits & 0x8000 == 0 { magnitude } else { -magnitude }
+    f32_from_f16_bits(u32::from(value.to_bits()))
 }
 
-/// The images at a frame, those that outlast it first, so that their slots are the same at every frame they share.
+/// As [`f32_from_f16`], from the half float's sixteen bits.
+#[inline(always)]
+pub(super) fn f32_from_f16_bits(bits: u32) -> f32 {
+    // The exponent and mantissa in their place, times 2^112: the difference of the two exponent biases.
+    let magnitude = f32::from_bits((bits & 0x7fff) << 13) * f32::from_bits(0x7780_0000);
+    f32::from_bits(magnitude.to_bits() | (bits & 0x8000) << 16)
+}
+
+/// Where a color lies.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ColorPlace {
+    /// Index in [`FrameSamples::images`].
+    pub(super) image: u32,
+    /// Index of the sample in the image.
+    pub(super) nth: u32,
+}
+
+/// Marks tiles whose samples need not be counted: each lies at its place in the tile.
+const FULL: u32 = 1 << 31;
+
+/// The images at a frame, those of all frames first, so that their slots are the same at every frame.
 #[derive(Clone, Debug)]
 pub(super) struct FrameSamples<'a> {
     pub(super) set: &'a SampleSet,
@@ -93,10 +120,32 @@ pub(super) struct FrameSamples<'a> {
     pub(super) images: Vec<usize>,
     /// Every tile, image by image; a tile's number is its index.
     pub(super) tiles: Vec<FrameTile<'a>>,
-    /// How many of `images` outlast the frame.
+    /// How many of `images` hold at all frames.
     pub(super) lasting_images: usize,
     /// How many of `tiles` belong to them.
     pub(super) lasting_tiles: usize,
+    /// The place of the first sample of each tile, with [`FULL`] added to the image: eight bytes, so that all of them fit in
+    /// a cache together.
+    color_places: Vec<ColorPlace>,
+    /// Colors of each image.
+    colors: Vec<&'a [[f16; 3]]>,
+}
+
+/// Adds the tiles of an image.
+struct Numbering<'a, 'b> {
+    index: usize,
+    image: &'a SampleImage,
+    tiles: &'b mut Vec<FrameTile<'a>>,
+}
+
+impl Work for Numbering<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { index, image, tiles } = self;
+        tiles.extend((0..image.tiles.len()).map(|tile| FrameTile::new(index, image, tile)));
+    }
 }
 
 impl<'a> FrameSamples<'a> {
@@ -105,10 +154,12 @@ impl<'a> FrameSamples<'a> {
     /// # Errors
     /// `Unsupported` where there are more tiles than slots can number.
     pub(super) fn at(set: &'a SampleSet, frame: usize) -> Result<Self> {
+        // Images of some frames change so often that keeping them painted would not pay.
+        let outlasts = |image: &SampleImage| image.span.len() > 1 && image.span.len() == set.frame_count();
         let at_frame = |lasting: bool| {
             let images = set.images.iter().enumerate();
             images
-                .filter(move |(_, image)| image.span.contains(frame) && (image.span.len() > 1) == lasting)
+                .filter(move |(_, image)| image.span.contains(frame) && outlasts(image) == lasting)
                 .map(|(index, _)| index)
         };
         let mut images: Vec<usize> = at_frame(true).collect();
@@ -123,19 +174,25 @@ impl<'a> FrameSamples<'a> {
             ));
         }
         let mut tiles = Vec::with_capacity(count);
-        for &index in &images {
+        let mut color_places = Vec::with_capacity(count);
+        for (nth, &index) in images.iter().enumerate() {
             let image = &set.images[index];
-            tiles.extend((0..image.tiles.len()).map(|tile| FrameTile::new(index, image, tile)));
+            simd::run(Numbering { index, image, tiles: &mut tiles });
+            color_places.extend(image.tiles.iter().map(|tile| {
+                let full = if tile.rows == [u16::MAX; TILE] { FULL } else { 0 };
+                ColorPlace { image: nth as u32 | full, nth: tile.first }
+            }));
         }
-        Ok(Self { set, images, tiles, lasting_images, lasting_tiles })
+        let colors = images.iter().map(|&image| set.images[image].color.as_slice()).collect();
+        Ok(Self { set, images, tiles, lasting_images, lasting_tiles, color_places, colors })
     }
 
-    /// Numbers of the tiles that outlast the frame.
+    /// Numbers of the tiles that hold at all frames.
     pub(super) fn lasting(&self) -> Range<usize> {
         0..self.lasting_tiles
     }
 
-    /// Numbers of the tiles of this frame alone.
+    /// Numbers of the tiles of shorter spans.
     pub(super) fn passing(&self) -> Range<usize> {
         self.lasting_tiles..self.tiles.len()
     }
@@ -157,6 +214,25 @@ impl<'a> FrameSamples<'a> {
     pub(super) fn color_of(&self, slot: u32) -> [f32; 3] {
         let tile = &self.tiles[(slot >> 8) as usize];
         tile.color(tile.rank(slot as usize % TILE, slot as usize / TILE % TILE))
+    }
+
+    /// Where the color of the sample at a slot lies.
+    #[inline(always)]
+    pub(super) fn color_place(&self, slot: u32) -> ColorPlace {
+        let number = (slot >> 8) as usize;
+        let first = self.color_places[number];
+        let nth = if first.image & FULL != 0 {
+            slot as usize % TILE_SAMPLES
+        } else {
+            self.tiles[number].rank(slot as usize % TILE, slot as usize / TILE % TILE)
+        };
+        ColorPlace { image: first.image & !FULL, nth: first.nth + nth as u32 }
+    }
+
+    /// The colors of an image, as an index in `images`.
+    #[inline(always)]
+    pub(super) fn colors(&self, image: u32) -> &'a [[f16; 3]] {
+        self.colors[image as usize]
     }
 
     /// The cameras that some keys' samples come from, ascending.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::blend::Sum;
 use super::blocks::Blocks;
-use super::frame_samples::FrameSamples;
+use super::frame_samples::{ColorPlace, FrameSamples, f32_from_f16_bits};
 use super::gather::{BLOCK, Gather};
 use super::keys::{inverse_depth_of, slot_of};
 use super::silhouette::{Patch, Pixel, RING, SIDE};
@@ -57,6 +57,14 @@ pub(super) struct Resolve<'a> {
     pub(super) job: &'a Job,
 }
 
+/// The nearest samples of a block of pixels.
+struct Found {
+    keys: [[u64; BLOCK]; BLOCK],
+    places: [[ColorPlace; BLOCK]; BLOCK],
+    /// Three half floats each.
+    colors: [[u64; BLOCK]; BLOCK],
+}
+
 /// Sixteen rows of the three planes of a picture.
 struct Rows<'a> {
     color: &'a mut [[f32; 3]],
@@ -96,6 +104,11 @@ impl Work for Strip<'_> {
     #[inline(always)]
     fn run(mut self) {
         let mut cameras = Vec::new();
+        let mut found = Found {
+            keys: [[0; BLOCK]; BLOCK],
+            places: [[ColorPlace::default(); BLOCK]; BLOCK],
+            colors: [[0; BLOCK]; BLOCK],
+        };
         for column in 0..self.resolve.width.div_ceil(BLOCK) {
             if !self.which.contains(column, self.row) {
                 continue;
@@ -107,8 +120,8 @@ impl Work for Strip<'_> {
                 self.copy(&block, background);
             } else if let Some(gathers) = self.resolve.gather {
                 self.gather(&block, gathers[usize::from(has_foreground)], &mut cameras);
-            } else if self.resolve.kernel == Kernel::Point {
-                self.points(&block);
+            } else if self.resolve.kernel == Kernel::Point && !self.resolve.frame.tiles.is_empty() {
+                self.points(&block, &mut found);
             } else {
                 self.blend(&block);
             }
@@ -223,40 +236,70 @@ impl Strip<'_> {
         }
     }
 
-    /// Every pixel shows its nearest sample. Samples of neighboring pixels lie far apart in memory: a row's are found first
-    /// and read afterwards, so that the processor waits for all of them at once.
+    /// Every pixel shows its nearest sample. Samples of neighboring pixels lie far apart in memory: those of a block are all
+    /// found before the first is read, so that the processor waits for many of them at once.
     #[inline(always)]
-    fn points(&mut self, block: &Block) {
+    fn points(&mut self, block: &Block, found: &mut Found) {
+        let frame = self.resolve.frame;
         let (columns, rows) = self.extent(block);
-        let tiles = &self.resolve.frame.tiles;
         for row in 0..rows {
             let first = (block.top + row) * self.resolve.width + block.left;
-            let (mut keys, mut places) = ([0_u64; BLOCK], [(0_usize, 0_usize); BLOCK]);
-            for column in 0..columns {
-                keys[column] = self.resolve.key(first + column);
-                // A hole looks at the first sample there is, and forgets it.
-                let slot = if keys[column] == 0 { 0 } else { slot_of(keys[column]) };
-                let number = (slot >> 8) as usize;
-                if let Some(tile) = tiles.get(number) {
-                    places[column] =
-                        (number, tile.rank(slot as usize % BLOCK, slot as usize / BLOCK % BLOCK));
-                }
+            let keys = &mut found.keys[row][..columns];
+            keys.copy_from_slice(&self.resolve.background.keys[first..first + columns]);
+            if let Some(foreground) = self.resolve.foreground {
+                let front = &foreground.keys[first..first + columns];
+                keys.iter_mut().zip(front).for_each(|(key, front)| *key = (*key).max(*front));
             }
+            // What will be written is not in the cache either.
             let at = row * self.resolve.width + block.left;
-            for column in 0..columns {
-                let (number, nth) = places[column];
-                let shown = keys[column] != 0;
-                let (mut color, mut image) = ([0.0; 3], NO_IMAGE);
-                if let Some(tile) = tiles.get(number) {
-                    let found = tile.color(nth);
-                    (0..3).for_each(|channel| color[channel] = if shown { found[channel] } else { 0.0 });
-                    image = if shown { tile.image } else { NO_IMAGE };
-                }
-                self.rows.color[at + column] = color;
-                self.rows.inverse_depth[at + column] = inverse_depth_of(keys[column]);
-                self.rows.image[at + column] = image;
+            for part in 0..3 {
+                simd::prefetch(self.rows.color, at + part * BLOCK / 3);
+            }
+            simd::prefetch(self.rows.inverse_depth, at);
+            simd::prefetch(self.rows.image, at);
+            for (place, &key) in found.places[row].iter_mut().zip(&*keys) {
+                // A hole looks at the first sample there is, and forgets it.
+                *place = frame.color_place(if key == 0 { 0 } else { slot_of(key) });
+                simd::prefetch(frame.colors(place.image), place.nth as usize);
             }
         }
+        for row in 0..rows {
+            for (color, place) in found.colors[row].iter_mut().zip(&found.places[row]).take(columns) {
+                let [red, green, blue] =
+                    frame.colors(place.image)[place.nth as usize].map(|half| u64::from(half.to_bits()));
+                *color = red | green << 16 | blue << 32;
+            }
+        }
+        for row in 0..rows {
+            self.show(block, row, found);
+        }
+    }
+
+    /// Sets a row of pixels to what was found.
+    #[inline(always)]
+    fn show(&mut self, block: &Block, row: usize, found: &Found) {
+        let (columns, _) = self.extent(block);
+        let at = row * self.resolve.width + block.left;
+        let (mut planes, mut depths, mut images) = ([[0.0; BLOCK]; 3], [0.0; BLOCK], [NO_IMAGE; BLOCK]);
+        for column in 0..BLOCK {
+            let (key, color) = (found.keys[row][column], found.colors[row][column]);
+            let color = if key == 0 { 0 } else { color };
+            for channel in 0..3 {
+                planes[channel][column] = f32_from_f16_bits((color >> (16 * channel)) as u32 & 0xffff);
+            }
+            depths[column] = inverse_depth_of(key);
+        }
+        for (image, (key, place)) in
+            images.iter_mut().zip(found.keys[row].iter().zip(&found.places[row])).take(columns)
+        {
+            let shown = self.resolve.frame.images[place.image as usize] as u32;
+            *image = if *key == 0 { NO_IMAGE } else { shown };
+        }
+        for (column, color) in self.rows.color[at..at + columns].iter_mut().enumerate() {
+            *color = [planes[0][column & 15], planes[1][column & 15], planes[2][column & 15]];
+        }
+        self.rows.inverse_depth[at..at + columns].copy_from_slice(&depths[..columns]);
+        self.rows.image[at..at + columns].copy_from_slice(&images[..columns]);
     }
 
     #[inline(always)]

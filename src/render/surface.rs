@@ -58,166 +58,251 @@ pub(super) fn split_at_bands<'a, 'b, T>(
 /// # Errors
 /// `Cancelled`.
 pub(super) fn surface(stage: &Stage<'_>, bands: &[Band], keys: &mut [u64]) -> Result<()> {
-    split_at_bands(bands, stage.width, keys)
-        .into_par_iter()
-        .try_for_each(|(band, keys)| simd::run(BandSurface { stage, band, keys }))
+    split_at_bands(bands, stage.width, keys).into_par_iter().try_for_each(|(band, keys)| {
+        let window = Window::of(stage.width, &band.rows);
+        match stage.kernel {
+            Kernel::Point => simd::run(BandSurface { stage, band, keys, splat: Points(window) }),
+            Kernel::Block => simd::run(BandSurface { stage, band, keys, splat: Squares(window) }),
+            Kernel::Surfel | Kernel::Gather => {
+                simd::run(BandSurface { stage, band, keys, splat: Planes(window) })
+            }
+        }
+    })
 }
 
 /// One band of the picture.
-struct BandSurface<'a> {
+struct BandSurface<'a, S> {
     stage: &'a Stage<'a>,
     band: &'a Band,
     keys: &'a mut [u64],
+    splat: S,
 }
 
-impl Work for BandSurface<'_> {
+/// Where the keys of a band are raised, and to what.
+struct Raised<'a> {
+    /// Pixels of the band that the samples of a row touch: their first, second, third and fourth; or, where samples touch
+    /// one pixel alone, those of sixteen rows.
+    pixels: [[u32; TILE]; TILE],
+    /// A key of which the larger stays; 0 changes nothing.
+    new: [[u64; TILE]; TILE],
+    keys: &'a mut [u64],
+}
+
+/// How the samples of a kernel touch pixels.
+trait Splat {
+    /// Raises the keys of what a row of a tile touches; `slots` is that of the row's first pixel.
+    fn row(&self, row: &Row<'_>, slots: u32, raised: &mut Raised<'_>);
+
+    /// Ends a tile.
+    #[inline(always)]
+    fn end(&self, _raised: &mut Raised<'_>) {}
+}
+
+/// A row of a tile.
+struct Row<'a> {
+    projector: &'a Projector,
+    /// Reciprocal focal length of the camera.
+    per_footprint: f32,
+    tile: &'a DenseTile,
+    nth: usize,
+    projected: ProjectedRow,
+}
+
+/// Samples are asked for so many tiles before they are read.
+const TILES_AHEAD: usize = 4;
+
+impl<S: Splat> Work for BandSurface<'_, S> {
     type Output = Result<()>;
 
     #[inline(always)]
     fn run(self) -> Result<()> {
-        let Self { stage, band, keys } = self;
+        let Self { stage, band, keys, splat } = self;
         let mut dense = DenseTile::new();
-        let rows = band.rows.clone();
-        for &number in &band.tiles {
+        let mut raised = Raised { pixels: [[0; TILE]; TILE], new: [[0; TILE]; TILE], keys };
+        for (nth, &number) in band.tiles.iter().enumerate() {
             stage.job.check()?;
+            if let Some(&later) = band.tiles.get(nth + TILES_AHEAD) {
+                stage.frame.tiles[later as usize].fetch_depths_ahead();
+            }
             let tile = &stage.frame.tiles[number as usize];
             let camera = tile.camera as usize;
             let projector = &stage.projectors[camera];
             dense.unpack(tile);
-            let (x, y) = tile.origin;
+            let (x, y) = (tile.origin.0 as f32, tile.origin.1 as usize);
             for row in (0..TILE).filter(|row| tile.rows[*row] != 0) {
-                let w = &dense.inverse_depth[row];
-                let projected = projector.row(projector.ray(x as f32, (y as usize + row) as f32), w);
-                let slots = number << 8 | (row as u32) << 4;
-                let window = Window { width: stage.width, rows: rows.clone(), keys: &mut *keys };
-                match stage.kernel {
-                    Kernel::Point => window.points(&projected, w, slots),
-                    Kernel::Block => window.blocks(&projected, w, slots),
-                    Kernel::Surfel | Kernel::Gather => {
-                        let slopes = slopes(&dense, row, stage.per_footprint[camera]);
-                        window.footprints(projector, &projected, (w, &slopes), slots);
-                    }
-                }
+                let w = dense.row(row);
+                let projected = projector.row(projector.ray(x, (y + row) as f32), w);
+                let per_footprint = stage.per_footprint[camera];
+                let line = Row { projector, per_footprint, tile: &dense, nth: row, projected };
+                splat.row(&line, number << 8 | (row as u32) << 4, &mut raised);
             }
+            splat.end(&mut raised);
         }
         Ok(())
     }
 }
 
-/// The rows of the picture that are being painted.
-struct Window<'a> {
-    width: usize,
-    rows: Range<usize>,
-    keys: &'a mut [u64],
+impl Raised<'_> {
+    /// Raises the keys of the `nth` pixels of all samples.
+    #[inline(always)]
+    fn raise_all(&mut self, nth: usize) {
+        for (pixel, new) in self.pixels[nth].iter().zip(&self.new[nth]) {
+            let key = &mut self.keys[*pixel as usize];
+            *key = (*key).max(*new);
+        }
+    }
+
+    /// Raises the keys of the `nth` pixels of some samples: a mask of columns.
+    #[inline(always)]
+    fn raise_some(&mut self, nth: usize, mut which: u32) {
+        while which != 0 {
+            let i = which.trailing_zeros() as usize % TILE;
+            which &= which - 1;
+            let key = &mut self.keys[self.pixels[nth][i] as usize];
+            *key = (*key).max(self.new[nth][i]);
+        }
+    }
 }
 
-impl Window<'_> {
-    /// Sets each pixel to the larger of its key and the new one. Keys of 0 change nothing.
-    #[inline(always)]
-    fn raise(&mut self, pixels: &[u32; TILE], uppers: &[u32; TILE], slots: u32) {
-        let mut new = [0_u64; TILE];
-        for column in 0..TILE {
-            let full = key(uppers[column], slots | column as u32);
-            new[column] = if uppers[column] == 0 { 0 } else { full };
-        }
-        for column in 0..TILE {
-            let pixel = &mut self.keys[pixels[column] as usize];
-            *pixel = (*pixel).max(new[column]);
+/// The rows of the picture that are being painted.
+#[derive(Clone, Copy)]
+struct Window {
+    width: u32,
+    right: f32,
+    top: f32,
+    bottom: f32,
+    /// The last pixel of the band.
+    last: u32,
+}
+
+impl Window {
+    fn of(width: usize, rows: &Range<usize>) -> Self {
+        Self {
+            width: width as u32,
+            right: (width - 1) as f32,
+            top: rows.start as f32,
+            bottom: (rows.end - 1) as f32,
+            last: (width * rows.len() - 1) as u32,
         }
     }
 
-    /// The pixel at column `x` and row `y` (whole numbers), and whether it lies in the window; if not, some pixel that does.
+    /// The pixel of the band at column `x` and row `y` (whole numbers), and whether it lies in the band. Where it does not,
+    /// or is no number, it is some pixel that does: another one for each of sixteen neighbors `i`, as changing one and the
+    /// same again and again is slow.
     #[inline(always)]
-    fn pixel(&self, x: f32, y: f32) -> (u32, bool) {
-        let (right, top, bottom) =
-            ((self.width - 1) as f32, self.rows.start as f32, (self.rows.end - 1) as f32);
-        let inside = (x >= 0.0) & (x <= right) & (y >= top) & (y <= bottom);
-        // What lies outside, or is no number, goes to the corner.
-        let (x, y) = if inside { (x, y - top) } else { (0.0, 0.0) };
-        (whole(y) * self.width as u32 + whole(x), inside)
+    fn pixel(&self, x: f32, y: f32, i: usize) -> (u32, bool) {
+        let inside = (x >= 0.0) & (x <= self.right) & (y >= self.top) & (y <= self.bottom);
+        let pixel = whole(y - self.top) * self.width + whole(x);
+        (if inside { pixel } else { (i as u32).min(self.last) }, inside)
     }
+}
 
+/// `point`: a sample touches the pixel that it falls into.
+struct Points(Window);
+
+impl Splat for Points {
     #[inline(always)]
-    fn points(mut self, projected: &ProjectedRow, w: &[f32; TILE], slots: u32) {
-        let (mut pixels, mut uppers) = ([0; TILE], [0; TILE]);
+    fn row(&self, row: &Row<'_>, slots: u32, raised: &mut Raised<'_>) {
+        let (w, projected) = (row.tile.row(row.nth), &row.projected);
         for i in 0..TILE {
-            let (pixel, inside) = self.pixel(projected.u[i].floor(), projected.v[i].floor());
+            let (pixel, inside) = self.0.pixel(projected.u[i].floor(), projected.v[i].floor(), i);
             let seen = inside & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
-            pixels[i] = pixel;
-            uppers[i] = if seen { nearness(w[i] * projected.reciprocal[i], CORE) } else { 0 };
+            let full = key(nearness(w[i] * projected.reciprocal[i], CORE), slots | i as u32);
+            raised.pixels[row.nth][i] = pixel;
+            raised.new[row.nth][i] = if seen { full } else { 0 };
         }
-        self.raise(&pixels, &uppers, slots);
     }
 
+    /// A tile is projected as a whole before its keys are compared: the first is work for vectors, the second is not. Rows
+    /// without samples hold those of an earlier tile, which change nothing any more.
     #[inline(always)]
-    fn blocks(mut self, projected: &ProjectedRow, w: &[f32; TILE], slots: u32) {
+    fn end(&self, raised: &mut Raised<'_>) {
+        (0..TILE).for_each(|row| raised.raise_all(row));
+    }
+}
+
+/// `block`: a sample touches the 2×2 pixels around it.
+struct Squares(Window);
+
+impl Splat for Squares {
+    #[inline(always)]
+    fn row(&self, row: &Row<'_>, slots: u32, raised: &mut Raised<'_>) {
+        let (w, projected) = (row.tile.row(row.nth), &row.projected);
         for corner in 0..4 {
             let (right, below) = ((corner & 1) as f32, (corner >> 1) as f32);
-            let (mut pixels, mut uppers) = ([0; TILE], [0; TILE]);
             for i in 0..TILE {
                 let (left, top) = ((projected.u[i] - 0.5).floor(), (projected.v[i] - 0.5).floor());
                 let (along, down) = (projected.u[i] - 0.5 - left, projected.v[i] - 0.5 - top);
                 let share_x = if corner & 1 == 1 { along } else { 1.0 - along };
                 let share_y = if corner >> 1 == 1 { down } else { 1.0 - down };
                 let tier = if share_x * share_y >= CORE_SHARE { CORE } else { 0 };
-                let (pixel, inside) = self.pixel(left + right, top + below);
+                let (pixel, inside) = self.0.pixel(left + right, top + below, i);
                 let seen = inside & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
-                pixels[i] = pixel;
-                uppers[i] = if seen { nearness(w[i] * projected.reciprocal[i], tier) } else { 0 };
+                let full = key(nearness(w[i] * projected.reciprocal[i], tier), slots | i as u32);
+                raised.pixels[corner][i] = pixel;
+                raised.new[corner][i] = if seen { full } else { 0 };
             }
-            self.raise(&pixels, &uppers, slots);
         }
+        (0..4).for_each(|corner| raised.raise_all(corner));
     }
+}
 
+/// `surfel` and `gather`: a sample touches the pixels whose centers its footprint covers, at the depth of its plane.
+struct Planes(Window);
+
+impl Splat for Planes {
     #[inline(always)]
-    fn footprints(
-        mut self,
-        projector: &Projector,
-        projected: &ProjectedRow,
-        (w, slopes): (&[f32; TILE], &[[f32; TILE]; 2]),
-        slots: u32,
-    ) {
-        let found = footprints(projector, projected, w, slopes);
+    fn row(&self, row: &Row<'_>, slots: u32, raised: &mut Raised<'_>) {
+        let (w, projected) = (row.tile.row(row.nth), &row.projected);
+        let slopes = slopes(row.tile, row.nth, row.per_footprint);
+        let found = footprints(row.projector, projected, w, &slopes);
         // First and last column and row whose centers the footprint covers: always one, at most two unless it is large.
         let mut edges = [[0.0_f32; TILE]; 4];
         let mut large = 0_u32;
         for i in 0..TILE {
             let (half_width, half_height) = (found.half_width[i].max(0.5), found.half_height[i].max(0.5));
-            let seen = projected.reciprocal[i] > 0.0 && w[i] >= 0.0;
+            let seen = (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
             edges[0][i] = (projected.u[i] - half_width - 0.5).ceil();
             edges[1][i] = (projected.u[i] + half_width - 0.5).floor();
             edges[2][i] = (projected.v[i] - half_height - 0.5).ceil();
             edges[3][i] = (projected.v[i] + half_height - 0.5).floor();
-            let wide = edges[1][i] > edges[0][i] + 1.0 || edges[3][i] > edges[2][i] + 1.0;
-            large |= u32::from(wide && seen) << i;
+            let wide = (edges[1][i] > edges[0][i] + 1.0) | (edges[3][i] > edges[2][i] + 1.0);
+            large |= u32::from(wide & seen) << i;
         }
+        let mut touched = [0_u32; 4];
         for corner in 0..4_usize {
-            let (mut pixels, mut uppers) = ([0; TILE], [0; TILE]);
             let (columns, rows) = (&edges[corner & 1], &edges[2 + (corner >> 1)]);
             for i in 0..TILE {
                 let (x, y) = (columns[i], rows[i]);
-                let (pixel, inside) = self.pixel(x, y);
+                let (pixel, inside) = self.0.pixel(x, y, i);
                 let (depth, covered) = depth_at(&found, projected, i, x, y);
-                let seen = inside & covered & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
-                pixels[i] = pixel;
-                uppers[i] = if seen { nearness(depth, CORE) } else { 0 };
+                // Most footprints cover one column and one row alone.
+                let again = ((corner & 1 == 1) & (edges[0][i] == edges[1][i]))
+                    | ((corner >> 1 == 1) & (edges[2][i] == edges[3][i]));
+                let seen = inside & covered & !again & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
+                raised.pixels[corner][i] = pixel;
+                raised.new[corner][i] = if seen { key(nearness(depth, CORE), slots | i as u32) } else { 0 };
+                touched[corner] |= u32::from(seen) << i;
             }
-            self.raise(&pixels, &uppers, slots);
         }
+        raised.raise_all(0);
+        (1..4).for_each(|corner| raised.raise_some(corner, touched[corner]));
         while large != 0 {
-            let i = large.trailing_zeros() as usize;
+            let i = large.trailing_zeros() as usize % TILE;
             large &= large - 1;
-            let clamp = |value: f32, low: usize, high: usize| value.clamp(low as f32, high as f32) as usize;
-            let columns = clamp(edges[0][i], 0, self.width)..clamp(edges[1][i] + 1.0, 0, self.width);
-            let (top, bottom) = (self.rows.start, self.rows.end);
-            for y in clamp(edges[2][i], top, bottom)..clamp(edges[3][i] + 1.0, top, bottom) {
+            let clamp = |value: f32, low: f32, end: f32| value.max(low).min(end) as usize;
+            let end = self.0.bottom + 1.0;
+            let columns = clamp(edges[0][i], 0.0, self.0.right + 1.0)
+                ..clamp(edges[1][i] + 1.0, 0.0, self.0.right + 1.0);
+            for y in clamp(edges[2][i], self.0.top, end)..clamp(edges[3][i] + 1.0, self.0.top, end) {
                 for x in columns.clone() {
                     let (depth, covered) = depth_at(&found, projected, i, x as f32, y as f32);
                     if !covered {
                         continue;
                     }
-                    let pixel = &mut self.keys[(y - top) * self.width + x];
-                    *pixel = (*pixel).max(key(nearness(depth, CORE), slots | i as u32));
+                    let pixel = (y - self.0.top as usize) * self.0.width as usize + x;
+                    let key_there = &mut raised.keys[pixel];
+                    *key_there = (*key_there).max(key(nearness(depth, CORE), slots | i as u32));
                 }
             }
         }

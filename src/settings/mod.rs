@@ -50,6 +50,8 @@ choice! {
         Off = "off",
         /// The paper's split: a pixel is background over all frames, or foreground in each one.
         Paper = "paper",
+        /// Spans of all lengths, half as long at each level: a pixel lives in the longest over which it is static.
+        Tree = "tree",
     }
 }
 

@@ -7,6 +7,7 @@ use super::super::text;
 use super::super::theme::{Tokens, space};
 use super::super::views::colormap;
 use crate::preprocess::Report;
+use crate::preprocess::report::CameraReport;
 
 /// The panel.
 pub(super) fn report_ui(ui: &mut Ui, state: &State) {
@@ -174,6 +175,24 @@ fn short(name: &str, length: usize) -> String {
     text
 }
 
+/// What was measured of a camera, and where the tolerances of the spans lie in it.
+fn measured(camera: &CameraReport) -> String {
+    let ranges = &camera.ranges;
+    let percent = |share: f32| format!("{:.1} %", 100.0 * share);
+    let half = ranges.color_percentiles_steps.first().copied().unwrap_or(0.0);
+    format!(
+        "Depth noise {:.1e}, depth recorded in steps of {:.1e}, both relative.\nOver all frames the color of half of the \
+         pixels stays within {half:.1} steps. Within the tolerance: {}; with what noise explains: {}.\nDepth within {:.1e}: \
+         {} of the pixels.",
+        camera.depth_noise_relative,
+        camera.depth_step_relative,
+        percent(ranges.within_color_tolerance),
+        percent(ranges.within_color_tolerance_and_noise),
+        ranges.depth_granted_relative,
+        percent(ranges.within_depth_granted),
+    )
+}
+
 fn cameras_ui(ui: &mut Ui, report: &Report) {
     let tokens = Tokens::in_ui(ui);
     ui.heading("Cameras");
@@ -198,7 +217,7 @@ fn cameras_ui(ui: &mut Ui, report: &Report) {
                 });
                 ui.label(text::count(camera.background_kept + camera.foreground_kept));
                 ui.label(text::percent(camera.background_pixels, camera.pixels / frames));
-                ui.label(format!("{:.2}", camera.color_noise_steps));
+                ui.label(format!("{:.2}", camera.color_noise_steps)).on_hover_text(measured(camera));
                 ui.end_row();
             }
         },

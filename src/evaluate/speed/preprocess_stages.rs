@@ -1,16 +1,22 @@
 //! Preprocessing and storing: the pass over time, normals, one frame pruned anew, packing, the file.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::Bench;
 use super::backend::Backend;
 use super::measure::{Times, repeat};
 use super::report::{Bound, Measured};
+use crate::capture::Frame;
 use crate::error::{Error, Result};
 use crate::preprocess::background::Background;
-use crate::preprocess::foreground::{FRAME, prune_frame};
+use crate::preprocess::descent::{FRAME, prune_frame};
+use crate::preprocess::noise::measure_pairs;
 use crate::preprocess::normals::DepthView;
 use crate::preprocess::pruning::{self, Rig};
+use crate::preprocess::split::{BATCH, Split};
+use crate::preprocess::static_test::StaticTest;
 use crate::preprocess::{Report, Span, Verdict, inspect_frame, pack, scan};
 use crate::settings::{NormalEstimator, Settings};
 use crate::store;
@@ -24,6 +30,8 @@ const DEPTH_BYTES: u64 = 4;
 pub(super) enum PreprocessCase {
     /// What stays the same over all recorded frames.
     Scan,
+    /// The temporal split of one camera, from frames in memory to the samples of every span.
+    Split,
     /// Normals of every pixel at one frame.
     Normals(NormalEstimator),
     /// The verdicts on every pixel of one frame, from layers that are ready: all cameras against all others.
@@ -40,6 +48,9 @@ pub(super) enum PreprocessCase {
     StoreDecode,
 }
 
+/// Frames that the temporal split is measured on.
+const SPLIT_FRAMES: usize = 32;
+
 /// Every stage before painting.
 pub(super) fn cases() -> Vec<PreprocessCase> {
     let normals = NormalEstimator::ALL.iter().copied().map(PreprocessCase::Normals);
@@ -51,7 +62,7 @@ pub(super) fn cases() -> Vec<PreprocessCase> {
         PreprocessCase::StoreRead,
         PreprocessCase::StoreDecode,
     ];
-    std::iter::once(PreprocessCase::Scan).chain(normals).chain(others).collect()
+    [PreprocessCase::Scan, PreprocessCase::Split].into_iter().chain(normals).chain(others).collect()
 }
 
 impl PreprocessCase {
@@ -59,6 +70,7 @@ impl PreprocessCase {
     pub(super) fn name(self) -> String {
         match self {
             Self::Scan => "preprocess/scan".to_owned(),
+            Self::Split => "preprocess/split".to_owned(),
             Self::Normals(estimator) => format!("preprocess/normals/{estimator}"),
             Self::Prune => "preprocess/prune-frame".to_owned(),
             Self::Reprune => "preprocess/re-prune-frame".to_owned(),
@@ -79,6 +91,10 @@ impl PreprocessCase {
         let pruned = &bench.scene.pruned;
         let (times, samples, bytes) = match self {
             Self::Scan => (scan_frames(bench)?, all_frames, all_frames * PIXEL_BYTES),
+            Self::Split => {
+                let pixels = bench.scene.capture.cameras[0].intrinsics.pixel_count() * SPLIT_FRAMES;
+                (split_frames(bench)?, pixels as u64, pixels as u64 * PIXEL_BYTES)
+            }
             Self::Normals(estimator) => {
                 (estimate_normals(bench, estimator)?, one_frame, one_frame * DEPTH_BYTES)
             }
@@ -109,6 +125,20 @@ fn scan_frames(bench: &Bench<'_>) -> Result<Times> {
     repeat(bench.budget, bench.job, || scan(&bench.scene.capture, &settings, bench.job))
 }
 
+fn split_frames(bench: &Bench<'_>) -> Result<Times> {
+    let capture = &bench.scene.capture;
+    // Each frame a copy of its own, so that it comes from memory.
+    let copy = |index| Ok(Arc::new(Frame::clone(&*capture.frame(0, index % capture.frame_count())?)));
+    let frames = (0..SPLIT_FRAMES).map(copy).collect::<Result<Vec<_>>>()?;
+    let noise = measure_pairs(&[[&frames[0], &frames[1]]]);
+    let test = StaticTest::new(&Settings::default().spans, &noise, 0.0, SPLIT_FRAMES);
+    let pixels = capture.cameras[0].intrinsics.pixel_count();
+    repeat(bench.budget, bench.job, || {
+        let mut split = Split::new(pixels, SPLIT_FRAMES, test.clone());
+        Ok(frames.chunks(BATCH).map(|frames| split.add(frames)).collect::<Vec<_>>())
+    })
+}
+
 fn estimate_normals(bench: &Bench<'_>, estimator: NormalEstimator) -> Result<Times> {
     let settings = Settings::default().normals;
     let capture = &bench.scene.capture;
@@ -128,7 +158,7 @@ fn prune_layers(bench: &Bench<'_>) -> Result<Times> {
     let capture = &bench.scene.capture;
     let mut settings = Settings::default();
     let rig = Rig::new(&capture.cameras);
-    let layers = prune_frame(capture, &rig, &Background::none(capture), &settings, 0, bench.job)?.layers;
+    let layers = prune_frame(capture, None, &rig, Background::none(capture), &settings, 0, bench.job)?.layers;
     let tolerance = settings.pruning.color_tolerance;
     let mut turn = 0_u8;
     repeat(bench.budget, bench.job, || {
@@ -157,10 +187,10 @@ fn pack_frame(bench: &Bench<'_>) -> Result<Times> {
     let capture = &bench.scene.capture;
     let settings = Settings::default();
     let rig = Rig::new(&capture.cameras);
-    let pruned = prune_frame(capture, &rig, &Background::none(capture), &settings, 0, bench.job)?;
+    let pruned = prune_frame(capture, None, &rig, Background::none(capture), &settings, 0, bench.job)?;
     let span = Span { start: 0, end: 1 };
     repeat(bench.budget, bench.job, || {
-        let cameras = pruned.layers.iter().zip(&pruned.decided).enumerate();
+        let cameras = pruned.layers.iter().zip(&pruned.decided[0]).enumerate();
         let images = cameras.map(|(camera, (layer, decided))| {
             pack::pack(camera, span, layer, decided, settings.store.normals)
         });

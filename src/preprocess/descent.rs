@@ -1,0 +1,187 @@
+//! The way down: from the background to one frame, the samples of ever shorter spans are put where longer ones left room, and
+//! decided against each other and against all that is decided above.
+//!
+//! Layers are changed in place and changed back, so that going down to a frame costs what its short-lived samples cost.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::Span;
+use super::background::Background;
+use super::layer::{Layer, LayerBuilder, Level, NO_SAMPLE};
+use super::pruning::{self, Decided, Rig, Statuses};
+use super::span_samples::SpanSamples;
+use super::span_tree::SpanTree;
+use super::temporal::TemporalScan;
+use crate::capture::{Capture, Frame};
+use crate::error::Result;
+use crate::job::Job;
+use crate::settings::{Settings, SpanLevels};
+
+/// The level of samples of one frame where nothing is known of other frames.
+pub const FRAME: Level = 1;
+
+/// All cameras on the way down.
+pub struct Descent<'a> {
+    capture: &'a Capture,
+    scan: Option<&'a TemporalScan>,
+    rig: &'a Rig<'a>,
+    settings: &'a Settings,
+    builder: LayerBuilder<'a>,
+    /// Per camera, every sample that was put so far.
+    pub layers: Vec<Layer>,
+    statuses: Statuses,
+}
+
+/// What was put and decided at a step down, per camera.
+pub struct Step {
+    /// The samples, ascending.
+    pub pixels: Vec<Vec<u32>>,
+    /// The verdicts on them.
+    pub decided: Vec<Decided>,
+}
+
+impl<'a> Descent<'a> {
+    /// Begins at `background`. Without a `scan` every pixel is one of its frame alone.
+    #[must_use]
+    pub fn new(
+        capture: &'a Capture,
+        scan: Option<&'a TemporalScan>,
+        rig: &'a Rig<'a>,
+        settings: &'a Settings,
+        background: Background,
+    ) -> Self {
+        let statuses = background
+            .statuses
+            .into_par_iter()
+            .map(|camera| camera.into_iter().map(AtomicU8::new).collect())
+            .collect();
+        let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
+        Self { capture, scan, rig, settings, builder, layers: background.layers, statuses }
+    }
+
+    /// The spans there are.
+    #[must_use]
+    pub fn tree(&self) -> SpanTree {
+        let frames = self.capture.frame_count();
+        match self.scan {
+            Some(scan) => scan.tree(&self.settings.spans),
+            None => SpanTree::new(frames, SpanLevels::Paper),
+        }
+    }
+
+    /// Puts and decides the samples of `span`, which lies at `level` below the span that was entered last.
+    ///
+    /// # Errors
+    /// Whatever the capture gives (naming file and frame), `Io` where the temporary file cannot be read, and `Cancelled`.
+    pub fn enter(&mut self, span: Span, level: Level, job: &Job) -> Result<Step> {
+        let (capture, scan, builder) = (self.capture, self.scan, &self.builder);
+        let of_camera = |(camera, layer): (usize, &mut Layer)| {
+            job.check()?;
+            layer.noise_share.resize(usize::from(level), 0.0);
+            layer.noise_share.push((span.len() as f32).sqrt().recip());
+            let pixels = match scan.and_then(|scan| scan.spans.as_ref()) {
+                Some(spans) => {
+                    let samples = spans.get(camera, span)?.unwrap_or_default();
+                    put(layer, level, &samples);
+                    samples.pixels.clone()
+                }
+                None => put_frame(layer, level, &*capture.frame(camera, span.start as usize)?),
+            };
+            builder.estimate_normals(layer, &capture.cameras[camera], &pixels);
+            builder.rate(layer, &capture.cameras[camera], &pixels);
+            Ok(pixels)
+        };
+        let pixels = self.layers.par_iter_mut().enumerate().map(of_camera).collect::<Result<Vec<_>>>()?;
+        let decided = pruning::prune(self.rig, &self.layers, &self.statuses, level, self.settings, job)?;
+        Ok(Step { pixels, decided })
+    }
+
+    /// Takes the samples of a step away again; later steps must be taken away before.
+    pub fn leave(&mut self, step: &Step) {
+        let cameras = self.layers.par_iter_mut().zip(&self.statuses).zip(&step.pixels);
+        cameras.for_each(|((layer, statuses), pixels)| {
+            for &pixel in pixels {
+                layer.clear(pixel as usize);
+                statuses[pixel as usize].store(pruning::ABSENT, Ordering::Relaxed);
+            }
+        });
+    }
+}
+
+/// Puts samples into a layer; they need normals and rates yet.
+pub(super) fn put(layer: &mut Layer, level: Level, samples: &SpanSamples) {
+    for (index, &pixel) in samples.pixels.iter().enumerate() {
+        let pixel = pixel as usize;
+        layer.level[pixel] = level;
+        layer.color[pixel] = samples.color[index];
+        layer.inverse_depth[pixel] = samples.inverse_depth[index];
+        layer.normal[pixel] = samples.normal.get(index).copied().unwrap_or(Vec3::ZERO);
+    }
+}
+
+/// Puts the frame's samples wherever the layer has none; they need normals and rates yet. Gives their pixels.
+fn put_frame(layer: &mut Layer, level: Level, frame: &Frame) -> Vec<u32> {
+    layer.depth_step_relative = layer.depth_step_relative.max(frame.depth_step_relative);
+    let mut pixels = Vec::new();
+    for (pixel, &inverse_depth) in frame.inverse_depth.as_slice().iter().enumerate() {
+        if layer.level[pixel] != NO_SAMPLE || inverse_depth < 0.0 {
+            continue;
+        }
+        layer.level[pixel] = level;
+        layer.inverse_depth[pixel] = inverse_depth;
+        layer.color[pixel] = frame.color.as_slice()[pixel];
+        if let Some(normals) = &frame.normal_in_world {
+            layer.normal[pixel] = Vec3::from(normals.as_slice()[pixel]);
+        }
+        pixels.push(pixel as u32);
+    }
+    pixels
+}
+
+/// All cameras at one frame, pruned.
+pub struct PrunedFrame {
+    /// The spans that contain the frame, by level.
+    pub path: Vec<Span>,
+    /// Every sample at the frame, per camera.
+    pub layers: Vec<Layer>,
+    /// The verdicts on samples below the background: per level from the first below, per camera.
+    pub decided: Vec<Vec<Decided>>,
+}
+
+/// Completes and prunes one frame: all samples below the background on the way down to it.
+///
+/// # Errors
+/// As [`Descent::enter`].
+pub fn prune_frame(
+    capture: &Capture,
+    scan: Option<&TemporalScan>,
+    rig: &Rig<'_>,
+    background: Background,
+    settings: &Settings,
+    frame: usize,
+    job: &Job,
+) -> Result<PrunedFrame> {
+    let mut descent = Descent::new(capture, scan, rig, settings, background);
+    let path = descent.tree().path(frame);
+    let mut decided = Vec::with_capacity(path.len());
+    for (level, &span) in path.iter().enumerate().skip(1) {
+        decided.push(descent.enter(span, level as Level, job)?.decided);
+    }
+    Ok(PrunedFrame { path, layers: descent.layers, decided })
+}
+
+/// The recorded pictures of all cameras at one frame.
+///
+/// # Errors
+/// Whatever the capture gives, and `Cancelled`.
+pub fn load_frame(capture: &Capture, frame: usize, job: &Job) -> Result<Vec<Arc<Frame>>> {
+    let load = |camera| {
+        job.check()?;
+        capture.frame(camera, frame)
+    };
+    (0..capture.cameras.len()).into_par_iter().map(load).collect()
+}

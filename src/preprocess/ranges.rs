@@ -1,0 +1,238 @@
+//! The paper's two lengths of spans, all frames and one: range and mean of every pixel over all frames.
+//!
+//! Purpose: where a sample lives over all frames or in a single one, a pass over the frames that depends on no threshold tells
+//! which; the split is then a comparison per pixel. (What moves is not kept by this pass, since nobody knows before its end
+//! what does; it is read again, frame by frame.)
+//!
+//! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.2: a pixel that remains constant
+//! over time belongs to the camera's background image, all others to the foreground image of their frame.
+//! What differs: see [`static_test`](super::static_test); a background sample is the mean over all frames.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use half::f16;
+use rayon::prelude::*;
+
+use super::noise::{NoiseMeter, measure_noise};
+use super::normal_errors::{NormalErrors, compare_with_given};
+use super::range_shares::RangeShares;
+use super::span_samples::SpanSamples;
+use super::static_test::StaticTest;
+use super::temporal::CameraScan;
+use crate::capture::{Camera, Frame, INVALID_INVERSE_DEPTH};
+use crate::color;
+use crate::grid::Grid;
+use crate::settings::{NormalSettings, SpanLevels, SpanSettings};
+
+/// Threshold-independent facts about one camera over all frames.
+#[derive(Debug)]
+pub struct Ranges {
+    /// Range of color over time, the widest of the three channels, 8-bit sRGB steps; infinite where some frame has no
+    /// depth at the pixel.
+    pub color_steps: Grid<f32>,
+    /// Range of inverse depth over time as a share of its maximum, 0 to 1; 0 where always at infinity, infinite where
+    /// some frame has no depth at the pixel.
+    pub depth_relative: Grid<f32>,
+    /// Mean color over time, linear.
+    pub mean_color: Grid<[f16; 3]>,
+    /// Mean inverse depth over time; invalid where some frame has no depth at the pixel.
+    pub mean_inverse_depth: Grid<f32>,
+    /// Mean given normal in world space; zero where there is none. `None` where the capture gives none.
+    pub mean_normal: Option<Grid<[f32; 3]>>,
+}
+
+impl Ranges {
+    /// Which pixels are background under `settings`, row-major.
+    #[must_use]
+    pub fn static_pixels(&self, settings: &SpanSettings, test: &StaticTest) -> Vec<bool> {
+        if settings.levels == SpanLevels::Off {
+            return vec![false; self.mean_color.len()];
+        }
+        let color = self.color_steps.as_slice().iter().zip(self.mean_color.as_slice());
+        color
+            .zip(self.depth_relative.as_slice())
+            .map(|((&color, mean), &depth)| test.is_static(color, depth, || *mean))
+            .collect()
+    }
+
+    /// The means of the pixels that are `chosen`.
+    #[must_use]
+    pub fn samples(&self, chosen: &[bool]) -> SpanSamples {
+        let chosen = || (0..chosen.len()).filter(|pixel| chosen[*pixel]);
+        let normals = self.mean_normal.as_ref();
+        SpanSamples {
+            pixels: chosen().map(|pixel| pixel as u32).collect(),
+            color: chosen().map(|pixel| self.mean_color.as_slice()[pixel]).collect(),
+            inverse_depth: chosen().map(|pixel| self.mean_inverse_depth.as_slice()[pixel]).collect(),
+            normal: normals
+                .map(|normals| chosen().map(|pixel| Vec3::from(normals.as_slice()[pixel])).collect())
+                .unwrap_or_default(),
+        }
+    }
+
+    /// How far the ranges of all pixels reach.
+    #[must_use]
+    pub fn shares(&self, test: &StaticTest) -> RangeShares {
+        let mut shares = RangeShares::default();
+        let ranges = self.color_steps.as_slice().iter().zip(self.depth_relative.as_slice());
+        for ((&color, &depth), mean) in ranges.zip(self.mean_color.as_slice()) {
+            shares.count(color, depth, test, || *mean);
+        }
+        shares
+    }
+}
+
+#[derive(Clone, Copy)]
+struct PixelSum {
+    min_steps: [f32; 3],
+    max_steps: [f32; 3],
+    color: [f32; 3],
+    min_inverse_depth: f32,
+    max_inverse_depth: f32,
+    inverse_depth: f64,
+    normal: [f32; 3],
+    invalid: u32,
+}
+
+const EMPTY_SUM: PixelSum = PixelSum {
+    min_steps: [f32::INFINITY; 3],
+    max_steps: [f32::NEG_INFINITY; 3],
+    color: [0.0; 3],
+    min_inverse_depth: f32::INFINITY,
+    max_inverse_depth: f32::NEG_INFINITY,
+    inverse_depth: 0.0,
+    normal: [0.0; 3],
+    invalid: 0,
+};
+
+/// Gathers [`Ranges`] frame by frame.
+pub(super) struct CameraSum {
+    width: usize,
+    pixels: Vec<PixelSum>,
+    meter: NoiseMeter,
+    previous: Option<Arc<Frame>>,
+    depth_step_relative: f32,
+    has_normals: bool,
+    normal_errors: Vec<NormalErrors>,
+}
+
+impl CameraSum {
+    pub(super) fn new(width: usize, height: usize) -> Self {
+        Self {
+            width,
+            pixels: vec![EMPTY_SUM; width * height],
+            meter: NoiseMeter::default(),
+            previous: None,
+            depth_step_relative: 0.0,
+            has_normals: false,
+            normal_errors: Vec::new(),
+        }
+    }
+
+    /// Compares estimated normals with those given in the first frame.
+    pub(super) fn compare_normals(&mut self, first: &Frame, camera: &Camera, settings: &NormalSettings) {
+        self.normal_errors = compare_with_given(first, camera, settings);
+    }
+
+    /// Adds the next frame. Frames must come in order: floating-point sums depend on it.
+    pub(super) fn add(&mut self, frame: Arc<Frame>) {
+        let width = self.width.max(1);
+        let steps = color::steps_table();
+        self.pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            let colors = frame.color.row(y);
+            let depths = frame.inverse_depth.row(y);
+            for ((sum, color), &inverse_depth) in row.iter_mut().zip(colors).zip(depths) {
+                add_pixel(sum, *color, inverse_depth, steps);
+            }
+            if let Some(normals) = &frame.normal_in_world {
+                for (sum, normal) in row.iter_mut().zip(normals.row(y)) {
+                    (0..3).for_each(|axis| sum.normal[axis] += normal[axis]);
+                }
+            }
+        });
+        if let Some(previous) = &self.previous {
+            measure_noise(&mut self.meter, previous, &frame);
+        }
+        self.depth_step_relative = self.depth_step_relative.max(frame.depth_step_relative);
+        self.has_normals |= frame.normal_in_world.is_some();
+        self.previous = Some(frame);
+    }
+
+    pub(super) fn finish(self, frames: usize) -> CameraScan {
+        let (width, height) = (self.width, self.pixels.len() / self.width.max(1));
+        let grid = |values| Grid::from_vec(width, height, values);
+        let count = frames as f32;
+        let pixels = &self.pixels;
+        let ranges = Ranges {
+            color_steps: grid(
+                pixels
+                    .iter()
+                    .map(|sum| {
+                        let range = (0..3).map(|c| sum.max_steps[c] - sum.min_steps[c]).fold(0.0, f32::max);
+                        if sum.invalid > 0 { f32::INFINITY } else { range }
+                    })
+                    .collect(),
+            ),
+            depth_relative: grid(pixels.iter().map(depth_range_relative).collect()),
+            mean_color: Grid::from_vec(
+                width,
+                height,
+                pixels.iter().map(|sum| sum.color.map(|c| f16::from_f32(c / count))).collect(),
+            ),
+            mean_inverse_depth: grid(pixels.iter().map(|sum| mean_inverse_depth(sum, frames)).collect()),
+            mean_normal: self.has_normals.then(|| {
+                Grid::from_vec(
+                    width,
+                    height,
+                    pixels.iter().map(|sum| Vec3::from(sum.normal).normalize_or_zero().to_array()).collect(),
+                )
+            }),
+        };
+        CameraScan {
+            ranges: Some(ranges),
+            shares: None,
+            invalid: pixels.iter().map(|sum| u64::from(sum.invalid)).sum(),
+            depth_step_relative: self.depth_step_relative,
+            noise: self.meter.noise(),
+            normal_errors: self.normal_errors,
+        }
+    }
+}
+
+fn add_pixel(sum: &mut PixelSum, color: [f16; 3], inverse_depth: f32, steps: &[f32]) {
+    if inverse_depth < 0.0 {
+        sum.invalid += 1;
+        return;
+    }
+    for channel in 0..3 {
+        let value = steps[color[channel].to_bits() as usize];
+        sum.min_steps[channel] = sum.min_steps[channel].min(value);
+        sum.max_steps[channel] = sum.max_steps[channel].max(value);
+        sum.color[channel] += color[channel].to_f32();
+    }
+    sum.min_inverse_depth = sum.min_inverse_depth.min(inverse_depth);
+    sum.max_inverse_depth = sum.max_inverse_depth.max(inverse_depth);
+    sum.inverse_depth += f64::from(inverse_depth);
+}
+
+fn depth_range_relative(sum: &PixelSum) -> f32 {
+    if sum.invalid > 0 || sum.max_inverse_depth < 0.0 {
+        f32::INFINITY
+    } else if sum.max_inverse_depth == 0.0 {
+        0.0
+    } else {
+        (sum.max_inverse_depth - sum.min_inverse_depth) / sum.max_inverse_depth
+    }
+}
+
+fn mean_inverse_depth(sum: &PixelSum, frames: usize) -> f32 {
+    if sum.invalid > 0 || sum.max_inverse_depth < 0.0 {
+        INVALID_INVERSE_DEPTH
+    } else if sum.min_inverse_depth == sum.max_inverse_depth {
+        // Exactly what was recorded, without the rounding of a sum.
+        sum.min_inverse_depth
+    } else {
+        (sum.inverse_depth / frames as f64) as f32
+    }
+}

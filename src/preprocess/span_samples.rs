@@ -1,0 +1,196 @@
+//! The samples of one camera over one span before pruning: a sparse picture. There are many of them; beyond a bound they
+//! wait in a temporary file, so that memory does not grow with the number of frames.
+//!
+//! ```text
+//! record in the file: pixel u32 …, inverse depth f32 …, [normal 3 × f32 …,] color 3 × f16 …    machine's byte order
+//! ```
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::Vec3;
+use half::f16;
+
+use super::Span;
+use crate::error::{Error, Result};
+
+/// Samples with their pixels, in ascending order of the pixels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SpanSamples {
+    /// `y * width + x`, ascending.
+    pub pixels: Vec<u32>,
+    /// Linear color, one per pixel.
+    pub color: Vec<[f16; 3]>,
+    /// 1/z, one per pixel; 0 at infinity, never negative.
+    pub inverse_depth: Vec<f32>,
+    /// Given world-space normals, one per pixel (zero where there is none); empty where the capture gives none.
+    pub normal: Vec<Vec3>,
+}
+
+impl SpanSamples {
+    /// Samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.pixels.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.pixels.is_empty()
+    }
+
+    /// Adds samples of later pixels.
+    pub fn append(&mut self, later: &mut Self) {
+        self.pixels.append(&mut later.pixels);
+        self.color.append(&mut later.color);
+        self.inverse_depth.append(&mut later.inverse_depth);
+        self.normal.append(&mut later.normal);
+    }
+
+    fn bytes(&self) -> usize {
+        self.len() * SAMPLE_BYTES + size_of_val(self.normal.as_slice())
+    }
+}
+
+/// Bytes of a sample without its normal.
+const SAMPLE_BYTES: usize = size_of::<u32>() + size_of::<[f16; 3]>() + size_of::<f32>();
+
+#[derive(Debug)]
+enum Place {
+    Memory(Arc<SpanSamples>),
+    File { offset: u64, samples: usize, normals: bool },
+}
+
+/// The samples of every camera and span.
+#[derive(Debug)]
+pub struct SpanStore {
+    places: BTreeMap<(usize, Span), Place>,
+    bytes: usize,
+    /// Bytes that are held in memory at most.
+    bound: usize,
+    file: Mutex<Option<File>>,
+    file_bytes: u64,
+}
+
+impl SpanStore {
+    /// An empty store that holds at most `bound` bytes in memory.
+    #[must_use]
+    pub fn new(bound: usize) -> Self {
+        Self { places: BTreeMap::new(), bytes: 0, bound, file: Mutex::new(None), file_bytes: 0 }
+    }
+
+    /// Takes the samples of `camera` over `span`.
+    ///
+    /// # Errors
+    /// `Io` where the temporary file cannot be written.
+    pub fn insert(&mut self, camera: usize, span: Span, samples: SpanSamples) -> Result<()> {
+        if samples.is_empty() {
+            return Ok(());
+        }
+        let bytes = samples.bytes();
+        let place = if self.bytes + bytes <= self.bound {
+            self.bytes += bytes;
+            Place::Memory(Arc::new(samples))
+        } else {
+            self.write(&samples).map_err(in_file)?
+        };
+        self.places.insert((camera, span), place);
+        Ok(())
+    }
+
+    fn write(&mut self, samples: &SpanSamples) -> std::io::Result<Place> {
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        let file = match &mut *file {
+            Some(file) => file,
+            none => none.insert(tempfile::tempfile()?),
+        };
+        let offset = self.file_bytes;
+        file.seek(SeekFrom::Start(offset))?;
+        file.write_all(bytemuck::cast_slice(&samples.pixels))?;
+        file.write_all(bytemuck::cast_slice(&samples.inverse_depth))?;
+        file.write_all(bytemuck::cast_slice(&samples.normal))?;
+        file.write_all(bytemuck::cast_slice(&samples.color))?;
+        self.file_bytes += samples.bytes() as u64;
+        Ok(Place::File { offset, samples: samples.len(), normals: !samples.normal.is_empty() })
+    }
+
+    /// The samples of `camera` over `span`; `None` where there is none.
+    ///
+    /// # Errors
+    /// `Io` where the temporary file cannot be read.
+    pub fn get(&self, camera: usize, span: Span) -> Result<Option<Arc<SpanSamples>>> {
+        match self.places.get(&(camera, span)) {
+            None => Ok(None),
+            Some(Place::Memory(samples)) => Ok(Some(samples.clone())),
+            Some(&Place::File { offset, samples, normals }) => {
+                let read = self.read(offset, samples, normals).map_err(in_file)?;
+                Ok(Some(Arc::new(read)))
+            }
+        }
+    }
+
+    fn read(&self, offset: u64, samples: usize, normals: bool) -> std::io::Result<SpanSamples> {
+        let mut read = SpanSamples {
+            pixels: vec![0; samples],
+            color: vec![[f16::ZERO; 3]; samples],
+            inverse_depth: vec![0.0; samples],
+            normal: vec![Vec3::ZERO; if normals { samples } else { 0 }],
+        };
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        let file = file.as_mut().ok_or(std::io::ErrorKind::NotFound)?;
+        file.seek(SeekFrom::Start(offset))?;
+        file.read_exact(bytemuck::cast_slice_mut(&mut read.pixels))?;
+        file.read_exact(bytemuck::cast_slice_mut(&mut read.inverse_depth))?;
+        file.read_exact(bytemuck::cast_slice_mut(&mut read.normal))?;
+        file.read_exact(bytemuck::cast_slice_mut(&mut read.color))?;
+        Ok(read)
+    }
+
+    /// How many samples each span of `camera` has, in no order of length; spans without any are left out.
+    pub fn counts(&self, camera: usize) -> impl Iterator<Item = (Span, usize)> + '_ {
+        let of_camera = (camera, Span { start: 0, end: 0 })..(camera + 1, Span { start: 0, end: 0 });
+        self.places.range(of_camera).map(|((_, span), place)| match place {
+            Place::Memory(samples) => (*span, samples.len()),
+            Place::File { samples, .. } => (*span, *samples),
+        })
+    }
+}
+
+fn in_file(error: std::io::Error) -> Error {
+    Error::io(std::env::temp_dir().join("samples of the spans"), error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(seed: u32, normals: bool) -> SpanSamples {
+        let pixels: Vec<u32> = (0..40).map(|i| i * 7 + seed).collect();
+        SpanSamples {
+            color: pixels.iter().map(|p| [f16::from_f32(*p as f32 / 64.0); 3]).collect(),
+            inverse_depth: pixels.iter().map(|p| 1.0 / (1.0 + *p as f32)).collect(),
+            normal: pixels.iter().filter(|_| normals).map(|p| Vec3::X * *p as f32).collect(),
+            pixels,
+        }
+    }
+
+    #[test]
+    fn samples_come_back_bit_for_bit_from_memory_and_from_the_file() {
+        for bound in [0, 1000, usize::MAX] {
+            let mut store = SpanStore::new(bound);
+            let span = |start| Span { start, end: start + 2 };
+            for n in 0..6 {
+                store.insert(n as usize % 2, span(n), samples(n, n % 3 == 0)).unwrap();
+            }
+            for n in 0..6 {
+                let read = store.get(n as usize % 2, span(n)).unwrap().unwrap();
+                assert_eq!(*read, samples(n, n % 3 == 0));
+            }
+            assert_eq!(store.get(1, span(0)).unwrap(), None);
+            assert_eq!(store.counts(0).map(|(span, count)| span.start as usize + count).sum::<usize>(), 126);
+        }
+    }
+}

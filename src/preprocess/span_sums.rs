@@ -1,0 +1,257 @@
+//! Range and sum of every pixel over a span, as planes: what is known of a span whose frames are gone.
+//!
+//! Half floats from 0 up order like their bits, so that minimum and maximum of color are those of 16-bit integers; what is
+//! below 0 counts as 0, as it does when shown. Sums are exact whatever their order: a half float has 11 digits and `f32` 24,
+//! an `f32` 24 and `f64` 53, which leaves room for thousands of frames of about one size.
+
+use glam::Vec3;
+use half::f16;
+
+use super::static_test::StaticTest;
+use crate::capture::INVALID_INVERSE_DEPTH;
+use crate::color;
+use crate::simd::{self, Work};
+
+/// Frames of some pixels, flat: color three to a pixel, inverse depth one, normals (where given) three.
+#[derive(Clone, Copy)]
+pub struct FrameRun<'a> {
+    /// Bits of half floats.
+    pub color: &'a [i16],
+    /// 1/z; negative where there is no depth.
+    pub inverse_depth: &'a [f32],
+    /// World-space normals; empty where the capture gives none.
+    pub normal: &'a [f32],
+}
+
+/// See the module's page. One entry per pixel, or three.
+#[derive(Clone, Debug, Default)]
+pub struct SpanSums {
+    /// Frames that were added.
+    pub frames: u32,
+    /// Whether the pixel was static over every part of the span that was looked at.
+    is_open: Vec<bool>,
+    min_color: Vec<i16>,
+    max_color: Vec<i16>,
+    color: Vec<f32>,
+    min_inverse_depth: Vec<f32>,
+    max_inverse_depth: Vec<f32>,
+    inverse_depth: Vec<f64>,
+    /// Empty where the capture gives none.
+    normal: Vec<f32>,
+}
+
+impl SpanSums {
+    /// The sums over some frames of the same pixels, of which there is at least one.
+    #[must_use]
+    pub fn of(frames: &[FrameRun<'_>]) -> Self {
+        let pixels = frames.first().map_or(0, |frame| frame.inverse_depth.len());
+        let normals = frames.first().map_or(0, |frame| frame.normal.len());
+        let mut sums = Self {
+            frames: frames.len() as u32,
+            is_open: vec![true; pixels],
+            min_color: vec![i16::MAX; 3 * pixels],
+            max_color: vec![0; 3 * pixels],
+            color: vec![0.0; 3 * pixels],
+            min_inverse_depth: vec![f32::INFINITY; pixels],
+            max_inverse_depth: vec![INVALID_INVERSE_DEPTH; pixels],
+            inverse_depth: vec![0.0; pixels],
+            normal: vec![0.0; normals],
+        };
+        simd::run(Add { sums: &mut sums, frames });
+        sums
+    }
+
+    /// Pixels.
+    #[must_use]
+    pub fn pixels(&self) -> usize {
+        self.inverse_depth.len()
+    }
+
+    /// Whether the pixel is open and stays within the tolerance.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_static(&self, pixel: usize, test: &StaticTest) -> bool {
+        if !self.is_open[pixel] || self.depth_range_relative(pixel) > test.granted_depth() {
+            return false;
+        }
+        let (low, high) = (&self.min_color[3 * pixel..], &self.max_color[3 * pixel..]);
+        let is_clear = test.is_clearly_static(low[0], high[0])
+            & test.is_clearly_static(low[1], high[1])
+            & test.is_clearly_static(low[2], high[2]);
+        is_clear || self.is_color_static(pixel, test)
+    }
+
+    #[cold]
+    fn is_color_static(&self, pixel: usize, test: &StaticTest) -> bool {
+        let range = self.color_range_steps(pixel);
+        let count = self.frames as f32;
+        range <= test.granted_color()
+            || range <= test.granted_around([0, 1, 2].map(|channel| self.color[3 * pixel + channel] / count))
+    }
+
+    /// Range of color, the widest of the three channels, 8-bit sRGB steps.
+    #[inline(always)]
+    #[must_use]
+    pub fn color_range_steps(&self, pixel: usize) -> f32 {
+        let (low, high) = (&self.min_color[3 * pixel..], &self.max_color[3 * pixel..]);
+        if low[0] == high[0] && low[1] == high[1] && low[2] == high[2] {
+            return 0.0;
+        }
+        let steps = color::steps_table();
+        let range =
+            |channel: usize| steps[high[channel] as usize & 0x7fff] - steps[low[channel] as usize & 0x7fff];
+        range(0).max(range(1)).max(range(2))
+    }
+
+    /// Range of inverse depth as a share of its maximum, 0 to 1; infinite where some frame has no depth.
+    #[inline(always)]
+    #[must_use]
+    pub fn depth_range_relative(&self, pixel: usize) -> f32 {
+        let (farthest, nearest) = (self.min_inverse_depth[pixel], self.max_inverse_depth[pixel]);
+        if farthest < 0.0 {
+            f32::INFINITY
+        } else if nearest > farthest {
+            (nearest - farthest) / nearest
+        } else {
+            0.0
+        }
+    }
+
+    /// Mean color, linear.
+    #[inline(always)]
+    #[must_use]
+    pub fn mean_color(&self, pixel: usize) -> [f16; 3] {
+        let count = self.frames as f32;
+        [0, 1, 2].map(|channel| f16::from_f32(self.color[3 * pixel + channel] / count))
+    }
+
+    /// Mean inverse depth; exactly what was recorded where that is the same in every frame.
+    #[must_use]
+    pub fn mean_inverse_depth(&self, pixel: usize) -> f32 {
+        let farthest = self.min_inverse_depth[pixel];
+        if farthest == self.max_inverse_depth[pixel] {
+            farthest
+        } else {
+            (self.inverse_depth[pixel] / f64::from(self.frames)) as f32
+        }
+    }
+
+    /// Mean direction of the given normals; `None` where the capture gives none.
+    #[must_use]
+    pub fn mean_normal(&self, pixel: usize) -> Option<Vec3> {
+        let normal = self.normal.get(3 * pixel..3 * pixel + 3)?;
+        Some(Vec3::from_slice(normal).normalize_or_zero())
+    }
+
+    /// Adds the frames that follow.
+    pub fn merge(&mut self, later: &Self) {
+        self.frames += later.frames;
+        simd::run(Merge { sums: self, later });
+    }
+
+    /// Takes the pixel out: no longer span is static there.
+    pub fn close(&mut self, pixel: usize) {
+        self.is_open[pixel] = false;
+    }
+
+    /// Whether the pixel was not taken out, here or in a part of the span.
+    #[must_use]
+    pub fn is_open(&self, pixel: usize) -> bool {
+        self.is_open[pixel]
+    }
+}
+
+/// A half float widened by integer arithmetic alone, so that it is vectorized; colors are finite.
+#[inline(always)]
+#[must_use]
+pub fn widened(bits: i16) -> f32 {
+    let bits = i32::from(bits);
+    // The exponent and mantissa in their place, times 2^112: the difference of the two exponent biases.
+    let shifted = ((bits & 0x7fff) << 13) | (bits & i32::MIN);
+    f32::from_bits(shifted as u32) * f32::from_bits(0x7780_0000)
+}
+
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    if b < a { b } else { a }
+}
+
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if b > a { b } else { a }
+}
+
+struct Add<'a> {
+    sums: &'a mut SpanSums,
+    frames: &'a [FrameRun<'a>],
+}
+
+impl Work for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { sums, frames } = self;
+        for frame in frames {
+            for (low, &bits) in sums.min_color.iter_mut().zip(frame.color) {
+                *low = (*low).min(bits.max(0));
+            }
+            for (high, &bits) in sums.max_color.iter_mut().zip(frame.color) {
+                *high = (*high).max(bits);
+            }
+            for (sum, &bits) in sums.color.iter_mut().zip(frame.color) {
+                *sum += widened(bits);
+            }
+            for (low, &w) in sums.min_inverse_depth.iter_mut().zip(frame.inverse_depth) {
+                *low = smaller(*low, w);
+            }
+            for (high, &w) in sums.max_inverse_depth.iter_mut().zip(frame.inverse_depth) {
+                *high = larger(*high, w);
+            }
+            for (sum, &w) in sums.inverse_depth.iter_mut().zip(frame.inverse_depth) {
+                *sum += f64::from(w);
+            }
+            for (sum, &n) in sums.normal.iter_mut().zip(frame.normal) {
+                *sum += n;
+            }
+        }
+    }
+}
+
+struct Merge<'a> {
+    sums: &'a mut SpanSums,
+    later: &'a SpanSums,
+}
+
+impl Work for Merge<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { sums, later } = self;
+        for (open, &other) in sums.is_open.iter_mut().zip(&later.is_open) {
+            *open &= other;
+        }
+        for (low, &other) in sums.min_color.iter_mut().zip(&later.min_color) {
+            *low = (*low).min(other);
+        }
+        for (high, &other) in sums.max_color.iter_mut().zip(&later.max_color) {
+            *high = (*high).max(other);
+        }
+        for (sum, &other) in sums.color.iter_mut().zip(&later.color) {
+            *sum += other;
+        }
+        for (low, &other) in sums.min_inverse_depth.iter_mut().zip(&later.min_inverse_depth) {
+            *low = smaller(*low, other);
+        }
+        for (high, &other) in sums.max_inverse_depth.iter_mut().zip(&later.max_inverse_depth) {
+            *high = larger(*high, other);
+        }
+        for (sum, &other) in sums.inverse_depth.iter_mut().zip(&later.inverse_depth) {
+            *sum += other;
+        }
+        for (sum, &other) in sums.normal.iter_mut().zip(&later.normal) {
+            *sum += other;
+        }
+    }
+}

@@ -1,0 +1,355 @@
+//! Temporal redundancy, generalized (the paper, §3.2): every pixel lives in the longest spans over which it is static.
+//!
+//! Purpose: one pass over the frames of a camera finds, for every pixel, the longest spans of the [`SpanTree`] over which it is
+//! static; at every frame exactly one of them holds. Images in memory: a batch of frames, and one per level of the tree.
+//!
+//! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.2, which knows two spans, all frames
+//! (background) and one (foreground). What differs: the lengths between, and the mean over the span as the sample's value.
+//!
+//! ```text
+//! frames ─▶ batch of 16 ─▶ static over the batch? ── no ─▶ down into halves until static: samples of short spans
+//!                                  │ yes                                    (all longer spans are ruled out)
+//!                                  ▼
+//!                 range and sum, one image per level, merged as a binary counter carries:
+//!                 both halves static, and their union too? ── no ─▶ the static halves become samples
+//! ```
+//!
+//! A sample is given out when the span twice as long fails, not before; what is still static at the end is the background.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use half::f16;
+use rayon::prelude::*;
+
+use super::Span;
+use super::range_shares::RangeShares;
+use super::span_samples::SpanSamples;
+use super::span_sums::{FrameRun, SpanSums, widened};
+use super::span_tree::{SpanTree, halves};
+use super::static_test::StaticTest;
+use crate::capture::Frame;
+use crate::color;
+use crate::settings::SpanLevels;
+
+/// Frames that are looked at together, at most: a power of two, so that a batch is a span of the tree.
+pub const BATCH: usize = 16;
+
+/// Pixels whose sums are worked on together: they fit into the innermost cache.
+const CHUNK: usize = 512;
+
+/// Pixels that one task works on.
+const BAND: usize = 16 * CHUNK;
+
+/// The split of one camera while its frames come in.
+pub struct Split {
+    tree: SpanTree,
+    test: StaticTest,
+    added: u32,
+    bands: Vec<Band>,
+    /// Spans that wait for the one beside them; each band holds the sums of each.
+    open: Vec<Span>,
+}
+
+struct Band {
+    first: usize,
+    pixels: usize,
+    /// `[chunk][open span]`
+    chunks: Vec<Vec<SpanSums>>,
+    invalid: u64,
+    shares: RangeShares,
+}
+
+/// Samples of some spans, in no order of spans.
+pub type Given = Vec<(Span, SpanSamples)>;
+
+impl Split {
+    /// A split of `pixels` pixels over `frames` frames.
+    #[must_use]
+    pub fn new(pixels: usize, frames: usize, test: StaticTest) -> Self {
+        let bands = (0..pixels).step_by(BAND).map(|first| {
+            let count = BAND.min(pixels - first);
+            Band {
+                first,
+                pixels: count,
+                chunks: vec![Vec::new(); count.div_ceil(CHUNK)],
+                invalid: 0,
+                shares: RangeShares::default(),
+            }
+        });
+        Self {
+            tree: SpanTree::new(frames, SpanLevels::Tree),
+            test,
+            added: 0,
+            bands: bands.collect(),
+            open: Vec::new(),
+        }
+    }
+
+    /// Adds the frames that follow: [`BATCH`] of them, or a smaller power of two each time; at the end, what is left. Gives
+    /// the samples of the spans that are settled now.
+    pub fn add(&mut self, frames: &[Arc<Frame>]) -> Given {
+        let span = Span { start: self.added, end: self.added + frames.len() as u32 };
+        self.added = span.end;
+        let carry = self.carry(span);
+        let batch = Batch {
+            frames,
+            span,
+            test: &self.test,
+            carry: &carry,
+            is_last: span.end == self.tree.root().end,
+        };
+        let given: Vec<Given> = self.bands.par_iter_mut().map(|band| band.add(&batch)).collect();
+        let mut joined = Given::new();
+        for (span, mut samples) in given.into_iter().flatten() {
+            match joined.iter_mut().find(|(other, _)| *other == span) {
+                Some((_, all)) => all.append(&mut samples),
+                None => joined.push((span, samples)),
+            }
+        }
+        joined
+    }
+
+    /// Frames added.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.added as usize
+    }
+
+    /// Pixels without depth, over all frames added.
+    #[must_use]
+    pub fn invalid(&self) -> u64 {
+        self.bands.iter().map(|band| band.invalid).sum()
+    }
+
+    /// How far the ranges of all pixels reach, once all frames are added.
+    #[must_use]
+    pub fn shares(&self) -> RangeShares {
+        let mut all = RangeShares::default();
+        self.bands.iter().for_each(|band| all.join(&band.shares));
+        all
+    }
+
+    /// Pairs of spans that become one once `span` is complete, in order.
+    fn carry(&mut self, span: Span) -> Vec<[Span; 2]> {
+        let mut carry = Vec::new();
+        let mut right = span;
+        while let Some(&left) = self.open.last() {
+            let union = Span { start: left.start, end: right.end };
+            if self.tree.parent(right) != Some(union) {
+                break;
+            }
+            self.open.pop();
+            carry.push([left, right]);
+            right = union;
+        }
+        self.open.push(right);
+        carry
+    }
+}
+
+struct Batch<'a> {
+    frames: &'a [Arc<Frame>],
+    span: Span,
+    test: &'a StaticTest,
+    carry: &'a [[Span; 2]],
+    is_last: bool,
+}
+
+impl Band {
+    fn add(&mut self, batch: &Batch<'_>) -> Given {
+        let mut short = ShortSpans::new(batch);
+        let mut long: Vec<[SpanSamples; 2]> = batch.carry.iter().map(|_| Default::default()).collect();
+        let mut root = SpanSamples::default();
+        for (index, open) in self.chunks.iter_mut().enumerate() {
+            let first = self.first + index * CHUNK;
+            let pixels = CHUNK.min(self.first + self.pixels - first);
+            let runs: Vec<FrameRun<'_>> =
+                batch.frames.iter().map(|frame| run_of(frame, first, pixels)).collect();
+            let count_invalid = |run: &FrameRun<'_>| run.inverse_depth.iter().filter(|w| **w < 0.0).count();
+            let mut sums = SpanSums::of(&runs);
+            for pixel in 0..pixels {
+                if !sums.is_static(pixel, batch.test) {
+                    short.descend(batch, &runs, first, pixel);
+                    sums.close(pixel);
+                }
+            }
+            self.invalid += runs.iter().map(|run| count_invalid(run) as u64).sum::<u64>();
+            for given in &mut long {
+                let Some(left) = open.pop() else { break };
+                sums = union(&left, &sums, batch.test, first, given);
+            }
+            if batch.is_last {
+                for pixel in 0..pixels {
+                    self.shares.add(&sums, pixel, batch.test);
+                    if sums.is_open(pixel) {
+                        give(&mut root, first, pixel, &sums);
+                    }
+                }
+            } else {
+                open.push(sums);
+            }
+        }
+        let long = batch.carry.iter().zip(long).flat_map(|(spans, given)| spans.iter().copied().zip(given));
+        let whole = Span { start: 0, end: batch.span.end };
+        let given = short.given.into_iter().chain(long).chain(std::iter::once((whole, root)));
+        given.filter(|(_, samples)| !samples.is_empty()).collect()
+    }
+}
+
+fn run_of(frame: &Frame, first: usize, pixels: usize) -> FrameRun<'_> {
+    let color: &[i16] = bytemuck::cast_slice(&frame.color.as_slice()[first..first + pixels]);
+    let normal = frame.normal_in_world.as_ref();
+    FrameRun {
+        color,
+        inverse_depth: &frame.inverse_depth.as_slice()[first..first + pixels],
+        normal: normal.map_or(&[], |n| bytemuck::cast_slice(&n.as_slice()[first..first + pixels])),
+    }
+}
+
+/// The sums over two spans together. Where they are not static, the static ones of the two become samples.
+fn union(
+    left: &SpanSums,
+    right: &SpanSums,
+    test: &StaticTest,
+    first: usize,
+    given: &mut [SpanSamples; 2],
+) -> SpanSums {
+    let mut both = left.clone();
+    both.merge(right);
+    for pixel in 0..both.pixels() {
+        if both.is_static(pixel, test) {
+            continue;
+        }
+        for (sums, given) in [left, right].into_iter().zip(&mut *given) {
+            if sums.is_open(pixel) {
+                give(given, first, pixel, sums);
+            }
+        }
+        both.close(pixel);
+    }
+    both
+}
+
+fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums) {
+    samples.pixels.push((first + pixel) as u32);
+    samples.color.push(sums.mean_color(pixel));
+    samples.inverse_depth.push(sums.mean_inverse_depth(pixel));
+    if let Some(normal) = sums.mean_normal(pixel) {
+        samples.normal.push(normal);
+    }
+}
+
+/// The spans within a batch.
+struct ShortSpans {
+    /// Halves of halves, each before its own halves.
+    given: Vec<(Span, SpanSamples)>,
+    /// `[index in given]`: frames of the batch, and where the halves stand in `given`.
+    nodes: Vec<(usize, usize, [usize; 2])>,
+}
+
+const LEAF: usize = usize::MAX;
+
+impl ShortSpans {
+    fn new(batch: &Batch<'_>) -> Self {
+        let mut spans = vec![batch.span];
+        let mut nodes = Vec::new();
+        let mut next = 0;
+        while next < spans.len() {
+            let span = spans[next];
+            let local = |frame: u32| (frame - batch.span.start) as usize;
+            let children = halves(span).map_or([LEAF; 2], |halves| {
+                spans.extend(halves);
+                [spans.len() - 2, spans.len() - 1]
+            });
+            nodes.push((local(span.start), local(span.end), children));
+            next += 1;
+        }
+        Self { given: spans.into_iter().map(|span| (span, SpanSamples::default())).collect(), nodes }
+    }
+
+    /// Gives out the spans over which a pixel that is not static over the batch is.
+    fn descend(&mut self, batch: &Batch<'_>, runs: &[FrameRun<'_>], first: usize, pixel: usize) {
+        let table = color::steps_table();
+        let mut steps = [[0.0_f32; 3]; BATCH];
+        let mut depth = [0.0_f32; BATCH];
+        for ((run, steps), depth) in runs.iter().zip(&mut steps).zip(&mut depth) {
+            for channel in 0..3 {
+                steps[channel] = table[run.color[3 * pixel + channel].max(0) as usize];
+            }
+            *depth = run.inverse_depth[pixel];
+        }
+        // The batch itself is known not to be static.
+        let mut waiting = [0_usize; 2 * BATCH];
+        let mut count = 0;
+        let children = self.nodes[0].2;
+        if children[0] != LEAF {
+            waiting[..2].copy_from_slice(&children);
+            count = 2;
+        }
+        while count > 0 {
+            count -= 1;
+            let index = waiting[count];
+            let (start, end, children) = self.nodes[index];
+            let is_leaf = children[0] == LEAF;
+            let (farthest, nearest) = bounds(&depth[start..end]);
+            let is_static = if is_leaf {
+                farthest >= 0.0
+            } else {
+                let depth_range = if nearest > farthest { (nearest - farthest) / nearest } else { 0.0 };
+                let range = color_range(&steps[start..end]);
+                farthest >= 0.0
+                    && depth_range <= batch.test.granted_depth()
+                    && (range <= batch.test.granted_color()
+                        || range <= batch.test.granted_around(mean(&runs[start..end], pixel)))
+            };
+            if is_static {
+                let samples = &mut self.given[index].1;
+                samples.pixels.push((first + pixel) as u32);
+                samples.color.push(mean(&runs[start..end], pixel).map(f16::from_f32));
+                samples.inverse_depth.push(mean_depth(&depth[start..end]));
+                if !runs[start].normal.is_empty() {
+                    samples.normal.push(mean_normal(&runs[start..end], pixel));
+                }
+            } else if !is_leaf {
+                waiting[count..count + 2].copy_from_slice(&children);
+                count += 2;
+            }
+        }
+    }
+}
+
+fn bounds(depth: &[f32]) -> (f32, f32) {
+    depth.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &w| (low.min(w), high.max(w)))
+}
+
+fn color_range(steps: &[[f32; 3]]) -> f32 {
+    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    for color in steps {
+        for channel in 0..3 {
+            low[channel] = low[channel].min(color[channel]);
+            high[channel] = high[channel].max(color[channel]);
+        }
+    }
+    (0..3).map(|channel| high[channel] - low[channel]).fold(0.0, f32::max)
+}
+
+fn mean(runs: &[FrameRun<'_>], pixel: usize) -> [f32; 3] {
+    [0, 1, 2].map(|channel| {
+        let sum: f32 = runs.iter().map(|run| widened(run.color[3 * pixel + channel])).sum();
+        sum / runs.len() as f32
+    })
+}
+
+fn mean_depth(depth: &[f32]) -> f32 {
+    if depth.iter().all(|w| *w == depth[0]) {
+        depth[0]
+    } else {
+        (depth.iter().map(|w| f64::from(*w)).sum::<f64>() / depth.len() as f64) as f32
+    }
+}
+
+fn mean_normal(runs: &[FrameRun<'_>], pixel: usize) -> Vec3 {
+    let normals = runs.iter().map(|run| Vec3::from_slice(&run.normal[3 * pixel..3 * pixel + 3]));
+    normals.sum::<Vec3>().normalize_or_zero()
+}

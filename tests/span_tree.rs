@@ -1,0 +1,354 @@
+//! What the tree of spans promises, on analytic scenes and on random readings whose right answer is known.
+
+mod scene;
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use half::f16;
+use overlook::capture::{Capture, Frame, INVALID_INVERSE_DEPTH};
+use overlook::color;
+use overlook::grid::Grid;
+use overlook::job::Job;
+use overlook::preprocess::noise::Noise;
+use overlook::preprocess::split::{BATCH, Given, Split};
+use overlook::preprocess::static_test::StaticTest;
+use overlook::preprocess::{PixelClass, Preprocessed, Span, inspect_frame, preprocess, scan};
+use overlook::settings::{PruningMethod, Settings, SpanLevels};
+use proptest::prelude::*;
+use scene::{Scene, arc, camera};
+
+fn with_levels(levels: SpanLevels) -> Settings {
+    let mut settings = Settings::default();
+    settings.spans.levels = levels;
+    settings
+}
+
+fn run(capture: &Capture, levels: SpanLevels) -> Preprocessed {
+    preprocess(capture, &with_levels(levels), &Job::new()).unwrap()
+}
+
+/// Pictures of `width` pixels in which a pixel shows one of a few values, changes now and then, and is without depth now
+/// and then.
+fn readings(width: usize, frames: usize, seed: u64) -> Vec<Arc<Frame>> {
+    let mut state = seed;
+    let mut below = |bound: u64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % bound
+    };
+    let mut value: Vec<u64> = (0..width).map(|_| below(4)).collect();
+    let frame = |value: &[u64]| Frame {
+        color: Grid::from_vec(width, 1, value.iter().map(|v| [f16::from_f32(0.2 * *v as f32); 3]).collect()),
+        inverse_depth: Grid::from_vec(
+            width,
+            1,
+            value.iter().map(|v| if *v == 0 { INVALID_INVERSE_DEPTH } else { 0.5 }).collect(),
+        ),
+        normal_in_world: None,
+        depth_step_relative: 0.0,
+    };
+    (0..frames)
+        .map(|_| {
+            for value in &mut value {
+                if below(6) == 0 {
+                    *value = below(4);
+                }
+            }
+            Arc::new(frame(&value))
+        })
+        .collect()
+}
+
+fn split(frames: &[Arc<Frame>], batch: usize, noise: &Noise) -> Given {
+    let test = StaticTest::new(&with_levels(SpanLevels::Tree).spans, noise, 0.0, frames.len());
+    let mut split = Split::new(frames[0].inverse_depth.len(), frames.len(), test);
+    let mut given: Given = frames.chunks(batch).flat_map(|frames| split.add(frames)).collect();
+    given.sort_by_key(|(span, _)| *span);
+    given
+}
+
+/// Whether a pixel is static over a span by definition, from all its readings.
+fn is_static(frames: &[Arc<Frame>], span: Span, pixel: usize) -> bool {
+    let frames = &frames[span.start as usize..span.end as usize];
+    let depths = || frames.iter().map(|frame| frame.inverse_depth.as_slice()[pixel]);
+    let steps = || frames.iter().map(|frame| color::steps_from_linear(frame.color.as_slice()[pixel][0]));
+    let range = steps().fold(0.0, f32::max) - steps().fold(f32::INFINITY, f32::min);
+    depths().all(|w| w >= 0.0) && range <= Settings::default().spans.color_tolerance
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+
+    #[test]
+    fn at_every_frame_each_pixel_with_depth_is_represented_exactly_once(
+        width in 1_usize..700, count in 1_usize..70, seed in any::<u64>(),
+    ) {
+        let frames = readings(width, count, seed);
+        let mut holds = vec![0_u32; width * count];
+        for (span, samples) in split(&frames, BATCH, &Noise::default()) {
+            prop_assert!(samples.pixels.is_sorted_by(|a, b| a < b));
+            for pixel in samples.pixels {
+                (span.start..span.end).for_each(|frame| holds[frame as usize * width + pixel as usize] += 1);
+            }
+        }
+        for (frame, recorded) in frames.iter().enumerate() {
+            for (pixel, w) in recorded.inverse_depth.as_slice().iter().enumerate() {
+                prop_assert_eq!(holds[frame * width + pixel], u32::from(*w >= 0.0), "frame {}, pixel {}", frame, pixel);
+            }
+        }
+    }
+
+    #[test]
+    fn a_sample_lives_in_the_longest_span_over_which_it_is_static(count in 2_usize..70, seed in any::<u64>()) {
+        let frames = readings(20, count, seed);
+        let tree = overlook::preprocess::span_tree::SpanTree::new(count, SpanLevels::Tree);
+        for (span, samples) in split(&frames, BATCH, &Noise::default()) {
+            for pixel in samples.pixels {
+                prop_assert!(is_static(&frames, span, pixel as usize));
+                if let Some(longer) = tree.parent(span) {
+                    prop_assert!(!is_static(&frames, longer, pixel as usize), "{:?} in {:?}", span, longer);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_split_is_the_same_however_many_frames_are_held_at_a_time(
+        count in 1_usize..70, batch in 0_u32..5, seed in any::<u64>(),
+    ) {
+        let frames = readings(40, count, seed);
+        let noise = Noise { color_steps: [3.0; 16], color_steps_overall: 3.0, depth_relative: 1e-3 };
+        prop_assert_eq!(split(&frames, 1 << batch, &noise), split(&frames, BATCH, &noise));
+    }
+}
+
+#[test]
+fn a_thousand_frames_take_a_handful_of_spans_a_pixel() {
+    let frames = readings(64, 1, 5);
+    let mut still: Vec<Arc<Frame>> = (0..1000).map(|_| frames[0].clone()).collect();
+    let mut lit = (*frames[0]).clone();
+    lit.color = Grid::filled(64, 1, [f16::ONE; 3]);
+    still[617] = Arc::new(lit);
+    let with_depth = frames[0].inverse_depth.as_slice().iter().filter(|w| **w >= 0.0).count();
+    let samples: usize = split(&still, BATCH, &Noise::default()).iter().map(|(_, s)| s.len()).sum();
+    assert!(samples <= with_depth * 2 * 10, "{samples} samples of {with_depth} pixels");
+}
+
+/// The largest difference between what a sample says and what its camera recorded, over all frames of the sample's span,
+/// 8-bit sRGB steps.
+fn worst_error_steps(capture: &Capture, result: &Preprocessed) -> f32 {
+    let mut worst = 0.0_f32;
+    for image in &result.samples.images {
+        for frame in image.span.start..image.span.end {
+            let recorded = capture.frame(image.camera as usize, frame as usize).unwrap();
+            for sample in image.samples() {
+                let pairs = image.color[sample.index].iter().zip(&recorded.color[(sample.x, sample.y)]);
+                for (said, seen) in pairs {
+                    let [said, seen] = [said, seen].map(|value| color::steps_from_linear(*value));
+                    worst = worst.max((said - seen).abs());
+                }
+            }
+        }
+    }
+    worst
+}
+
+fn is_red(color: [f16; 3]) -> bool {
+    color[0].to_f32() > 0.6 && color[1].to_f32() < 0.25
+}
+
+#[test]
+fn slow_drift_below_any_step_between_frames_never_carries_a_sample_past_the_tolerance() {
+    let mut scene = Scene::still_life();
+    // 0.2 of an 8-bit step each frame, 8 steps over the shot.
+    scene.ground_light = Some(Arc::new(|frame, _| 0.0012 * frame as f32));
+    let capture = scene.record(arc(1, 32), 40);
+    let result = run(&capture, SpanLevels::Tree);
+    let tolerance = Settings::default().spans.color_tolerance;
+    let worst = worst_error_steps(&capture, &result);
+    // A drift as even as this looks like noise of a tenth of a step, which is granted on top.
+    assert!((0.2..=2.0 * tolerance).contains(&worst), "{worst}");
+    let longest = result.samples.images.iter().filter(|image| image.span.len() > 1).map(|image| image.len());
+    assert!(longest.sum::<usize>() > 0 && result.samples.sample_count() < 32 * 32 * 20);
+}
+
+#[test]
+fn an_object_that_rests_and_leaves_is_stored_for_its_rest_and_leaves_no_ghost() {
+    let mut scene = Scene::still_life();
+    scene.spheres[0].center = Arc::new(|frame| (frame < 14).then_some(DVec3::new(0.0, 0.0, 0.6)));
+    let capture = scene.record(arc(3, 48), 16);
+    let samples = run(&capture, SpanLevels::Tree).samples;
+    for frame in 0..16 {
+        let red = samples.images_at(frame).flat_map(|image| image.color.iter());
+        let red = red.filter(|color| is_red(**color)).count();
+        assert_eq!(red > 0, frame < 14, "frame {frame}: {red} samples of the sphere");
+    }
+    let spans: Vec<Span> = samples
+        .images
+        .iter()
+        .filter(|image| image.color.iter().any(|color| is_red(*color)))
+        .map(|image| image.span)
+        .collect();
+    let rests = [(0, 8), (8, 12), (12, 14)].map(|(start, end)| Span { start, end });
+    assert!(spans.iter().all(|span| rests.contains(span)) && spans.contains(&rests[0]), "{spans:?}");
+}
+
+#[test]
+fn a_moving_shadow_shortens_spans_where_it_passes_and_leaves_the_wall_where_it_is() {
+    let mut scene = Scene::still_life();
+    scene.ground_light = Some(Arc::new(|frame, point| {
+        if (point.x - 0.25 * frame as f64 + 2.0).abs() < 0.3 && point.y < -0.8 { -0.1 } else { 0.0 }
+    }));
+    let capture = scene.record(arc(2, 64), 16);
+    let (paper, tree) = (run(&capture, SpanLevels::Paper), run(&capture, SpanLevels::Tree));
+    assert!(tree.report.samples_kept * 3 < paper.report.samples_kept * 2);
+    assert!(worst_error_steps(&capture, &tree) <= Settings::default().spans.color_tolerance);
+    assert_eq!(tree.report.cameras[0].background_pixels, paper.report.cameras[0].background_pixels);
+    let settings = with_levels(SpanLevels::Tree);
+    let scan = scan(&capture, &settings, &Job::new()).unwrap();
+    let inspection = inspect_frame(&capture, Some(&scan), &settings, 8, &Job::new()).unwrap();
+    let seen = &inspection.cameras[0];
+    let lasting = seen.class.as_slice().iter().filter(|class| **class == PixelClass::Lasting).count();
+    assert!(lasting > 64, "{lasting}");
+    assert_eq!(inspection.path.len(), 5);
+    for (pixel, level) in seen.level.as_slice().iter().enumerate() {
+        let expected = match usize::from(*level) {
+            0 => PixelClass::Background,
+            4 => PixelClass::Foreground,
+            _ => PixelClass::Lasting,
+        };
+        assert_eq!(seen.class.as_slice()[pixel], expected);
+    }
+}
+
+#[test]
+fn monte_carlo_noise_is_measured_from_a_few_frames_and_leaves_a_still_scene_still() {
+    let scene = Scene { color_noise: 0.02, ..Scene::still_life() };
+    let capture = scene.record(arc(2, 64), 24);
+    let noisy = run(&capture, SpanLevels::Tree);
+    let share = noisy.report.cameras[0].background_pixels as f64 / 4096.0;
+    assert!(share > 0.99, "{share}");
+    let clean = Scene::still_life().trace(&arc(2, 64)[0], 0, 0);
+    let background = &noisy.samples.images[0];
+    let errors: Vec<f32> = background
+        .samples()
+        .map(|sample| {
+            background.color[sample.index][0].to_f32() / clean.color[(sample.x, sample.y)][0].to_f32()
+        })
+        .collect();
+    let deviation = (errors.iter().map(|e| (e - 1.0).powi(2)).sum::<f32>() / errors.len() as f32).sqrt();
+    // 0.02 / √24, and the rounding of half floats.
+    assert!((0.003..0.006).contains(&deviation), "{deviation}");
+    let facts = &noisy.report.cameras[0].ranges;
+    assert!(facts.within_color_tolerance < 0.5 && facts.within_color_tolerance_and_noise > 0.99, "{facts:?}");
+}
+
+#[test]
+fn depth_tolerance_is_never_below_the_step_that_depth_was_rounded_to() {
+    let share = |half_depth| {
+        let mut scene = Scene { half_depth, ..Scene::still_life() };
+        // Less than the 0.004 that half floats tell apart at this distance, and more than the tolerance.
+        scene.spheres[0].center = Arc::new(|frame| Some(DVec3::new(0.0, 0.0004 * frame as f64, 0.6)));
+        scene.spheres[0].radius = 0.9;
+        let capture = scene.record(vec![camera("c", DVec3::new(0.0, -5.5, 0.8), DVec3::Z * 0.6, 48)], 6);
+        let mut settings = with_levels(SpanLevels::Tree);
+        settings.spans.depth_tolerance = 1e-5;
+        let report = preprocess(&capture, &settings, &Job::new()).unwrap().report;
+        report.cameras[0].background_pixels as f64 / (48.0 * 48.0)
+    };
+    let (half, exact) = (share(true), share(false));
+    assert!(half > 0.99 && exact < 0.95, "half {half}, exact {exact}");
+}
+
+#[test]
+fn a_camera_that_runs_late_disturbs_what_moves_and_nothing_else() {
+    let ball = |late: usize| {
+        let mut scene = Scene::still_life();
+        scene.spheres[1].center =
+            Arc::new(move |frame| Some(DVec3::new(0.2 * (frame + late) as f64 - 1.0, -0.6, 0.4)));
+        scene
+    };
+    let cameras = arc(2, 48);
+    let [in_time, late] = [0, 2].map(|late| ball(late).record(cameras.clone(), 8));
+    let mixed = Capture::new(
+        overlook::capture::CaptureParts {
+            name: "late".to_owned(),
+            cameras: cameras.clone(),
+            frame_numbers: (0..8).collect(),
+            up_in_world: DVec3::Z,
+            has_normals: true,
+            antialiased_color: false,
+            warnings: Vec::new(),
+            source: Arc::new(Recordings([in_time.clone(), late])),
+        },
+        64 << 20,
+    );
+    let [in_time, mixed] = [in_time, mixed].map(|capture| run(&capture, SpanLevels::Tree));
+    let of = |result: &Preprocessed, camera: usize| {
+        let report = &result.report.cameras[camera];
+        (report.background_pixels, report.foreground_pixels)
+    };
+    assert_eq!(of(&in_time, 0), of(&mixed, 0), "the split of a camera is its own affair");
+    let (kept, expected) = (mixed.report.samples_kept as f64, in_time.report.samples_kept as f64);
+    assert!(kept < 1.35 * expected && kept >= 0.95 * expected, "{kept} against {expected}");
+    for frame in 0..8 {
+        assert!(mixed.samples.images_at(frame).any(|image| image.camera == 0 && image.span.len() < 8));
+    }
+}
+
+/// Each camera from a recording of its own.
+struct Recordings([Capture; 2]);
+
+impl overlook::capture::FrameSource for Recordings {
+    fn load(&self, camera: usize, frame: usize) -> overlook::error::Result<Frame> {
+        self.0[camera].frame(camera, frame).map(Arc::unwrap_or_clone)
+    }
+
+    fn place(&self, camera: usize, frame: usize) -> String {
+        self.0[camera].place(camera, frame)
+    }
+}
+
+#[test]
+fn the_papers_split_is_background_over_all_frames_or_foreground_in_each() {
+    let mut scene = Scene::still_life();
+    scene.spheres[0].center = Arc::new(|frame| Some(DVec3::new(0.15 * frame as f64 - 0.5, 0.0, 0.6)));
+    let capture = scene.record(arc(2, 40), 7);
+    let report = run(&capture, SpanLevels::Paper).report;
+    let off = run(&capture, SpanLevels::Off).report;
+    for camera in 0..2 {
+        let frames: Vec<_> = (0..7).map(|frame| capture.frame(camera, frame).unwrap()).collect();
+        let same = |pixel: usize| {
+            let color_range = (0..3).map(|channel| {
+                let steps = || {
+                    frames.iter().map(move |f| color::steps_from_linear(f.color.as_slice()[pixel][channel]))
+                };
+                steps().fold(0.0, f32::max) - steps().fold(f32::INFINITY, f32::min)
+            });
+            let depths = || frames.iter().map(|f| f.inverse_depth.as_slice()[pixel]);
+            let (near, far) = (depths().fold(0.0, f32::max), depths().fold(f32::INFINITY, f32::min));
+            color_range.fold(0.0, f32::max) <= 2.0 && (near == far || (near - far) / near <= 0.001)
+        };
+        let background = (0..1600).filter(|pixel| same(*pixel)).count() as u64;
+        assert_eq!(report.cameras[camera].background_pixels, background);
+        assert_eq!(report.cameras[camera].foreground_pixels, 7 * (1600 - background));
+        assert_eq!(off.cameras[camera].foreground_pixels, 7 * 1600);
+    }
+}
+
+#[test]
+fn samples_that_do_not_fit_the_memory_wait_in_a_file_and_come_back_the_same() {
+    let mut scene = Scene::still_life();
+    scene.ground_light = Some(Arc::new(|frame, point| 0.05 * ((2.0 * frame as f64 + point.x).sin() as f32)));
+    let capture = scene.record(arc(3, 96), 24);
+    let with_memory = |cache| {
+        let mut settings = with_levels(SpanLevels::Tree);
+        settings.capture.cache = cache;
+        (settings.spans.color_tolerance, settings.spans.noise) = (0.0, 0.0);
+        settings.pruning.method = PruningMethod::Off;
+        preprocess(&capture, &settings, &Job::new()).unwrap().samples
+    };
+    let (tight, ample) = (with_memory(16), with_memory(4096));
+    assert!(tight.sample_count() > 1 << 16, "{} samples: more than a mebibyte", tight.sample_count());
+    assert_eq!(tight.images, ample.images);
+}
