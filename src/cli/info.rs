@@ -51,12 +51,12 @@ enum Contents {
     Store {
         samples: u64,
         bytes: u64,
-        sizes: Sizes,
+        sizes: Box<Sizes>,
         spans: usize,
         version: String,
         settings: Box<Settings>,
         report: Box<Report>,
-        provenance: Provenance,
+        provenance: Box<Provenance>,
         warnings: Vec<String>,
     },
 }
@@ -90,12 +90,12 @@ fn of_store(path: &Path) -> Result<Info, Failure> {
         contents: Contents::Store {
             samples: info.sample_count(),
             bytes: info.bytes,
-            sizes: Sizes::of(info),
+            sizes: Box::new(Sizes::of(info)),
             spans: info.span_count(),
             version: format!("{}.{}", info.version.0, info.version.1),
             settings: Box::new(info.settings.clone()),
             report: Box::new(info.report.clone()),
-            provenance: info.provenance.clone(),
+            provenance: Box::new(info.provenance.clone()),
             warnings: info.warnings.clone(),
         },
     })

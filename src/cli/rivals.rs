@@ -140,7 +140,9 @@ pub(super) fn input_files(capture: &Capture, job: &Job) -> Result<Option<InputFi
     });
     let mut read: Vec<(String, u64, u32)> = read.collect::<Result<_>>()?;
     read.sort();
-    let list: String = read.iter().map(|(name, bytes, crc)| format!("{crc:08x} {bytes} {name}\n")).collect();
+    let lines: Vec<String> =
+        read.iter().map(|(name, bytes, crc)| format!("{crc:08x} {bytes} {name}\n")).collect();
+    let list = lines.concat();
     Ok((!read.is_empty()).then(|| InputFiles {
         files: read.len() as u64,
         bytes: read.iter().map(|(_, bytes, _)| bytes).sum(),

@@ -296,7 +296,7 @@ impl ImageDecoder<'_> {
                             (Some(w), Some(n), Some(nw)) if nw >= w.max(n) => (w.min(n), 0),
                             (Some(w), Some(n), Some(nw)) if nw <= w.min(n) => (w.max(n), 0),
                             (Some(w), Some(n), Some(nw)) => (w + n - nw, 0),
-                            (Some(w), Some(n), None) => ((w + n) / 2, 0),
+                            (Some(w), Some(n), None) => (i32::midpoint(w, n), 0),
                             _ => first.map_or((half, 2), |first| (first, 1)),
                         };
                         before.map_or((prediction, kind), |before| (before[plane], kind + 3))
@@ -338,7 +338,7 @@ impl ImageDecoder<'_> {
         match planes.len() {
             0 => first.map_or((0x3E00_0000 >> self.shift, 1), |first| (first, 2)),
             count => {
-                let median = (planes[(count - 1) / 2] + planes[count / 2]) / 2.0;
+                let median = f64::midpoint(planes[(count - 1) / 2], planes[count / 2]);
                 let half = if self.shift > 0 { 1 << (self.shift - 1) } else { 0 };
                 ((((median as f32).max(0.0).to_bits() + half) >> self.shift) as i32, 3)
             }

@@ -52,7 +52,7 @@ impl VideoArgs {
         if matches!(painted, Err(Error::Cancelled)) {
             let _ = ffmpeg.kill();
         }
-        let said = self.finish(ffmpeg);
+        let said = finish(ffmpeg);
         painted.map_err(|error| {
             if matches!(error, Error::Io { .. }) {
                 said.clone().err().map_or(error, |what| self.failed(&what))
@@ -82,19 +82,19 @@ impl VideoArgs {
         })
     }
 
-    /// Waits for ffmpeg; what it said where it failed.
-    fn finish(&self, mut ffmpeg: Child) -> std::result::Result<(), String> {
-        let mut said = String::new();
-        if let Some(stderr) = &mut ffmpeg.stderr {
-            let _ = stderr.read_to_string(&mut said);
-        }
-        let status = ffmpeg.wait().map_err(|error| error.to_string())?;
-        if status.success() { Ok(()) } else { Err(format!("{status}: {}", said.trim().replace('\n', "; "))) }
-    }
-
     fn failed(&self, what: &str) -> Error {
         Error::invalid(self.out.display(), format!("ffmpeg failed: {what}"))
     }
+}
+
+/// Waits for ffmpeg; what it said where it failed.
+fn finish(mut ffmpeg: Child) -> std::result::Result<(), String> {
+    let mut said = String::new();
+    if let Some(stderr) = &mut ffmpeg.stderr {
+        let _ = stderr.read_to_string(&mut said);
+    }
+    let status = ffmpeg.wait().map_err(|error| error.to_string())?;
+    if status.success() { Ok(()) } else { Err(format!("{status}: {}", said.trim().replace('\n', "; "))) }
 }
 
 /// 8-bit sRGB, three bytes a pixel. Holes are black.
