@@ -2,8 +2,8 @@
 
 mod app_driver;
 
-use app_driver::{Window, choose, click, demo, open, settle, type_path, wait};
-use egui::{Key, Modifiers, PointerButton};
+use app_driver::{Window, choose, click, demo, drag, open, pick, settle, type_path, wait};
+use egui::Key;
 use egui_kittest::kittest::Queryable;
 use overlook::app::Start;
 
@@ -14,36 +14,9 @@ fn small_demo() -> Start {
     demo(3, 4, (96, 72))
 }
 
-/// Picks an entry of a drop-down list.
-fn pick(window: &mut Window, list: &str, entry: &str) {
-    click(window, list);
-    // The list's own button may already show the entry; the popup's comes last.
-    window.get_all_by_label(entry).last().unwrap().click();
-    window.run_steps(3);
-}
-
 /// Whether some label on screen holds `text`.
 fn shows(window: &Window, text: &str) -> bool {
     window.query_all_by_label_contains(text).next().is_some()
-}
-
-fn drag(window: &mut Window, name: &str, by: egui::Vec2) {
-    let start = window.get_by_label(name).rect().center();
-    let button = |pos, pressed| egui::Event::PointerButton {
-        pos,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
-    window.event(egui::Event::PointerMoved(start));
-    window.event(button(start, true));
-    window.step();
-    for share in [0.3, 0.6, 1.0] {
-        window.event(egui::Event::PointerMoved(start + by * share));
-        window.step();
-    }
-    window.event(button(start + by, false));
-    window.run_steps(2);
 }
 
 #[test]
@@ -79,7 +52,7 @@ fn a_changed_threshold_previews_at_once_and_reruns_the_capture() {
 #[test]
 fn filling_holes_repaints_the_live_view_and_counts_them_as_before() {
     // Tall enough for the last of the settings.
-    let mut window = open(small_demo(), [SIZE[0], 1700.0]);
+    let mut window = open(small_demo(), [SIZE[0], 2100.0]);
     settle(&mut window);
     let look = |window: &mut Window| {
         let area = window.get_by_label("Live picture").rect();
@@ -122,7 +95,7 @@ fn time_plays_steps_and_is_scrubbed() {
     window.run_steps(2);
     assert_eq!(window.state().frame(), 0);
     let width = window.get_by_label("Timeline").rect().width();
-    drag(&mut window, "Timeline", egui::vec2(width * 0.4, 0.0));
+    drag(&mut window, "Timeline", egui::Vec2::splat(0.5), egui::vec2(width * 0.4, 0.0));
     assert_eq!(window.state().frame(), 3);
     settle(&mut window);
     click(&mut window, "Play");
@@ -136,7 +109,7 @@ fn the_live_view_orbits_jumps_and_comes_home() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     let home = window.state().live_position().unwrap();
-    drag(&mut window, "Live picture", egui::vec2(60.0, 10.0));
+    drag(&mut window, "Live picture", egui::Vec2::splat(0.5), egui::vec2(60.0, 10.0));
     let orbited = window.state().live_position().unwrap();
     assert_ne!(home, orbited);
     settle(&mut window);

@@ -3,7 +3,9 @@
 
 mod app_driver;
 
-use app_driver::{Window, choose, click, demo, open, settle, type_path, wait};
+use app_driver::{
+    Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, type_path, wait,
+};
 use egui_kittest::kittest::Queryable;
 use image::RgbaImage;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -29,15 +31,30 @@ fn shoot(window: &mut Window, name: &str) {
     }
 }
 
-/// Small files: steps of four in 256 cannot be seen and halve the size.
+/// Bytes a picture of the window may have.
+const LARGEST: usize = 245_000;
+
+/// Small files: the window's own colors stay as they are, pictures within it are told in steps of 8, 16 or 32.
 fn save(picture: RgbaImage, path: &std::path::Path) {
-    let mut colors = image::DynamicImage::ImageRgba8(picture).to_rgb8();
-    for value in colors.iter_mut() {
-        *value = (*value & !3) | (*value >> 6);
+    let colors = image::DynamicImage::ImageRgba8(picture).to_rgb8();
+    let mut counts = std::collections::HashMap::new();
+    for pixel in colors.pixels() {
+        *counts.entry(pixel.0).or_insert(0_usize) += 1;
     }
-    let file = std::io::BufWriter::new(std::fs::File::create(path).unwrap());
-    let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::Adaptive);
-    colors.write_with_encoder(encoder).unwrap();
+    for bits in [3, 4, 5] {
+        let mut coarse = colors.clone();
+        for pixel in coarse.pixels_mut().filter(|pixel| counts[&pixel.0] < 300) {
+            let steps = 255 >> bits << bits;
+            pixel.0 = pixel.0.map(|value| (value & steps) | (value >> (8 - bits)));
+        }
+        let mut bytes = Vec::new();
+        let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive);
+        coarse.write_with_encoder(encoder).unwrap();
+        if bytes.len() < LARGEST || bits == 5 {
+            std::fs::write(path, bytes).unwrap();
+            return;
+        }
+    }
 }
 
 /// A picture holds something where it has many colors and no single one covers it all.
@@ -60,13 +77,28 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     choose(&mut window, "Source shows", "Who won");
     choose(&mut window, "Live view shows", "Camera");
     click(&mut window, "Report");
+    look_at(&mut window, "Source picture", egui::vec2(0.62, 0.55));
     settle(&mut window);
     shoot(&mut window, "who_won");
+    open_view(&mut window, "Cameras");
+    settle(&mut window);
+    shoot(&mut window, "cameras");
     choose(&mut window, "Source shows", "Sampling");
     choose(&mut window, "Live view shows", "Sampling");
     click(&mut window, "Thresholds");
     settle(&mut window);
     shoot(&mut window, "sampling_ratio");
+    choose(&mut window, "Live view shows", "Picture");
+    open_view(&mut window, "Compare");
+    open_view(&mut window, "Time");
+    shoot(&mut window, "compare_wipe");
+    choose(&mut window, "Compare by", "Difference");
+    pick(&mut window, "Left side", "Truth");
+    pick(&mut window, "From", "Hold-out left");
+    open_view(&mut window, "Memory");
+    settle(&mut window);
+    shoot(&mut window, "compare_truth");
+    open_view(&mut window, "Live view");
     choose(&mut window, "Source shows", "Motion");
     window.set_size(egui::vec2(1920.0, 1080.0));
     choose(&mut window, "Live view shows", "Picture");
@@ -77,6 +109,39 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     click(&mut window, "Report");
     settle(&mut window);
     shoot(&mut window, "tiles_light");
+}
+
+#[test]
+fn the_window_shows_what_the_inspector_measures_and_how_it_explains_itself() {
+    let mut window = open(orrery(), [1024.0, 640.0]);
+    settle(&mut window);
+    click(&mut window, "Light theme");
+    look_at(&mut window, "Live picture", egui::vec2(0.4, 0.6));
+    settle(&mut window);
+    shoot(&mut window, "small_light");
+    click(&mut window, "Dark theme");
+    window.set_size(egui::vec2(1280.0, 800.0));
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::P);
+    window.run_steps(3);
+    window.get_by_label("Command").type_text("set render");
+    window.run_steps(3);
+    shoot(&mut window, "palette");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    window.key_press(egui::Key::K);
+    drag(&mut window, "Live picture", egui::vec2(0.5, 0.5), egui::vec2(90.0, 20.0));
+    window.key_press(egui::Key::K);
+    open_view(&mut window, "Camera path");
+    choose(&mut window, "Live view shows", "Motion");
+    settle(&mut window);
+    shoot(&mut window, "camera_path");
+    open_view(&mut window, "Log");
+    open_view(&mut window, "Speed and accuracy");
+    click(&mut window, "Run a sweep");
+    let points = if updating() { "12 settings; click one" } else { "1 settings; click one" };
+    wait(&mut window, "the points", |window| window.query_all_by_label_contains(points).next().is_some());
+    shoot(&mut window, "sweep");
+    window.key_press(egui::Key::Escape);
 }
 
 #[test]

@@ -3,10 +3,14 @@
 //! Needs Xvfb and xdotool; where they are missing the test says so and checks nothing.
 #![cfg(target_os = "linux")]
 
+mod app_driver;
+
 use std::io::Read;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+
+use egui_kittest::kittest::Queryable;
 
 /// Ends its process when the test does, however it does.
 struct Guard(Child);
@@ -51,7 +55,7 @@ fn wait_for<T>(what: &str, mut attempt: impl FnMut() -> Option<T>) -> T {
         if let Some(found) = attempt() {
             return found;
         }
-        assert!(started.elapsed() < Duration::from_mins(1), "waited too long for {what}");
+        assert!(started.elapsed() < Duration::from_mins(2), "waited too long for {what}");
         std::thread::sleep(Duration::from_millis(100));
     }
 }
@@ -70,7 +74,7 @@ fn colors_in_source_view(display: &str, folder: &Path) -> usize {
     let shot = folder.join("shot.png");
     let taken = Command::new("import").args(["-window", "root"]).arg(&shot).env("DISPLAY", display).status();
     assert!(taken.unwrap().success());
-    let picture = image::open(&shot).unwrap().crop_imm(30, 215, 420, 80).to_rgb8();
+    let picture = image::open(&shot).unwrap().crop_imm(30, 168, 420, 34).to_rgb8();
     picture.pixels().map(|pixel| pixel.0).collect::<std::collections::HashSet<_>>().len()
 }
 
@@ -104,6 +108,14 @@ fn start_program(display: &str, folder: &Path, arguments: &[&Path]) -> Guard {
     wait_for("the keyboard", || xdotool(display, &["windowfocus", "--sync", &id]));
     wait_for("the first picture", || (colors_on(display, folder) > 2000).then_some(()));
     program
+}
+
+/// Where the widget of this name lies in the window: the same layout, off screen.
+fn place_of(name: &str, capture: &Path, share_x: f32) -> [String; 2] {
+    let mut window = app_driver::open(overlook::app::Start::Path(capture.to_path_buf()), [1280.0, 800.0]);
+    app_driver::settle(&mut window);
+    let rect = window.get_by_label(name).rect();
+    [rect.left() + rect.width() * share_x, rect.center().y].map(|place| format!("{place:.0}"))
 }
 
 fn quit(display: &str, mut program: Guard) {
@@ -158,17 +170,23 @@ fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
     let (_server, display) = start_display();
     let program = start_program(&display, folder.path(), &[&capture]);
 
-    // The depth tolerance's slider; the rerun that this starts is cancelled, and the next one runs through.
-    drag(&display, ["1093", "357"], "15");
+    // The line on the depth tolerance's histogram; the rerun that this starts is cancelled, and the next one runs through.
+    let line = place_of("Pruning depth tolerance on its histogram", &capture, 0.6);
+    let [x, y] = line.each_ref().map(String::as_str);
+    drag(&display, [x, y], "15");
     xdotool(&display, &["key", "Escape"]).unwrap();
-    drag(&display, ["1123", "357"], "15");
-    std::thread::sleep(Duration::from_secs(2));
-    xdotool(&display, &["key", "ctrl+s"]).unwrap();
-    std::thread::sleep(Duration::from_secs(1));
-    xdotool(&display, &["key", "ctrl+a"]).unwrap();
-    xdotool(&display, &["type", "--delay", "20", path]).unwrap();
-    xdotool(&display, &["key", "Return"]).unwrap();
-    wait_for("the store", || store.exists().then_some(()));
+    drag(&display, [x, y], "20");
+    // Until the capture is pruned there is nothing to save: a busy machine is asked again.
+    wait_for("the store", || {
+        std::thread::sleep(Duration::from_secs(1));
+        xdotool(&display, &["key", "ctrl+s"]).unwrap();
+        std::thread::sleep(Duration::from_secs(1));
+        xdotool(&display, &["key", "ctrl+a"]).unwrap();
+        xdotool(&display, &["type", "--delay", "20", path]).unwrap();
+        xdotool(&display, &["key", "Return"]).unwrap();
+        std::thread::sleep(Duration::from_secs(1));
+        store.exists().then_some(())
+    });
     let (samples, report) = overlook::store::read(&store, &overlook::job::Job::new()).unwrap();
     assert!(samples.settings.pruning.depth_tolerance > 1.5, "{}", samples.settings.pruning.depth_tolerance);
     assert_eq!(report.samples_kept, samples.sample_count());

@@ -277,26 +277,21 @@ fn slow_drift_below_any_step_between_frames_is_not_static() {
     for (class, color) in classes.iter().zip(colors) {
         let [red, _, blue] = color.map(half::f16::to_f32);
         let is_ground = red < 0.45 && blue < 0.5 && red > 0.15;
-        assert_eq!(*class == PixelClass::Foreground, is_ground, "{color:?}");
+        assert_eq!(*class != PixelClass::Background, is_ground, "{color:?}");
     }
 }
 
 #[test]
-fn a_moving_shadow_makes_foreground_of_the_wall_it_crosses_and_of_nothing_else() {
+fn a_moving_shadow_takes_the_wall_it_crosses_out_of_the_background_and_nothing_else() {
     let mut scene = Scene::still_life();
     scene.ground_light = Some(Arc::new(|frame, point| {
         if (point.x - 0.4 * frame as f64 + 1.0).abs() < 0.3 && point.y < -0.8 { -0.1 } else { 0.0 }
     }));
     let capture = scene.record(arc(2, 64), 6);
     let inspection = inspect(&capture, &Settings::default(), 3);
-    let share = |class| {
-        inspection.cameras[0].class.as_slice().iter().filter(|c| **c == class).count() as f64 / 4096.0
-    };
-    assert!(
-        share(PixelClass::Foreground) > 0.02 && share(PixelClass::Foreground) < 0.3,
-        "{}",
-        share(PixelClass::Foreground)
-    );
+    let classes = inspection.cameras[0].class.as_slice();
+    let changes = classes.iter().filter(|class| **class != PixelClass::Background).count() as f64 / 4096.0;
+    assert!(changes > 0.02 && changes < 0.3, "{changes}");
 }
 
 #[test]

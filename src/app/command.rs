@@ -4,10 +4,15 @@ use std::path::PathBuf;
 
 use glam::{DVec2, DVec3};
 
+use super::dock::View;
+use super::inspector::charts::{Quantity, Study};
+use super::inspector::compare_look::CompareLook;
+use super::inspector::probe::Spot;
 use super::message::Purpose;
-use super::state::Sidebar;
+use super::panels::Palette;
 use super::views::live_image::ColorBy;
 use super::views::source_image::Overlay;
+use crate::settings::Settings;
 
 /// One wish of the person at the window.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +39,14 @@ pub(super) enum Command {
     Reset(&'static str),
     /// Give all settings their defaults.
     ResetAll,
+    /// Take the settings of a preset, by its place in the list.
+    Preset(usize),
+    /// Take back the last change of a setting.
+    Undo,
+    /// Do again what was taken back.
+    Redo,
+    /// Put the other of two settings on.
+    SwitchSettings,
     /// Prune the whole capture again.
     Rerun,
     /// Stop the long work.
@@ -62,6 +75,8 @@ pub(super) enum Command {
     Pan(DVec2),
     /// Nearer (below 1) or farther.
     Dolly(f64),
+    /// Nearer to a point (below 1) or farther from it, which stays where it is on the screen.
+    DollyTo { factor: f64, point_in_world: DVec3 },
     /// Fly right, down, forward, in pivot distances.
     Fly(DVec3),
     /// Look from where a camera stood.
@@ -76,8 +91,56 @@ pub(super) enum Command {
     LiveSize([u32; 2]),
     /// Dark or light.
     Dark(bool),
-    /// What the side panel shows.
-    Sidebar(Sidebar),
+    /// Bring a view to the front.
+    OpenView(View),
+    /// Put all views where they were at first.
+    ResetLayout,
+    /// Point at a pixel, or at nothing.
+    Probe(Option<Spot>),
+    /// Keep the pixel that is looked at, or let go of it.
+    Pin(bool),
+    /// Show the point that is looked at in a camera's picture.
+    ShowPointIn(usize),
+    /// Change how the comparison looks.
+    Compare(Box<CompareLook>),
+    /// Copy the argument for the pixel as text.
+    CopyArgument,
+    /// Copy the picture of the live view.
+    CopyPicture,
+    /// Put the kept pixel in the middle of the live view.
+    FramePoint,
+    /// Open, change or close the command palette.
+    Palette(Option<Palette>),
+    /// Open or close the sheet of keys.
+    CheatSheet(bool),
+    /// Show this callout of the first run next.
+    Callout(usize),
+    /// Ask whether to close with something unsaved, or stop asking.
+    AskToClose(bool),
+    /// Close with something unsaved.
+    CloseAnyway,
+    /// Add a key to the camera path where the view stands.
+    AddKey,
+    /// Take a key out of the camera path.
+    RemoveKey(usize),
+    /// Put a key of the camera path where the view stands.
+    ReplaceKey(usize),
+    /// Stand where a key of the camera path is.
+    GoToKey(usize),
+    /// Pictures from one key of the camera path to the next.
+    PicturesPerLeg(usize),
+    /// Play the camera path from its beginning, or stop.
+    PlayPath(bool),
+    /// Measure: a sweep or a stress test.
+    Study(Study),
+    /// What the chart's axes show.
+    ChartAxes([Quantity; 2]),
+    /// The disturbance that is shown.
+    Disturbance(String),
+    /// Put these settings on.
+    TakeSettings(Box<Settings>),
+    /// Count frame times anew.
+    ClearMeter,
     /// Close a message.
     Dismiss(u64),
 }

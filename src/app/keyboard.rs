@@ -1,10 +1,13 @@
 //! Keys that work anywhere in the window, except while text is typed.
 
+use std::collections::HashSet;
+
 use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 
 use super::command::Command;
 use super::message::Purpose;
+use super::panels::Palette;
 use super::state::State;
 
 /// Keys and what they do, for the help.
@@ -14,10 +17,18 @@ pub(super) const HELP: &[(&str, &str)] = &[
     ("1 – 9", "show a camera"),
     ("Shift + 1 – 9", "stand where a camera stood"),
     ("W A S D, Q E", "fly, down and up"),
-    ("F or Home", "back to the first vantage"),
+    ("P", "keep the pixel, or let go of it"),
+    ("F", "the kept pixel into the middle"),
+    ("Home", "back to the first vantage"),
+    ("X", "the other side of a comparison"),
+    ("K", "add a key to the camera path"),
     ("Esc", "close a message, or cancel"),
     ("Ctrl + O", "open a file"),
     ("Ctrl + S", "save the store"),
+    ("Ctrl + Z, Ctrl + Y", "take back a change, do it again"),
+    ("Ctrl + Shift + C", "copy the argument for the pixel"),
+    ("Ctrl + P", "do anything by its name"),
+    ("?", "this sheet"),
     ("Ctrl + Q", "quit"),
 ];
 
@@ -46,7 +57,26 @@ pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
     if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::Q))) {
         ctx.send_viewport_cmd(egui::ViewportCommand::Close);
     }
-    if ctx.egui_wants_keyboard_input() || state.typed_path.is_some() || state.scene.is_none() {
+    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::P))) {
+        let open = state.inspector.palette.is_none().then(Palette::default);
+        commands.push(Command::Palette(open));
+    }
+    if state.has_capture() {
+        let shift = Modifiers::COMMAND | Modifiers::SHIFT;
+        let redo = [shortcut(Key::Y), KeyboardShortcut::new(shift, Key::Z)];
+        if redo.iter().any(|keys| ctx.input_mut(|input| input.consume_shortcut(keys))) {
+            commands.push(Command::Redo);
+        } else if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::Z))) {
+            commands.push(Command::Undo);
+        }
+    }
+    let copy = KeyboardShortcut::new(Modifiers::COMMAND | Modifiers::SHIFT, Key::C);
+    if ctx.input_mut(|input| input.consume_shortcut(&copy)) {
+        commands.push(Command::CopyArgument);
+    }
+    let held = held_keys(ctx);
+    let typing = state.typed_path.is_some() || state.inspector.palette.is_some();
+    if ctx.egui_wants_keyboard_input() || typing || state.scene.is_none() {
         return;
     }
     ctx.input_mut(|input| {
@@ -54,17 +84,24 @@ pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
             (Key::Space, Command::TogglePlay),
             (Key::Comma, Command::Step(-1)),
             (Key::Period, Command::Step(1)),
-            (Key::F, Command::Home),
+            (Key::P, Command::Pin(!state.inspector.probe.pinned)),
+            (Key::F, Command::FramePoint),
+            (Key::K, Command::AddKey),
             (Key::Home, Command::Home),
         ] {
             if input.consume_key(Modifiers::NONE, key) {
                 commands.push(command);
             }
         }
+        if input.consume_key(Modifiers::NONE, Key::Questionmark)
+            || input.consume_key(Modifiers::SHIFT, Key::Questionmark)
+        {
+            commands.push(Command::CheatSheet(!state.inspector.cheat_sheet));
+        }
         // With Shift, number keys type something else on every layout: their place on the keyboard counts.
         commands.extend(input.events.iter().filter_map(number_key));
     });
-    if let Some(steps) = ctx.input(flight) {
+    if let Some(steps) = ctx.input(|input| flight(input, &held)) {
         commands.push(Command::Fly(steps));
         ctx.request_repaint();
     }
@@ -83,12 +120,35 @@ fn number_key(event: &egui::Event) -> Option<Command> {
     }
 }
 
-fn flight(input: &egui::InputState) -> Option<DVec3> {
+/// The keys held down, by their place on the keyboard: W A S D lie side by side on every layout.
+fn held_keys(ctx: &egui::Context) -> HashSet<Key> {
+    let events = ctx.input(|input| input.events.clone());
+    ctx.data_mut(|data| {
+        let held: &mut HashSet<Key> = data.get_temp_mut_or_default(egui::Id::unique("held keys"));
+        for event in events {
+            match event {
+                egui::Event::Key { key, physical_key, pressed, .. } => {
+                    let place = physical_key.unwrap_or(key);
+                    if pressed {
+                        held.insert(place);
+                    } else {
+                        held.remove(&place);
+                    }
+                }
+                egui::Event::WindowFocused(false) => held.clear(),
+                _ => {}
+            }
+        }
+        held.clone()
+    })
+}
+
+fn flight(input: &egui::InputState, held: &HashSet<Key>) -> Option<DVec3> {
     if input.modifiers.any() && !input.modifiers.shift_only() {
         return None;
     }
     let pressed = |positive, negative| {
-        f64::from(u8::from(input.key_down(positive))) - f64::from(u8::from(input.key_down(negative)))
+        f64::from(u8::from(held.contains(&positive))) - f64::from(u8::from(held.contains(&negative)))
     };
     let direction = DVec3::new(pressed(Key::D, Key::A), pressed(Key::Q, Key::E), pressed(Key::W, Key::S));
     let pace = if input.modifiers.shift { 4.0 } else { 1.0 };

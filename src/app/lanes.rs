@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::inspector::InspectorLanes;
+use super::inspector::path::write_png;
 use super::message::{Message, Purpose};
 use super::scene::{Origin, Scene, median_depth};
 use super::state::Inspected;
@@ -14,7 +16,7 @@ use crate::capture::{Capture, View, transforms};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{self, CameraInspection, Report, SampleSet, TemporalScan};
-use crate::render::Renderer;
+use crate::render::{Picture, Renderer};
 use crate::settings::{CaptureSettings, Settings};
 use crate::store::{self, Playback};
 
@@ -69,6 +71,8 @@ pub(super) enum FileRequest {
     SaveAgain { path: PathBuf, playback: Arc<Playback> },
     /// Write settings.
     SaveSettings { path: PathBuf, settings: Settings },
+    /// Write a picture.
+    SavePicture { path: PathBuf, picture: Arc<Picture> },
     /// Read settings.
     LoadSettings { path: PathBuf },
 }
@@ -91,6 +95,8 @@ pub(super) struct Lanes {
     pub file: Lane<FileRequest>,
     /// The system's dialogs.
     pub dialog: Lane<Purpose>,
+    /// What the inspector asks.
+    pub inspector: InspectorLanes,
 }
 
 impl Lanes {
@@ -128,6 +134,7 @@ impl Lanes {
             dialog: Lane::start("Dialog", Supersede::Never, outbox.clone(), |purpose, _| {
                 Ok(Message::PathChosen { purpose, path: ask(purpose) })
             })?,
+            inspector: InspectorLanes::start(outbox)?,
         })
     }
 
@@ -140,11 +147,12 @@ impl Lanes {
             && self.live.is_idle()
             && self.measure.is_idle()
             && self.file.is_idle()
+            && self.inspector.are_idle()
     }
 }
 
 /// Threads of their own: in the pool that the views share, a picture would wait behind minutes of pruning.
-fn pool(name: &'static str, threads: usize) -> Result<Arc<rayon::ThreadPool>> {
+pub(super) fn pool(name: &'static str, threads: usize) -> Result<Arc<rayon::ThreadPool>> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(move |index| format!("{name} {index}"))
@@ -248,6 +256,10 @@ fn file(request: FileRequest, job: &Job) -> Result<Message> {
             std::fs::write(&path, settings.to_toml()).map_err(|error| Error::io(&path, error))?;
             Ok(Message::Saved { path, bytes: None })
         }
+        FileRequest::SavePicture { path, picture } => {
+            write_png(&picture, &path)?;
+            Ok(Message::Saved { path, bytes: None })
+        }
         FileRequest::LoadSettings { path } => {
             let settings = Settings::load(&path)?;
             Ok(Message::SettingsLoaded { path, settings })
@@ -274,6 +286,12 @@ fn ask(purpose: Purpose) -> Option<PathBuf> {
             .set_file_name("settings.toml")
             .add_filter("Settings", &["toml"])
             .save_file(),
+        Purpose::SavePicture => dialog
+            .set_title("Save the picture")
+            .set_file_name("picture.png")
+            .add_filter("PNG", &["png"])
+            .save_file(),
+        Purpose::ExportPath => dialog.set_title("Export pictures into a folder").pick_folder(),
         Purpose::LoadSettings => {
             dialog.set_title("Load settings").add_filter("Settings", &["toml"]).pick_file()
         }

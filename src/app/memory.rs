@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::state::{Sidebar, State};
+use super::dock::Dock;
+use super::state::State;
 use crate::settings::Settings;
 
 const KEY: &str = "overlook";
@@ -22,7 +23,8 @@ pub(super) struct Memory {
     settings: String,
     frames_per_second: f32,
     show_cameras: bool,
-    sidebar: Sidebar,
+    layout: String,
+    callout: usize,
 }
 
 impl Default for Memory {
@@ -33,7 +35,8 @@ impl Default for Memory {
             settings: String::new(),
             frames_per_second: 24.0,
             show_cameras: true,
-            sidebar: Sidebar::Settings,
+            layout: String::new(),
+            callout: 0,
         }
     }
 }
@@ -44,15 +47,16 @@ impl Memory {
         storage.and_then(|storage| eframe::get_value(storage, KEY)).unwrap_or_default()
     }
 
-    /// What there is to remember of `state`.
-    pub(super) fn of(state: &State) -> Self {
+    /// What there is to remember.
+    pub(super) fn of(state: &State, dock: &Dock) -> Self {
         Self {
             dark: state.dark,
             recent: state.recent.clone(),
             settings: state.settings.to_toml(),
             frames_per_second: state.timeline.frames_per_second,
             show_cameras: state.live.show_cameras,
-            sidebar: state.sidebar,
+            layout: dock.to_json(),
+            callout: state.inspector.callout,
         }
     }
 
@@ -61,14 +65,15 @@ impl Memory {
         eframe::set_value(storage, KEY, self);
     }
 
-    /// Puts what was remembered into a fresh state.
-    pub(super) fn restore(self, state: &mut State) {
+    /// Puts what was remembered into a fresh state; gives the layout of the views.
+    pub(super) fn restore(self, state: &mut State) -> Dock {
         state.dark = self.dark;
         state.recent = self.recent;
         state.settings = Settings::from_toml(&self.settings, "remembered settings").unwrap_or_default();
         state.timeline.frames_per_second = self.frames_per_second.clamp(1.0, 120.0);
         state.live.show_cameras = self.show_cameras;
-        state.sidebar = self.sidebar;
+        state.inspector.callout = self.callout;
+        Dock::from_json(&self.layout)
     }
 }
 

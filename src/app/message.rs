@@ -3,11 +3,17 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::inspector::compare::{CompareKey, Comparison};
+use super::inspector::histograms::Histogram;
+use super::inspector::memory_map::Block;
+use super::inspector::probe::{Probed, Spot};
 use super::scene::Scene;
 use super::state::Inspected;
 use super::views::live_image::{LiveKey, LivePicture};
 use super::views::source_image::{SourceKey, SourcePicture};
 use crate::error::Error;
+use crate::evaluate::stress::StressPoint;
+use crate::evaluate::sweep::Point;
 use crate::preprocess::{Preprocessed, TemporalScan};
 use crate::settings::Settings;
 
@@ -24,6 +30,10 @@ pub(super) enum Purpose {
     SaveSettings,
     /// Read settings from TOML.
     LoadSettings,
+    /// Write the picture of the live view.
+    SavePicture,
+    /// Write the pictures of the camera path into a folder.
+    ExportPath,
 }
 
 /// How accurate the kept samples are where the truth is known.
@@ -53,8 +63,26 @@ pub(super) enum Message {
     LivePainted { key: LiveKey, picture: Arc<LivePicture> },
     /// Accuracy at vantages with truth; `None` where there is none.
     Measured { scene: u64, settings: Settings, accuracy: Option<Accuracy> },
+    /// What there is to say about a pixel; `None` where there is nothing.
+    Probed { scene: u64, spot: Spot, probed: Option<Arc<Probed>> },
+    /// Every camera small.
+    Thumbnails { scene: u64, pictures: Vec<Arc<egui::ColorImage>> },
+    /// The quantities that thresholds cut.
+    Histograms { scene: u64, histograms: Vec<Histogram> },
+    /// Two pictures of one place, or why there are none.
+    Compared { key: Box<CompareKey>, outcome: Result<Comparison, String> },
+    /// What takes the memory.
+    MemoryMapped { scene: u64, blocks: Vec<Block> },
     /// A file is written; `bytes` where it is a store.
     Saved { path: PathBuf, bytes: Option<u64> },
+    /// A point of a sweep.
+    Swept { scene: u64, point: Box<Point> },
+    /// A point of a stress test.
+    Stressed { scene: u64, point: Box<StressPoint> },
+    /// A sweep or a stress test is done.
+    Studied { scene: u64 },
+    /// The pictures of the camera path are written.
+    Exported { folder: PathBuf, pictures: usize },
     /// Settings were read from a file.
     SettingsLoaded { path: PathBuf, settings: Settings },
     /// A dialog was answered; `None` where it was closed.

@@ -12,12 +12,16 @@
 
 mod accuracy;
 mod command;
+mod dock;
+mod inspect;
+mod inspector;
 mod keyboard;
 mod lanes;
 mod memory;
 mod message;
 mod panels;
 mod plan;
+mod receive;
 mod scene;
 mod start;
 mod state;
@@ -36,11 +40,13 @@ use crate::error::Result;
 use crate::preprocess::Report;
 use crate::settings::Settings;
 use command::Command;
+use dock::Dock;
+pub use inspector::meter::FrameTimes;
 use lanes::Lanes;
 use memory::Memory;
 use message::Message;
 use plan::Plan;
-use state::{Busy, LiveLook, NoticeKind, Sidebar, SourceLook, State, Timeline};
+use state::{Busy, LiveLook, NoticeKind, SourceLook, State, Timeline};
 use worker::Outbox;
 
 pub use start::run;
@@ -68,10 +74,14 @@ pub struct OverlookApp {
     state: State,
     lanes: Lanes,
     plan: Plan,
+    dock: Dock,
     inbox: Receiver<Message>,
     commands: Vec<Command>,
     /// When the system's dialog was asked for.
     asked_at: Option<Instant>,
+    ctx: egui::Context,
+    /// When each kind of work that is watched began, by its words.
+    stages: std::collections::HashMap<String, Instant>,
 }
 
 impl OverlookApp {
@@ -84,9 +94,22 @@ impl OverlookApp {
         let (sender, inbox) = sync_channel(MESSAGES);
         let lanes = Lanes::start(&Outbox::new(sender, ctx.clone()))?;
         let mut state = fresh_state();
-        Memory::load(storage).restore(&mut state);
-        let mut app =
-            Self { state, lanes, plan: Plan::default(), inbox, commands: Vec::new(), asked_at: None };
+        let dock = Memory::load(storage).restore(&mut state);
+        if storage.is_none() {
+            // Nothing can be remembered, so that it would be a first run every time.
+            state.inspector.callout = panels::CALLOUTS;
+        }
+        let mut app = Self {
+            state,
+            lanes,
+            plan: Plan::default(),
+            dock,
+            inbox,
+            commands: Vec::new(),
+            asked_at: None,
+            ctx: ctx.clone(),
+            stages: std::collections::HashMap::new(),
+        };
         match start {
             Start::Demo(spec) => app.open_demo(spec),
             Start::Path(path) => app.open_path(path),
@@ -138,6 +161,24 @@ impl OverlookApp {
         self.state.live.rig.as_ref().map(|rig| rig.world_from_camera.translation.to_array())
     }
 
+    /// What the window's own work took of the last frames; `None` before the first.
+    #[must_use]
+    pub fn frame_times(&self) -> Option<FrameTimes> {
+        self.state.inspector.meter.times()
+    }
+
+    /// Index of the camera whose picture the source view shows.
+    #[must_use]
+    pub fn source_camera(&self) -> usize {
+        self.state.source.camera
+    }
+
+    /// Camera, column and row of the pixel that is looked at; `None` while there is none.
+    #[must_use]
+    pub fn probed_pixel(&self) -> Option<(usize, usize, usize)> {
+        self.state.inspector.probe.shown.as_ref().map(|probed| (probed.camera, probed.x, probed.y))
+    }
+
     /// Text of every message on screen.
     #[must_use]
     pub fn notices(&self) -> Vec<String> {
@@ -160,6 +201,26 @@ impl OverlookApp {
         ctx.request_repaint_after(Duration::from_secs_f32(wait));
     }
 
+    /// Moves along the camera path, at the frame rate of the timeline.
+    fn advance_path(&mut self, ctx: &egui::Context) {
+        let path = &mut self.state.inspector.path;
+        let Some(picture) = path.playing else { return };
+        let Some(key) = path.at(picture) else { return };
+        let next =
+            picture + ctx.input(|input| input.unstable_dt).min(0.5) * self.state.timeline.frames_per_second;
+        path.playing = (picture < path.pictures() as f32 - 1.0).then_some(next);
+        self.stand_at(key);
+        ctx.request_repaint();
+    }
+
+    /// Asks before the window closes with something unsaved.
+    fn watch_closing(&mut self, ctx: &egui::Context) {
+        if self.state.inspector.unsaved && ctx.input(|input| input.viewport().close_requested()) {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.state.inspector.asks_to_close = true;
+        }
+    }
+
     fn take_dropped_files(&mut self, ctx: &egui::Context) {
         let dropped =
             ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
@@ -174,12 +235,21 @@ impl OverlookApp {
             (lanes.open.progress(), true),
             (lanes.whole.progress(), true),
             (lanes.file.progress(), true),
+            (lanes.inspector.export.progress(), true),
+            (lanes.inspector.study.progress(), true),
             (lanes.measure.progress(), false),
         ];
         self.state.busy = watched
             .into_iter()
-            .filter_map(|(progress, cancellable)| Some(Busy { progress: progress?, cancellable }))
+            .filter_map(|(progress, cancellable)| {
+                let progress = progress?;
+                let began = *self.stages.entry(progress.stage.clone()).or_insert_with(Instant::now);
+                let secs_left = secs_left(&progress, began.elapsed());
+                Some(Busy { progress, cancellable, secs_left })
+            })
             .collect();
+        let busy = &self.state.busy;
+        self.stages.retain(|stage, _| busy.iter().any(|busy| busy.progress.stage == *stage));
         if !self.state.busy.is_empty() {
             ctx.request_repaint_after(WATCH);
         }
@@ -195,6 +265,7 @@ impl OverlookApp {
 
 impl eframe::App for OverlookApp {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        let started = Instant::now();
         while let Ok(message) = self.inbox.try_recv() {
             self.receive(message, ctx);
         }
@@ -203,7 +274,9 @@ impl eframe::App for OverlookApp {
         }
         self.take_dropped_files(ctx);
         self.advance_time(ctx);
-        if let Some(wait) = self.plan.ask(&self.state, &self.lanes) {
+        self.advance_path(ctx);
+        self.watch_closing(ctx);
+        if let Some(wait) = self.plan.ask(&self.state, &self.dock.visible(), &self.lanes) {
             ctx.request_repaint_after(wait);
         }
         self.watch_work(ctx);
@@ -211,19 +284,29 @@ impl eframe::App for OverlookApp {
         if ctx.theme() != theme {
             ctx.set_theme(theme);
         }
+        self.state.inspector.meter.logic(started.elapsed());
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let started = Instant::now();
         keyboard::commands(ui, &self.state, &mut self.commands);
-        panels::window_ui(ui, &self.state, &mut self.commands);
+        panels::window_ui(ui, &self.state, &mut self.dock, &mut self.commands);
         if !self.commands.is_empty() {
             ui.ctx().request_repaint();
         }
+        self.state.inspector.meter.ui(started.elapsed());
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        Memory::of(&self.state).save(storage);
+        Memory::of(&self.state, &self.dock).save(storage);
     }
+}
+
+/// How long the rest takes at the pace so far; `None` while too little is done to tell.
+fn secs_left(progress: &crate::job::Progress, elapsed: Duration) -> Option<f32> {
+    let share = progress.fraction();
+    (share > 0.02 && elapsed > Duration::from_millis(500))
+        .then(|| elapsed.as_secs_f32() * (1.0 - share) / share)
 }
 
 fn fresh_state() -> State {
@@ -253,7 +336,7 @@ fn fresh_state() -> State {
         },
         live_shown: None,
         notices: Vec::new(),
-        sidebar: Sidebar::Settings,
+        inspector: inspector::Inspector::default(),
         typed_path: None,
         dark: true,
         recent: Vec::new(),

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::dock::View;
+use super::inspector::InspectorPlan;
 use super::lanes::{InspectRequest, Lanes, MeasureRequest, WholeRequest};
 use super::state::{State, method_of};
 use super::views::live_image::LiveKey;
@@ -31,6 +33,7 @@ pub(super) struct Plan {
     live: Option<LiveKey>,
     whole: Option<(u64, Settings)>,
     measure: Option<(Arc<SampleSet>, Settings)>,
+    inspector: InspectorPlan,
     /// When a setting was last changed.
     pub changed_at: Option<Instant>,
 }
@@ -57,11 +60,12 @@ impl Plan {
     }
 
     /// Asks the lanes for whatever is missing. Gives how long to wait before it should be called again, if so.
-    pub(super) fn ask(&mut self, state: &State, lanes: &Lanes) -> Option<Duration> {
+    pub(super) fn ask(&mut self, state: &State, visible: &[View], lanes: &Lanes) -> Option<Duration> {
         self.ask_inspection(state, lanes);
         self.ask_source(state, lanes);
         self.ask_live(state, lanes);
         self.ask_accuracy(state, lanes);
+        self.inspector.ask(state, visible, &lanes.inspector);
         self.ask_whole(state, lanes)
     }
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::inspector::Inspector;
 use super::message::{Accuracy, Purpose};
 use super::scene::{Content, Scene};
 use super::views::live_image::{ColorBy, LiveKey, LivePicture};
@@ -12,16 +13,6 @@ use super::views::source_image::{Overlay, SourceKey, SourcePicture};
 use crate::job::Progress;
 use crate::preprocess::{FrameInspection, Report, SampleSet, TemporalScan};
 use crate::settings::{CaptureSettings, RenderSettings, Settings};
-
-/// What the side panel shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-pub(super) enum Sidebar {
-    /// The thresholds.
-    #[default]
-    Settings,
-    /// What was pruned, for whom and why.
-    Report,
-}
 
 /// How loud a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,6 +121,8 @@ pub(super) struct Busy {
     pub progress: Progress,
     /// Whether cancelling it leaves something to be rerun.
     pub cancellable: bool,
+    /// How long the rest takes at the pace so far; `None` while too little is done to tell.
+    pub secs_left: Option<f32>,
 }
 
 /// A picture that is shown, and what it was made from.
@@ -172,8 +165,8 @@ pub(super) struct State {
     pub live_shown: Option<Shown<LiveKey, LivePicture>>,
     /// Messages.
     pub notices: Vec<Notice>,
-    /// What the side panel shows.
-    pub sidebar: Sidebar,
+    /// What the inspector knows.
+    pub inspector: Inspector,
     /// A path being typed.
     pub typed_path: Option<TypedPath>,
     /// Dark or light.
@@ -241,9 +234,18 @@ impl State {
         self.inspection_here().map(|inspection| &inspection.samples).or(whole)
     }
 
+    /// The samples of the whole capture or store, perhaps by older settings.
+    pub(super) fn whole_samples(&self) -> Option<&Arc<SampleSet>> {
+        match self.scene.as_ref().map(|scene| &scene.content) {
+            Some(Content::Store { samples, .. }) => Some(samples),
+            _ => self.whole.as_ref().map(|whole| &whole.samples),
+        }
+    }
+
     /// Adds a message.
     pub(super) fn notify(&mut self, kind: NoticeKind, title: impl Into<String>, text: impl Into<String>) {
         let (title, text) = (title.into(), text.into());
+        self.inspector.log(kind, format!("{title}: {text}"));
         self.notices.retain(|notice| notice.title != title || notice.text != text);
         let id = self.notices.iter().map(|notice| notice.id).max().unwrap_or(0) + 1;
         self.notices.push(Notice { id, kind, title, text, since: Instant::now() });

@@ -37,6 +37,15 @@ pub(crate) fn percent(part: u64, whole: u64) -> String {
     if whole == 0 { "–".to_owned() } else { format!("{:.1} %", 100.0 * part as f64 / whole as f64) }
 }
 
+/// How long something still takes, no finer than anybody believes.
+pub(crate) fn time_left(secs: f32) -> String {
+    match secs {
+        s if s < 1.5 => "a second left".to_owned(),
+        s if s < 90.0 => format!("{s:.0} s left"),
+        s => format!("{:.0} min left", s / 60.0),
+    }
+}
+
 /// A name of the code as words: `depth_tolerance` → `Depth tolerance`.
 pub(crate) fn words(name: &str) -> String {
     let mut text = name.replace(['_', '-'], " ");

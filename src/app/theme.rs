@@ -56,6 +56,8 @@ pub(crate) struct Tokens {
     pub scrim: Color32,
     /// Text that lies on a picture, on the scrim.
     pub on_scrim: Color32,
+    /// The mark of the pixel that is looked at, on pictures of any color.
+    pub mark: Color32,
 }
 
 const DARK: Tokens = Tokens {
@@ -80,10 +82,11 @@ const DARK: Tokens = Tokens {
     invalid: rgb(0x55_5a61),
     scrim: Color32::from_rgba_premultiplied(6, 8, 10, 190),
     on_scrim: rgb(0xf2_f5f8),
+    mark: rgb(0xff_5fd2),
 };
 
 const LIGHT: Tokens = Tokens {
-    background: rgb(0xe6_e9ed),
+    background: rgb(0xdb_e0e6),
     surface: rgb(0xf7_f8fa),
     raised: rgb(0xe7_eaef),
     raised_hovered: rgb(0xd9_dee5),
@@ -104,6 +107,7 @@ const LIGHT: Tokens = Tokens {
     invalid: rgb(0x8b_9199),
     scrim: Color32::from_rgba_premultiplied(6, 8, 10, 180),
     on_scrim: rgb(0xf7_f9fb),
+    mark: rgb(0xff_5fd2),
 };
 
 impl Tokens {
@@ -131,13 +135,13 @@ pub(crate) mod space {
     /// Height of the top bar.
     pub(crate) const TOP_BAR: f32 = 44.0;
     /// Height of the totals strip.
-    pub(crate) const TOTALS: f32 = 58.0;
+    pub(crate) const TOTALS: f32 = 52.0;
+    /// Height of a row of tabs.
+    pub(crate) const TABS: f32 = 30.0;
     /// Height of the timeline.
-    pub(crate) const TIMELINE: f32 = 92.0;
+    pub(crate) const TIMELINE: f32 = 72.0;
     /// Height of the line that says what is going on.
-    pub(crate) const STATUS: f32 = 30.0;
-    /// Width of the side panel.
-    pub(crate) const SIDEBAR: f32 = 316.0;
+    pub(crate) const STATUS: f32 = 28.0;
     /// Corner radius of cards and buttons.
     pub(crate) const RADIUS: u8 = 6;
     /// Height of buttons and fields.

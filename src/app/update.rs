@@ -1,30 +1,19 @@
-//! Carries out commands and takes in answers: the only place where the state changes.
+//! Carries out commands. Here and where answers are taken in is the only place where the state changes.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-use egui::{TextureFilter, TextureOptions};
+use std::path::PathBuf;
+use std::time::Instant;
 
 use super::OverlookApp;
 use super::command::Command;
+use super::dock::Dock;
 use super::lanes::{FileRequest, OpenRequest};
-use super::memory::remember_recent;
-use super::message::{Message, Purpose};
-use super::scene::{Content, Origin, Scene};
-use super::state::{NoticeKind, Shown, TypedPath, Whole, method_of};
+use super::message::Purpose;
+use super::scene::Content;
+use super::state::{NoticeKind, TypedPath, method_of};
 use super::text;
 use super::views::rig::Rig;
 use crate::capture::demo::DemoSpec;
-use crate::error::Error;
 use crate::settings::Settings;
-
-/// A dialog that is answered faster than this was not seen by a person: there is none on this system.
-const NO_DIALOG: Duration = Duration::from_millis(200);
-
-/// Pixels of the recording are looked at one by one; those of the live view are only as fine as there are samples.
-const SOURCE: (&str, TextureFilter) = ("source", TextureFilter::Nearest);
-const LIVE: (&str, TextureFilter) = ("live", TextureFilter::Linear);
 
 impl OverlookApp {
     /// Carries out one command.
@@ -57,7 +46,9 @@ impl OverlookApp {
                     self.set(path, value);
                 }
             }
-            Command::ResetAll => self.change_settings(Settings::default()),
+            Command::ResetAll => self.change_settings("all", Settings::default()),
+            Command::Preset(index) => self.take_preset(index),
+            Command::Undo | Command::Redo | Command::SwitchSettings => self.apply_to_history(&command),
             Command::Rerun => {
                 self.state.stopped = false;
                 self.plan.forget_whole();
@@ -68,10 +59,15 @@ impl OverlookApp {
             Command::Frame(_) | Command::Step(_) | Command::TogglePlay | Command::FramesPerSecond(_) => {
                 self.apply_to_timeline(&command);
             }
-            Command::Sidebar(sidebar) => self.state.sidebar = sidebar,
+            Command::OpenView(view) => self.dock.open(view),
+            Command::ResetLayout => self.dock = Dock::new(),
             Command::Dark(dark) => self.state.dark = dark,
             Command::Dismiss(id) => self.state.notices.retain(|notice| notice.id != id),
-            looks => self.apply_to_views(looks),
+            other => {
+                if let Some(looks) = self.apply_to_inspector(other) {
+                    self.apply_to_views(looks);
+                }
+            }
         }
     }
 
@@ -128,6 +124,7 @@ impl OverlookApp {
                     Command::Orbit(angles) => rig.orbit(angles),
                     Command::Pan(share) => rig.pan(share),
                     Command::Dolly(factor) => rig.dolly(factor),
+                    Command::DollyTo { factor, point_in_world } => rig.dolly_to(factor, point_in_world),
                     Command::Fly(steps) => rig.fly(steps),
                     _ => {}
                 }
@@ -147,16 +144,18 @@ impl OverlookApp {
         self.lanes.open.submit(OpenRequest::Path { path, settings: self.state.settings.capture.clone() });
     }
 
-    fn type_path(&mut self, purpose: Purpose, reason: Option<&'static str>) {
+    pub(super) fn type_path(&mut self, purpose: Purpose, reason: Option<&'static str>) {
         let text = match purpose {
             Purpose::SaveStore => format!("{}.ovl", self.state.scene.as_ref().map_or("capture", |s| &s.name)),
             Purpose::SaveSettings => "settings.toml".to_owned(),
+            Purpose::SavePicture => "picture.png".to_owned(),
+            Purpose::ExportPath => "pictures".to_owned(),
             _ => String::new(),
         };
         self.state.typed_path = Some(TypedPath { purpose, text, reason });
     }
 
-    fn take_path(&mut self, purpose: Purpose, path: PathBuf) {
+    pub(super) fn take_path(&mut self, purpose: Purpose, path: PathBuf) {
         if path.as_os_str().is_empty() {
             return;
         }
@@ -168,6 +167,13 @@ impl OverlookApp {
                 self.lanes.file.submit(FileRequest::SaveSettings { path, settings });
             }
             Purpose::LoadSettings => self.lanes.file.submit(FileRequest::LoadSettings { path }),
+            Purpose::SavePicture => {
+                if let Some(shown) = &self.state.live_shown {
+                    let picture = shown.picture.rendered.clone();
+                    self.lanes.file.submit(FileRequest::SavePicture { path, picture });
+                }
+            }
+            Purpose::ExportPath => self.export_path(path),
         }
     }
 
@@ -193,13 +199,22 @@ impl OverlookApp {
     fn set(&mut self, path: &'static str, value: toml::Value) {
         let mut settings = self.state.settings.clone();
         match settings.set(path, value) {
-            Ok(()) => self.change_settings(settings),
+            Ok(()) => self.change_settings(path, settings),
             Err(error) => self.state.notify(NoticeKind::Error, "Setting not changed", error.to_string()),
         }
     }
 
-    fn change_settings(&mut self, settings: Settings) {
+    /// Changes settings; `what` tells one change from the next.
+    pub(super) fn change_settings(&mut self, what: &'static str, settings: Settings) {
+        if settings != self.state.settings {
+            self.state.inspector.history.record(&self.state.settings, what, Instant::now());
+            self.put_settings(settings);
+        }
+    }
+
+    pub(super) fn put_settings(&mut self, settings: Settings) {
         if method_of(&settings) != method_of(&self.state.settings) {
+            self.state.inspector.unsaved = self.state.has_capture();
             self.plan.changed_at = Some(Instant::now());
             self.state.stopped = false;
         }
@@ -215,151 +230,21 @@ impl OverlookApp {
         self.lanes.open.cancel();
         self.lanes.file.cancel();
         self.lanes.measure.cancel();
+        self.lanes.inspector.export.cancel();
+        self.lanes.inspector.study.cancel();
     }
 
     fn escape(&mut self) {
-        if self.state.typed_path.take().is_none() && self.state.notices.pop().is_none() {
-            self.cancel();
-        }
-    }
-
-    /// Takes in one answer.
-    pub(super) fn receive(&mut self, message: Message, ctx: &egui::Context) {
-        let current = self.state.scene.as_ref().map(|scene| scene.id);
-        match message {
-            Message::Opened(scene) => self.opened(scene),
-            Message::Scanned { scene, scan } if Some(scene) == current => self.state.scan = Some(scan),
-            Message::Pruned { scene, settings, result } if Some(scene) == current => {
-                self.state.accuracy = None;
-                self.state.whole = Some(Whole {
-                    samples: result.samples.clone(),
-                    report: Arc::new(result.report.clone()),
-                    settings,
-                });
-            }
-            Message::Inspected { scene, inspected } if Some(scene) == current => {
-                self.state.inspected = Some(inspected);
-            }
-            Message::SourcePainted { key, picture } if Some(key.scene) == current => {
-                let texture = texture(ctx, SOURCE, &picture.image, self.state.source_shown.take());
-                self.state.source_shown = Some(Shown { key, picture, texture });
-            }
-            Message::LivePainted { key, picture } if Some(key.scene) == current => {
-                let texture = texture(ctx, LIVE, &picture.image, self.state.live_shown.take());
-                self.state.live_shown = Some(Shown { key, picture, texture });
-            }
-            Message::Measured { scene, settings, accuracy }
-                if Some(scene) == current && settings == self.state.settings =>
-            {
-                self.state.accuracy = accuracy;
-            }
-            Message::Saved { path, bytes } => self.saved(&path, bytes),
-            Message::SettingsLoaded { path, settings } => {
-                self.change_settings(settings);
-                self.state.notify(NoticeKind::Done, "Settings loaded", path.display().to_string());
-            }
-            Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
-            Message::Failed { what, error } => self.failed(what, &error),
-            // An answer about a scene that is no longer open.
-            _ => {}
-        }
-    }
-
-    fn opened(&mut self, scene: Arc<Scene>) {
-        let state = &mut self.state;
-        if let Origin::Path(path) = &scene.origin {
-            remember_recent(&mut state.recent, path);
-        }
-        state.opening = None;
-        state.scan = None;
-        state.whole = None;
-        state.stopped = false;
-        state.inspected = None;
-        state.accuracy = None;
-        state.source_shown = None;
-        state.live_shown = None;
-        state.timeline.frame = 0;
-        state.timeline.playing = false;
-        state.source.camera = 0;
-        state.source.against = None;
-        state.source.zoom = 1.0;
-        state.source.center = egui::Vec2::splat(0.5);
-        state.live.rig = Rig::home(&scene);
-        state.notices.retain(|notice| notice.kind != NoticeKind::Error);
-        if let Some(capture) = scene.capture() {
-            for warning in &capture.warnings {
-                state.notify(NoticeKind::Warning, "While opening", warning.clone());
-            }
-        }
-        if let Some(playback) = scene.playback() {
-            for damage in playback.store().info().warnings.iter().chain(&playback.store().damage()) {
-                state.notify(NoticeKind::Warning, "While opening", damage.clone());
-            }
-        }
-        state.scene = Some(scene);
-        self.lanes.whole.cancel();
-        self.plan = super::plan::Plan::default();
-    }
-
-    fn saved(&mut self, path: &Path, bytes: Option<u64>) {
-        let place = path.display();
-        let text = match bytes {
-            Some(bytes) => {
-                remember_recent(&mut self.state.recent, path);
-                format!("{place} ({})", text::bytes(bytes))
-            }
-            None => place.to_string(),
-        };
-        self.state.notify(NoticeKind::Done, "Saved", text);
-    }
-
-    fn path_chosen(&mut self, purpose: Purpose, path: Option<PathBuf>) {
-        let asked_at = self.asked_at.take();
-        match path {
-            Some(path) => self.take_path(purpose, path),
-            None if asked_at.is_some_and(|at| at.elapsed() < NO_DIALOG) => {
-                self.type_path(purpose, Some("This system offers no file dialog; type the path instead."));
-            }
-            None => {}
-        }
-    }
-
-    fn failed(&mut self, what: &'static str, error: &Error) {
-        if what == "Open" {
-            self.state.opening = None;
-        }
-        if matches!(error, Error::Cancelled) {
+        if self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
             return;
         }
-        if what == "Prune" {
-            self.state.stopped = true;
+        if self.state.inspector.path.playing.take().is_some() {
+            return;
         }
-        let title = match what {
-            "Open" => "Could not open",
-            "Prune" => "Could not prune the capture",
-            "Inspect frame" => "Could not read this frame",
-            "Source picture" => "Could not show this frame",
-            "Live view" => "Could not render this view",
-            "File" => "Could not save or load",
-            other => other,
-        };
-        self.state.notify(NoticeKind::Error, title, error.to_string());
-    }
-}
-
-/// Uploads a picture: into the texture of the one it replaces, where there is one.
-fn texture<K, P>(
-    ctx: &egui::Context,
-    (name, magnification): (&str, TextureFilter),
-    image: &Arc<egui::ColorImage>,
-    replaced: Option<Shown<K, P>>,
-) -> egui::TextureHandle {
-    let options = TextureOptions { magnification, minification: TextureFilter::Linear, ..Default::default() };
-    match replaced {
-        Some(Shown { mut texture, .. }) => {
-            texture.set(image.clone(), options);
-            texture
+        if self.state.inspector.probe.pinned {
+            self.apply(Command::Pin(false));
+        } else {
+            self.cancel();
         }
-        None => ctx.load_texture(name, image.clone(), options),
     }
 }

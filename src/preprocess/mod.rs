@@ -11,6 +11,7 @@
 //! ([`split`], over the spans of a [`span_tree`]); [`registration`] carries samples between cameras; [`sampling_rate`] tells which of two is better; and
 //! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add.
 
+pub mod argument;
 pub mod background;
 mod contest;
 pub mod depth_plane;
@@ -61,6 +62,7 @@ use pruning::{Decided, Rig};
 use report::Tally;
 use span_tree::{SpanTree, all_frames};
 
+pub use argument::{ChainLink, PairQuantities, PixelArgument, Testimony, spans_of_pixel};
 pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
 pub use inspection::{CameraInspection, FrameInspection, PairArgument, PixelClass, Rule, Verdict};
 pub use report::Report;

@@ -24,6 +24,7 @@ mod gather;
 pub mod gpu;
 mod keys;
 mod lookup;
+pub mod pick;
 mod project;
 mod resolve;
 mod silhouette;
@@ -34,6 +35,7 @@ pub use backend::{Painter, Renderer, Shown};
 pub use cpu::CpuRenderer;
 pub use fill::fill;
 pub use gpu::{AdapterChoice, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
+pub use pick::{Picked, pick};
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]

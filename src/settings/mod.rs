@@ -177,7 +177,7 @@ section! {
     /// Temporal redundancy: which pixels stay the same, and for how long.
     pub struct SpanSettings in "spans" {
         /// Which spans of frames a sample may live in.
-        levels: SpanLevels = SpanLevels::Paper, "", Kind::Choice(SpanLevels::NAMES);
+        levels: SpanLevels = SpanLevels::Tree, "", Kind::Choice(SpanLevels::NAMES);
         /// A pixel is static while its color stays within this range over the span, beyond what noise explains.
         color_tolerance: f32 = 2.0, "8-bit steps", Kind::Number { min: 0.0, max: 64.0, log: false };
         /// A pixel is static while its depth stays within this relative range over the span, beyond what noise explains.

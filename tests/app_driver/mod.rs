@@ -1,5 +1,6 @@
 //! Drives the window off screen: no display needed, a software Vulkan adapter is enough.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
+#![allow(dead_code, reason = "every test drives the window its own way")]
 
 use std::time::{Duration, Instant};
 
@@ -56,6 +57,42 @@ pub(crate) fn click(window: &mut Window, name: &str) {
     window.run_steps(3);
 }
 
+/// Brings a view to the front by the menu.
+pub(crate) fn open_view(window: &mut Window, view: &str) {
+    click(window, "Views");
+    click(window, &format!("Open view {view}"));
+    settle(window);
+}
+
+/// Picks an entry of a drop-down list.
+pub(crate) fn pick(window: &mut Window, list: &str, entry: &str) {
+    click(window, list);
+    // The list's own button may already show the entry; the popup's comes last.
+    window.get_all_by_label(entry).last().unwrap().click();
+    window.run_steps(3);
+}
+
+/// Drags from a place in a widget, as shares of its size, by some points.
+pub(crate) fn drag(window: &mut Window, name: &str, from: egui::Vec2, by: egui::Vec2) {
+    let area = window.get_by_label(name).rect();
+    let start = area.min + area.size() * from;
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: egui::Modifiers::NONE,
+    };
+    window.event(egui::Event::PointerMoved(start));
+    window.event(button(start, true));
+    window.step();
+    for share in [0.3, 0.6, 1.0] {
+        window.event(egui::Event::PointerMoved(start + by * share));
+        window.step();
+    }
+    window.event(button(start + by, false));
+    window.run_steps(2);
+}
+
 /// Clicks one of a row of choices.
 pub(crate) fn choose(window: &mut Window, row: &str, choice: &str) {
     click(window, &format!("{row}: {choice}"));
@@ -70,4 +107,22 @@ pub(crate) fn type_path(window: &mut Window, menu: &str, entry: &str, path: &std
     window.get_by_label("Path").set_text_value_accesskit(&path.display().to_string());
     window.run_steps(3);
     click(window, take);
+}
+
+/// Clicks a place in a picture, as shares of its size, so that the pixel there is kept.
+pub(crate) fn look_at(window: &mut Window, picture: &str, share: egui::Vec2) {
+    let area = window.get_by_label(picture).rect();
+    let at = area.min + area.size() * share;
+    window.hover_at(at);
+    window.run_steps(2);
+    for pressed in [true, false] {
+        window.event(egui::Event::PointerButton {
+            pos: at,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+        });
+        window.step();
+    }
+    wait(window, "the argument", |window| window.state().probed_pixel().is_some());
 }

@@ -1,25 +1,34 @@
 //! The areas of the window. Each borrows the state and sends commands; none changes anything itself.
 
+mod histogram;
+mod log;
+mod memory_view;
 mod notices;
+mod palette;
 mod parts;
 mod path_field;
+mod path_view;
 mod report;
 mod settings_ui;
 mod status;
+mod time;
 mod timeline;
 mod top_bar;
 mod totals;
+mod welcome;
 
-use egui::{CentralPanel, Frame, Margin, Panel, Stroke};
+use egui::{CentralPanel, Frame, Margin, Panel};
 
 use super::command::Command;
-use super::state::{Sidebar, State};
+use super::dock::{Dock, View};
+use super::state::State;
 use super::theme::{Tokens, space};
-use super::views::{live_view, source_view};
-pub(super) use parts::{ICON_BUTTON, choice_ui, empty_ui, icon_button, segments_ui};
+use super::views::{cameras_view, chart_view, compare_view, live_view, pixel_view, source_view};
+pub(super) use palette::Palette;
+pub(super) use parts::{choice_ui, empty_ui, icon_button, segments_ui};
 
 /// The whole window.
-pub(super) fn window_ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>) {
+pub(super) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, commands: &mut Vec<Command>) {
     let tokens = Tokens::in_ui(ui);
     let bar = Frame::new().fill(tokens.surface).inner_margin(Margin::symmetric(space::PANEL, 0));
     Panel::top("top bar")
@@ -33,67 +42,45 @@ pub(super) fn window_ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Com
         .show(ui, |ui| status::status_ui(ui, state, commands));
     Panel::bottom("timeline")
         .exact_size(space::TIMELINE)
-        .frame(bar.inner_margin(Margin::symmetric(space::PANEL, 6)))
+        .frame(bar.inner_margin(Margin::symmetric(space::PANEL, 4)))
         .show(ui, |ui| timeline::timeline_ui(ui, state, commands));
-    Panel::right("sidebar")
-        .exact_size(space::SIDEBAR)
-        .resizable(false)
-        .frame(bar.inner_margin(Margin { left: space::PANEL, right: 2, top: 8, bottom: 0 }))
-        .show(ui, |ui| sidebar_ui(ui, state, commands));
     CentralPanel::no_frame()
-        .frame(Frame::new().fill(tokens.background).inner_margin(Margin::same(8)))
-        .show(ui, |ui| views_ui(ui, state, commands));
+        .frame(Frame::new().fill(tokens.background).inner_margin(Margin { top: 4, ..Margin::ZERO }))
+        .show(ui, |ui| {
+            if state.scene.is_none() {
+                nothing_open_ui(ui, state, commands);
+            } else {
+                dock.ui(ui, state, commands);
+            }
+        });
     notices::notices_ui(ui.ctx(), state, commands);
     path_field::path_field_ui(ui.ctx(), state, commands);
+    welcome::callouts_ui(ui.ctx(), state, commands);
+    palette::palette_ui(ui.ctx(), state, commands);
+    palette::cheat_sheet_ui(ui.ctx(), state, commands);
+    welcome::closing_ui(ui.ctx(), state, commands);
     drop_hint_ui(ui);
 }
 
-fn sidebar_ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
-        for (sidebar, name, help) in [
-            (Sidebar::Settings, "Thresholds", "What counts as redundant, and how what is left is painted."),
-            (Sidebar::Report, "Report", "What was pruned, by which rule and for which camera."),
-        ] {
-            if parts::tab_ui(ui, state.sidebar == sidebar, name).on_hover_text(help).clicked() {
-                commands.push(Command::Sidebar(sidebar));
-            }
-        }
-    });
-    ui.add_space(space::SMALL);
-    match state.sidebar {
-        Sidebar::Settings => settings_ui::settings_ui(ui, state, commands),
-        Sidebar::Report => report::report_ui(ui, state),
+/// One view.
+pub(super) fn view_ui(ui: &mut egui::Ui, view: View, state: &State, commands: &mut Vec<Command>) {
+    match view {
+        View::Source => source_view::source_view_ui(ui, state, commands),
+        View::Live => live_view::live_view_ui(ui, state, commands),
+        View::Compare => compare_view::compare_view_ui(ui, state, commands),
+        View::Path => path_view::path_ui(ui, state, commands),
+        View::Tradeoff => chart_view::tradeoff_ui(ui, state, commands),
+        View::Stability => chart_view::stability_ui(ui, state, commands),
+        View::Pixel => pixel_view::pixel_view_ui(ui, state, commands),
+        View::Cameras => cameras_view::cameras_view_ui(ui, state, commands),
+        View::Matrix => report::matrix_view_ui(ui, state),
+        View::Time => time::time_ui(ui, state, commands),
+        View::Memory => memory_view::memory_ui(ui, state),
+        View::Thresholds => settings_ui::settings_ui(ui, state, commands),
+        View::Report => report::report_ui(ui, state),
+        View::Log => log::log_ui(ui, state),
+        View::Meter => log::meter_ui(ui, state, commands),
     }
-}
-
-fn views_ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>) {
-    if state.scene.is_none() {
-        return nothing_open_ui(ui, state, commands);
-    }
-    let area = ui.available_rect_before_wrap();
-    let gap = space::MEDIUM;
-    let width = ((area.width() - gap) / 2.0).floor();
-    let left = egui::Rect::from_min_size(area.min, egui::vec2(width, area.height()));
-    let right = left.translate(egui::vec2(width + gap, 0.0));
-    ui.scope_builder(egui::UiBuilder::new().max_rect(left).id_salt("source view"), |ui| {
-        card_ui(ui, |ui| source_view::source_view_ui(ui, state, commands));
-    });
-    ui.scope_builder(egui::UiBuilder::new().max_rect(right).id_salt("live view"), |ui| {
-        card_ui(ui, |ui| live_view::live_view_ui(ui, state, commands));
-    });
-}
-
-fn card_ui(ui: &mut egui::Ui, contents: impl FnOnce(&mut egui::Ui)) {
-    let tokens = Tokens::in_ui(ui);
-    Frame::new()
-        .fill(tokens.surface)
-        .stroke(Stroke::new(1.0, tokens.border))
-        .corner_radius(f32::from(space::RADIUS))
-        .inner_margin(Margin::same(8))
-        .show(ui, |ui| {
-            ui.set_min_size(ui.available_size());
-            contents(ui);
-        });
 }
 
 fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>) {
@@ -125,6 +112,9 @@ fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>
         }
     });
 }
+
+/// Callouts of the first run.
+pub(super) const CALLOUTS: usize = welcome::COUNT;
 
 fn drop_hint_ui(ui: &egui::Ui) {
     if ui.ctx().input(|input| input.raw.hovered_files.is_empty()) {

@@ -6,7 +6,6 @@ use egui_material_icons::icons::{ICON_CHECK_CIRCLE, ICON_CLOSE, ICON_ERROR, ICON
 use super::super::command::Command;
 use super::super::state::{Notice, NoticeKind, State};
 use super::super::theme::{Tokens, space};
-use super::super::views::source_view::FOOTER;
 use super::icon_button;
 
 /// Messages shown at once; older ones wait.
@@ -22,7 +21,7 @@ pub(super) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<
     let left = space::LARGE + 8.0;
     let (align, offset) = if state.scene.is_some() {
         // Over the lower edge of the pictures: what is written below them stays readable.
-        let below = space::STATUS + space::TIMELINE + FOOTER + 2.0 * space::LARGE;
+        let below = space::STATUS + space::TIMELINE + 2.0 * space::LARGE;
         (Align2::LEFT_BOTTOM, egui::vec2(left, -below))
     } else {
         // Above the ways to open something.

@@ -18,11 +18,6 @@ pub(crate) fn icon_button(ui: &mut Ui, icon: MaterialIcon, name: &str, help: &st
     .inner
 }
 
-/// A tab above an area.
-pub(crate) fn tab_ui(ui: &mut Ui, selected: bool, name: &str) -> Response {
-    ui.add(Button::selectable(selected, RichText::new(name)).min_size(Vec2::new(96.0, space::CONTROL)))
-}
-
 /// A drop-down list of named choices with their explanations; gives the one that was picked.
 pub(crate) fn choice_ui<T: Copy + PartialEq>(
     ui: &mut Ui,
@@ -35,6 +30,7 @@ pub(crate) fn choice_ui<T: Copy + PartialEq>(
     let mut picked = None;
     let response = ComboBox::from_id_salt(name)
         .width(width)
+        .height(340.0)
         .truncate()
         .selected_text(shown.map_or("–", |(_, text, _)| text))
         .show_ui(ui, |ui| {

@@ -14,6 +14,8 @@ pub(super) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut V
         Purpose::OpenFile | Purpose::OpenFolder => ("Open a capture or a store", "Open"),
         Purpose::SaveStore => ("Save the store", "Save"),
         Purpose::SaveSettings => ("Save the settings", "Save"),
+        Purpose::SavePicture => ("Save the picture", "Save"),
+        Purpose::ExportPath => ("Export pictures into a folder", "Export"),
         Purpose::LoadSettings => ("Load settings", "Load"),
     };
     let modal = Modal::new(Id::unique("path field")).show(ctx, |ui| {

@@ -2,6 +2,8 @@
 
 use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2, vec2};
 
+use egui_material_icons::icons::ICON_GRID_ON;
+
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
@@ -34,6 +36,16 @@ pub(super) fn report_ui(ui: &mut Ui, state: &State) {
         cameras_ui(ui, report);
         ui.add_space(space::LARGE);
     });
+}
+
+/// The matrix alone.
+pub(super) fn matrix_view_ui(ui: &mut Ui, state: &State) {
+    let Some(report) = state.report() else {
+        let text = "Who stands for whom is known once the whole capture is pruned.";
+        super::empty_ui(ui, ICON_GRID_ON, "No matrix yet", text, |_| {});
+        return;
+    };
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| matrix_ui(ui, report));
 }
 
 fn rule_words(rule: &str) -> (String, &'static str) {

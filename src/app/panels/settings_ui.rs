@@ -1,13 +1,15 @@
 //! The thresholds: generated from the one table of settings, so that none is ever missing here.
 
-use egui::{Align, Button, CollapsingHeader, Layout, RichText, ScrollArea, Slider, Ui};
-use egui_material_icons::icons::ICON_RESTART_ALT;
+use egui::{Align, Button, CollapsingHeader, DragValue, Layout, RichText, ScrollArea, Slider, Ui};
+use egui_material_icons::icons::{ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 
 use super::super::command::Command;
+use super::super::inspector::histograms::CUT;
+use super::super::inspector::history::{PRESETS, Slot};
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
-use super::choice_ui;
+use super::{choice_ui, histogram, icon_button};
 use crate::settings::{Field, Kind, Settings};
 
 /// Sections in the order of the panel: id, heading, whether it is open at first.
@@ -28,6 +30,9 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
     let settings = state.shown_settings();
     let values = Values::of(&settings);
     let editable = state.scene.is_none() || state.has_capture();
+    if editable {
+        history_ui(ui, state, commands);
+    }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if !editable {
             let tokens = Tokens::in_ui(ui);
@@ -42,7 +47,7 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
                 .show_unindented(ui, |ui| {
                     ui.add_enabled_ui(editable || *section == "render", |ui| {
                         for field in fields {
-                            field_ui(ui, field, &values, commands);
+                            field_ui(ui, field, &values, state, commands);
                         }
                     });
                     ui.add_space(space::MEDIUM);
@@ -54,6 +59,41 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
         }
         ui.add_space(space::LARGE);
     });
+}
+
+/// Undo and redo, two settings that take turns, and settings to start from.
+fn history_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let history = &state.inspector.history;
+    ui.horizontal(|ui| {
+        for (icon, name, keys, able, command) in [
+            (ICON_UNDO, "Undo", "Take back the last change (Ctrl+Z)", history.can_undo(), Command::Undo),
+            (ICON_REDO, "Redo", "Do again what was taken back (Ctrl+Y)", history.can_redo(), Command::Redo),
+        ] {
+            let button = ui.add_enabled_ui(able, |ui| icon_button(ui, icon, name, keys)).inner;
+            if button.clicked() {
+                commands.push(command);
+            }
+        }
+        let help = "Two settings that take turns: what you change belongs to the one that is on. The Compare view shows \
+                    both at once.";
+        for (slot, name) in [(Slot::A, "A"), (Slot::B, "B")] {
+            let button = ui.add(Button::selectable(history.slot == slot, name).min_size(egui::vec2(26.0, space::CONTROL)));
+            let button = button.on_hover_text(help).accessible_name(format!("Settings {name}"));
+            if button.clicked() && history.slot != slot {
+                commands.push(Command::SwitchSettings);
+            }
+        }
+        let presets: Vec<_> = std::iter::once((usize::MAX, "Presets…".to_owned(), String::new()))
+            .chain(PRESETS.iter().enumerate().map(|(index, (name, help, _))| {
+                (index, (*name).to_owned(), (*help).to_owned())
+            }))
+            .collect();
+        let width = ui.available_width() - space::MEDIUM;
+        if let Some(index) = choice_ui(ui, "Presets", usize::MAX, &presets, width) {
+            commands.push(Command::Preset(index));
+        }
+    });
+    ui.add_space(space::SMALL);
 }
 
 /// Settings and their defaults as tables: converted once a frame, not once a field.
@@ -79,13 +119,15 @@ fn fields_of(section: &str) -> impl Iterator<Item = &'static Field> {
     Settings::fields().filter(move |field| field.path.split_once('.').is_some_and(|(of, _)| of == section))
 }
 
-fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, commands: &mut Vec<Command>) {
+fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, commands: &mut Vec<Command>) {
     let Some((value, default)) = values.of_field(field) else { return };
     let tokens = Tokens::in_ui(ui);
     let (section, name) = field.path.split_once('.').unwrap_or(("", field.path));
     let full_name = text::words(&format!("{section} {name}"));
     let name = text::words(name);
     let changed = value != default;
+    // The line on the histogram takes the place of a slider.
+    let cuts = state.has_capture() && CUT.contains(&field.path);
     ui.push_id(field.path, |ui| {
         ui.add_space(2.0);
         ui.horizontal(|ui| {
@@ -105,11 +147,29 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, commands: &mut 
             } else {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     ui.add_space(space::MEDIUM);
+                    if let (true, Kind::Number { min, max, .. }, toml::Value::Float(number)) =
+                        (cuts, field.kind, value)
+                    {
+                        let mut number = *number;
+                        let speed = 0.01 * number.abs().max(max * 1e-4);
+                        let drag = DragValue::new(&mut number)
+                            .range(min..=max)
+                            .speed(speed)
+                            .custom_formatter(|value, _| shown_number(value));
+                        ui.spacing_mut().interact_size.x = NUMBER_BOX;
+                        let drag = ui.add(drag).on_hover_text(field.help).accessible_name(&full_name);
+                        if drag.changed() {
+                            commands.push(Command::Set { path: field.path, value: number.into() });
+                        }
+                    }
                     reset_ui(ui, field, changed, commands);
                 });
             }
         });
-        if let Some(value) = value_ui(ui, field, &full_name, value) {
+        if let (Some(value), true) = (value.as_float(), cuts) {
+            let histogram = state.inspector.histograms.iter().find(|histogram| histogram.path == field.path);
+            histogram::histogram_ui(ui, field, &full_name, value, histogram, commands);
+        } else if let Some(value) = value_ui(ui, field, &full_name, value) {
             commands.push(Command::Set { path: field.path, value });
         }
     });

@@ -31,6 +31,9 @@ pub(super) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>)
                     .fill(tokens.accent);
                 ui.add(bar).accessible_name("Progress");
                 ui.label(RichText::new(count).color(tokens.text_weak));
+                if let Some(secs) = busy.secs_left {
+                    ui.label(RichText::new(text::time_left(secs)).color(tokens.text_weak));
+                }
             } else {
                 ui.add(egui::Spinner::new().size(14.0));
             }

@@ -2,17 +2,18 @@
 
 use egui::{Align, Button, Layout, RichText, Ui};
 use egui_material_icons::icons::{
-    ICON_DARK_MODE, ICON_FOLDER_OPEN, ICON_KEYBOARD, ICON_LIGHT_MODE, ICON_SAVE, ICON_SCIENCE,
+    ICON_DARK_MODE, ICON_DASHBOARD, ICON_FOLDER_OPEN, ICON_KEYBOARD, ICON_LIGHT_MODE, ICON_SAVE,
+    ICON_SCIENCE, ICON_TERMINAL,
 };
 
 use super::super::command::Command;
-use super::super::keyboard;
+use super::super::dock::View;
 use super::super::message::Purpose;
 use super::super::scene::Origin;
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
-use super::{ICON_BUTTON, icon_button};
+use super::{Palette, icon_button};
 use crate::capture::demo::SCENES;
 
 /// The bar at the top.
@@ -24,6 +25,7 @@ pub(super) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>
         open_menu_ui(ui, state, commands);
         save_menu_ui(ui, state, commands);
         demo_menu_ui(ui, commands);
+        views_menu_ui(ui, commands);
         ui.add_space(space::MEDIUM);
         title_ui(ui, state);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -32,7 +34,12 @@ pub(super) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>
             if icon_button(ui, icon, name, name).clicked() {
                 commands.push(Command::Dark(!state.dark));
             }
-            keys_ui(ui);
+            if icon_button(ui, ICON_KEYBOARD, "Keys", "Keys (?)").clicked() {
+                commands.push(Command::CheatSheet(true));
+            }
+            if icon_button(ui, ICON_TERMINAL, "Commands", "Do anything by its name (Ctrl+P)").clicked() {
+                commands.push(Command::Palette(Some(Palette::default())));
+            }
         });
     });
 }
@@ -91,6 +98,14 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ("Save store…", "Ctrl+S", ready, Command::AskPath(Purpose::SaveStore)),
             ("Save store to path…", "", ready, Command::TypePath(Purpose::SaveStore)),
             ("Save settings…", "", true, Command::AskPath(Purpose::SaveSettings)),
+            ("Save picture…", "", state.live_shown.is_some(), Command::AskPath(Purpose::SavePicture)),
+            (
+                "Save picture to path…",
+                "",
+                state.live_shown.is_some(),
+                Command::TypePath(Purpose::SavePicture),
+            ),
+            ("Copy picture", "", state.live_shown.is_some(), Command::CopyPicture),
         ] {
             let button = ui
                 .add_enabled(enabled, item(name, keys))
@@ -109,6 +124,22 @@ fn demo_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
             if ui.button(text::words(name)).on_hover_text(*help).clicked() {
                 commands.push(Command::OpenDemo((*name).to_owned()));
             }
+        }
+    });
+}
+
+fn views_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+    menu_ui(ui, ICON_DASHBOARD, "Views", |ui| {
+        for view in View::ALL {
+            let name = view.name();
+            let button = ui.button(name).on_hover_text(view.help());
+            if button.accessible_name(format!("Open view {name}")).clicked() {
+                commands.push(Command::OpenView(view));
+            }
+        }
+        ui.separator();
+        if ui.button("Reset layout").on_hover_text("Put all views where they were at first").clicked() {
+            commands.push(Command::ResetLayout);
         }
     });
 }
@@ -134,18 +165,4 @@ fn title_ui(ui: &mut Ui, state: &State) {
     if let Origin::Path(path) = &scene.origin {
         response.on_hover_text(path.display().to_string());
     }
-}
-
-fn keys_ui(ui: &mut Ui) {
-    let button = Button::new(ICON_KEYBOARD.rich_text().size(16.0)).min_size(ICON_BUTTON);
-    let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
-        egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
-            for (keys, help) in keyboard::HELP {
-                ui.label(RichText::new(*keys).strong());
-                ui.label(*help);
-                ui.end_row();
-            }
-        });
-    });
-    response.on_hover_text("Keys").accessible_name("Keys");
 }

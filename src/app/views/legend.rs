@@ -161,6 +161,14 @@ fn swatches_ui(ui: &mut Ui, entries: &[(Color32, String)], reserved: f32) {
     }
 }
 
+/// The sequential color bar, `width` wide, between the names of its ends.
+pub(super) fn bar(ui: &mut Ui, low: &str, high: &str, width: f32) {
+    ui.label(RichText::new(low).small());
+    let (rect, _) = ui.allocate_exact_size(vec2(width, 10.0), Sense::hover());
+    gradient(ui.painter(), rect, sequential);
+    ui.label(RichText::new(high).small());
+}
+
 /// A color bar between the names of its ends.
 fn bar_ui(ui: &mut Ui, low: &str, high: &str, color: impl Fn(f32) -> Color32) {
     ui.label(RichText::new(low).small());

@@ -99,6 +99,8 @@ const STRIPE: usize = 6;
 pub(crate) struct LivePicture {
     /// Its pixels.
     pub image: Arc<ColorImage>,
+    /// What the renderer gave: depths, and whose samples are shown.
+    pub rendered: Arc<Picture>,
     /// What it took.
     pub stats: RenderStats,
     /// What painted.
@@ -128,6 +130,7 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
     renderer.prefetch(&samples, next..next + FRAMES_AHEAD);
     Ok(LivePicture {
         image: Arc::new(image),
+        rendered: picture,
         stats,
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
         notice: renderer.notice().map(str::to_owned),

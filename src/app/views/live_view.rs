@@ -1,10 +1,11 @@
 //! The right view: what is left of the capture, seen from anywhere.
 
-use egui::{Align, Layout, PointerButton, Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
+use egui::{PointerButton, Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
 use super::super::command::Command;
+use super::super::inspector::probe::Spot;
 use super::super::panels::{choice_ui, icon_button, segments_ui};
 use super::super::state::State;
 use super::super::text;
@@ -12,16 +13,16 @@ use super::super::theme::{Tokens, space};
 use super::frusta::frustum;
 use super::live_image::ColorBy;
 use super::source_view::{CAMERA_LIST, FOOTER};
-use super::{colormap, legend};
+use super::{colormap, legend, marks, source_view};
 
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
 
-/// Width from which the whole heading fits beside the buttons.
-const WIDE: f32 = 400.0;
-
 /// Largest side of the live view in pixels that is asked for, so that turning stays smooth on large displays.
 const LARGEST_SIDE: f32 = 1600.0;
+
+/// Depths that differ by less than this share are taken for one surface.
+const NEARLY: f64 = 0.03;
 
 /// The view.
 pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -37,11 +38,6 @@ pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comman
 }
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
-        let narrow = ui.available_width() < WIDE;
-        ui.heading(if narrow { "What is left" } else { "What is left, from anywhere" });
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| places_ui(ui, state, commands));
-    });
     let choices = ColorBy::ALL.map(|color_by| (color_by, color_by.name(), color_by.help()));
     if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, choices) {
         commands.push(Command::ColorBy(color_by));
@@ -49,7 +45,7 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 /// Places to go to, and whether cameras are drawn; from right to left.
-fn places_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn places_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(scene) = &state.scene else { return };
     let (icon, name) = if state.live.show_cameras {
         (ICON_VIDEOCAM, "Hide cameras")
@@ -92,7 +88,48 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Vec<Comma
     if state.live.show_cameras {
         cameras_overlay(ui, &painter, canvas, state);
     }
-    motion(ui, &response, canvas, commands);
+    motion(ui, &response, canvas, state, commands);
+    probe_ui(&response, &painter, canvas, state, commands, tokens);
+}
+
+/// Marks the pixel that is looked at, and looks at the one under the pointer.
+fn probe_ui(
+    response: &egui::Response,
+    painter: &egui::Painter,
+    canvas: Rect,
+    state: &State,
+    commands: &mut Vec<Command>,
+    tokens: &Tokens,
+) {
+    let probe = &state.inspector.probe;
+    let point = probe.shown.as_ref().and_then(|probed| probed.point_in_world);
+    if let (Some(point), Some(rig)) = (point, &state.live.rig) {
+        let vantage = rig.camera(canvas.width() as u32, canvas.height() as u32);
+        if let Some((position, depth)) = vantage.project(point) {
+            let at = canvas.min + vec2(position.x as f32, position.y as f32);
+            let painter = painter.with_clip_rect(canvas);
+            marks::mark(&painter, at, shows(state, canvas, at, depth), probe.pinned, tokens);
+        }
+    }
+    let (Some(pointer), Some(shown)) = (response.hover_pos(), &state.live_shown) else { return };
+    let [width, height] = shown.picture.image.size;
+    let share = (pointer - canvas.min) / canvas.size();
+    let (x, y) = ((share.x * width as f32) as usize, (share.y * height as f32) as usize);
+    if x < width && y < height {
+        source_view::point_at(response, Spot::Live { x, y }, state, commands);
+    }
+}
+
+/// Whether the live picture shows the surface at this place and depth, and not something before it.
+fn shows(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> bool {
+    let Some(shown) = &state.live_shown else { return false };
+    let picture = &shown.picture.rendered.inverse_depth;
+    let share = (at - canvas.min) / canvas.size();
+    if share.x < 0.0 || share.y < 0.0 {
+        return false;
+    }
+    let (x, y) = ((share.x * picture.width() as f32) as usize, (share.y * picture.height() as f32) as usize);
+    picture.get(x, y).is_some_and(|inverse| (f64::from(*inverse) * depth - 1.0).abs() < NEARLY)
 }
 
 fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State) {
@@ -125,7 +162,18 @@ fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State
     }
 }
 
-fn motion(ui: &Ui, response: &egui::Response, canvas: Rect, commands: &mut Vec<Command>) {
+/// The surface point that the live picture shows at a place.
+fn point_under(state: &State, canvas: Rect, at: egui::Pos2) -> Option<glam::DVec3> {
+    let shown = state.live_shown.as_ref()?;
+    let picture = &shown.picture.rendered.inverse_depth;
+    let share = (at - canvas.min) / canvas.size();
+    let place =
+        DVec2::new(f64::from(share.x) * picture.width() as f64, f64::from(share.y) * picture.height() as f64);
+    let inverse_depth = f64::from(*picture.get(place.x as usize, place.y as usize)?);
+    (inverse_depth > 0.0).then(|| shown.key.vantage.camera.unproject(place, 1.0 / inverse_depth))
+}
+
+fn motion(ui: &Ui, response: &egui::Response, canvas: Rect, state: &State, commands: &mut Vec<Command>) {
     if response.double_clicked() {
         commands.push(Command::Home);
         return;
@@ -146,7 +194,12 @@ fn motion(ui: &Ui, response: &egui::Response, canvas: Rect, commands: &mut Vec<C
         let scroll =
             ui.ctx().input(|input| input.smooth_scroll_delta().y + 200.0 * (input.zoom_delta() - 1.0));
         if scroll != 0.0 {
-            commands.push(Command::Dolly((-f64::from(scroll) * 0.003).exp()));
+            let factor = (-f64::from(scroll) * 0.003).exp();
+            let under = response.hover_pos().and_then(|pointer| point_under(state, canvas, pointer));
+            commands.push(match under {
+                Some(point_in_world) => Command::DollyTo { factor, point_in_world },
+                None => Command::Dolly(factor),
+            });
         }
     }
 }
@@ -159,7 +212,9 @@ fn facts_ui(ui: &mut Ui, state: &State) {
             let [width, height] = shown.picture.image.size;
             let reused = if stats.background_reused { ", background kept" } else { "" };
             format!(
-                "{} samples at {width}×{height} in {} ms by the {}{reused}",
+                "{} holes ({}) · {} samples at {width}×{height} in {} ms by the {}{reused}",
+                text::count(stats.holes),
+                text::percent(stats.holes, (width * height).max(1) as u64),
                 text::count(stats.samples),
                 text::significant(stats.milliseconds),
                 shown.picture.painter
@@ -167,22 +222,13 @@ fn facts_ui(ui: &mut Ui, state: &State) {
         }
         None => "The first look is on its way.".to_owned(),
     };
-    ui.add(egui::Label::new(RichText::new(facts).color(tokens.text_weak)).truncate());
-    let holes = match &state.live_shown {
-        Some(shown) => {
-            let pixels = shown.picture.image.pixels.len().max(1) as u64;
-            let holes = shown.picture.stats.holes;
-            format!("{} pixels are holes ({}).", text::count(holes), text::percent(holes, pixels))
-        }
-        None => String::new(),
-    };
-    ui.add(egui::Label::new(RichText::new(holes).color(tokens.text_weak)).truncate());
-    let help = "Drag to orbit, Shift + drag to shift, wheel to zoom, W A S D to fly, double-click for home.";
     // Whoever reads the notice has found out how to move about.
-    if let Some(notice) = state.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref()) {
-        let label = egui::Label::new(RichText::new(notice).small().color(tokens.warning)).truncate();
-        ui.add(label).on_hover_text(notice);
-    } else {
-        ui.add(egui::Label::new(RichText::new(help).small().color(tokens.text_weak)).truncate());
-    }
+    let help = "Drag to orbit, Shift + drag to shift, wheel to zoom, W A S D to fly, double-click for home, click to keep \
+                the pixel.";
+    let notice = state.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref());
+    let (facts, color) = match notice {
+        Some(notice) => (notice.clone(), tokens.warning),
+        None => (facts, tokens.text_weak),
+    };
+    ui.add(egui::Label::new(RichText::new(facts).small().color(color)).truncate()).on_hover_text(help);
 }

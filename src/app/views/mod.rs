@@ -1,11 +1,17 @@
-//! The two pictures: what a camera saw, and what is left of it seen from anywhere.
+//! The pictures, and what is drawn over them and said about them.
 
+pub(super) mod cameras_view;
+pub(super) mod chart_view;
 pub(super) mod colormap;
+pub(super) mod compare_view;
 pub(super) mod frusta;
 pub(super) mod legend;
 pub(super) mod live_image;
 pub(super) mod live_view;
+pub(super) mod marks;
+pub(super) mod pixel_view;
 pub(super) mod readout;
 pub(super) mod rig;
 pub(super) mod source_image;
 pub(super) mod source_view;
+pub(super) mod words;

@@ -118,6 +118,32 @@ impl Rig {
             pivot - self.world_from_camera.matrix3.z_axis * self.pivot_distance;
     }
 
+    /// Goes nearer to a point (factor below 1) or farther from it; the point stays where it is on the screen.
+    pub(crate) fn dolly_to(&mut self, factor: f64, point_in_world: DVec3) {
+        let eye = self.world_from_camera.translation;
+        self.world_from_camera.translation = point_in_world + (eye - point_in_world) * factor;
+        self.pivot_distance = (self.pivot_distance * factor).clamp(1e-4, 1e7);
+    }
+
+    /// Shifts the view so that a point is in its middle, and orbits it from now on.
+    pub(crate) fn look_at(&mut self, point_in_world: DVec3) {
+        let forward = self.world_from_camera.matrix3.z_axis;
+        let distance = (point_in_world - self.world_from_camera.translation).dot(forward).max(1e-4);
+        self.pivot_distance = distance;
+        self.world_from_camera.translation = point_in_world - forward * distance;
+    }
+
+    /// A rig for the tests of others.
+    #[cfg(test)]
+    pub(crate) fn for_tests() -> Self {
+        Self {
+            world_from_camera: DAffine3::IDENTITY,
+            pivot_distance: 2.0,
+            lens: Intrinsics::from_horizontal_angle(64, 48, 1.0),
+            up_in_world: DVec3::Z,
+        }
+    }
+
     /// Shifts the view sideways: `share` of the picture's height, right and down.
     pub(crate) fn pan(&mut self, share: DVec2) {
         let height_at_pivot = f64::from(self.lens.height) / self.lens.fy * self.pivot_distance;
@@ -178,6 +204,20 @@ mod tests {
         assert_eq!(rig().painted_size([640, 480]), [64, 48]);
         assert_eq!(rig().painted_size([1280, 480]), [128, 48]);
         assert_eq!(rig().painted_size([32, 24]), [32, 24]);
+    }
+
+    #[test]
+    fn zooming_to_a_point_leaves_it_where_it_is_and_framing_puts_it_in_the_middle() {
+        let mut rig = rig();
+        let point = DVec3::new(0.4, 0.1, 0.3);
+        let before = rig.camera(64, 48).project(point).unwrap();
+        rig.dolly_to(0.5, point);
+        let after = rig.camera(64, 48).project(point).unwrap();
+        assert!((before.0 - after.0).length() < 1e-9 && (after.1 - before.1 / 2.0).abs() < 1e-9);
+        rig.look_at(point);
+        let (middle, depth) = rig.camera(64, 48).project(point).unwrap();
+        assert!((middle - DVec2::new(32.0, 24.0)).length() < 1e-9);
+        assert!((rig.pivot_distance - depth).abs() < 1e-9);
     }
 
     #[test]

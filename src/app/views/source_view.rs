@@ -1,18 +1,21 @@
 //! The left view: what a camera saw, and what became of each of its pixels.
 
-use egui::{Align, Layout, Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
+use egui::{Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
 
 use super::super::command::Command;
+use super::super::inspector::probe::Spot;
 use super::super::message::Purpose;
 use super::super::panels::{choice_ui, empty_ui, segments_ui};
 use super::super::state::State;
 use super::super::theme::{Tokens, space};
 use super::source_image::{Legend, Overlay};
-use super::{legend, readout};
+use super::{legend, marks, readout};
+use crate::grid::Grid;
+use crate::preprocess::TILE;
 
 /// Height of the legend and the read-out below a picture.
-pub(crate) const FOOTER: f32 = 84.0;
+pub(crate) const FOOTER: f32 = 46.0;
 
 /// Width of a list of cameras.
 pub(super) const CAMERA_LIST: f32 = 104.0;
@@ -20,10 +23,6 @@ pub(super) const CAMERA_LIST: f32 = 104.0;
 /// The view.
 pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if !state.has_capture() {
-        ui.horizontal(|ui| {
-            ui.set_min_height(space::CONTROL);
-            ui.heading("What a camera saw");
-        });
         let text = "A store keeps only what was not redundant. Open the capture it was made from to see the source \
                     pictures and why each pixel went.";
         empty_ui(ui, ICON_HIDE_IMAGE, "This store holds no source frames", text, |ui| {
@@ -48,10 +47,6 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comm
 }
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
-        ui.heading("What a camera saw");
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| cameras_ui(ui, state, commands));
-    });
     let overlays = Overlay::ALL.map(|overlay| (overlay, overlay.name(), overlay.help()));
     if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, overlays) {
         commands.push(Command::Overlay(overlay));
@@ -59,8 +54,8 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 /// Which camera, and for the sampling ratio against which; from right to left.
-fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(scene) = &state.scene else { return };
+pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
     let cameras: Vec<_> = scene
         .cameras
         .iter()
@@ -112,15 +107,56 @@ fn picture_ui(
         legend::tile_shares(&painter, picture, size, shares, tokens);
     }
     zoom_and_pan(ui, &response, picture, state, commands);
+    let probe = &state.inspector.probe;
+    let shown_camera = shown.key.camera;
+    let mark = probe.shown.as_ref().and_then(|probed| marks::in_camera(state, probed, shown_camera));
+    if let Some((at, sees)) = mark {
+        marks::mark(&painter, picture.min + at.to_vec2() * scale, sees, probe.pinned, tokens);
+    }
     let pointer = response.hover_pos()?;
     let at = (pointer - picture.min) / scale;
     let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < size.x && at.y < size.y;
+    if inside {
+        let spot = Spot::Source { camera: shown_camera, x: at.x as usize, y: at.y as usize };
+        point_at(&response, spot, state, commands);
+        if let Legend::Tiles(shares) = &shown.picture.legend {
+            tile_tooltip(response, shares, [at.x as usize, at.y as usize], shown.picture.size);
+        }
+    }
     if inside && scale > 2.0 {
         let corner = picture.min + vec2(at.x.floor(), at.y.floor()) * scale;
         let pixel = Rect::from_min_size(corner, Vec2::splat(scale));
         painter.rect_stroke(pixel, 0.0, egui::Stroke::new(1.0, tokens.on_scrim), egui::StrokeKind::Outside);
     }
     inside.then_some((at.x as usize, at.y as usize))
+}
+
+/// Says how much of the tile under the pointer is kept.
+fn tile_tooltip(
+    response: egui::Response,
+    shares: &Grid<f32>,
+    [x, y]: [usize; 2],
+    [width, height]: [usize; 2],
+) {
+    let (column, row) = (x / TILE, y / TILE);
+    let Some(share) = shares.get(column, row) else { return };
+    let (columns, rows) = (TILE.min(width - column * TILE), TILE.min(height - row * TILE));
+    let pixels = columns * rows;
+    let kept = (share * pixels as f32).round();
+    let words =
+        format!("Tile {column}, {row}: {kept} of {pixels} samples kept. An empty tile costs nothing.");
+    response.on_hover_text_at_pointer(words);
+}
+
+/// Looks at the spot under the pointer; a click keeps it.
+pub(super) fn point_at(response: &egui::Response, spot: Spot, state: &State, commands: &mut Vec<Command>) {
+    let probe = &state.inspector.probe;
+    if response.clicked() {
+        commands.push(Command::Probe(Some(spot)));
+        commands.push(Command::Pin(true));
+    } else if !probe.pinned && !response.dragged() && probe.spot != Some(spot) {
+        commands.push(Command::Probe(Some(spot)));
+    }
 }
 
 fn zoom_and_pan(

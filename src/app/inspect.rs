@@ -1,0 +1,187 @@
+//! Carries out the commands of the inspector: the pixel, settings as they were, the camera path.
+
+use std::path::PathBuf;
+
+use super::OverlookApp;
+use super::command::Command;
+use super::inspector::charts::{Study, StudyRequest};
+use super::inspector::history::PRESETS;
+use super::inspector::path::{ExportRequest, PathKey};
+use super::inspector::probe::Spot;
+use super::state::NoticeKind;
+use super::views::{marks, words};
+use crate::settings::Settings;
+
+impl OverlookApp {
+    /// Carries out what belongs to the inspector; gives back what does not.
+    pub(super) fn apply_to_inspector(&mut self, command: Command) -> Option<Command> {
+        let state = &mut self.state;
+        let probe = &mut state.inspector.probe;
+        match command {
+            Command::Probe(spot) => probe.spot = spot,
+            Command::Pin(pinned) => {
+                probe.pinned = pinned && probe.spot.is_some();
+                if !pinned {
+                    probe.spot = None;
+                } else if let Some(probed) =
+                    probe.shown.as_ref().filter(|probed| Some(probed.spot) == probe.spot)
+                {
+                    // The surface point is kept, not the place in a picture that will turn.
+                    let (camera, x, y) = (probed.camera, probed.x, probed.y);
+                    probe.spot = Some(Spot::Source { camera, x, y });
+                }
+            }
+            Command::ShowPointIn(camera) => self.show_point_in(camera),
+            Command::ClearMeter => state.inspector.meter.clear(),
+            Command::Compare(look) => state.inspector.compare = *look,
+            Command::Palette(palette) => state.inspector.palette = palette,
+            Command::CheatSheet(open) => state.inspector.cheat_sheet = open,
+            Command::Callout(next) => state.inspector.callout = next,
+            Command::AskToClose(asks) => state.inspector.asks_to_close = asks,
+            Command::CloseAnyway => {
+                state.inspector.unsaved = false;
+                self.ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+            Command::Study(study) => self.study(study),
+            Command::ChartAxes(axes) => state.inspector.charts.axes = axes,
+            Command::Disturbance(name) => state.inspector.charts.disturbance = name,
+            Command::TakeSettings(settings) => self.change_settings("chart", *settings),
+            Command::CopyArgument => self.copy_argument(),
+            Command::CopyPicture => self.copy_picture(),
+            Command::FramePoint => self.frame_point(),
+            other => return self.apply_to_path(other),
+        }
+        None
+    }
+
+    /// Shows the point that is looked at in the middle of a camera's picture.
+    fn show_point_in(&mut self, camera: usize) {
+        let Some(scene) = &self.state.scene else { return };
+        let Some(intrinsics) = scene.cameras.get(camera).map(|camera| camera.intrinsics) else { return };
+        let probed = self.state.inspector.probe.shown.clone();
+        self.apply(Command::SourceCamera(camera));
+        let probe = &mut self.state.inspector.probe;
+        if let Some(probed) = &probed {
+            probe.pinned = true;
+            probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
+        }
+        let place = probed.and_then(|probed| marks::in_camera(&self.state, &probed, camera));
+        if let Some((at, _)) = place {
+            let center = egui::vec2(at.x / intrinsics.width as f32, at.y / intrinsics.height as f32);
+            let zoom = self.state.source.zoom.max(4.0);
+            self.apply(Command::SourceZoom { zoom, center });
+        }
+    }
+
+    /// Measures with the settings on the sliders; goes on from what is known.
+    fn study(&mut self, study: Study) {
+        let Some(scene) = self.state.scene.clone() else { return };
+        let charts = &mut self.state.inspector.charts;
+        if study == Study::Stress {
+            // Its points do not say which settings they were made with.
+            charts.stress.clear();
+        }
+        let request =
+            StudyRequest { scene, study, settings: self.state.settings.clone(), known: charts.sweep.clone() };
+        self.state.inspector.charts.studying = true;
+        self.lanes.inspector.study.submit(request);
+    }
+
+    fn copy_argument(&mut self) {
+        let shown = self.state.scene.as_ref().zip(self.state.inspector.probe.shown.as_ref());
+        let Some((scene, probed)) = shown else { return };
+        self.ctx.copy_text(words::argument(scene, probed));
+        self.state.notify(NoticeKind::Done, "Copied", "The argument for the pixel is on the clipboard.");
+    }
+
+    fn copy_picture(&mut self) {
+        let Some(shown) = &self.state.live_shown else { return };
+        self.ctx.copy_image(shown.picture.image.as_ref().clone());
+        self.state.notify(NoticeKind::Done, "Copied", "The picture of the live view is on the clipboard.");
+    }
+
+    /// Puts the point that is kept in the middle of the live view; without one, home.
+    fn frame_point(&mut self) {
+        let probe = &self.state.inspector.probe;
+        let point = probe.shown.as_ref().filter(|_| probe.pinned).and_then(|probed| probed.point_in_world);
+        match (point, &mut self.state.live.rig) {
+            (Some(point), Some(rig)) => rig.look_at(point),
+            _ => self.apply(Command::Home),
+        }
+    }
+
+    fn apply_to_path(&mut self, command: Command) -> Option<Command> {
+        let here = self.state.live.rig.clone().map(|rig| PathKey { rig, frame: self.state.timeline.frame });
+        let path = &mut self.state.inspector.path;
+        match command {
+            Command::AddKey => path.keys.extend(here),
+            Command::RemoveKey(index) if index < path.keys.len() => {
+                path.keys.remove(index);
+                path.playing = None;
+            }
+            Command::ReplaceKey(index) => {
+                if let (Some(key), Some(here)) = (path.keys.get_mut(index), here) {
+                    *key = here;
+                }
+            }
+            Command::GoToKey(index) => {
+                if let Some(key) = path.keys.get(index).cloned() {
+                    self.stand_at(key);
+                }
+            }
+            Command::PicturesPerLeg(pictures) => path.pictures_per_leg = pictures.clamp(1, 2000),
+            Command::PlayPath(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
+            Command::RemoveKey(_) => {}
+            other => return Some(other),
+        }
+        None
+    }
+
+    /// Stands where a key of the path does.
+    pub(super) fn stand_at(&mut self, key: PathKey) {
+        self.state.live.rig = Some(key.rig);
+        self.state.timeline.frame = key.frame.min(self.state.frame_count().saturating_sub(1));
+    }
+
+    /// Exports the camera path into a folder.
+    pub(super) fn export_path(&mut self, folder: PathBuf) {
+        let Some(samples) = self.state.whole_samples().cloned() else {
+            let text = "The whole capture is not pruned yet; the path is exported once it is.";
+            self.state.notify(NoticeKind::Warning, "Nothing to export yet", text);
+            return;
+        };
+        let path = self.state.inspector.path.clone();
+        let size = self
+            .state
+            .live_shown
+            .as_ref()
+            .map_or([960, 720], |shown| shown.picture.image.size.map(|side| side as u32));
+        let settings = self.state.settings.render.clone();
+        self.lanes.inspector.export.submit(ExportRequest { path, samples, settings, size, folder });
+    }
+
+    /// Takes the settings of a preset.
+    pub(super) fn take_preset(&mut self, index: usize) {
+        let Some((_, _, change)) = PRESETS.get(index) else { return };
+        // How frames are read and what paints are matters of the machine.
+        let now = &self.state.settings;
+        let mut settings = Settings { capture: now.capture.clone(), ..Settings::default() };
+        settings.render.backend = now.render.backend;
+        change(&mut settings);
+        self.change_settings("preset", settings);
+    }
+
+    /// Undoes, redoes, or switches between two settings.
+    pub(super) fn apply_to_history(&mut self, command: &Command) {
+        let now = self.state.settings.clone();
+        let history = &mut self.state.inspector.history;
+        let settings = match command {
+            Command::Undo => history.undo(&now),
+            Command::Redo => history.redo(&now),
+            _ => Some(history.switch(&now)),
+        };
+        if let Some(settings) = settings {
+            self.put_settings(settings);
+        }
+    }
+}

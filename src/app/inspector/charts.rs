@@ -1,0 +1,185 @@
+//! Sweeps and stress tests: run on a lane, points drawn as they come.
+
+use std::sync::Arc;
+
+use super::super::message::Message;
+use super::super::scene::{Content, Scene};
+use super::super::worker::Outbox;
+use crate::capture::Capture;
+use crate::error::{Error, Result};
+use crate::evaluate::stress::{self, StressPoint};
+use crate::evaluate::sweep::{self, Point};
+use crate::evaluate::truth::Truth;
+use crate::job::Job;
+use crate::settings::Settings;
+
+/// What is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Study {
+    /// Accuracy against cost, over many settings.
+    Sweep,
+    /// Accuracy against the size of a disturbance.
+    Stress,
+}
+
+/// A quantity along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Quantity {
+    /// Closeness to the truth, dB.
+    Psnr,
+    /// Structural similarity.
+    Ssim,
+    /// Perceived difference.
+    Flip,
+    /// Share of true pixels that got a sample.
+    Coverage,
+    /// Bytes of the store.
+    Bytes,
+    /// Samples kept.
+    Samples,
+    /// Milliseconds of painting a view.
+    Milliseconds,
+    /// Seconds of preprocessing.
+    Seconds,
+}
+
+impl Quantity {
+    /// Every quantity: name, and whether its axis is logarithmic.
+    pub(crate) const ALL: [(Self, &'static str, bool); 8] = [
+        (Self::Psnr, "PSNR, dB", false),
+        (Self::Ssim, "SSIM", false),
+        (Self::Flip, "FLIP", false),
+        (Self::Coverage, "Coverage", false),
+        (Self::Bytes, "Bytes", true),
+        (Self::Samples, "Samples", true),
+        (Self::Milliseconds, "Milliseconds", true),
+        (Self::Seconds, "Seconds", true),
+    ];
+
+    /// Its name.
+    pub(crate) fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(of, ..)| *of == self).map_or("", |(_, name, _)| name)
+    }
+
+    /// Its value, as its axis shows it.
+    pub(crate) fn of(self, point: &Point) -> f64 {
+        let value = match self {
+            Self::Psnr => point.psnr_filled_db,
+            Self::Ssim => point.ssim,
+            Self::Flip => point.flip,
+            Self::Coverage => point.coverage,
+            Self::Bytes => point.bytes as f64,
+            Self::Samples => point.samples as f64,
+            Self::Milliseconds => point.milliseconds,
+            Self::Seconds => point.seconds_preprocess,
+        };
+        if self.is_log() { value.max(1e-3).log10() } else { value }
+    }
+
+    /// Whether its axis is logarithmic.
+    pub(crate) fn is_log(self) -> bool {
+        Self::ALL.iter().any(|(of, _, log)| *of == self && *log)
+    }
+}
+
+/// What was measured, and how it is shown.
+pub(crate) struct Charts {
+    /// Points of the sweep, as they came.
+    pub sweep: Vec<Point>,
+    /// Points of the stress test, as they came.
+    pub stress: Vec<StressPoint>,
+    /// The disturbance that is shown.
+    pub disturbance: String,
+    /// Along and up.
+    pub axes: [Quantity; 2],
+    /// Whether something is being measured.
+    pub studying: bool,
+}
+
+impl Default for Charts {
+    fn default() -> Self {
+        Self {
+            sweep: Vec::new(),
+            stress: Vec::new(),
+            disturbance: String::new(),
+            axes: [Quantity::Bytes, Quantity::Psnr],
+            studying: false,
+        }
+    }
+}
+
+impl Charts {
+    /// Adds a point and marks anew which no other beats.
+    pub(crate) fn add(&mut self, point: Point) {
+        self.sweep.push(point);
+        sweep::mark_pareto(&mut self.sweep, |point| point.bytes as f64, |point| point.psnr_filled_db);
+    }
+}
+
+/// What to measure.
+pub(crate) struct StudyRequest {
+    /// What is open, a capture.
+    pub scene: Arc<Scene>,
+    /// What is measured.
+    pub study: Study,
+    /// The settings to start from.
+    pub settings: Settings,
+    /// What is known of the sweep already.
+    pub known: Vec<Point>,
+}
+
+/// Measures; every point is told as it comes.
+///
+/// # Errors
+/// `Invalid` for a store; whatever measuring gives; `Cancelled`.
+pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
+    let scene = request.scene.clone();
+    let Content::Capture { capture, truth } = &scene.content else {
+        return Err(Error::invalid(
+            &scene.name,
+            "a store holds no source frames to measure against; open its capture",
+        ));
+    };
+    let known = truth.iter().any(|view| view.truth.is_some());
+    let truth = if known { Truth::Views(truth.clone()) } else { Truth::HoldOut };
+    match request.study {
+        Study::Sweep => run_sweep(&scene, capture, &truth, request, outbox, job)?,
+        Study::Stress => run_stress(&scene, capture, &truth, &request, outbox, job)?,
+    }
+    Ok(Message::Studied { scene: scene.id })
+}
+
+fn run_sweep(
+    scene: &Scene,
+    capture: &Capture,
+    truth: &Truth,
+    request: StudyRequest,
+    outbox: &Outbox,
+    job: &Job,
+) -> Result<()> {
+    let mut plan = sweep::Plan::standard(&request.settings, capture);
+    plan.done = request.known;
+    sweep::run(capture, &plan, truth, job, |point, _| {
+        outbox.send(Message::Swept { scene: scene.id, point: Box::new(point.clone()) });
+    })?;
+    Ok(())
+}
+
+fn run_stress(
+    scene: &Scene,
+    capture: &Capture,
+    truth: &Truth,
+    request: &StudyRequest,
+    outbox: &Outbox,
+    job: &Job,
+) -> Result<()> {
+    let mut plan = stress::Plan::standard(&request.settings);
+    plan.frames = Some(FRAMES);
+    stress::run(capture, &plan, truth, job, |point, _| {
+        outbox.send(Message::Stressed { scene: scene.id, point: Box::new(point.clone()) });
+    })?;
+    Ok(())
+}
+
+/// Frames that a stress test in the window looks at: enough for what moves to move.
+const FRAMES: usize = 8;

@@ -1,0 +1,244 @@
+//! The quantities that thresholds cut, as histograms: worked out on a lane for the frame shown.
+
+use std::sync::Arc;
+
+use crate::preprocess::noise::granted_range_sigmas;
+use crate::preprocess::ranges::Ranges;
+use crate::preprocess::registration::Outcome;
+use crate::preprocess::static_test::StaticTest;
+use crate::preprocess::{FrameInspection, PairQuantities, TemporalScan};
+use crate::settings::{Field, Kind, Settings};
+
+/// Bars of a histogram.
+pub(crate) const BARS: usize = 56;
+
+/// Pairs of samples, and pixels, that are looked at.
+const AT_MOST: usize = 30_000;
+
+/// Standard deviations of the difference of two colors that the same-surface test grants.
+const COLOR_SIGMAS: f32 = 3.0;
+
+/// On logarithmic axes that begin at 0: the smallest value told apart, as a share of the largest.
+const SMALLEST_SHARE: f64 = 1e-4;
+
+/// The axis of a threshold: that of its slider.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Axis {
+    min: f64,
+    max: f64,
+    log: bool,
+}
+
+impl Axis {
+    /// The axis of a setting; `None` where it is no number.
+    pub(crate) fn of(field: &Field) -> Option<Self> {
+        match field.kind {
+            Kind::Number { min, max, log } => {
+                let min = if log { min.max(max * SMALLEST_SHARE) } else { min };
+                Some(Self { min, max, log })
+            }
+            _ => None,
+        }
+    }
+
+    /// Where a value lies, 0 to 1.
+    pub(crate) fn position(self, value: f64) -> f32 {
+        let value = value.clamp(self.min, self.max);
+        let share = if self.log {
+            (value / self.min).ln() / (self.max / self.min).ln()
+        } else {
+            (value - self.min) / (self.max - self.min)
+        };
+        share as f32
+    }
+
+    /// The value at a place, with three digits: nobody drags more finely.
+    pub(crate) fn value(self, position: f32) -> f64 {
+        let share = f64::from(position.clamp(0.0, 1.0));
+        let value = if self.log {
+            self.min * (self.max / self.min).powf(share)
+        } else {
+            self.min + (self.max - self.min) * share
+        };
+        let unit = 10_f64.powf(value.abs().max(1e-12).log10().floor() - 2.0);
+        ((value / unit).round() * unit).clamp(self.min, self.max)
+    }
+}
+
+/// The settings that cut something that is counted here.
+pub(crate) const CUT: [&str; 5] = [
+    "pruning.depth_tolerance",
+    "pruning.normal_tolerance",
+    "pruning.color_tolerance",
+    "spans.color_tolerance",
+    "spans.depth_tolerance",
+];
+
+/// A quantity over many pixels, cut by a threshold.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Histogram {
+    /// The setting that cuts it.
+    pub path: &'static str,
+    /// What is counted.
+    pub of: &'static str,
+    /// Per bar: what passes all rules, and what does not.
+    pub bars: Vec<[u32; 2]>,
+    /// Every value, ascending.
+    sorted: Vec<f32>,
+    /// What the measured noise explains, in the unit of the axis; `None` where none was measured.
+    pub noise: Option<f32>,
+}
+
+impl Histogram {
+    fn new(
+        path: &'static str,
+        of: &'static str,
+        noise: Option<f32>,
+        values: Vec<(f32, bool)>,
+    ) -> Option<Self> {
+        let axis = Settings::fields().find(|field| field.path == path).and_then(Axis::of)?;
+        let mut bars = vec![[0; 2]; BARS];
+        let mut sorted = Vec::with_capacity(values.len());
+        for (value, passes) in values {
+            if value.is_nan() {
+                continue;
+            }
+            let bar = (axis.position(f64::from(value)) * BARS as f32) as usize;
+            bars[bar.min(BARS - 1)][usize::from(!passes)] += 1;
+            sorted.push(value);
+        }
+        sorted.sort_unstable_by(f32::total_cmp);
+        Some(Self { path, of, bars, sorted, noise: noise.filter(|noise| *noise > 0.0) })
+    }
+
+    /// Whether anything was counted.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.sorted.is_empty()
+    }
+
+    /// How many values lie within a threshold, and how many beyond.
+    pub(crate) fn sides(&self, threshold: f64) -> (usize, usize) {
+        let within = self.sorted.partition_point(|value| f64::from(*value) <= threshold);
+        (within, self.sorted.len() - within)
+    }
+}
+
+/// All histograms of the frame shown.
+pub(crate) fn histograms(
+    inspection: &FrameInspection,
+    scan: Option<&Arc<TemporalScan>>,
+    settings: &Settings,
+) -> Vec<Histogram> {
+    let pairs = inspection.pair_quantities(AT_MOST);
+    let pruning = &settings.pruning;
+    let near = |pair: &PairQuantities| pair.plane_distance_footprints <= pruning.depth_tolerance;
+    let facing = |pair: &PairQuantities| {
+        pair.normal_angle_degrees.is_nan() || pair.normal_angle_degrees <= pruning.normal_tolerance
+    };
+    let passes = |pair: &PairQuantities| matches!(pair.outcome, Outcome::Same(_));
+    let of_pairs = |wanted: &dyn Fn(&PairQuantities) -> bool, value: &dyn Fn(&PairQuantities) -> f32| {
+        pairs.iter().filter(|pair| wanted(pair)).map(|pair| (value(pair), passes(pair))).collect()
+    };
+    let noise = |of: &dyn Fn(&crate::preprocess::noise::Noise) -> f32| {
+        let mut all: Vec<f32> = scan?.cameras.iter().map(|camera| of(&camera.noise)).collect();
+        all.sort_unstable_by(f32::total_cmp);
+        all.get(all.len() / 2).copied()
+    };
+    let focal = inspection.samples.cameras.first().map_or(1.0, |camera| camera.intrinsics.fx as f32);
+    let depth_noise = noise(&|noise| noise.depth_relative);
+    let color_noise = noise(&|noise| noise.color_steps_overall);
+    let mut found = vec![
+        Histogram::new(
+            "pruning.depth_tolerance",
+            "pairs of samples whose cameras both recorded something there",
+            // A footprint is depth over focal length.
+            depth_noise.map(|noise| noise * focal),
+            of_pairs(&|_| true, &|pair| pair.plane_distance_footprints),
+        ),
+        Histogram::new(
+            "pruning.normal_tolerance",
+            "pairs of samples at one depth",
+            None,
+            of_pairs(&near, &|pair| pair.normal_angle_degrees),
+        ),
+        Histogram::new(
+            "pruning.color_tolerance",
+            "pairs of samples at one depth that face one way",
+            color_noise.map(|noise| noise * COLOR_SIGMAS * std::f32::consts::SQRT_2),
+            of_pairs(&|pair| near(pair) && facing(pair), &|pair| pair.color_difference_steps),
+        ),
+    ];
+    // The tree of spans keeps no ranges of single pixels.
+    if let Some(scan) = scan.filter(|scan| scan.cameras.iter().any(|camera| camera.ranges.is_some())) {
+        let granted = granted_range_sigmas(scan.frames);
+        let ranges = ranges(scan, settings);
+        found.push(Histogram::new(
+            "spans.color_tolerance",
+            "pixels, by the range of their color over all frames",
+            color_noise.map(|noise| noise * granted),
+            ranges.iter().map(|(color, _, passes)| (*color, *passes)).collect(),
+        ));
+        found.push(Histogram::new(
+            "spans.depth_tolerance",
+            "pixels, by the range of their depth over all frames",
+            depth_noise.map(|noise| noise * granted),
+            ranges.iter().map(|(_, depth, passes)| (*depth, *passes)).collect(),
+        ));
+    }
+    found.into_iter().flatten().collect()
+}
+
+/// Range of color, range of depth and whether it is static, for pixels spread over all cameras.
+fn ranges(scan: &TemporalScan, settings: &Settings) -> Vec<(f32, f32, bool)> {
+    let known: Vec<(&Ranges, StaticTest)> = (0..scan.cameras.len())
+        .filter_map(|index| {
+            let ranges = scan.cameras[index].ranges.as_ref()?;
+            Some((ranges, scan.static_test(index, &settings.spans)))
+        })
+        .collect();
+    let pixels: usize = known.iter().map(|(ranges, _)| ranges.color_steps.len()).sum();
+    let stride = pixels.div_ceil(AT_MOST).max(1);
+    let mut found = Vec::new();
+    for (ranges, test) in known {
+        let is_static = ranges.static_pixels(&settings.spans, &test);
+        let values = ranges.color_steps.as_slice().iter().zip(ranges.depth_relative.as_slice());
+        found.extend(
+            values
+                .zip(is_static)
+                .step_by(stride)
+                .filter(|((color, _), _)| color.is_finite())
+                .map(|((color, depth), is_static)| (*color, *depth, is_static)),
+        );
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(path: &str) -> Axis {
+        Settings::fields().find(|field| field.path == path).and_then(Axis::of).unwrap()
+    }
+
+    #[test]
+    fn a_place_on_the_axis_and_its_value_belong_together() {
+        for path in ["pruning.depth_tolerance", "pruning.normal_tolerance", "spans.depth_tolerance"] {
+            let axis = axis(path);
+            for step in 0..=20 {
+                let position = step as f32 / 20.0;
+                let again = axis.position(axis.value(position));
+                assert!((again - position).abs() < 0.01, "{path}: {position} {again}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_value_lies_on_one_side_of_the_threshold() {
+        let values = (0..100).map(|i| (i as f32, i < 40)).chain([(f32::NAN, true)]).collect();
+        let histogram = Histogram::new("pruning.normal_tolerance", "tests", None, values).unwrap();
+        assert_eq!(histogram.sides(29.5), (30, 70));
+        assert_eq!(histogram.bars.iter().flatten().sum::<u32>(), 100);
+        assert_eq!(histogram.bars.iter().map(|bar| bar[0]).sum::<u32>(), 40);
+    }
+}

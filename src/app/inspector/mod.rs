@@ -1,0 +1,331 @@
+//! The inspector: what the window knows beyond its two pictures, and the lanes that find it out.
+
+pub(crate) mod charts;
+pub(crate) mod compare;
+pub(crate) mod compare_look;
+pub(crate) mod histograms;
+pub(crate) mod history;
+pub(crate) mod memory_map;
+pub(crate) mod meter;
+pub(crate) mod path;
+pub(crate) mod probe;
+mod thumbs;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Instant;
+
+use egui::TextureHandle;
+
+use super::dock::View;
+use super::lanes::pool;
+use super::message::Message;
+use super::panels::Palette;
+use super::state::{NoticeKind, State};
+use super::worker::{Lane, Outbox, Supersede};
+use crate::error::{Error, Result};
+use crate::preprocess::{FrameInspection, SampleSet, TemporalScan};
+use crate::settings::Settings;
+use charts::{Charts, StudyRequest};
+use compare::{CompareKey, Compared, Comparer};
+use compare_look::{CompareLook, Place};
+use histograms::Histogram;
+use history::{History, Slot};
+use memory_map::Block;
+use meter::Meter;
+use path::{CameraPath, ExportRequest};
+use probe::{ProbeKey, Probed, Spot};
+
+/// Entries the log keeps.
+const LOG: usize = 500;
+
+/// The pixel that is looked at.
+#[derive(Default)]
+pub(crate) struct Probe {
+    /// Where somebody points.
+    pub spot: Option<Spot>,
+    /// Whether it stays when the pointer goes.
+    pub pinned: bool,
+    /// What there is to say.
+    pub shown: Option<Arc<Probed>>,
+}
+
+/// A line of the log.
+pub(crate) struct LogLine {
+    /// When.
+    pub at: Instant,
+    /// How loud.
+    pub kind: NoticeKind,
+    /// What.
+    pub text: String,
+}
+
+/// What the inspector knows.
+#[derive(Default)]
+pub(crate) struct Inspector {
+    /// The pixel that is looked at.
+    pub probe: Probe,
+    /// Every camera small, in the capture's order; empty before the first.
+    pub thumbs: Vec<TextureHandle>,
+    /// What takes the memory, largest first; `None` before it was asked for.
+    pub memory: Option<Vec<Block>>,
+    /// The quantities that thresholds cut; empty before the first.
+    pub histograms: Vec<Histogram>,
+    /// Settings as they were.
+    pub history: History,
+    /// How the comparison looks.
+    pub compare: CompareLook,
+    /// The comparison that is shown.
+    pub compared: Option<Compared>,
+    /// Why there is none.
+    pub compare_trouble: Option<String>,
+    /// What was measured.
+    pub charts: Charts,
+    /// The camera path.
+    pub path: CameraPath,
+    /// The command palette, while it is open.
+    pub palette: Option<Palette>,
+    /// Whether the sheet of keys is open.
+    pub cheat_sheet: bool,
+    /// The callout of the first run that is next; beyond the last there is none.
+    pub callout: usize,
+    /// Whether thresholds were changed since the last store was saved.
+    pub unsaved: bool,
+    /// Whether the question before closing is asked.
+    pub asks_to_close: bool,
+    /// What happened, the latest last.
+    pub log: VecDeque<LogLine>,
+    /// What the window's own work takes.
+    pub meter: Meter,
+}
+
+impl Inspector {
+    /// Forgets what belongs to a scene.
+    pub(crate) fn close_scene(&mut self) {
+        self.probe = Probe::default();
+        self.thumbs.clear();
+        self.memory = None;
+        self.histograms.clear();
+        self.compare.place = Place::Live;
+        self.compared = None;
+        self.path = CameraPath::default();
+        self.charts = Charts::default();
+        self.unsaved = false;
+        self.compare_trouble = None;
+    }
+
+    /// Adds a line to the log.
+    pub(crate) fn log(&mut self, kind: NoticeKind, text: String) {
+        if self.log.len() == LOG {
+            self.log.pop_front();
+        }
+        self.log.push_back(LogLine { at: Instant::now(), kind, text });
+    }
+}
+
+/// The inspector's lanes.
+pub(crate) struct InspectorLanes {
+    probe: Lane<ProbeKey>,
+    thumbs: Lane<(u64, Arc<FrameInspection>)>,
+    memory: Lane<(u64, Arc<SampleSet>)>,
+    histograms: Lane<HistogramRequest>,
+    compare: Lane<Box<CompareKey>>,
+    /// The pictures of the camera path.
+    pub export: Lane<ExportRequest>,
+    /// Sweeps and stress tests.
+    pub study: Lane<StudyRequest>,
+}
+
+/// What histograms are made from.
+struct HistogramRequest {
+    scene: u64,
+    inspection: Arc<FrameInspection>,
+    scan: Option<Arc<TemporalScan>>,
+    settings: Settings,
+}
+
+impl InspectorLanes {
+    /// Starts them.
+    ///
+    /// # Errors
+    /// `Io` where the operating system gives no thread.
+    pub(crate) fn start(outbox: &Outbox) -> Result<Self> {
+        let mut comparer = Comparer::default();
+        let studying = outbox.clone();
+        // Threads of their own: the pictures on screen must not wait for minutes of measuring.
+        let threads = pool("study", rayon::current_num_threads())?;
+        Ok(Self {
+            probe: Lane::start("Pixel argument", Supersede::Never, outbox.clone(), |key: ProbeKey, _| {
+                let probed = probe::probe(&key).map(Arc::new);
+                Ok(Message::Probed { scene: key.scene.id, spot: key.spot, probed })
+            })?,
+            memory: Lane::start(
+                "Memory map",
+                Supersede::Never,
+                outbox.clone(),
+                |(scene, samples): (u64, Arc<SampleSet>), _| {
+                    let blocks = memory_map::blocks(&samples);
+                    Ok(Message::MemoryMapped { scene, blocks })
+                },
+            )?,
+            histograms: Lane::start(
+                "Histograms",
+                Supersede::Never,
+                outbox.clone(),
+                |request: HistogramRequest, _| {
+                    let HistogramRequest { scene, inspection, scan, settings } = request;
+                    let histograms = histograms::histograms(&inspection, scan.as_ref(), &settings);
+                    Ok(Message::Histograms { scene, histograms })
+                },
+            )?,
+            compare: Lane::start(
+                "Compare",
+                Supersede::Alternate,
+                outbox.clone(),
+                move |key: Box<CompareKey>, job| {
+                    let outcome = match comparer.compare(&key, job) {
+                        Ok(comparison) => Ok(comparison),
+                        Err(Error::Cancelled) => return Err(Error::Cancelled),
+                        Err(Error::Invalid { what, .. }) => Err(what),
+                        Err(error) => Err(error.to_string()),
+                    };
+                    Ok(Message::Compared { key, outcome })
+                },
+            )?,
+            study: Lane::start(
+                "Study",
+                Supersede::Always,
+                outbox.clone(),
+                move |request: StudyRequest, job| threads.install(|| charts::study(request, &studying, job)),
+            )?,
+            export: Lane::start(
+                "Export",
+                Supersede::Never,
+                outbox.clone(),
+                |request: ExportRequest, job| {
+                    let pictures = path::export(&request, job)?;
+                    Ok(Message::Exported { folder: request.folder, pictures })
+                },
+            )?,
+            thumbs: Lane::start(
+                "Thumbnails",
+                Supersede::Never,
+                outbox.clone(),
+                |(scene, inspection): (u64, Arc<FrameInspection>), _| {
+                    let pictures = thumbs::paint(&inspection);
+                    Ok(Message::Thumbnails { scene, pictures })
+                },
+            )?,
+        })
+    }
+
+    /// Whether nothing runs or waits.
+    pub(crate) fn are_idle(&self) -> bool {
+        self.probe.is_idle()
+            && self.thumbs.is_idle()
+            && self.memory.is_idle()
+            && self.histograms.is_idle()
+            && self.compare.is_idle()
+            && self.export.is_idle()
+            && self.study.is_idle()
+    }
+}
+
+/// What was asked for last.
+#[derive(Default)]
+pub(crate) struct InspectorPlan {
+    probe: Option<ProbeKey>,
+    thumbs: Option<Arc<FrameInspection>>,
+    memory: Option<Arc<SampleSet>>,
+    histograms: Option<(Arc<FrameInspection>, bool)>,
+    compare: Option<Box<CompareKey>>,
+}
+
+impl InspectorPlan {
+    /// Asks for what is missing, of what can be seen.
+    pub(crate) fn ask(&mut self, state: &State, visible: &[View], lanes: &InspectorLanes) {
+        self.ask_probe(state, lanes);
+        self.ask_thumbs(state, visible, lanes);
+        self.ask_memory(state, visible, lanes);
+        self.ask_histograms(state, visible, lanes);
+        self.ask_comparison(state, visible, lanes);
+    }
+
+    /// Compares once the live view has come to rest: its picture says from where and of what.
+    fn ask_comparison(&mut self, state: &State, visible: &[View], lanes: &InspectorLanes) {
+        let shown = state.live_shown.as_ref().filter(|_| visible.contains(&View::Compare));
+        let (Some(scene), Some(shown)) = (&state.scene, shown) else { return };
+        let (history, look) = (&state.inspector.history, &state.inspector.compare);
+        let now = &state.settings;
+        let key = Box::new(CompareKey {
+            scene: scene.clone(),
+            sides: look.sides,
+            place: look.place,
+            vantage: shown.key.vantage.clone(),
+            samples: shown.key.samples.clone(),
+            scan: state.scan.clone(),
+            settings: [now.clone(), history.of(Slot::A, now).clone(), history.of(Slot::B, now).clone()],
+            range: look.range,
+            dark: state.dark,
+        });
+        if self.compare.as_ref() != Some(&key) {
+            lanes.compare.submit(key.clone());
+            self.compare = Some(key);
+        }
+    }
+
+    fn ask_histograms(&mut self, state: &State, visible: &[View], lanes: &InspectorLanes) {
+        let wanted = visible.contains(&View::Thresholds) && !state.timeline.playing;
+        let Some(inspected) = state.inspected.as_ref().filter(|_| wanted) else { return };
+        let asked = self.histograms.as_ref().is_some_and(|(inspection, with_scan)| {
+            Arc::ptr_eq(inspection, &inspected.inspection) && *with_scan == state.scan.is_some()
+        });
+        if let (false, Some(scene)) = (asked, &state.scene) {
+            lanes.histograms.submit(HistogramRequest {
+                scene: scene.id,
+                inspection: inspected.inspection.clone(),
+                scan: state.scan.clone(),
+                settings: inspected.settings.clone(),
+            });
+            self.histograms = Some((inspected.inspection.clone(), state.scan.is_some()));
+        }
+    }
+
+    fn ask_memory(&mut self, state: &State, visible: &[View], lanes: &InspectorLanes) {
+        let samples = state.whole_samples().filter(|_| visible.contains(&View::Memory));
+        let (Some(scene), Some(samples)) = (&state.scene, samples) else { return };
+        if !self.memory.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, samples)) {
+            lanes.memory.submit((scene.id, samples.clone()));
+            self.memory = Some(samples.clone());
+        }
+    }
+
+    fn ask_probe(&mut self, state: &State, lanes: &InspectorLanes) {
+        let key = state.scene.as_ref().zip(state.inspector.probe.spot).map(|(scene, spot)| ProbeKey {
+            scene: scene.clone(),
+            spot,
+            inspection: state.inspection_here().cloned(),
+            whole: state.whole.as_ref().filter(|_| !state.is_stale()).map(|whole| whole.samples.clone()),
+            live: matches!(spot, Spot::Live { .. })
+                .then(|| state.live_shown.as_ref().map(|shown| (shown.key.clone(), shown.picture.clone())))
+                .flatten(),
+        });
+        if self.probe != key {
+            if let Some(key) = &key {
+                lanes.probe.submit(key.clone());
+            }
+            self.probe = key;
+        }
+    }
+
+    fn ask_thumbs(&mut self, state: &State, visible: &[View], lanes: &InspectorLanes) {
+        let Some(inspection) = state.inspection_here().filter(|_| visible.contains(&View::Cameras)) else {
+            return;
+        };
+        let asked = self.thumbs.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, inspection));
+        if let (false, Some(scene)) = (asked, &state.scene) {
+            lanes.thumbs.submit((scene.id, inspection.clone()));
+            self.thumbs = Some(inspection.clone());
+        }
+    }
+}

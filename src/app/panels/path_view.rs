@@ -1,0 +1,78 @@
+//! The camera path: keys, playing, and pictures of it.
+
+use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
+use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
+
+use super::super::command::Command;
+use super::super::message::Purpose;
+use super::super::state::State;
+use super::super::theme::{Tokens, space};
+use super::{empty_ui, icon_button};
+
+/// The view.
+pub(super) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let path = &state.inspector.path;
+    if path.keys.is_empty() {
+        let text = "Fly to where the path should begin and add a key; fly on and add the next. The path runs smoothly \
+                    through all of them, in space and in time.";
+        empty_ui(ui, ICON_MOVIE, "No camera path yet", text, |ui| {
+            if ui.button("Add key here (K)").clicked() {
+                commands.push(Command::AddKey);
+            }
+        });
+        return;
+    }
+    let tokens = Tokens::in_ui(ui);
+    ui.horizontal(|ui| {
+        if ui.button("Add key here (K)").clicked() {
+            commands.push(Command::AddKey);
+        }
+        let ready = path.pictures() > 0;
+        let (icon, name) =
+            if path.playing.is_some() { (ICON_PAUSE, "Stop path") } else { (ICON_PLAY_ARROW, "Play path") };
+        if ui.add_enabled_ui(ready, |ui| icon_button(ui, icon, name, name)).inner.clicked() {
+            commands.push(Command::PlayPath(path.playing.is_none()));
+        }
+        ui.label("Pictures per leg");
+        let mut pictures = path.pictures_per_leg;
+        let drag = DragValue::new(&mut pictures).range(1..=2000);
+        if ui.add(drag).accessible_name("Pictures per leg").changed() {
+            commands.push(Command::PicturesPerLeg(pictures));
+        }
+        ui.add_space(space::MEDIUM);
+        let export = ui.add_enabled(ready, egui::Button::new("Export pictures…"));
+        if export.on_disabled_hover_text("A path needs two keys at least.").clicked() {
+            commands.push(Command::AskPath(Purpose::ExportPath));
+        }
+        let typed = ui.add_enabled(ready, egui::Button::new("Export to path…"));
+        if typed.clicked() {
+            commands.push(Command::TypePath(Purpose::ExportPath));
+        }
+        ui.label(RichText::new(format!("{} pictures", path.pictures())).color(tokens.text_weak));
+    });
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {
+            for (index, key) in path.keys.iter().enumerate() {
+                let number = index + 1;
+                if ui.button(format!("Key {number}")).on_hover_text("Go there").clicked() {
+                    commands.push(Command::GoToKey(index));
+                }
+                let at = key.rig.world_from_camera.translation;
+                ui.label(RichText::new(format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z)).monospace());
+                ui.label(RichText::new(format!("frame {}", key.frame + 1)).color(tokens.text_weak));
+                ui.horizontal(|ui| {
+                    let here = format!("Put key {number} here");
+                    if icon_button(ui, ICON_UPDATE, &here, "Put this key where the view stands now").clicked()
+                    {
+                        commands.push(Command::ReplaceKey(index));
+                    }
+                    let remove = format!("Remove key {number}");
+                    if icon_button(ui, ICON_DELETE, &remove, "Remove this key").clicked() {
+                        commands.push(Command::RemoveKey(index));
+                    }
+                });
+                ui.end_row();
+            }
+        });
+    });
+}

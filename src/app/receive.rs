@@ -1,0 +1,239 @@
+//! Takes in the answers of the lanes.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use egui::{TextureFilter, TextureOptions};
+
+use super::OverlookApp;
+use super::inspector::compare::{Compared, Comparison};
+use super::inspector::probe::{Probed, Spot};
+use super::memory::remember_recent;
+use super::message::{Message, Purpose};
+use super::scene::{Origin, Scene};
+use super::state::{NoticeKind, Shown, Whole};
+use super::text;
+use super::views::rig::Rig;
+use crate::error::Error;
+
+/// A dialog that is answered faster than this was not seen by a person: there is none on this system.
+const NO_DIALOG: Duration = Duration::from_millis(200);
+
+/// Pixels of the recording are looked at one by one; those of the live view are only as fine as there are samples.
+const SOURCE: (&str, TextureFilter) = ("source", TextureFilter::Nearest);
+const LIVE: (&str, TextureFilter) = ("live", TextureFilter::Linear);
+
+impl OverlookApp {
+    /// Takes in one answer.
+    pub(super) fn receive(&mut self, message: Message, ctx: &egui::Context) {
+        let current = self.state.scene.as_ref().map(|scene| scene.id);
+        match message {
+            Message::Opened(scene) => self.opened(scene),
+            Message::Scanned { scene, scan } if Some(scene) == current => self.state.scan = Some(scan),
+            Message::Pruned { scene, settings, result } if Some(scene) == current => {
+                let report = &result.report;
+                let line = format!(
+                    "Pruned the capture: {} of {} samples kept in {} s",
+                    text::count(report.samples_kept),
+                    text::count(report.samples_in),
+                    text::significant(report.seconds)
+                );
+                self.state.inspector.log(NoticeKind::Done, line);
+                self.state.accuracy = None;
+                self.state.whole = Some(Whole {
+                    samples: result.samples.clone(),
+                    report: Arc::new(result.report.clone()),
+                    settings,
+                });
+            }
+            Message::Inspected { scene, inspected } if Some(scene) == current => {
+                self.state.inspected = Some(inspected);
+            }
+            Message::SourcePainted { key, picture } if Some(key.scene) == current => {
+                let texture = texture(ctx, SOURCE, &picture.image, self.state.source_shown.take());
+                self.state.source_shown = Some(Shown { key, picture, texture });
+            }
+            Message::LivePainted { key, picture } if Some(key.scene) == current => {
+                let texture = texture(ctx, LIVE, &picture.image, self.state.live_shown.take());
+                self.state.live_shown = Some(Shown { key, picture, texture });
+            }
+            Message::Measured { scene, settings, accuracy }
+                if Some(scene) == current && settings == self.state.settings =>
+            {
+                self.state.accuracy = accuracy;
+            }
+            Message::Probed { scene, spot, probed } if Some(scene) == current => self.probed(spot, probed),
+            Message::Thumbnails { scene, pictures } if Some(scene) == current => {
+                self.state.inspector.thumbs = pictures
+                    .into_iter()
+                    .map(|picture| ctx.load_texture("thumbnail", picture, TextureOptions::LINEAR))
+                    .collect();
+            }
+            Message::Histograms { scene, histograms } if Some(scene) == current => {
+                self.state.inspector.histograms = histograms;
+            }
+            Message::Compared { key, outcome } if Some(key.scene.id) == current => {
+                self.compared(outcome, ctx);
+            }
+            Message::MemoryMapped { scene, blocks } if Some(scene) == current => {
+                self.state.inspector.memory = Some(blocks);
+            }
+            Message::Saved { path, bytes } => self.saved(&path, bytes),
+            Message::Swept { scene, point } if Some(scene) == current => {
+                self.state.inspector.charts.add(*point);
+            }
+            Message::Stressed { scene, point } if Some(scene) == current => {
+                self.state.inspector.charts.stress.push(*point);
+            }
+            Message::Studied { scene } if Some(scene) == current => {
+                self.state.inspector.charts.studying = false;
+            }
+            Message::Exported { folder, pictures } => {
+                let text = format!("{pictures} pictures in {}", folder.display());
+                self.state.notify(NoticeKind::Done, "Exported", text);
+            }
+            Message::SettingsLoaded { path, settings } => {
+                self.change_settings("file", settings);
+                self.state.notify(NoticeKind::Done, "Settings loaded", path.display().to_string());
+            }
+            Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
+            Message::Failed { what, error } => self.failed(what, &error),
+            // An answer about a scene that is no longer open.
+            _ => {}
+        }
+    }
+
+    fn probed(&mut self, spot: Spot, probed: Option<Arc<Probed>>) {
+        let probe = &mut self.state.inspector.probe;
+        // An answer about a spot that the pointer has left is better than none while the next is on its way.
+        if probe.spot.is_none() {
+            return;
+        }
+        if let (true, Spot::Live { .. }, Some(probed)) = (probe.pinned, spot, &probed) {
+            probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
+        }
+        probe.shown = probed;
+    }
+
+    fn compared(&mut self, outcome: Result<Comparison, String>, ctx: &egui::Context) {
+        let inspector = &mut self.state.inspector;
+        match outcome {
+            Ok(comparison) => {
+                let [left, right] = comparison.images.clone();
+                let textures = [left, right, comparison.difference.clone()]
+                    .map(|image| ctx.load_texture("comparison", image, TextureOptions::NEAREST));
+                inspector.compared = Some(Compared { comparison, textures });
+                inspector.compare_trouble = None;
+            }
+            Err(trouble) => inspector.compare_trouble = Some(trouble),
+        }
+    }
+
+    fn opened(&mut self, scene: Arc<Scene>) {
+        let state = &mut self.state;
+        if let Origin::Path(path) = &scene.origin {
+            remember_recent(&mut state.recent, path);
+        }
+        state.opening = None;
+        state.scan = None;
+        state.whole = None;
+        state.stopped = false;
+        state.inspected = None;
+        state.accuracy = None;
+        state.inspector.close_scene();
+        state.source_shown = None;
+        state.live_shown = None;
+        state.timeline.frame = 0;
+        state.timeline.playing = false;
+        state.source.camera = 0;
+        state.source.against = None;
+        state.source.zoom = 1.0;
+        state.source.center = egui::Vec2::splat(0.5);
+        state.live.rig = Rig::home(&scene);
+        state.notices.retain(|notice| notice.kind != NoticeKind::Error);
+        if let Some(capture) = scene.capture() {
+            for warning in &capture.warnings {
+                state.notify(NoticeKind::Warning, "While opening", warning.clone());
+            }
+        }
+        if let Some(playback) = scene.playback() {
+            for damage in playback.store().info().warnings.iter().chain(&playback.store().damage()) {
+                state.notify(NoticeKind::Warning, "While opening", damage.clone());
+            }
+        }
+        let opened = format!("Opened {}", scene.name);
+        state.inspector.log(NoticeKind::Done, opened);
+        state.scene = Some(scene);
+        self.lanes.whole.cancel();
+        self.plan = super::plan::Plan::default();
+    }
+
+    fn saved(&mut self, path: &Path, bytes: Option<u64>) {
+        let place = path.display();
+        let text = match bytes {
+            Some(bytes) => {
+                self.state.inspector.unsaved = false;
+                remember_recent(&mut self.state.recent, path);
+                format!("{place} ({})", text::bytes(bytes))
+            }
+            None => place.to_string(),
+        };
+        self.state.notify(NoticeKind::Done, "Saved", text);
+    }
+
+    fn path_chosen(&mut self, purpose: Purpose, path: Option<PathBuf>) {
+        let asked_at = self.asked_at.take();
+        match path {
+            Some(path) => self.take_path(purpose, path),
+            None if asked_at.is_some_and(|at| at.elapsed() < NO_DIALOG) => {
+                self.type_path(purpose, Some("This system offers no file dialog; type the path instead."));
+            }
+            None => {}
+        }
+    }
+
+    fn failed(&mut self, what: &'static str, error: &Error) {
+        if what == "Open" {
+            self.state.opening = None;
+        }
+        if what == "Study" {
+            self.state.inspector.charts.studying = false;
+        }
+        if matches!(error, Error::Cancelled) {
+            return;
+        }
+        if what == "Prune" {
+            self.state.stopped = true;
+        }
+        let title = match what {
+            "Open" => "Could not open",
+            "Prune" => "Could not prune the capture",
+            "Inspect frame" => "Could not read this frame",
+            "Source picture" => "Could not show this frame",
+            "Live view" => "Could not render this view",
+            "File" => "Could not save or load",
+            "Study" => "Could not measure",
+            "Export" => "Could not export the pictures",
+            other => other,
+        };
+        self.state.notify(NoticeKind::Error, title, error.to_string());
+    }
+}
+
+/// Uploads a picture: into the texture of the one it replaces, where there is one.
+fn texture<K, P>(
+    ctx: &egui::Context,
+    (name, magnification): (&str, TextureFilter),
+    image: &Arc<egui::ColorImage>,
+    replaced: Option<Shown<K, P>>,
+) -> egui::TextureHandle {
+    let options = TextureOptions { magnification, minification: TextureFilter::Linear, ..Default::default() };
+    match replaced {
+        Some(Shown { mut texture, .. }) => {
+            texture.set(image.clone(), options);
+            texture
+        }
+        None => ctx.load_texture(name, image.clone(), options),
+    }
+}

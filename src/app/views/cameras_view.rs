@@ -1,0 +1,115 @@
+//! Every camera as a thumbnail: its kept share, and where it sees the pixel that is looked at.
+
+use egui::{Align2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
+
+use super::super::command::Command;
+use super::super::panels::empty_ui;
+use super::super::scene::Scene;
+use super::super::state::State;
+use super::super::text;
+use super::super::theme::{Tokens, space};
+use super::{colormap, marks, words};
+
+/// Height of the two lines below a thumbnail.
+const CAPTION: f32 = 34.0;
+
+/// The view.
+pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(scene) = &state.scene else { return };
+    if !state.has_capture() {
+        let text = "A store keeps only what was not redundant; there are no source pictures in it.";
+        empty_ui(ui, ICON_PHOTO_LIBRARY, "No pictures to show", text, |_| {});
+        return;
+    }
+    // Thumbnails keep the height of the view; where there is room for several rows they wrap.
+    let area = ui.available_size();
+    let height = if area.y > 330.0 { 150.0 } else { (area.y - space::MEDIUM).max(60.0) };
+    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            if area.y <= 330.0 {
+                ui.set_min_width(scene.cameras.len() as f32 * height * 1.6);
+            }
+            for index in 0..scene.cameras.len() {
+                card_ui(ui, state, scene, index, height, commands);
+            }
+        });
+    });
+}
+
+fn card_ui(
+    ui: &mut Ui,
+    state: &State,
+    scene: &Scene,
+    index: usize,
+    height: f32,
+    commands: &mut Vec<Command>,
+) {
+    let tokens = Tokens::in_ui(ui);
+    let camera = &scene.cameras[index];
+    let (columns, rows) = camera.intrinsics.size();
+    let picture_height = height - CAPTION;
+    let width = (picture_height * columns as f32 / rows.max(1) as f32).clamp(90.0, 400.0);
+    let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
+    let picture = Rect::from_min_size(rect.min, vec2(width, picture_height));
+    let painter = ui.painter_at(rect.expand(2.0));
+    painter.rect_filled(picture, 4.0, tokens.canvas);
+    let texture = state.inspector.thumbs.get(index);
+    if let Some(texture) = texture {
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        painter.image(texture.id(), picture, whole, egui::Color32::WHITE);
+    } else {
+        egui::Spinner::new().paint_at(ui, Rect::from_center_size(picture.center(), vec2(18.0, 18.0)));
+    }
+    let selected = index == state.source.camera;
+    if selected || response.hovered() {
+        let color = if selected { tokens.accent } else { tokens.border };
+        painter.rect_stroke(picture, 4.0, Stroke::new(2.0, color), StrokeKind::Outside);
+    }
+    let probed = state.inspector.probe.shown.as_ref();
+    if let Some((at, sees)) = probed.and_then(|probed| marks::in_camera(state, probed, index)) {
+        let scale = vec2(picture.width() / columns as f32, picture.height() / rows as f32);
+        let clipped = painter.with_clip_rect(picture);
+        marks::mark(&clipped, picture.min + at.to_vec2() * scale, sees, state.inspector.probe.pinned, tokens);
+    }
+    let left = picture.left();
+    painter.circle_filled(pos2(left + 5.0, picture.bottom() + 11.0), 4.0, colormap::camera(index));
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let line = |row: f32, x: f32, text: String, color| {
+        painter.text(pos2(left + x, picture.bottom() + row), Align2::LEFT_CENTER, text, font.clone(), color);
+    };
+    let kept = kept_words(state, index);
+    let says = probed
+        .and_then(|probed| probed.argument.as_ref())
+        .and_then(|argument| argument.testimonies.get(index))
+        .map(|row| words::sees(row.outcome));
+    let second = says.map_or_else(|| kept.clone(), |says| format!("{kept}, {says}"));
+    line(
+        11.0,
+        14.0,
+        says.map_or_else(|| camera.name.clone(), |says| format!("{} · {says}", camera.name)),
+        tokens.text,
+    );
+    line(26.0, 0.0, kept, tokens.text_weak);
+    response.widget_info(|| {
+        egui::WidgetInfo::selected(egui::Role::Button, true, selected, format!("Camera {}", camera.name))
+    });
+    if response.clicked() {
+        commands.push(Command::SourceCamera(index));
+    }
+    if response.double_clicked() {
+        commands.push(Command::JumpTo(index));
+    }
+    response.on_hover_ui(|ui| {
+        ui.label(RichText::new(&camera.name).strong());
+        ui.label(format!("{columns}×{rows}, {second}"));
+        ui.label("Pruned pixels are dimmed. Click to see it large, double-click to stand there.");
+    });
+}
+
+fn kept_words(state: &State, index: usize) -> String {
+    let inspected = state.inspected.as_ref().filter(|_| state.inspection_here().is_some());
+    let Some(inspected) = inspected else { return "…".to_owned() };
+    let pixels = inspected.inspection.cameras[index].verdict.len() as u64;
+    format!("{} kept", text::percent(inspected.kept[index], pixels))
+}

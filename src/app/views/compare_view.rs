@@ -1,0 +1,217 @@
+//! Two pictures of one place: wiped over each other, flipped, or as their difference. One zoom for both.
+
+use egui::{Align2, Key, Rect, RichText, Sense, Stroke, Ui, Vec2, pos2, vec2};
+use egui_material_icons::icons::{ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
+
+use super::super::command::Command;
+use super::super::inspector::compare::Compared;
+use super::super::inspector::compare_look::{CompareLook, Mode, Place, Side};
+use super::super::panels::{choice_ui, empty_ui, icon_button, segments_ui};
+use super::super::scene::Content;
+use super::super::state::State;
+use super::super::text;
+use super::super::theme::{Tokens, space};
+use super::legend;
+
+/// Height of the lines below the picture.
+const FOOTER: f32 = 48.0;
+
+/// Width of a list of sides.
+const SIDES: f32 = 106.0;
+
+/// The view.
+pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let before = &state.inspector.compare;
+    let mut look = before.clone();
+    header_ui(ui, state, &mut look);
+    let area = ui.available_rect_before_wrap();
+    let canvas = Rect::from_min_max(area.min, area.max - vec2(0.0, FOOTER));
+    if let Some(trouble) = &state.inspector.compare_trouble {
+        ui.scope_builder(egui::UiBuilder::new().max_rect(canvas), |ui| {
+            empty_ui(ui, ICON_COMPARE, "These two cannot be compared here", trouble, |_| {});
+        });
+    } else {
+        canvas_ui(ui, canvas, state, &mut look);
+    }
+    ui.allocate_rect(canvas, Sense::hover());
+    footer_ui(ui, state, &mut look);
+    if look != *before {
+        commands.push(Command::Compare(Box::new(look)));
+    }
+}
+
+fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
+    ui.horizontal_wrapped(|ui| {
+        let sides: Vec<_> = Side::ALL
+            .iter()
+            .map(|(side, name, help)| (*side, (*name).to_owned(), (*help).to_owned()))
+            .collect();
+        for (index, name) in [(0, "Left side"), (1, "Right side")] {
+            if let Some(side) = choice_ui(ui, name, look.sides[index], &sides, SIDES) {
+                look.sides[index] = side;
+            }
+        }
+        let modes = Mode::ALL.map(|(mode, name, help)| (mode, name, help));
+        if let Some(mode) = segments_ui(ui, "Compare by", look.mode, modes) {
+            look.mode = mode;
+        }
+        if let Some(place) = choice_ui(ui, "From", look.place, &places(state), SIDES) {
+            look.place = place;
+        }
+    });
+}
+
+fn places(state: &State) -> Vec<(Place, String, String)> {
+    let mut places = vec![(Place::Live, "Live view".to_owned(), "Where the live view stands.".to_owned())];
+    let Some(scene) = &state.scene else { return places };
+    if let Content::Capture { truth, .. } = &scene.content {
+        places.extend(scene.cameras.iter().enumerate().map(|(index, camera)| {
+            let help = "Where this camera stood, from the samples of all others.".to_owned();
+            (Place::HoldOut(index), format!("Hold-out {}", camera.name), help)
+        }));
+        let known = truth.iter().filter(|view| view.truth.is_some()).enumerate();
+        places.extend(known.map(|(index, view)| {
+            let name = view.file_path.rsplit('/').next().unwrap_or(&view.file_path).to_owned();
+            (Place::Truth(index), format!("Truth {name}"), "A vantage whose picture is known.".to_owned())
+        }));
+    }
+    places
+}
+
+fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) {
+    let tokens = Tokens::in_ui(ui);
+    let response = ui.interact(canvas, ui.scope_id().with("comparison"), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Comparison"));
+    let painter = ui.painter_at(canvas);
+    painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.canvas);
+    let Some(compared) = &state.inspector.compared else {
+        egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+        return;
+    };
+    let size = Vec2::from(compared.comparison.images[0].size.map(|side| side as f32));
+    let scale = (canvas.width() / size.x).min(canvas.height() / size.y) * look.zoom;
+    let picture = Rect::from_min_size(canvas.center() - size * scale * look.center, size * scale);
+    let flipped = response.is_pointer_button_down_on() && look.mode == Mode::Flip
+        || ui.input(|input| input.key_down(Key::X));
+    draw(&painter, picture, canvas, compared, look, flipped);
+    let name = |side: usize| {
+        Side::ALL.iter().find(|(of, ..)| *of == look.sides[side]).map_or("", |(_, name, _)| name)
+    };
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let plate = |at: egui::Pos2, align: Align2, words: &str| {
+        let galley = painter.layout_no_wrap(words.to_owned(), font.clone(), tokens.on_scrim);
+        let place = align.anchor_size(at, galley.size() + vec2(10.0, 4.0));
+        painter.rect_filled(place, 4.0, tokens.scrim);
+        painter.galley(place.min + vec2(5.0, 2.0), galley, tokens.on_scrim);
+    };
+    let (left, right) = (canvas.left_top() + vec2(6.0, 6.0), canvas.right_top() + vec2(-6.0, 6.0));
+    match look.mode {
+        Mode::Wipe => {
+            plate(left, Align2::LEFT_TOP, name(0));
+            plate(right, Align2::RIGHT_TOP, name(1));
+        }
+        Mode::Flip => plate(left, Align2::LEFT_TOP, name(usize::from(flipped))),
+        Mode::Difference => plate(left, Align2::LEFT_TOP, "Difference"),
+    }
+    move_ui(ui, &response, canvas, picture, look);
+}
+
+fn draw(
+    painter: &egui::Painter,
+    picture: Rect,
+    canvas: Rect,
+    compared: &Compared,
+    look: &CompareLook,
+    flipped: bool,
+) {
+    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    let show = |painter: &egui::Painter, index: usize| {
+        painter.image(compared.textures[index].id(), picture, whole, egui::Color32::WHITE);
+    };
+    match look.mode {
+        Mode::Difference => show(painter, 2),
+        Mode::Flip => show(painter, usize::from(flipped)),
+        Mode::Wipe => {
+            let x = canvas.left() + canvas.width() * look.wipe;
+            let split = |from: f32, to: f32| Rect::from_x_y_ranges(from..=to, canvas.y_range());
+            show(&painter.with_clip_rect(split(canvas.left(), x)), 0);
+            show(&painter.with_clip_rect(split(x, canvas.right())), 1);
+            for (width, color) in [(3.0, egui::Color32::BLACK), (1.5, egui::Color32::WHITE)] {
+                painter.vline(x, canvas.y_range(), Stroke::new(width, color));
+            }
+        }
+    }
+}
+
+/// Drags the line of the wipe, or the picture; the wheel zooms to the pointer.
+fn move_ui(ui: &Ui, response: &egui::Response, canvas: Rect, picture: Rect, look: &mut CompareLook) {
+    if response.double_clicked() {
+        (look.zoom, look.center) = (1.0, Vec2::splat(0.5));
+        return;
+    }
+    let shifts = response.dragged_by(egui::PointerButton::Middle)
+        || response.dragged_by(egui::PointerButton::Secondary)
+        || ui.input(|input| input.modifiers.shift)
+        || look.mode != Mode::Wipe;
+    if response.dragged() && shifts {
+        if look.zoom > 1.0 {
+            let center = look.center - response.drag_delta() / picture.size();
+            look.center = center.clamp(Vec2::ZERO, Vec2::splat(1.0));
+        }
+    } else if response.is_pointer_button_down_on()
+        && look.mode == Mode::Wipe
+        && let Some(pointer) = response.interact_pointer_pos()
+    {
+        look.wipe = ((pointer.x - canvas.left()) / canvas.width()).clamp(0.0, 1.0);
+    }
+    let Some(pointer) = response.hover_pos() else { return };
+    let scroll = ui.input(|input| input.smooth_scroll_delta().y + 200.0 * (input.zoom_delta() - 1.0));
+    if scroll != 0.0 {
+        let zoom = (look.zoom * (scroll * 0.005).exp()).clamp(1.0, 64.0);
+        let at = (pointer - picture.min) / picture.size();
+        look.center =
+            if zoom <= 1.0 { Vec2::splat(0.5) } else { at - (at - look.center) * (look.zoom / zoom) };
+        look.center = look.center.clamp(Vec2::ZERO, Vec2::splat(1.0));
+        look.zoom = zoom;
+    }
+}
+
+fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
+    let tokens = Tokens::in_ui(ui);
+    let compared = state.inspector.compared.as_ref().filter(|_| state.inspector.compare_trouble.is_none());
+    let Some(compared) = compared else { return };
+    let comparison = &compared.comparison;
+    ui.horizontal(|ui| {
+        if look.mode == Mode::Difference {
+            let range = text::significant(f64::from(comparison.range));
+            legend::bar(ui, "0", &format!("{range} 8-bit steps"), 150.0);
+            let locked = look.range.is_some();
+            let (icon, name) =
+                if locked { (ICON_LOCK, "Fit the range") } else { (ICON_LOCK_OPEN, "Lock the range") };
+            let help = "A locked range stays when the pictures change, so that colors can be compared.";
+            if icon_button(ui, icon, name, help).clicked() {
+                look.range = if locked { None } else { Some(comparison.range) };
+            }
+        } else {
+            let hint = match look.mode {
+                Mode::Wipe => {
+                    "Drag the line. Wheel to zoom, Shift + drag to shift; hold X for the right side."
+                }
+                _ => "Hold X, or the mouse button, for the right side.",
+            };
+            ui.label(RichText::new(hint).small().color(tokens.text_weak));
+        }
+    });
+    let psnr = if comparison.psnr_db.is_infinite() {
+        "equal where both show something".to_owned()
+    } else {
+        format!(
+            "{:.1} dB apart, {} steps on average",
+            comparison.psnr_db,
+            text::significant(comparison.mean_steps)
+        )
+    };
+    let words =
+        format!("{psnr}; {:.1} % of pixels are shown by one side alone", 100.0 * comparison.one_sided);
+    ui.add(egui::Label::new(RichText::new(words).small().color(tokens.text)).truncate());
+}

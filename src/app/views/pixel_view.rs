@@ -1,0 +1,240 @@
+//! The argument for one pixel: its verdict, who stands for it, when it is stored, and what every camera says.
+
+use egui::{Align, Button, Grid, Label, Layout, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING};
+
+use super::super::command::Command;
+use super::super::inspector::probe::Probed;
+use super::super::panels::{empty_ui, icon_button};
+use super::super::scene::Scene;
+use super::super::state::State;
+use super::super::theme::{Tokens, space};
+use super::{colormap, words};
+use crate::preprocess::Testimony;
+use crate::preprocess::registration::Outcome;
+
+/// Width of the summary beside the table.
+const SUMMARY: f32 = 292.0;
+
+/// Columns of the table: heading and what it means.
+const COLUMNS: [(&str, &str); 9] = [
+    ("Camera", "Click a name to see the point there."),
+    ("Sees it?", "Whether the camera shows the same surface point, and if not, which rule says so."),
+    ("Depth", "Planar depth expected at the point, and the depth that the camera recorded there."),
+    ("Off", "Distance to the surface found there, in pixel footprints."),
+    ("Angle", "Angle of incidence: between the line of sight and the surface's normal."),
+    (
+        "r",
+        "The paper's r, planar depth over cosine of incidence, of this pixel beside that camera's: below 1 this pixel is denser.",
+    ),
+    ("Area", "The same with focal length and resolution: surface area of this pixel beside that camera's."),
+    ("Color", "Largest difference of a color channel, in 8-bit steps."),
+    ("There", "What became of that camera's own pixel."),
+];
+
+/// The view.
+pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let shown = state.scene.as_ref().zip(state.inspector.probe.shown.as_ref());
+    let Some((scene, probed)) = shown else {
+        let text = if state.inspector.probe.spot.is_some() {
+            "Nothing is known about this spot: it is a hole, or its verdict is being worked out."
+        } else {
+            "Point at a pixel in the source or the live view. Click to keep it here; every camera then says what it \
+             knows about the point."
+        };
+        empty_ui(ui, ICON_LOCATION_SEARCHING, "No pixel is looked at", text, |_| {});
+        return;
+    };
+    let area = ui.available_rect_before_wrap();
+    let left = Rect::from_min_size(area.min, vec2(SUMMARY.min(area.width() * 0.45), area.height()));
+    let right = Rect::from_min_max(pos2(left.right() + space::LARGE, area.top()), area.max);
+    ui.scope_builder(egui::UiBuilder::new().max_rect(left).id_salt("summary"), |ui| {
+        ScrollArea::vertical()
+            .auto_shrink(false)
+            .show(ui, |ui| summary_ui(ui, state, scene, probed, commands));
+    });
+    ui.scope_builder(egui::UiBuilder::new().max_rect(right).id_salt("testimonies"), |ui| {
+        ScrollArea::both().auto_shrink(false).show(ui, |ui| table_ui(ui, state, scene, probed, commands));
+    });
+    ui.allocate_rect(area, Sense::hover());
+}
+
+fn summary_ui(ui: &mut Ui, state: &State, scene: &Scene, probed: &Probed, commands: &mut Vec<Command>) {
+    let tokens = Tokens::in_ui(ui);
+    ui.spacing_mut().item_spacing.y = 3.0;
+    let name = scene.cameras.get(probed.camera).map_or("", |camera| &camera.name);
+    ui.horizontal(|ui| {
+        dot_ui(ui, probed.camera);
+        ui.label(RichText::new(format!("{name}  {}, {}", probed.x, probed.y)).heading());
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if icon_button(ui, ICON_CONTENT_COPY, "Copy argument", "Copy all of this as text (Ctrl+Shift+C)")
+                .clicked()
+            {
+                commands.push(Command::CopyArgument);
+            }
+            let pinned = state.inspector.probe.pinned;
+            let (icon, name) =
+                if pinned { (ICON_KEEP_OFF, "Let go of pixel") } else { (ICON_KEEP, "Keep pixel") };
+            if icon_button(ui, icon, name, "A kept pixel stays when the pointer moves on (click one, or P)")
+                .clicked()
+            {
+                commands.push(Command::Pin(!pinned));
+            }
+        });
+    });
+    if let Some(argument) = &probed.argument {
+        let sentence = words::verdict(&scene.cameras, argument.verdict);
+        let color = if argument.verdict.is_kept() { tokens.text } else { tokens.warning };
+        ui.add(Label::new(RichText::new(sentence).color(color)).wrap());
+        if argument.chain.len() > 1 {
+            let chain = words::chain(&scene.cameras, &argument.chain);
+            ui.add(Label::new(RichText::new(chain).small().color(tokens.text_weak)).wrap())
+                .on_hover_text("The witness chain: from this pixel to the sample that stands for it.");
+        }
+    } else {
+        let text = if state.has_capture() {
+            "Its verdict is being worked out."
+        } else {
+            "A kept sample. The store does not say what it was kept against; open its capture for that."
+        };
+        ui.add(Label::new(RichText::new(text).color(tokens.text_weak)).wrap());
+    }
+    let point = match probed.point_in_world {
+        Some(p) => format!("Point {:.3}, {:.3}, {:.3}", p.x, p.y, p.z),
+        None => "Infinitely far, or without depth".to_owned(),
+    };
+    ui.label(RichText::new(point).small().color(tokens.text_weak));
+    spans_ui(ui, state, probed);
+}
+
+/// When the pixel is stored: one bar per span, and the frame shown.
+fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
+    let tokens = Tokens::in_ui(ui);
+    let frames = state.frame_count().max(1);
+    let caption = match &probed.spans {
+        None => "When it is stored is known once the capture is pruned.".to_owned(),
+        Some(spans) if spans.is_empty() => "Never stored: others stand for it in every frame.".to_owned(),
+        Some(spans) => {
+            let stored: usize = spans.iter().map(|span| span.len()).sum();
+            let samples = if spans.len() == 1 { "sample" } else { "samples" };
+            format!("Stored for {stored} of {frames} frames, by {} {samples}", spans.len())
+        }
+    };
+    ui.label(RichText::new(&caption).small().color(tokens.text_weak));
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 14.0), Sense::hover());
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 3.0, tokens.raised);
+    let step = rect.width() / frames as f32;
+    let gap = if step > 4.0 { 1.0 } else { 0.0 };
+    for span in probed.spans.iter().flatten() {
+        let (start, end) = (span.start as f32 * step, span.end as f32 * step - gap);
+        let bar =
+            Rect::from_min_max(rect.min + vec2(start, 2.0), pos2(rect.left() + end, rect.bottom() - 2.0));
+        let color = if span.len() > 1 { tokens.static_over_time } else { tokens.moving };
+        painter.rect_filled(bar, 1.0, color);
+    }
+    let now = rect.left() + (state.timeline.frame as f32 + 0.5) * step;
+    painter.vline(now, rect.y_range(), egui::Stroke::new(2.0, tokens.text));
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::Label, true, format!("Spans of the pixel: {caption}"))
+    });
+    response.on_hover_text(
+        "When this pixel is stored: blue for several frames at once, orange for one; gray where another camera's sample \
+         stands for it. The line is the frame shown.",
+    );
+}
+
+fn dot_ui(ui: &mut Ui, camera: usize) {
+    let (dot, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+    ui.painter().circle_filled(dot.center(), 4.5, colormap::camera(camera));
+}
+
+fn table_ui(ui: &mut Ui, state: &State, scene: &Scene, probed: &Probed, commands: &mut Vec<Command>) {
+    let tokens = Tokens::in_ui(ui);
+    let Some(argument) = &probed.argument else { return };
+    if argument.testimonies.is_empty() {
+        ui.label(
+            RichText::new("The pixel has no depth, so no camera can be asked about it.")
+                .color(tokens.text_weak),
+        );
+        return;
+    }
+    ui.spacing_mut().interact_size.y = 18.0;
+    ui.spacing_mut().button_padding.y = 0.0;
+    Grid::new("testimonies").striped(true).spacing(vec2(14.0, 3.0)).min_row_height(18.0).show(ui, |ui| {
+        for (name, help) in COLUMNS {
+            ui.label(RichText::new(name).small().color(tokens.text_weak)).on_hover_text(help);
+        }
+        ui.end_row();
+        for row in &argument.testimonies {
+            row_ui(ui, state, scene, row, argument.winner == Some(row.camera), commands);
+            ui.end_row();
+        }
+    });
+}
+
+fn row_ui(
+    ui: &mut Ui,
+    state: &State,
+    scene: &Scene,
+    row: &Testimony,
+    wins: bool,
+    commands: &mut Vec<Command>,
+) {
+    let tokens = Tokens::in_ui(ui);
+    let name = scene.cameras.get(row.camera).map_or("", |camera| &camera.name);
+    ui.horizontal(|ui| {
+        dot_ui(ui, row.camera);
+        let text = RichText::new(name).color(if wins { tokens.accent } else { tokens.text });
+        let button = Button::new(if wins { text.strong() } else { text }).small().frame(false);
+        let help = "See the point in this camera's picture; with Shift, stand where the camera stood";
+        let response =
+            ui.add(button).on_hover_text(help).accessible_name(format!("Go to the point in {name}"));
+        if response.clicked() {
+            if ui.input(|input| input.modifiers.shift) {
+                commands.push(Command::JumpTo(row.camera));
+            } else {
+                commands.push(Command::ShowPointIn(row.camera));
+            }
+        }
+    });
+    let tolerance = &state.settings.pruning;
+    let same = matches!(row.outcome, None | Some(Outcome::Same(_)));
+    let sees =
+        RichText::new(words::sees(row.outcome)).color(if same { tokens.text } else { tokens.text_weak });
+    ui.label(sees).on_hover_text(words::why(row.outcome));
+    let cell = |ui: &mut Ui, text: String, over: bool| {
+        let color = if over { tokens.warning } else { tokens.text };
+        ui.label(RichText::new(text).monospace().color(color))
+    };
+    let depth = match (row.depth_expected.is_nan(), row.depth_found.is_nan()) {
+        (true, _) => "–".to_owned(),
+        (_, true) => words::number(row.depth_expected),
+        _ => format!("{} / {}", words::number(row.depth_expected), words::number(row.depth_found)),
+    };
+    cell(ui, depth, false);
+    let off = row.plane_distance_footprints;
+    cell(ui, words::number(off), off > f64::from(tolerance.depth_tolerance)).on_hover_text(format!(
+        "{} footprints of {} units, with {} granted.",
+        words::number(off),
+        words::number(row.footprint),
+        tolerance.depth_tolerance
+    ));
+    let turned = row.normal_angle_degrees > f64::from(tolerance.normal_tolerance);
+    let angle =
+        if row.incidence_degrees.is_nan() { "–".into() } else { format!("{:.0}°", row.incidence_degrees) };
+    cell(ui, angle, turned).on_hover_text(format!(
+        "The normals differ by {}°, with {}° granted.",
+        words::number(row.normal_angle_degrees),
+        tolerance.normal_tolerance
+    ));
+    // Of two different surface points no rates can be compared.
+    let ratio = |value: f64| if same { words::number(value) } else { "–".to_owned() };
+    cell(ui, ratio(row.paper_r), false);
+    cell(ui, ratio(row.footprint_r), false);
+    let apart = row.color_difference_steps > f64::from(tolerance.color_tolerance);
+    cell(ui, words::number(row.color_difference_steps), apart);
+    let there = row.verdict.map_or_else(|| "–".to_owned(), |verdict| words::fate(&scene.cameras, verdict));
+    let there = if wins && row.outcome.is_some() { format!("{there}, stands for it") } else { there };
+    ui.label(RichText::new(there).color(if wins { tokens.accent } else { tokens.text_weak }));
+}

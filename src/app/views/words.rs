@@ -1,0 +1,184 @@
+//! Verdicts and testimonies in words: for the read-out, the table and the clipboard.
+
+use super::super::inspector::probe::Probed;
+use super::super::scene::Scene;
+use super::super::text;
+use crate::capture::Camera;
+use crate::preprocess::registration::Outcome;
+use crate::preprocess::{ChainLink, Rule, Testimony, Verdict};
+
+/// A verdict as a sentence that names the witness and where it is.
+pub(super) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
+    let Some(witness) = cameras.get(verdict.witness_camera as usize).filter(|_| !verdict.is_kept()) else {
+        return verdict.rule.sentence().to_owned();
+    };
+    let name = &witness.name;
+    let (x, y) = column_and_row(witness, verdict.witness_pixel);
+    match verdict.rule {
+        Rule::LowerRate => format!("Dropped: {name} samples this point more densely, at {x}, {y}."),
+        Rule::Tie => format!("Dropped: {name} samples it as densely and comes first, at {x}, {y}."),
+        Rule::LaterCamera => format!("Dropped: {name} shows this point and comes first, at {x}, {y}."),
+        Rule::MixedYields => format!("Dropped: blended at a silhouette; {name} is clean, at {x}, {y}."),
+        rule => format!("{} Witness: {name} at {x}, {y}.", rule.sentence()),
+    }
+}
+
+/// Column and row of a pixel index.
+pub(super) fn column_and_row(camera: &Camera, pixel: u32) -> (u32, u32) {
+    let width = camera.intrinsics.width.max(1);
+    (pixel % width, pixel / width)
+}
+
+/// Whether a camera sees the point, in a few words; `None` for the camera whose pixel it is.
+pub(super) fn sees(outcome: Option<Outcome>) -> &'static str {
+    match outcome {
+        None => "its own pixel",
+        Some(Outcome::Same(_)) => "sees it",
+        Some(Outcome::Behind) => "behind it",
+        Some(Outcome::OutsideView) => "out of view",
+        Some(Outcome::NoDepth) => "no depth there",
+        Some(Outcome::Occluded) => "hidden from it",
+        Some(Outcome::SeesPast) => "looks past it",
+        Some(Outcome::NormalDiffers) => "other normal",
+        Some(Outcome::ColorDiffers) => "other color",
+        Some(Outcome::Seam) => "at its seam",
+    }
+}
+
+/// The rule behind [`sees`], as a sentence.
+pub(super) fn why(outcome: Option<Outcome>) -> &'static str {
+    match outcome {
+        None => "The pixel that is argued about.",
+        Some(Outcome::Same(_)) => {
+            "Depth, normal and color agree within the tolerances: it shows the same surface point."
+        }
+        Some(Outcome::Behind) => "The point lies behind this camera.",
+        Some(Outcome::OutsideView) => "The point falls outside this camera's picture.",
+        Some(Outcome::NoDepth) => "The camera recorded no depth where the point falls.",
+        Some(Outcome::Occluded) => "The camera recorded something nearer where the point falls.",
+        Some(Outcome::SeesPast) => "The camera recorded something farther where the point falls.",
+        Some(Outcome::NormalDiffers) => "The depth agrees, but the surfaces face different ways.",
+        Some(Outcome::ColorDiffers) => "The depth agrees, but the colors differ.",
+        Some(Outcome::Seam) => {
+            "The surface ends beside the pixel, so that it cannot be interpolated there: it may not stand for another."
+        }
+    }
+}
+
+/// What became of a pixel, in a word or two.
+pub(super) fn fate(cameras: &[Camera], verdict: Verdict) -> String {
+    let witness = cameras.get(verdict.witness_camera as usize).filter(|_| !verdict.is_kept());
+    match (verdict.rule, witness) {
+        (Rule::NoSample, _) => "no sample".to_owned(),
+        (rule, _) if rule.keeps() => "kept".to_owned(),
+        (_, Some(witness)) => format!("dropped for {}", witness.name),
+        _ => "dropped".to_owned(),
+    }
+}
+
+/// A number with three digits; `–` where it is not known, `infinite` where it has no end.
+pub(super) fn number(value: f64) -> String {
+    if value.is_nan() {
+        "–".to_owned()
+    } else if value.is_infinite() {
+        "infinite".to_owned()
+    } else {
+        text::significant(value)
+    }
+}
+
+/// A chain as `front 210, 143 (dropped) » high 96, 40 (kept)`.
+pub(super) fn chain(cameras: &[Camera], links: &[ChainLink]) -> String {
+    let link = |link: &ChainLink| {
+        let Some(camera) = cameras.get(link.camera) else { return String::new() };
+        let (x, y) = column_and_row(camera, link.pixel);
+        let fate = if link.verdict.is_kept() { "kept" } else { "dropped" };
+        format!("{} {x}, {y} ({fate})", camera.name)
+    };
+    links.iter().map(link).collect::<Vec<_>>().join(" » ")
+}
+
+/// The argument for a pixel as text, for the clipboard.
+pub(crate) fn argument(scene: &Scene, probed: &Probed) -> String {
+    let cameras = &scene.cameras;
+    let name = cameras.get(probed.camera).map_or("", |camera| &camera.name);
+    let mut lines = vec![format!("{}: camera {name}, pixel {}, {}", scene.name, probed.x, probed.y)];
+    if let Some(point) = probed.point_in_world {
+        lines.push(format!("Point: {:.4} {:.4} {:.4}", point.x, point.y, point.z));
+    }
+    if let Some(argument) = &probed.argument {
+        lines.push(format!("Frame {}", argument.frame + 1));
+        lines.push(verdict(cameras, argument.verdict));
+        if argument.chain.len() > 1 {
+            lines.push(format!("Chain: {}", chain(cameras, &argument.chain)));
+        }
+    }
+    if let Some(spans) = &probed.spans {
+        let spans: Vec<String> =
+            spans.iter().map(|span| format!("{}–{}", span.start + 1, span.end)).collect();
+        let stored = if spans.is_empty() { "not stored".to_owned() } else { spans.join(", ") };
+        lines.push(format!("Stored in frames: {stored}"));
+    }
+    if let Some(argument) = probed.argument.as_ref().filter(|argument| !argument.testimonies.is_empty()) {
+        lines.push(
+            "camera\tsees it\tdepth expected\tdepth found\toff (footprints)\tincidence (°)\tr (paper)\tr (footprint)\t\
+             color (8-bit steps)\tthere"
+                .to_owned(),
+        );
+        lines.extend(argument.testimonies.iter().map(|row| line(cameras, row)));
+    }
+    lines.join("\n")
+}
+
+fn line(cameras: &[Camera], row: &Testimony) -> String {
+    let name = cameras.get(row.camera).map_or("", |camera| &camera.name);
+    let mut cells = vec![name.to_owned(), sees(row.outcome).to_owned()];
+    cells.extend(
+        [
+            row.depth_expected,
+            row.depth_found,
+            row.plane_distance_footprints,
+            row.incidence_degrees,
+            row.paper_r,
+            row.footprint_r,
+            row.color_difference_steps,
+        ]
+        .map(number),
+    );
+    cells.push(row.verdict.map_or_else(String::new, |verdict| fate(cameras, verdict)));
+    cells.join("\t")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::Intrinsics;
+    use glam::DVec3;
+
+    #[test]
+    fn a_dropped_pixel_names_its_witness_and_where_it_is() {
+        let lens = Intrinsics::from_horizontal_angle(64, 48, 1.0);
+        let camera = |name| Camera::look_at(name, lens, DVec3::ZERO, DVec3::X, DVec3::Z);
+        let cameras = [camera("front"), camera("left")];
+        let mut lost = Verdict::without_witness(Rule::LowerRate);
+        lost.witness_camera = 1;
+        lost.witness_pixel = 64 * 3 + 5;
+        assert_eq!(verdict(&cameras, lost), "Dropped: left samples this point more densely, at 5, 3.");
+        assert_eq!(fate(&cameras, lost), "dropped for left");
+        let kept = Verdict::without_witness(Rule::BestRate);
+        assert!(verdict(&cameras, kept).starts_with("Kept:"));
+        let links = [
+            ChainLink { camera: 0, pixel: 0, verdict: lost },
+            ChainLink { camera: 1, pixel: 64 * 3 + 5, verdict: kept },
+        ];
+        assert_eq!(chain(&cameras, &links), "front 0, 0 (dropped) » left 5, 3 (kept)");
+    }
+
+    #[test]
+    fn what_is_not_known_is_a_dash() {
+        assert_eq!(
+            (number(f64::NAN), number(f64::INFINITY), number(1.0)),
+            ("–".into(), "infinite".into(), "1.00".into())
+        );
+    }
+}

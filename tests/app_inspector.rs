@@ -1,0 +1,183 @@
+//! The inspector, driven as a person does: pixels are argued about, views dock, numbers can be read.
+
+mod app_driver;
+
+use app_driver::{Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, wait};
+use egui::{Key, vec2};
+use egui_kittest::kittest::Queryable;
+use overlook::app::Start;
+
+const SIZE: [f32; 2] = [1280.0, 800.0];
+
+fn small_demo() -> Start {
+    demo(3, 4, (96, 72))
+}
+
+fn shows(window: &Window, text: &str) -> bool {
+    window.query_all_by_label_contains(text).next().is_some()
+}
+
+#[test]
+fn a_pixel_clicked_in_the_source_is_argued_about_by_every_camera() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    assert!(shows(&window, "No pixel is looked at"));
+    look_at(&mut window, "Source picture", vec2(0.5, 0.6));
+    settle(&mut window);
+    let kept = window.state().probed_pixel().unwrap();
+    for camera in ["front", "left", "right"] {
+        assert!(window.query_by_label(&format!("Go to the point in {camera}")).is_some(), "{camera}");
+    }
+    assert!(shows(&window, "its own pixel") && shows(&window, "Spans of the pixel: "));
+    // Kept: pointing elsewhere changes nothing until it is let go of.
+    window.hover_at(window.get_by_label("Source picture").rect().min + vec2(120.0, 60.0));
+    settle(&mut window);
+    assert_eq!(window.state().probed_pixel().unwrap(), kept);
+    click(&mut window, "Let go of pixel");
+    window.hover_at(window.get_by_label("Source picture").rect().min + vec2(122.0, 64.0));
+    settle(&mut window);
+    assert_ne!(window.state().probed_pixel().unwrap(), kept);
+}
+
+#[test]
+fn a_row_of_the_argument_shows_the_point_in_that_camera() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    look_at(&mut window, "Source picture", vec2(0.5, 0.7));
+    settle(&mut window);
+    let kept = window.state().probed_pixel().unwrap();
+    click(&mut window, "Go to the point in left");
+    settle(&mut window);
+    assert_eq!(window.state().source_camera(), 1);
+    assert_eq!(window.state().probed_pixel().unwrap(), kept, "the pixel that is argued about stays");
+    click(&mut window, "Cameras");
+    settle(&mut window);
+    click(&mut window, "Camera right");
+    assert_eq!(window.state().source_camera(), 2);
+}
+
+#[test]
+fn a_pixel_clicked_in_the_live_view_leads_to_the_camera_that_painted_it() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    look_at(&mut window, "Live picture", vec2(0.45, 0.6));
+    settle(&mut window);
+    let (camera, x, y) = window.state().probed_pixel().unwrap();
+    assert!(camera < 3 && x < 96 && y < 72);
+    assert!(shows(&window, "Kept:"), "what is painted was kept");
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+    assert!(window.query_by_label("Keep pixel").is_some());
+}
+
+#[test]
+fn views_open_from_the_menu_and_the_layout_is_reset() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    for (view, holds) in [
+        ("Matrix", "Who stands for whom"),
+        ("Time", "Span map"),
+        ("Memory", "Memory map"),
+        ("Log", "Pruned the capture"),
+        ("Meter", "Frame times"),
+        ("Report", "What was redundant, and why"),
+    ] {
+        open_view(&mut window, view);
+        assert!(shows(&window, holds), "{view}");
+    }
+    click(&mut window, "Views");
+    click(&mut window, "Reset layout");
+    settle(&mut window);
+    assert!(shows(&window, "No pixel is looked at") && window.query_by_label("Meter").is_none());
+}
+
+#[test]
+fn the_pixel_stays_while_time_passes_and_overlays_change() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    look_at(&mut window, "Source picture", vec2(0.5, 0.6));
+    for overlay in ["Who won", "Motion"] {
+        choose(&mut window, "Source shows", overlay);
+        window.key_press(Key::Period);
+        settle(&mut window);
+        wait(&mut window, "the argument", |window| shows(window, "its own pixel"));
+    }
+    assert_eq!(window.state().frame(), 2);
+}
+
+#[test]
+fn a_threshold_is_dragged_on_its_histogram_and_taken_back() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let tolerance = |window: &Window| window.state().settings().pruning.depth_tolerance;
+    assert_eq!(tolerance(&window), 1.0);
+    drag(&mut window, "Pruning depth tolerance on its histogram", vec2(0.52, 0.6), vec2(60.0, 0.0));
+    let dragged = tolerance(&window);
+    assert!(dragged > 2.0, "{dragged}");
+    settle(&mut window);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::Z);
+    window.run_steps(2);
+    assert_eq!(tolerance(&window), 1.0, "the whole drag is one change");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::Y);
+    window.run_steps(2);
+    assert_eq!(tolerance(&window), dragged);
+    click(&mut window, "Undo");
+    assert_eq!(tolerance(&window), 1.0);
+    settle(&mut window);
+    assert!(window.state().report().unwrap().1);
+}
+
+#[test]
+fn presets_are_taken_and_two_settings_take_turns() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    click(&mut window, "Settings B");
+    pick(&mut window, "Presets", "Careful");
+    assert_eq!(window.state().settings().pruning.normal_tolerance, 15.0);
+    click(&mut window, "Settings A");
+    assert_eq!(window.state().settings(), &overlook::settings::Settings::default());
+    click(&mut window, "Settings B");
+    assert_eq!(window.state().settings().pruning.normal_tolerance, 15.0);
+    settle(&mut window);
+}
+
+#[test]
+fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    open_view(&mut window, "Compare");
+    wait(&mut window, "the comparison", |window| shows(window, "of pixels are shown by one side alone"));
+    assert!(shows(&window, "dB apart") || shows(&window, "equal where both"));
+    drag(&mut window, "Comparison", vec2(0.5, 0.5), vec2(40.0, 0.0));
+    choose(&mut window, "Compare by", "Flip");
+    pick(&mut window, "Right side", "Kernel point");
+    settle(&mut window);
+    choose(&mut window, "Compare by", "Difference");
+    assert!(shows(&window, "8-bit steps"));
+    click(&mut window, "Lock the range");
+    assert!(window.query_by_label("Fit the range").is_some());
+    pick(&mut window, "Left side", "Truth");
+    wait(&mut window, "the trouble", |window| shows(window, "These two cannot be compared here"));
+    pick(&mut window, "From", "Hold-out left");
+    wait(&mut window, "the comparison", |window| !shows(window, "These two cannot be compared here"));
+    assert!(shows(&window, "dB apart"));
+    settle(&mut window);
+    assert!(window.state().notices().is_empty());
+}
+
+#[test]
+fn a_sweep_draws_its_points_as_they_come_and_is_cancelled() {
+    let mut window = open(demo(2, 2, (48, 36)), SIZE);
+    settle(&mut window);
+    open_view(&mut window, "Stability");
+    assert!(shows(&window, "No stress test yet"));
+    open_view(&mut window, "Speed and accuracy");
+    assert!(shows(&window, "No sweep yet"));
+    click(&mut window, "Run a sweep");
+    wait(&mut window, "the first points", |window| shows(window, "2 settings; click one to put it on"));
+    assert!(window.query_by_label("Speed and accuracy chart").is_some());
+    pick(&mut window, "Along", "Milliseconds");
+    window.key_press(Key::Escape);
+    settle(&mut window);
+    assert!(window.state().notices().is_empty());
+}

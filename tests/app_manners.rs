@@ -1,0 +1,185 @@
+//! How the window behaves beside its work: it explains itself, asks before it closes, and does anything by name.
+
+mod app_driver;
+
+use app_driver::{Window, click, demo, drag, open, open_view, settle, type_path, wait};
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use overlook::app::{OverlookApp, Start};
+
+const SIZE: [f32; 2] = [1280.0, 800.0];
+
+fn small_demo() -> Start {
+    demo(3, 4, (96, 72))
+}
+
+fn shows(window: &Window, text: &str) -> bool {
+    window.query_all_by_label_contains(text).next().is_some()
+}
+
+#[derive(Default)]
+struct Storage(std::collections::HashMap<String, String>);
+
+impl eframe::Storage for Storage {
+    fn get_string(&self, key: &str) -> Option<String> {
+        self.0.get(key).cloned()
+    }
+
+    fn set_string(&mut self, key: &str, value: String) {
+        self.0.insert(key.to_owned(), value);
+    }
+
+    fn remove_string(&mut self, key: &str) {
+        self.0.remove(key);
+    }
+
+    fn flush(&mut self) {}
+}
+
+#[test]
+fn a_first_run_explains_itself_in_three_callouts_and_only_once() {
+    let storage = std::sync::Arc::new(std::sync::Mutex::new(Storage::default()));
+    let start = |storage: std::sync::Arc<std::sync::Mutex<Storage>>| -> Window {
+        Harness::builder().with_size(SIZE).with_os(egui::os::OperatingSystem::Nix).build_eframe(move |cc| {
+            OverlookApp::new(&cc.egui_ctx, Some(&*storage.lock().unwrap()), small_demo()).unwrap()
+        })
+    };
+    let mut window = start(storage.clone());
+    settle(&mut window);
+    for title in ["Point at a pixel", "Fly through what is left", "Turn a threshold"] {
+        assert!(shows(&window, title), "{title}");
+        click(&mut window, "Next callout");
+    }
+    assert!(window.query_by_label("Next callout").is_none());
+    eframe::App::save(window.state_mut(), &mut *storage.lock().unwrap());
+    let mut again = start(storage);
+    settle(&mut again);
+    assert!(again.query_by_label("Next callout").is_none());
+}
+
+#[test]
+fn closing_with_changed_thresholds_asks_first() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let close = |window: &mut Window| {
+        let viewport = window.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
+        viewport.events.push(egui::ViewportEvent::Close);
+        window.run_steps(3);
+    };
+    close(&mut window);
+    assert!(!shows(&window, "Close without saving?"), "nothing was changed");
+    drag(&mut window, "Pruning depth tolerance on its histogram", vec2(0.6, 0.6), vec2(30.0, 0.0));
+    settle(&mut window);
+    close(&mut window);
+    assert!(shows(&window, "Close without saving?"));
+    click(&mut window, "Stay");
+    assert!(!shows(&window, "Close without saving?"));
+}
+
+#[test]
+fn the_palette_does_anything_by_its_name() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    window.run_steps(3);
+    window.get_by_label("Command").type_text("view meter");
+    window.run_steps(3);
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    assert!(shows(&window, "Frame times") && window.query_by_label("Command").is_none());
+    assert!(window.state().frame_times().unwrap().frames > 3);
+    click(&mut window, "Commands");
+    window.get_by_label("Command").type_text("pruning.method off");
+    window.run_steps(3);
+    click(&mut window, "Do: Set pruning.method to off");
+    settle(&mut window);
+    let (report, _) = window.state().report().unwrap();
+    assert_eq!(window.state().settings().pruning.method, overlook::settings::PruningMethod::Off);
+    assert!(report.samples_kept > 0);
+}
+
+#[test]
+fn the_sheet_of_keys_opens_and_closes() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    click(&mut window, "Keys");
+    assert!(shows(&window, "Keys and mouse") && shows(&window, "do anything by its name"));
+    click(&mut window, "Close keys");
+    assert!(!shows(&window, "Keys and mouse"));
+}
+
+#[test]
+fn a_camera_path_is_set_played_and_exported() {
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = folder.path().join("pictures");
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    open_view(&mut window, "Camera path");
+    assert!(shows(&window, "No camera path yet"));
+    window.key_press(Key::K);
+    window.run_steps(2);
+    let start = window.state().live_position().unwrap();
+    drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(80.0, 10.0));
+    window.key_press(Key::Period);
+    window.key_press(Key::K);
+    settle(&mut window);
+    let end = window.state().live_position().unwrap();
+    assert_ne!(start, end);
+    click(&mut window, "Key 1");
+    assert_eq!(window.state().live_position().unwrap(), start);
+    click(&mut window, "Play path");
+    wait(&mut window, "the end of the path", |window| {
+        let at = window.state().live_position().unwrap();
+        at.iter().zip(end).all(|(a, b)| (a - b).abs() < 1e-6)
+    });
+    settle(&mut window);
+    type_path_button(&mut window, "Export to path…", &pictures);
+    wait(&mut window, "the pictures", |window| {
+        window.state().notices().iter().any(|notice| notice.starts_with("Exported"))
+    });
+    assert_eq!(std::fs::read_dir(&pictures).unwrap().count(), 49);
+    let first = image::open(pictures.join("0001.png")).unwrap();
+    assert!(first.width() > 20);
+}
+
+fn type_path_button(window: &mut Window, button: &str, path: &std::path::Path) {
+    click(window, button);
+    window.get_by_label("Path").replace_selected_text_accesskit("");
+    window.run_steps(2);
+    window.get_by_label("Path").set_text_value_accesskit(&path.display().to_string());
+    window.run_steps(3);
+    click(window, "Export this path");
+}
+
+#[test]
+fn the_picture_of_the_live_view_is_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("live.png");
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    type_path(&mut window, "Save", "Save picture to path…", &path, "Save this path");
+    wait(&mut window, "the picture", |_| path.is_file());
+    settle(&mut window);
+    let saved = image::open(&path).unwrap();
+    let ([width, height], _) = window.state().live_coverage().unwrap();
+    assert_eq!((saved.width() as usize, saved.height() as usize), (width, height));
+}
+
+#[test]
+fn twice_the_scale_shows_the_same_window() {
+    let start = small_demo();
+    let mut window: Window = Harness::builder()
+        .with_size(SIZE)
+        .with_pixels_per_point(2.0)
+        .with_os(egui::os::OperatingSystem::Nix)
+        .build_eframe(move |cc| OverlookApp::new(&cc.egui_ctx, None, start).unwrap());
+    settle(&mut window);
+    for name in ["Source picture", "Live picture", "Thresholds", "Pixel", "Timeline"] {
+        let area = window.get_by_label(name).rect();
+        assert!(
+            area.width() > 20.0 && area.right() <= SIZE[0] && area.bottom() <= SIZE[1],
+            "{name}: {area:?}"
+        );
+    }
+}

@@ -1,0 +1,162 @@
+//! The argument for a pixel agrees with the verdict, and a rendered pixel leads back to the sample that painted it.
+
+use glam::DVec2;
+use overlook::capture::Capture;
+use overlook::capture::demo::{Demo, DemoSpec};
+use overlook::job::Job;
+use overlook::preprocess::registration::Outcome;
+use overlook::preprocess::{self, FrameInspection, PixelArgument, Rule, TemporalScan};
+use overlook::render::{CpuRenderer, Vantage, pick};
+use overlook::settings::{Kernel, Settings};
+use std::sync::Arc;
+
+fn capture() -> Capture {
+    let spec = DemoSpec {
+        scene: "orrery".into(),
+        cameras: Some(4),
+        frames: Some(3),
+        size: Some((96, 72)),
+        noise: None,
+    };
+    Demo::new(&spec).unwrap().capture(&Settings::default().capture)
+}
+
+fn inspected(capture: &Capture, settings: &Settings) -> (Arc<TemporalScan>, FrameInspection) {
+    let job = Job::new();
+    let scan = preprocess::scan(capture, settings, &job).unwrap();
+    let inspection = preprocess::inspect_frame(capture, Some(&scan), settings, 1, &job).unwrap();
+    (scan, inspection)
+}
+
+/// The arguments of every fifth pixel of every camera.
+fn arguments(inspection: &FrameInspection) -> Vec<PixelArgument> {
+    let mut arguments = Vec::new();
+    for (camera, inspected) in inspection.cameras.iter().enumerate() {
+        let (width, height) = inspected.verdict.size();
+        for y in (0..height).step_by(5) {
+            for x in (0..width).step_by(5) {
+                arguments.push(inspection.pixel_argument(camera, x, y).unwrap());
+            }
+        }
+    }
+    arguments
+}
+
+#[test]
+fn every_dropped_pixel_is_outweighed_by_its_winner_in_the_numbers_shown() {
+    let settings = Settings::default();
+    let (_, inspection) = inspected(&capture(), &settings);
+    let mut lost = 0;
+    for argument in arguments(&inspection) {
+        let Some(witness) = argument.chain.get(1).filter(|_| !argument.verdict.is_kept()) else { continue };
+        lost += 1;
+        assert_eq!(argument.winner, Some(witness.camera));
+        assert!(witness.verdict.is_kept(), "the last of the chain stays");
+        let row = &argument.testimonies[witness.camera];
+        assert_eq!(row.outcome, Some(Outcome::Same(witness.pixel)));
+        assert!(row.plane_distance_footprints <= f64::from(settings.pruning.depth_tolerance) * 1.001 + 1e-3);
+        // No noise is measured on the built-in scene, so that the tolerances alone decide.
+        let mixed = argument.verdict.rule == Rule::MixedYields;
+        assert!(
+            mixed || row.color_difference_steps <= f64::from(settings.pruning.color_tolerance) * 1.001,
+            "{row:?}"
+        );
+        if argument.verdict.rule == Rule::LowerRate {
+            assert!(row.paper_r > 1.0, "{row:?}");
+        }
+    }
+    assert!(lost > 100, "{lost}");
+}
+
+#[test]
+fn a_camera_that_is_blocked_found_something_nearer_and_one_that_looks_past_something_farther() {
+    let (_, inspection) = inspected(&capture(), &Settings::default());
+    let (mut blocked, mut past) = (0, 0);
+    for row in arguments(&inspection).iter().flat_map(|argument| &argument.testimonies) {
+        match row.outcome {
+            Some(Outcome::Occluded) if row.depth_expected.is_finite() => {
+                blocked += 1;
+                assert!(row.depth_found < row.depth_expected * 1.001, "{row:?}");
+            }
+            Some(Outcome::SeesPast) => {
+                past += 1;
+                assert!(row.depth_found > row.depth_expected * 0.999, "{row:?}");
+            }
+            None => {
+                assert_eq!(row.color_difference_steps, 0.0);
+                assert!(row.paper_r.is_nan() || (row.paper_r - 1.0).abs() < 1e-6);
+                let off = (row.depth_expected - row.depth_found).abs();
+                assert!(off.is_nan() || off < 1e-4 * row.depth_expected, "{row:?}");
+            }
+            _ => {}
+        }
+    }
+    assert!(blocked > 20 && past > 20, "{blocked} {past}");
+}
+
+#[test]
+fn the_spans_of_a_pixel_hold_it_at_exactly_the_frames_where_it_was_kept() {
+    let (capture, settings, job) = (capture(), Settings::default(), Job::new());
+    let (scan, inspection) = inspected(&capture, &settings);
+    let whole = preprocess::prune(&capture, &scan, &settings, &job).unwrap();
+    let mut kept = 0;
+    for argument in arguments(&inspection) {
+        let spans = preprocess::spans_of_pixel(&whole.samples, argument.camera, argument.x, argument.y);
+        let stored_here = spans.iter().any(|span| span.contains(1));
+        assert_eq!(stored_here, argument.verdict.is_kept(), "{argument:?}");
+        kept += usize::from(stored_here);
+    }
+    assert!(kept > 100);
+}
+
+#[test]
+fn outside_the_picture_there_is_nothing_to_argue_about() {
+    let (_, inspection) = inspected(&capture(), &Settings::default());
+    assert!(inspection.pixel_argument(9, 0, 0).is_none());
+    assert!(inspection.pixel_argument(0, 96, 0).is_none());
+    assert!(inspection.pair_quantities(5000).len() > 500);
+}
+
+#[test]
+fn a_rendered_pixel_leads_back_to_the_sample_that_painted_it() {
+    let (_, inspection) = inspected(&capture(), &Settings::default());
+    let samples = &inspection.samples;
+    let (a, b) = (&samples.cameras[0], &samples.cameras[1]);
+    let mut camera = a.clone();
+    camera.world_from_camera.translation =
+        a.world_from_camera.translation.lerp(b.world_from_camera.translation, 0.2);
+    let vantage = Vantage { camera, frame: 1 };
+    // Footprints of surfaces seen from the side reach farther than the samples around them.
+    for (kernel, reach, share) in
+        [(Kernel::Point, 0.7072, 1.0), (Kernel::Block, 1.5, 1.0), (Kernel::Gather, 2.0, 0.97)]
+    {
+        let mut settings = Settings::default().render;
+        settings.kernel = kernel;
+        let (picture, _) = CpuRenderer::new().render(samples, &vantage, &settings, &Job::new()).unwrap();
+        let (mut found, mut near) = (0_u32, 0_u32);
+        for y in (0..72).step_by(3) {
+            for x in (0..96).step_by(3) {
+                let Some(picked) = pick(samples, &vantage, &picture, x, y) else {
+                    let hole = picture.image[(x, y)] == overlook::render::NO_IMAGE;
+                    assert!(hole, "{kernel:?}: nothing at {x}, {y}");
+                    continue;
+                };
+                found += 1;
+                let image = &samples.images[picked.image];
+                assert_eq!(image.camera as usize, picked.camera);
+                let inverse_depth = image.inverse_depths()[picked.index];
+                if inverse_depth <= 0.0 {
+                    near += 1;
+                    continue;
+                }
+                let center = DVec2::new(picked.x as f64 + 0.5, picked.y as f64 + 0.5);
+                let point = samples.cameras[picked.camera].unproject(center, 1.0 / f64::from(inverse_depth));
+                let (position, _) = vantage.camera.project(point).unwrap();
+                let off = (position - DVec2::new(x as f64 + 0.5, y as f64 + 0.5)).length();
+                near += u32::from(off <= reach);
+            }
+        }
+        assert!(found > 300, "{kernel:?}: {found}");
+        assert!(f64::from(near) >= share * f64::from(found), "{kernel:?}: {near} of {found}");
+    }
+}
