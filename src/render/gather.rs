@@ -14,6 +14,7 @@ use std::ops::Range;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::frame_samples::FrameSamples;
+use super::gather_points::bilinear;
 use super::lookup::{Lookup, Quad};
 use super::project::{Projector, focal};
 use crate::capture::Camera;
@@ -21,16 +22,16 @@ use crate::preprocess::TILE;
 use crate::settings::PruningMethod;
 
 /// Sampling rates beyond this many times that of the vantage gain nothing: the picture cannot show more.
-const USEFUL_RATE: f32 = 1.5;
+pub(super) const USEFUL_RATE: f32 = 1.5;
 
 /// Where less than this share of a pixel is known by interpolation, the nearest sample's own color stands in.
-const ENOUGH: f32 = 0.25;
+pub(super) const ENOUGH: f32 = 0.25;
 
 /// How much the nearest sample's own color counts for each part that is lacking.
-const OWN_SHARE: f32 = 0.2;
+pub(super) const OWN_SHARE: f32 = 0.2;
 
 /// Samples whose 2×2 neighbors lie on another surface may be blended with it: they count less than clean ones.
-const BESIDE_EDGE: f32 = 0.3;
+pub(super) const BESIDE_EDGE: f32 = 0.3;
 
 /// No further camera is asked once this many pixels' worth of samples are known; the best come first. Where nothing was
 /// pruned two cameras average noise and aliasing; where pruning left one per surface, asking for a second finds little.
@@ -38,29 +39,20 @@ const MANY: f32 = 1.99;
 const MANY_PRUNED: f32 = 0.99;
 
 /// Depths that differ by less than this part of the tolerance are taken as equal.
-const EXACT: f32 = 0.005;
+pub(super) const EXACT: f32 = 0.005;
 
 /// Sub-pixels along each side of a pixel that is interpolated in a picture of higher sampling rate, at most.
-const MAX_SUBPIXELS: f32 = 4.0;
+pub(super) const MAX_SUBPIXELS: f32 = 4.0;
 
 /// A camera and its place beside the vantage.
-struct View {
-    camera: usize,
-    source_from_target: Projector,
-    target_from_source: Projector,
+pub(super) struct View {
+    pub(super) camera: usize,
+    pub(super) source_from_target: Projector,
+    pub(super) target_from_source: Projector,
     /// From the camera's center to the vantage's, in world space.
     offset_in_world: Vec3,
     /// What lies within this relative difference of inverse depth is one surface.
-    tolerance: f32,
-}
-
-/// One camera's answer.
-struct Answer {
-    /// Weighted by `weight`.
-    color: [f32; 3],
-    weight: f32,
-    /// Share of the pixel that is known.
-    known: f32,
+    pub(super) tolerance: f32,
 }
 
 /// How one camera sees a surface point, as shares of the 2×2 samples around it.
@@ -78,12 +70,12 @@ pub(super) struct Sight {
 
 /// Finds colors of surface points among the samples of a frame.
 pub(super) struct Gather<'a> {
-    lookup: Lookup<'a>,
-    views: Vec<View>,
+    pub(super) lookup: Lookup<'a>,
+    pub(super) views: Vec<View>,
     /// Whether samples that others represent were dropped.
-    pruned: bool,
+    pub(super) pruned: bool,
     /// [`MANY`] or [`MANY_PRUNED`].
-    many: f32,
+    pub(super) many: f32,
     /// World-space ray of the first pixel's center, and its growth by column and row.
     rays_in_world: [Vec3; 3],
 }
@@ -139,74 +131,6 @@ impl<'a> Gather<'a> {
         cameras.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
     }
 
-    /// The color of the surface at inverse depth `w` in pixel `(x, y)` of the vantage, among the samples of `cameras`, of
-    /// which the best come first, and, in a pruned set, before them those of the camera that `sample` comes from. `own` is
-    /// the color of that sample, for where nothing can be interpolated.
-    #[inline(always)]
-    pub(super) fn color(
-        &self,
-        (x, y): (f32, f32),
-        w: f32,
-        (sample, cameras): (u16, &[u16]),
-        own: impl FnOnce() -> [f32; 3],
-    ) -> [f32; 3] {
-        let (mut sum, mut total, mut known) = ([0.0; 3], 0.0, 0.0);
-        let mut next = 0;
-        let mut camera = sample;
-        let mut ask = self.pruned;
-        loop {
-            if ask && let Some(answer) = self.answer(&self.views[camera as usize], x, y, w) {
-                (0..3).for_each(|channel| sum[channel] += answer.color[channel]);
-                total += answer.weight;
-                known += answer.known;
-            }
-            if next == cameras.len() || known >= self.many {
-                break;
-            }
-            camera = cameras[next];
-            ask = !self.pruned || camera != sample;
-            next += 1;
-        }
-        if total < ENOUGH {
-            let lack = (ENOUGH - total) * OWN_SHARE + 1e-6;
-            let own = own();
-            (0..3).for_each(|channel| sum[channel] += own[channel] * lack);
-            total += lack;
-        }
-        sum.map(|channel| channel / total)
-    }
-
-    #[inline(always)]
-    fn answer(&self, view: &View, x: f32, y: f32, w: f32) -> Option<Answer> {
-        let place = self.place(view, x, y, w)?;
-        let rate = view.source_from_target.focal_ratio * place.reciprocal;
-        if rate <= USEFUL_RATE {
-            return self.interpolate(view, &place, x, y, w);
-        }
-        // The picture is coarser than the camera's: the mean over sub-pixels, or fine detail would alias.
-        let count = (rate / USEFUL_RATE).ceil().min(MAX_SUBPIXELS);
-        let mut sum = Answer { color: [0.0; 3], weight: 0.0, known: 0.0 };
-        let per_subpixel = 1.0 / count;
-        for sub_y in 0..count as usize {
-            for sub_x in 0..count as usize {
-                let x = x + (sub_x as f32 + 0.5) * per_subpixel - 0.5;
-                let y = y + (sub_y as f32 + 0.5) * per_subpixel - 0.5;
-                let Some(place) = self.place(view, x, y, w) else { continue };
-                if let Some(part) = self.interpolate(view, &place, x, y, w) {
-                    (0..3).for_each(|channel| sum.color[channel] += part.color[channel]);
-                    sum.weight += part.weight;
-                    sum.known += part.known;
-                }
-            }
-        }
-        let share = per_subpixel * per_subpixel;
-        (sum.weight > 0.0).then(|| Answer {
-            color: sum.color.map(|channel| channel * share),
-            weight: sum.weight * share,
-            known: sum.known * share,
-        })
-    }
-
     /// Where the surface point lies in a camera; `None` behind it and outside its picture.
     #[inline(always)]
     fn place(&self, view: &View, x: f32, y: f32, w: f32) -> Option<Place> {
@@ -233,45 +157,10 @@ impl<'a> Gather<'a> {
         })
     }
 
-    #[inline(always)]
-    fn interpolate(&self, view: &View, place: &Place, x: f32, y: f32, w: f32) -> Option<Answer> {
-        let limit = place.expected * view.tolerance;
-        let depths = &place.quad.depth;
-        let shares = bilinear(place.along, place.down);
-        // Samples that show the surface there count fully, others not at all; all four do nearly everywhere.
-        let agrees = depths
-            .map(|depth| f32::from(u8::from(((depth - place.expected).abs() <= limit) & (depth >= 0.0))));
-        let shown: [f32; 4] = std::array::from_fn(|corner| shares[corner] * agrees[corner]);
-        let known = (shown[0] + shown[1]) + (shown[2] + shown[3]);
-        if known < 1e-3 {
-            return None;
-        }
-        let weighted: [f32; 4] = std::array::from_fn(|corner| shown[corner] * depths[corner]);
-        let depth = ((weighted[0] + weighted[1]) + (weighted[2] + weighted[3])) / known;
-        // Where the camera agrees with the z-buffer to a small part of the tolerance, correcting moves nothing.
-        let shares = if (depth - place.expected).abs() > EXACT * limit {
-            let (along, down) = corrected(view, place, (x, y), depth);
-            bilinear(along, down)
-        } else {
-            shares
-        };
-        let (mut color, mut known) = ([0.0; 3], 0.0);
-        for corner in 0..4 {
-            if agrees[corner] > 0.0 {
-                let sample = self.lookup.color(&place.quad, corner);
-                (0..3).for_each(|channel| color[channel] += shares[corner] * sample[channel]);
-                known += shares[corner];
-            }
-        }
-        let beside = (0..4).any(|corner| (agrees[corner] == 0.0) & (depths[corner] >= 0.0));
-        let weight = self.weight(view, place.reciprocal, (x, y), w) * if beside { BESIDE_EDGE } else { 1.0 };
-        Some(Answer { color: color.map(|channel| channel * weight), weight: known * weight, known })
-    }
-
     /// How much a camera counts: the squared sampling rate, as far as it is of use, times the cosine between its line of
     /// sight and the vantage's.
     #[inline(always)]
-    fn weight(&self, view: &View, reciprocal: f32, (x, y): (f32, f32), w: f32) -> f32 {
+    pub(super) fn weight(&self, view: &View, reciprocal: f32, (x, y): (f32, f32), w: f32) -> f32 {
         let [first, across, down] = self.rays_in_world;
         let ray = first + across * x + down * y;
         let sight = ray + view.offset_in_world * w;
@@ -311,31 +200,6 @@ impl<'a> Gather<'a> {
             sight.through += doubt;
         }
         Some(sight)
-    }
-}
-
-/// Shares of left above, right above, left below, right below.
-#[inline(always)]
-fn bilinear(along: f32, down: f32) -> [f32; 4] {
-    let (back, up) = (1.0 - along, 1.0 - down);
-    [back * up, along * up, back * down, along * down]
-}
-
-/// Where between the 2×2 samples the pixel's line of sight meets the surface that the camera itself saw, at inverse depth
-/// `depth`, instead of the one that the z-buffer holds.
-#[inline(always)]
-fn corrected(view: &View, place: &Place, (x, y): (f32, f32), depth: f32) -> (f32, f32) {
-    let back = &view.target_from_source;
-    let seen = back.ray(place.left + place.along, place.above + place.down) + back.origin * depth;
-    let there = &view.source_from_target;
-    let point = there.ray(x, y) * seen.z + there.origin * depth;
-    let reciprocal = 1.0 / point.z;
-    let (u, v) = (point.x * reciprocal - 0.5, point.y * reciprocal - 0.5);
-    let sound = seen.z > 0.0 && point.z > 0.0;
-    if sound {
-        ((u - place.left).clamp(0.0, 1.0), (v - place.above).clamp(0.0, 1.0))
-    } else {
-        (place.along, place.down)
     }
 }
 

@@ -123,10 +123,26 @@ impl<'a> Lookup<'a> {
         quad
     }
 
-    /// The color of one sample of a quad, linear.
+    /// Inverse depths and colors, three half floats each, of the samples at the pixels that [`Lookup::quad`] looks at.
     #[inline(always)]
-    pub(super) fn color(&self, quad: &Quad, corner: usize) -> [f32; 3] {
-        self.tiles[quad.tile[corner] as usize].color(quad.nth[corner] as usize)
+    pub(super) fn samples(&self, camera: usize, x: i32, y: i32) -> ([f32; 4], [u64; 4]) {
+        let cells = &self.cameras[camera];
+        let inside = x >= 0 && y >= 0 && x + 1 < cells.width && y + 1 < cells.height;
+        let (column, row) = ((x & 15) as usize, (y & 15) as usize);
+        if inside && column < TILE - 1 && row < TILE - 1 {
+            let cell = cells.first + (y >> 4) as usize * cells.across + (x >> 4) as usize;
+            if let Some(tile) = self.tiles.get(self.cells[cell] as usize)
+                && let Some(found) = tile.quad(column, row)
+            {
+                return found;
+            }
+        }
+        let quad = self.quad(camera, x, y);
+        let color = [0, 1, 2, 3].map(|corner: usize| {
+            let tile = self.tiles.get(quad.tile[corner] as usize);
+            tile.map_or(0, |tile| tile.color_bits(quad.nth[corner] as usize))
+        });
+        (quad.depth, color)
     }
 }
 

@@ -10,6 +10,7 @@ use super::blend::Sum;
 use super::blocks::Blocks;
 use super::frame_samples::{ColorPlace, FrameSamples, f32_from_f16_bits};
 use super::gather::{BLOCK, Gather};
+use super::gather_points::{Findings, SurfacePoint};
 use super::keys::{inverse_depth_of, slot_of};
 use super::silhouette::{Patch, Pixel, RING, SIDE};
 use super::vantage::{NO_IMAGE, Picture};
@@ -103,7 +104,7 @@ impl Work for Strip<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        let mut cameras = Vec::new();
+        let (mut cameras, mut waiting) = (Vec::new(), Waiting::default());
         let mut found = Found {
             keys: [[0; BLOCK]; BLOCK],
             places: [[ColorPlace::default(); BLOCK]; BLOCK],
@@ -119,7 +120,7 @@ impl Work for Strip<'_> {
             if !has_foreground && let Some(background) = self.resolve.background_picture {
                 self.copy(&block, background);
             } else if let Some(gathers) = self.resolve.gather {
-                self.gather(&block, gathers[usize::from(has_foreground)], &mut cameras);
+                self.gather(&block, gathers[usize::from(has_foreground)], (&mut cameras, &mut waiting));
             } else if self.resolve.kernel == Kernel::Point && !self.resolve.frame.tiles.is_empty() {
                 self.points(&block, &mut found);
             } else {
@@ -303,7 +304,12 @@ impl Strip<'_> {
     }
 
     #[inline(always)]
-    fn gather(&mut self, block: &Block, gather: &Gather<'_>, cameras: &mut Vec<u16>) {
+    fn gather(
+        &mut self,
+        block: &Block,
+        gather: &Gather<'_>,
+        (cameras, waiting): (&mut Vec<u16>, &mut Waiting),
+    ) {
         let frame = self.resolve.frame;
         let patch = self.resolve.patch(block);
         frame.cameras_of(patch.keys.as_flattened(), cameras);
@@ -312,6 +318,7 @@ impl Strip<'_> {
         gather.rank(center, inverse_depth_of(middle).max(0.0), cameras);
         let edges = patch.edges();
         let (columns, rows) = self.extent(block);
+        waiting.clear();
         for row in 0..rows {
             for column in 0..columns {
                 let own = patch.keys[row + RING][column + RING];
@@ -329,18 +336,45 @@ impl Strip<'_> {
                         (if share >= 0.5 { near } else { far }, [(near, share), (far, 1.0 - share)])
                     }
                 };
-                let (x, y) = ((block.left + column) as f32, (block.top + row) as f32);
-                let mut color = [0.0; 3];
+                let at = row * self.resolve.width + block.left + column;
+                self.set(at, key, [0.0; 3]);
                 for (key, share) in layers {
                     if share > 0.0 {
-                        let own = || frame.color_of(slot_of(key));
-                        let sample = frame.camera_of(slot_of(key));
-                        let found = gather.color((x, y), inverse_depth_of(key), (sample, cameras), own);
-                        (0..3).for_each(|channel| color[channel] += share * found[channel]);
+                        let place = ((block.left + column) as f32, (block.top + row) as f32);
+                        waiting.push(frame, place, (key, share), at);
                     }
                 }
-                self.set(row * self.resolve.width + block.left + column, key, color);
             }
         }
+        gather.find(&waiting.points, cameras, &mut waiting.found, &mut waiting.wanting);
+        for (found, &(key, share, at)) in waiting.found.iter().zip(&waiting.pixels) {
+            let color = found.color(|| frame.color_of(slot_of(key)));
+            (0..3).for_each(|channel| self.rows.color[at][channel] += share * color[channel]);
+        }
+    }
+}
+
+/// Surface points of a block that wait for their colors.
+#[derive(Default)]
+struct Waiting {
+    points: Vec<SurfacePoint>,
+    /// The key of each, how much it counts in its pixel, and the pixel, as an index in the strip.
+    pixels: Vec<(u64, f32, usize)>,
+    found: Vec<Findings>,
+    /// Points that want one camera.
+    wanting: Vec<usize>,
+}
+
+impl Waiting {
+    fn clear(&mut self) {
+        self.points.clear();
+        self.pixels.clear();
+    }
+
+    #[inline(always)]
+    fn push(&mut self, frame: &FrameSamples<'_>, (x, y): (f32, f32), (key, share): (u64, f32), at: usize) {
+        let sample = frame.camera_of(slot_of(key));
+        self.points.push(SurfacePoint { x, y, w: inverse_depth_of(key), sample });
+        self.pixels.push((key, share, at));
     }
 }

@@ -311,7 +311,7 @@ impl Splat for Planes {
 
 /// A whole number from 0 to 2²³ − 1. (A cast would be turned into sixteen scalar instructions, each with checks.)
 #[inline(always)]
-fn whole(number: f32) -> u32 {
+pub(super) fn whole(number: f32) -> u32 {
     (number + 8_388_608.0).to_bits() & 0x7f_ffff
 }
 

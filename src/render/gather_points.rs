@@ -1,0 +1,399 @@
+//! The gather stage's arithmetic: a camera is asked for the colors of all points of a block that want it, sixteen at a time
+//! in vectors; only the samples themselves are looked up one by one. Every point hears its cameras in the same order as if it
+//! asked alone, so that its color does not depend on its neighbors.
+
+use super::frame_samples::f32_from_f16_bits;
+use super::gather::{BESIDE_EDGE, ENOUGH, EXACT, Gather, MAX_SUBPIXELS, OWN_SHARE, USEFUL_RATE, View};
+use super::project::Projector;
+use super::surface::whole;
+
+/// Points that are worked on together.
+const LANES: usize = 16;
+
+type Lanes = [f32; LANES];
+
+/// A surface point of the vantage.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SurfacePoint {
+    /// Column of the pixel.
+    pub(super) x: f32,
+    /// Row of the pixel.
+    pub(super) y: f32,
+    /// Inverse depth.
+    pub(super) w: f32,
+    /// Camera of the nearest sample.
+    pub(super) sample: u16,
+}
+
+/// What is known of a surface point's color.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Findings {
+    /// Weighted by `weight`.
+    color: [f32; 3],
+    weight: f32,
+    /// Pixels' worth of samples.
+    pixels: f32,
+}
+
+impl Findings {
+    /// The color; `own`, that of the nearest sample, stands in where too little is known.
+    #[inline(always)]
+    pub(super) fn color(&self, own: impl FnOnce() -> [f32; 3]) -> [f32; 3] {
+        let (mut sum, mut total) = (self.color, self.weight);
+        if total < ENOUGH {
+            let lack = (ENOUGH - total) * OWN_SHARE + 1e-6;
+            let own = own();
+            (0..3).for_each(|channel| sum[channel] += own[channel] * lack);
+            total += lack;
+        }
+        sum.map(|channel| channel / total)
+    }
+}
+
+/// Points that one camera is asked for together.
+struct Asked {
+    x: Lanes,
+    y: Lanes,
+    w: Lanes,
+    /// One bit for each that there is.
+    which: u32,
+}
+
+/// What cameras say of the points.
+#[derive(Clone, Copy)]
+struct Answers {
+    /// Weighted by `weight`.
+    color: [Lanes; 3],
+    weight: Lanes,
+    /// Share of the pixel that is known.
+    known: Lanes,
+}
+
+impl Answers {
+    const NONE: Self = Self { color: [[0.0; LANES]; 3], weight: [0.0; LANES], known: [0.0; LANES] };
+
+    #[inline(always)]
+    fn add(&mut self, other: &Self, factor: &Lanes) {
+        for i in 0..LANES {
+            self.color[0][i] += other.color[0][i] * factor[i];
+            self.color[1][i] += other.color[1][i] * factor[i];
+            self.color[2][i] += other.color[2][i] * factor[i];
+            self.weight[i] += other.weight[i] * factor[i];
+            self.known[i] += other.known[i] * factor[i];
+        }
+    }
+}
+
+/// The points in one camera.
+struct Places {
+    /// Whether the camera looks there.
+    inside: [bool; LANES],
+    left: Lanes,
+    above: Lanes,
+    along: Lanes,
+    down: Lanes,
+    /// Inverse depth there, if it is the surface that the camera sees.
+    expected: Lanes,
+    /// Distance from the vantage over that from the camera.
+    reciprocal: Lanes,
+}
+
+/// The 2×2 samples around each point.
+struct Quads {
+    depth: [Lanes; 4],
+    /// Three half floats each.
+    color: [[u64; LANES]; 4],
+}
+
+impl Quads {
+    fn new() -> Self {
+        Self { depth: [[0.0; LANES]; 4], color: [[0; LANES]; 4] }
+    }
+
+    /// Red, green and blue of each corner.
+    #[inline(always)]
+    fn colors(&self) -> [[Lanes; 3]; 4] {
+        let mut colors = [[[0.0; LANES]; 3]; 4];
+        for (bits, colors) in self.color.iter().zip(&mut colors) {
+            for i in 0..LANES {
+                colors[0][i] = f32_from_f16_bits(bits[i] as u32 & 0xffff);
+                colors[1][i] = f32_from_f16_bits((bits[i] >> 16) as u32 & 0xffff);
+                colors[2][i] = f32_from_f16_bits((bits[i] >> 32) as u32 & 0xffff);
+            }
+        }
+        colors
+    }
+}
+
+impl Gather<'_> {
+    /// Finds what the samples of `cameras`, of which the best come first, say of the colors of surface points; in a pruned set
+    /// a point's own camera is asked before all others. Each camera is asked at once for all points that want it.
+    #[inline(always)]
+    pub(super) fn find(
+        &self,
+        points: &[SurfacePoint],
+        cameras: &[u16],
+        found: &mut Vec<Findings>,
+        wanting: &mut Vec<usize>,
+    ) {
+        found.clear();
+        found.resize(points.len(), Findings::default());
+        let all = || points.iter().enumerate();
+        if self.pruned {
+            for &camera in cameras {
+                wanting.clear();
+                wanting.extend(all().filter(|(_, point)| point.sample == camera).map(|(nth, _)| nth));
+                self.ask(camera, points, wanting, found);
+            }
+        }
+        for &camera in cameras {
+            wanting.clear();
+            let wants = |nth: usize, point: &SurfacePoint| {
+                found[nth].pixels < self.many && !(self.pruned && point.sample == camera)
+            };
+            wanting.extend(all().filter(|(nth, point)| wants(*nth, point)).map(|(nth, _)| nth));
+            self.ask(camera, points, wanting, found);
+        }
+    }
+
+    /// Adds what one camera says of some points.
+    #[inline(always)]
+    fn ask(&self, camera: u16, points: &[SurfacePoint], wanting: &[usize], found: &mut [Findings]) {
+        let view = &self.views[camera as usize];
+        for group in wanting.chunks(LANES) {
+            let zero = [0.0; LANES];
+            let mut asked = Asked { x: zero, y: zero, w: zero, which: (1_u32 << group.len()) - 1 };
+            for (lane, &nth) in group.iter().enumerate() {
+                let point = &points[nth];
+                (asked.x[lane], asked.y[lane], asked.w[lane]) = (point.x, point.y, point.w);
+            }
+            let answers = self.answers(view, &asked);
+            for (lane, &nth) in group.iter().enumerate() {
+                let known = &mut found[nth];
+                (0..3).for_each(|channel| known.color[channel] += answers.color[channel][lane]);
+                known.weight += answers.weight[lane];
+                known.pixels += answers.known[lane];
+            }
+        }
+    }
+
+    /// What one camera says of sixteen points.
+    #[inline(always)]
+    fn answers(&self, view: &View, points: &Asked) -> Answers {
+        let mut found = Answers::NONE;
+        let places = self.places(view, &points.x, &points.y, &points.w);
+        let asked = points.which & mask(|i| places.inside[i]);
+        if asked == 0 {
+            return found;
+        }
+        let mut counts = [1.0; LANES];
+        for i in 0..LANES {
+            let rate = view.source_from_target.focal_ratio * places.reciprocal[i];
+            // The picture is coarser than the camera's: the mean over sub-pixels, or fine detail would alias.
+            let count = (rate / USEFUL_RATE).ceil().min(MAX_SUBPIXELS);
+            counts[i] = if rate <= USEFUL_RATE { 1.0 } else { count };
+        }
+        let single = asked & mask(|i| counts[i] == 1.0);
+        if single != 0 {
+            found = self.interpolated(view, &places, (&points.x, &points.y, &points.w), single);
+        }
+        let mut left = asked & !single;
+        while left != 0 {
+            let count = counts[left.trailing_zeros() as usize % LANES];
+            let alike = left & mask(|i| counts[i] == count);
+            left &= !alike;
+            self.average(view, points, (alike, count), &mut found);
+        }
+        found
+    }
+
+    /// The mean over `count` times `count` sub-pixels of the points of a mask.
+    #[inline(always)]
+    fn average(&self, view: &View, points: &Asked, (asked, count): (u32, f32), found: &mut Answers) {
+        let mut sum = Answers::NONE;
+        let per_subpixel = 1.0 / count;
+        for sub_y in 0..count as usize {
+            for sub_x in 0..count as usize {
+                let (mut x, mut y) = (points.x, points.y);
+                for i in 0..LANES {
+                    x[i] = x[i] + (sub_x as f32 + 0.5) * per_subpixel - 0.5;
+                    y[i] = y[i] + (sub_y as f32 + 0.5) * per_subpixel - 0.5;
+                }
+                let places = self.places(view, &x, &y, &points.w);
+                let asked = asked & mask(|i| places.inside[i]);
+                let part = self.interpolated(view, &places, (&x, &y, &points.w), asked);
+                sum.add(&part, &[1.0; LANES]);
+            }
+        }
+        found.add(&sum, &[per_subpixel * per_subpixel; LANES]);
+    }
+
+    /// Where points lie in a camera.
+    #[inline(always)]
+    fn places(&self, view: &View, x: &Lanes, y: &Lanes, w: &Lanes) -> Places {
+        let zero = [0.0; LANES];
+        let mut places = Places {
+            inside: [false; LANES],
+            left: zero,
+            above: zero,
+            along: zero,
+            down: zero,
+            expected: zero,
+            reciprocal: zero,
+        };
+        let (width, height) = self.lookup.size(view.camera);
+        let (width, height) = (width as f32, height as f32);
+        for i in 0..LANES {
+            let point = carried(&view.source_from_target, x[i], y[i], w[i]);
+            let reciprocal = 1.0 / point[2];
+            let (u, v) = (point[0] * reciprocal - 0.5, point[1] * reciprocal - 0.5);
+            // Rounded down: inside, both are larger than −1.
+            let (left, above) = ((u + 1.0).floor() - 1.0, (v + 1.0).floor() - 1.0);
+            places.inside[i] = (point[2] > 0.0) & (u > -1.0) & (v > -1.0) & (u < width) & (v < height);
+            places.left[i] = left;
+            places.above[i] = above;
+            places.along[i] = u - left;
+            places.down[i] = v - above;
+            places.expected[i] = w[i] * reciprocal;
+            places.reciprocal[i] = reciprocal;
+        }
+        places
+    }
+
+    /// What a camera's samples say of the points of a mask; nothing of the others.
+    #[inline(always)]
+    fn interpolated(
+        &self,
+        view: &View,
+        places: &Places,
+        (x, y, w): (&Lanes, &Lanes, &Lanes),
+        asked: u32,
+    ) -> Answers {
+        let mut quads = Quads::new();
+        let (mut columns, mut rows) = ([0_i32; LANES], [0_i32; LANES]);
+        for i in 0..LANES {
+            columns[i] = whole(places.left[i] + 1.0) as i32 - 1;
+            rows[i] = whole(places.above[i] + 1.0) as i32 - 1;
+        }
+        let mut left = asked;
+        while left != 0 {
+            let i = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            let (depth, color) = self.lookup.samples(view.camera, columns[i], rows[i]);
+            for corner in 0..4 {
+                quads.depth[corner][i] = depth[corner];
+                quads.color[corner][i] = color[corner];
+            }
+        }
+        let weights = self.weights(view, &places.reciprocal, (x, y, w));
+        let colors = quads.colors();
+        let mut answers = Answers::NONE;
+        for i in 0..LANES {
+            let expected = places.expected[i];
+            let limit = expected * view.tolerance;
+            let (a, b) = (quads.depth[0][i], quads.depth[1][i]);
+            let (c, d) = (quads.depth[2][i], quads.depth[3][i]);
+            // Samples that show the surface there count fully, others not at all; all four do nearly everywhere.
+            let (agrees_a, agrees_b) = (agrees(a, expected, limit), agrees(b, expected, limit));
+            let (agrees_c, agrees_d) = (agrees(c, expected, limit), agrees(d, expected, limit));
+            let shares = bilinear(places.along[i], places.down[i]);
+            let shown_a = if agrees_a { shares[0] } else { 0.0 };
+            let shown_b = if agrees_b { shares[1] } else { 0.0 };
+            let shown_c = if agrees_c { shares[2] } else { 0.0 };
+            let shown_d = if agrees_d { shares[3] } else { 0.0 };
+            let known = (shown_a + shown_b) + (shown_c + shown_d);
+            let depth = ((shown_a * a + shown_b * b) + (shown_c * c + shown_d * d)) / known;
+            // Where the camera agrees with the z-buffer to a small part of the tolerance, correcting moves nothing.
+            let is_exact = (depth - expected).abs() <= EXACT * limit;
+            let (along, down) = corrected(view, places, i, (x[i], y[i]), depth);
+            let along = if is_exact { places.along[i] } else { along };
+            let down = if is_exact { places.down[i] } else { down };
+            let shares = bilinear(along, down);
+            let part_a = if agrees_a { shares[0] } else { 0.0 };
+            let part_b = if agrees_b { shares[1] } else { 0.0 };
+            let part_c = if agrees_c { shares[2] } else { 0.0 };
+            let part_d = if agrees_d { shares[3] } else { 0.0 };
+            let share = part_a + part_b + part_c + part_d;
+            let beside = (!agrees_a & (a >= 0.0))
+                | (!agrees_b & (b >= 0.0))
+                | (!agrees_c & (c >= 0.0))
+                | (!agrees_d & (d >= 0.0));
+            let weight = weights[i] * if beside { BESIDE_EDGE } else { 1.0 };
+            let counts = (asked >> i & 1 == 1) & (known >= 1e-3);
+            let red = colors[0][0][i] * part_a
+                + colors[1][0][i] * part_b
+                + colors[2][0][i] * part_c
+                + colors[3][0][i] * part_d;
+            let green = colors[0][1][i] * part_a
+                + colors[1][1][i] * part_b
+                + colors[2][1][i] * part_c
+                + colors[3][1][i] * part_d;
+            let blue = colors[0][2][i] * part_a
+                + colors[1][2][i] * part_b
+                + colors[2][2][i] * part_c
+                + colors[3][2][i] * part_d;
+            answers.color[0][i] = if counts { red * weight } else { 0.0 };
+            answers.color[1][i] = if counts { green * weight } else { 0.0 };
+            answers.color[2][i] = if counts { blue * weight } else { 0.0 };
+            answers.weight[i] = if counts { share * weight } else { 0.0 };
+            answers.known[i] = if counts { share } else { 0.0 };
+        }
+        answers
+    }
+
+    /// How much a camera counts for each of sixteen points.
+    #[inline(always)]
+    fn weights(&self, view: &View, reciprocal: &Lanes, (x, y, w): (&Lanes, &Lanes, &Lanes)) -> Lanes {
+        let mut weights = [0.0; LANES];
+        for i in 0..LANES {
+            weights[i] = self.weight(view, reciprocal[i], (x[i], y[i]), w[i]);
+        }
+        weights
+    }
+}
+
+/// Whether a sample at inverse depth `depth` shows the surface that is expected.
+#[inline(always)]
+fn agrees(depth: f32, expected: f32, limit: f32) -> bool {
+    ((depth - expected).abs() <= limit) & (depth >= 0.0)
+}
+
+/// `M·ray + o·w` of a pixel.
+#[inline(always)]
+fn carried(projector: &Projector, x: f32, y: f32, w: f32) -> [f32; 3] {
+    let point = projector.ray(x, y) + projector.origin * w;
+    [point.x, point.y, point.z]
+}
+
+/// A mask of the points for which `holds`.
+#[inline(always)]
+fn mask(holds: impl Fn(usize) -> bool) -> u32 {
+    let mut mask = 0;
+    for i in 0..LANES {
+        mask |= u32::from(holds(i)) << i;
+    }
+    mask
+}
+
+/// Shares of left above, right above, left below, right below.
+#[inline(always)]
+pub(super) fn bilinear(along: f32, down: f32) -> [f32; 4] {
+    let (back, up) = (1.0 - along, 1.0 - down);
+    [back * up, along * up, back * down, along * down]
+}
+
+/// Where between the 2×2 samples the pixel's line of sight meets the surface that the camera itself saw, at inverse depth
+/// `depth`, instead of the one that the z-buffer holds.
+#[inline(always)]
+fn corrected(view: &View, places: &Places, i: usize, (x, y): (f32, f32), depth: f32) -> (f32, f32) {
+    let (left, above) = (places.left[i], places.above[i]);
+    let seen = carried(&view.target_from_source, left + places.along[i], above + places.down[i], depth);
+    let there = &view.source_from_target;
+    let ray = there.ray(x, y);
+    let point = ray * seen[2] + there.origin * depth;
+    let reciprocal = 1.0 / point.z;
+    let (u, v) = (point.x * reciprocal - 0.5, point.y * reciprocal - 0.5);
+    let sound = (seen[2] > 0.0) & (point.z > 0.0);
+    let (along, down) = ((u - left).clamp(0.0, 1.0), (v - above).clamp(0.0, 1.0));
+    (if sound { along } else { places.along[i] }, if sound { down } else { places.down[i] })
+}
