@@ -10,6 +10,7 @@
 
 mod blocks;
 mod bytes;
+mod chunks;
 pub mod coding;
 mod header;
 pub mod iff;
