@@ -231,7 +231,10 @@ impl OverlookApp {
     }
 
     fn escape(&mut self) {
-        if self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
+        let inspector = &mut self.state.inspector;
+        let was_open = inspector.palette.take().is_some() | inspector.cheat_sheet | inspector.asks_to_close;
+        (inspector.cheat_sheet, inspector.asks_to_close) = (false, false);
+        if was_open || self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
             return;
         }
         if self.state.inspector.path.playing.take().is_some() {

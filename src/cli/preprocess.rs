@@ -144,6 +144,15 @@ impl PreprocessArgs {
         for (rule, dropped) in &result.pruned {
             let _ = writeln!(text, "  dropped {:>16}  {rule}", output::count(*dropped));
         }
+        let disputes: u64 = result.report.rate_disputes.iter().flatten().sum();
+        let _ = writeln!(
+            text,
+            "  of the points of {} samples the paper's rate and the footprint name different cameras as the best-sampled",
+            output::count(disputes)
+        );
+        for (outcome, samples) in result.report.mixed_pixels.iter().filter(|(_, samples)| **samples > 0) {
+            let _ = writeln!(text, "  blended across a silhouette, {outcome}: {}", output::count(*samples));
+        }
         for camera in &result.report.cameras {
             let _ = writeln!(text, "  {}", measured(camera));
         }

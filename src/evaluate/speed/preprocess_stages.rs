@@ -8,8 +8,8 @@ use super::measure::{Times, repeat};
 use super::report::{Bound, Measured};
 use crate::capture::Frame;
 use crate::error::{Error, Result};
-use crate::preprocess::background::Background;
-use crate::preprocess::descent::{FRAME, prune_frame};
+use crate::preprocess::descent::FRAME;
+use crate::preprocess::frame_layers::FrameLayers;
 use crate::preprocess::noise::measure_pairs;
 use crate::preprocess::normals::DepthView;
 use crate::preprocess::pruning::{self, Rig};
@@ -150,14 +150,15 @@ fn prune_layers(bench: &Bench<'_>) -> Result<Times> {
     let capture = &bench.scene.capture;
     let mut settings = Settings::default();
     let rig = Rig::new(&capture.cameras);
-    let layers = prune_frame(capture, None, &rig, Background::none(capture), &settings, 0, bench.job)?.layers;
+    let complete = FrameLayers::of(capture, None, &rig, &settings, 0, bench.job)?;
+    let layers = &complete.layers;
     let tolerance = settings.pruning.color_tolerance;
     let mut turn = 0_u8;
     repeat(bench.budget, bench.job, || {
         turn = turn.wrapping_add(1);
         settings.pruning.color_tolerance = tolerance + 0.01 * f32::from(turn);
-        let statuses = pruning::no_statuses(&layers);
-        pruning::prune(&rig, &layers, &statuses, FRAME, &settings, bench.job)
+        let statuses = pruning::no_statuses(layers);
+        pruning::prune(&rig, layers, &statuses, FRAME, &settings, bench.job)
     })
 }
 
@@ -179,10 +180,11 @@ fn pack_frame(bench: &Bench<'_>) -> Result<Times> {
     let capture = &bench.scene.capture;
     let settings = Settings::default();
     let rig = Rig::new(&capture.cameras);
-    let pruned = prune_frame(capture, None, &rig, Background::none(capture), &settings, 0, bench.job)?;
+    let complete = FrameLayers::of(capture, None, &rig, &settings, 0, bench.job)?;
+    let decided = complete.prune(&rig, &settings, bench.job)?;
     let span = Span { start: 0, end: 1 };
     repeat(bench.budget, bench.job, || {
-        let cameras = pruned.layers.iter().zip(&pruned.decided[0]).enumerate();
+        let cameras = complete.layers.iter().zip(&decided[usize::from(FRAME)]).enumerate();
         let images = cameras.map(|(camera, (layer, decided))| {
             pack::pack(camera, span, layer, decided, settings.store.normals)
         });
