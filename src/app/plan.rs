@@ -129,6 +129,7 @@ impl Plan {
         let key = LiveKey {
             scene: scene.id,
             samples: samples.clone(),
+            playback: scene.playback().cloned(),
             vantage: Vantage { camera: rig.camera(width, height), frame: state.timeline.frame },
             settings: state.settings.render.clone(),
             color_by: state.live.color_by,

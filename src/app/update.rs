@@ -181,7 +181,11 @@ impl OverlookApp {
         let stale = self.state.is_stale();
         let content = self.state.scene.as_ref().map(|scene| &scene.content);
         let (samples, report) = match (content, &self.state.whole) {
-            (Some(Content::Store { samples, report, .. }), _) => (samples.clone(), report.clone()),
+            (Some(Content::Store { playback, .. }), _) => {
+                let playback = playback.clone();
+                self.lanes.file.submit(FileRequest::SaveAgain { path, playback });
+                return;
+            }
             (_, Some(whole)) if !stale => (whole.samples.clone(), whole.report.clone()),
             _ => {
                 let text = "The whole capture is not pruned with these settings yet; rerun it, then save.";

@@ -15,6 +15,7 @@ use crate::job::Job;
 use crate::preprocess::SampleSet;
 use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, Vantage};
 use crate::settings::RenderSettings;
+use crate::store::Playback;
 
 /// What the colors of the right view tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -65,6 +66,8 @@ pub(crate) struct LiveKey {
     pub scene: u64,
     /// The samples.
     pub samples: Arc<SampleSet>,
+    /// What reads the frame's samples from a file, where they are not all in memory.
+    pub playback: Option<Arc<Playback>>,
     /// Where from, and when.
     pub vantage: Vantage,
     /// How.
@@ -111,11 +114,20 @@ pub(crate) struct LivePicture {
 /// # Errors
 /// As [`Renderer::render`].
 pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
-    let (picture, stats) = renderer.render(&key.samples, &key.vantage, &key.settings, job)?;
+    let next = key.vantage.frame + 1;
+    let samples = match &key.playback {
+        None => key.samples.clone(),
+        Some(playback) => playback.at(key.vantage.frame, job)?,
+    };
+    let (painted, _) = rayon::join(
+        || renderer.render(&samples, &key.vantage, &key.settings, job),
+        // What cannot be read ahead says so when it is shown.
+        || key.playback.as_ref().map(|playback| playback.read_ahead(next..next + FRAMES_AHEAD, job)),
+    );
+    let (picture, stats) = painted?;
     let pixels = colored(&picture, key);
     let image = ColorImage::new([pixels.width(), pixels.height()], pixels.into_vec());
-    let next = key.vantage.frame + 1;
-    renderer.prefetch(&key.samples, next..next + FRAMES_AHEAD);
+    renderer.prefetch(&samples, next..next + FRAMES_AHEAD);
     Ok(LivePicture {
         image: Arc::new(image),
         rendered: picture,
@@ -191,6 +203,7 @@ mod tests {
         LiveKey {
             scene: 1,
             samples: Arc::new(samples),
+            playback: None,
             vantage: Vantage { camera: camera(distance), frame: 0 },
             settings: RenderSettings::default(),
             color_by: ColorBy::Picture,

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::Bench;
 use super::backend::Backend;
 use super::measure::{Times, repeat};
@@ -42,6 +44,8 @@ pub(super) enum PreprocessCase {
     StoreWrite,
     /// The pruned set from a file that the system has in memory.
     StoreRead,
+    /// The foreground of one frame from such a file: what playback does.
+    StoreDecode,
 }
 
 /// Frames that the temporal split is measured on.
@@ -56,6 +60,7 @@ pub(super) fn cases() -> Vec<PreprocessCase> {
         PreprocessCase::Pack,
         PreprocessCase::StoreWrite,
         PreprocessCase::StoreRead,
+        PreprocessCase::StoreDecode,
     ];
     [PreprocessCase::Scan, PreprocessCase::Split].into_iter().chain(normals).chain(others).collect()
 }
@@ -72,6 +77,7 @@ impl PreprocessCase {
             Self::Pack => "preprocess/pack".to_owned(),
             Self::StoreWrite => "store/write".to_owned(),
             Self::StoreRead => "store/read".to_owned(),
+            Self::StoreDecode => "store/decode-foreground".to_owned(),
         }
     }
 
@@ -100,6 +106,8 @@ impl PreprocessCase {
             }
             Self::StoreWrite => (write_store(bench)?, pruned.sample_count(), pruned.bytes()),
             Self::StoreRead => (read_store(bench)?, pruned.sample_count(), pruned.bytes()),
+            // What the frame stands for: all its pixels, 8-bit color and 32-bit depth.
+            Self::StoreDecode => (decode_foreground(bench)?, one_frame, one_frame * (3 + DEPTH_BYTES)),
         };
         Ok(Measured {
             name: self.name(),
@@ -202,6 +210,22 @@ fn write_store(bench: &Bench<'_>) -> Result<Times> {
     let path = folder.path().join("speed.ovl");
     let report = Report::default();
     repeat(bench.budget, bench.job, || store::write(&path, &bench.scene.pruned, &report, bench.job))
+}
+
+/// Decodes the foreground of a frame, block by block and predicted from nothing but itself: what playback does for every frame, at
+/// its slowest.
+fn decode_foreground(bench: &Bench<'_>) -> Result<Times> {
+    let folder = folder()?;
+    let path = folder.path().join("speed.ovl");
+    store::write(&path, &bench.scene.split, &Report::default(), bench.job)?;
+    let store = store::Store::open(&path)?;
+    let images = store.info().images.iter().enumerate();
+    let is_first = |span: Span| span.start == 0 && span.len() == 1;
+    let passing: Vec<usize> =
+        images.filter(|(_, image)| is_first(image.span)).map(|(index, _)| index).collect();
+    repeat(bench.budget, bench.job, || {
+        passing.par_iter().map(|&index| store.image(index)).collect::<Result<Vec<_>>>()
+    })
 }
 
 fn read_store(bench: &Bench<'_>) -> Result<Times> {
