@@ -43,8 +43,8 @@ impl Rate {
         match model {
             RateModel::Paper => Self::Paper,
             RateModel::Auto if cameras.windows(2).all(|pair| alike(&pair[0], &pair[1])) => Self::Paper,
-            RateModel::Footprint => Self::Footprint,
-            RateModel::Stretch | RateModel::Auto => Self::Stretch,
+            RateModel::Footprint | RateModel::Auto => Self::Footprint,
+            RateModel::Stretch => Self::Stretch,
         }
     }
 
@@ -53,7 +53,7 @@ impl Rate {
     pub fn other(self) -> Self {
         match self {
             Self::Paper => Self::Footprint,
-            Self::Footprint => Self::Paper,
+            Self::Footprint | Self::Stretch => Self::Paper,
         }
     }
 }
