@@ -13,7 +13,9 @@ use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
 use crate::preprocess::SampleSet;
-use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, Vantage};
+use crate::render::{
+    HolePattern, NO_IMAGE, Painter, Picture, RenderStats, Renderer, ScreenTexture, Shown, Vantage,
+};
 use crate::settings::RenderSettings;
 
 /// What the colors of the right view tell.
@@ -73,6 +75,8 @@ pub(crate) struct LiveKey {
     pub color_by: ColorBy,
     /// Dark or light, as holes use a color of the theme.
     pub dark: bool,
+    /// Whether the next one follows at once: then nobody asks what its pixels show, and they may stay where they are.
+    pub in_motion: bool,
 }
 
 impl PartialEq for LiveKey {
@@ -83,6 +87,7 @@ impl PartialEq for LiveKey {
             && self.settings == other.settings
             && self.color_by == other.color_by
             && self.dark == other.dark
+            && self.in_motion == other.in_motion
     }
 }
 
@@ -94,10 +99,10 @@ const STRIPE: usize = 6;
 
 /// The right picture.
 pub(crate) struct LivePicture {
+    /// Columns and rows.
+    pub size: [usize; 2],
     /// Its pixels.
-    pub image: Arc<ColorImage>,
-    /// What the renderer gave: depths, and whose samples are shown.
-    pub rendered: Arc<Picture>,
+    pub pixels: Pixels,
     /// What it took.
     pub stats: RenderStats,
     /// What painted.
@@ -106,19 +111,59 @@ pub(crate) struct LivePicture {
     pub notice: Option<String>,
 }
 
+/// Where the pixels of a picture are.
+pub(crate) enum Pixels {
+    /// On the device that draws the window.
+    OnAdapter(ScreenTexture),
+    /// In memory.
+    InMemory {
+        /// As shown.
+        image: Arc<ColorImage>,
+        /// What the renderer gave: depths, and whose samples are shown.
+        rendered: Arc<Picture>,
+    },
+}
+
+impl LivePicture {
+    /// What the renderer gave; `None` while pictures in motion stay on the graphics card.
+    pub(crate) fn rendered(&self) -> Option<&Arc<Picture>> {
+        match &self.pixels {
+            Pixels::InMemory { rendered, .. } => Some(rendered),
+            Pixels::OnAdapter(_) => None,
+        }
+    }
+}
+
 /// Renders and colors the picture that `key` asks for.
 ///
 /// # Errors
 /// As [`Renderer::render`].
 pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
-    let (picture, stats) = renderer.render(&key.samples, &key.vantage, &key.settings, job)?;
-    let pixels = colored(&picture, key);
-    let image = ColorImage::new([pixels.width(), pixels.height()], pixels.into_vec());
+    let shown = if key.in_motion && key.color_by == ColorBy::Picture {
+        let tokens = Tokens::of(key.dark);
+        let colors = [tokens.hole, tokens.hole_stripe].map(|color| [color.r(), color.g(), color.b()]);
+        let holes = HolePattern { colors, stripe: STRIPE as u32 };
+        renderer.show(&key.samples, &key.vantage, &key.settings, &holes, job)?
+    } else {
+        let (picture, stats) = renderer.render(&key.samples, &key.vantage, &key.settings, job)?;
+        (Shown::InMemory(picture), stats)
+    };
+    let (size, pixels, stats) = match shown {
+        (Shown::OnAdapter(texture), stats) => {
+            ([texture.width() as usize, texture.height() as usize], Pixels::OnAdapter(texture), stats)
+        }
+        (Shown::InMemory(rendered), stats) => {
+            let pixels = colored(&rendered, key);
+            let size = [pixels.width(), pixels.height()];
+            let image = Arc::new(ColorImage::new(size, pixels.into_vec()));
+            (size, Pixels::InMemory { image, rendered }, stats)
+        }
+    };
     let next = key.vantage.frame + 1;
     renderer.prefetch(&key.samples, next..next + FRAMES_AHEAD);
     Ok(LivePicture {
-        image: Arc::new(image),
-        rendered: picture,
+        size,
+        pixels,
         stats,
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
         notice: renderer.notice().map(str::to_owned),
@@ -195,6 +240,7 @@ mod tests {
             settings: RenderSettings::default(),
             color_by: ColorBy::Picture,
             dark: true,
+            in_motion: false,
         }
     }
 
