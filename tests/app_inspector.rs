@@ -176,7 +176,7 @@ fn a_sweep_draws_its_points_as_they_come_and_is_cancelled() {
     click(&mut window, "Run a sweep");
     wait(&mut window, "the first points", |window| shows(window, "2 settings; click one to put it on"));
     assert!(window.query_by_label("Speed and accuracy chart").is_some());
-    pick(&mut window, "Along", "Milliseconds");
+    pick(&mut window, "Along axis", "Milliseconds");
     window.key_press(Key::Escape);
     settle(&mut window);
     assert!(window.state().notices().is_empty());

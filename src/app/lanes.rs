@@ -18,7 +18,7 @@ use crate::job::Job;
 use crate::preprocess::{self, CameraInspection, Report, SampleSet, TemporalScan};
 use crate::render::{Picture, Renderer, SharedDevice};
 use crate::settings::{CaptureSettings, Settings};
-use crate::store;
+use crate::store::{self, Playback};
 
 /// What to open.
 #[derive(Clone, Debug)]
@@ -67,6 +67,8 @@ pub(super) struct MeasureRequest {
 pub(super) enum FileRequest {
     /// Write a store.
     SaveStore { path: PathBuf, samples: Arc<SampleSet>, report: Arc<Report> },
+    /// The open store again, under another name.
+    SaveAgain { path: PathBuf, playback: Arc<Playback> },
     /// Write settings.
     SaveSettings { path: PathBuf, settings: Settings },
     /// Write a picture.
@@ -177,9 +179,8 @@ fn open(request: OpenRequest, job: &Job) -> Result<Message> {
 
 fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Message> {
     if store::Store::is_store(&path)? {
-        let bytes = std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len();
-        let (samples, report) = store::read(&path, job)?;
-        return Ok(Message::Opened(Arc::new(Scene::of_store(path, samples, report, bytes))));
+        let playback = Playback::new(store::Store::open(&path)?, store::DEFAULT_CACHE_BYTES);
+        return Ok(Message::Opened(Arc::new(Scene::of_store(path, playback, job)?)));
     }
     let capture = transforms::open(&path, settings)?;
     let truth = transforms::truth_beside(&path)
@@ -245,6 +246,10 @@ fn file(request: FileRequest, job: &Job) -> Result<Message> {
         FileRequest::SaveStore { path, samples, report } => {
             job.start(format!("Saving {}", path.display()), 0);
             let bytes = store::write(&path, &samples, &report, job)?;
+            Ok(Message::Saved { path, bytes: Some(bytes) })
+        }
+        FileRequest::SaveAgain { path, playback } => {
+            let bytes = store::write_again(&path, playback.store(), None, job)?;
             Ok(Message::Saved { path, bytes: Some(bytes) })
         }
         FileRequest::SaveSettings { path, settings } => {

@@ -144,6 +144,7 @@ impl Plan {
         let key = LiveKey {
             scene: scene.id,
             samples: samples.clone(),
+            playback: scene.playback().cloned(),
             vantage,
             settings: state.settings.render.clone(),
             color_by: state.live.color_by,

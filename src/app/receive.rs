@@ -185,6 +185,11 @@ impl OverlookApp {
                 state.notify(NoticeKind::Warning, "While opening", warning.clone());
             }
         }
+        if let Some(playback) = scene.playback() {
+            for damage in playback.store().info().warnings.iter().chain(&playback.store().damage()) {
+                state.notify(NoticeKind::Warning, "While opening", damage.clone());
+            }
+        }
         let opened = format!("Opened {}", scene.name);
         state.inspector.log(NoticeKind::Done, opened);
         state.scene = Some(scene);

@@ -7,7 +7,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::{DMat3, DVec2, DVec3};
 
 use crate::capture::{Camera, Capture, View};
+use crate::error::Result;
+use crate::job::Job;
 use crate::preprocess::{Report, SampleSet};
+use crate::store::Playback;
 
 static NEXT_ID: AtomicU64 = AtomicU64::new(1);
 
@@ -31,8 +34,10 @@ pub(super) enum Content {
     },
     /// Samples that were pruned before; there are no source frames.
     Store {
-        /// The samples.
+        /// All but the samples.
         samples: Arc<SampleSet>,
+        /// The samples, frame by frame from the file.
+        playback: Arc<Playback>,
         /// How they came about.
         report: Arc<Report>,
         /// Size of the file.
@@ -75,10 +80,17 @@ impl Scene {
         }
     }
 
-    /// A scene of a store.
-    pub(super) fn of_store(path: PathBuf, samples: SampleSet, report: Report, bytes: u64) -> Self {
-        let typical_depth = samples.images.first().map_or(1.0, |image| median_depth(&image.inverse_depths()));
-        Self {
+    /// A scene of a store, of which only the first frame is read.
+    ///
+    /// # Errors
+    /// `Io` and `Cancelled`, and where the store has no frame.
+    pub(super) fn of_store(path: PathBuf, playback: Playback, job: &Job) -> Result<Self> {
+        let first = playback.at(0, job)?;
+        let first = first.images.iter().find(|image| !image.is_empty());
+        let typical_depth = first.map_or(1.0, |image| median_depth(&image.inverse_depths()));
+        let samples = playback.outline().clone();
+        let (report, bytes) = (playback.store().info().report.clone(), playback.store().info().bytes);
+        Ok(Self {
             id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
             origin: Origin::Path(path),
             name: samples.name.clone(),
@@ -86,8 +98,13 @@ impl Scene {
             frame_numbers: samples.frame_numbers.clone(),
             up_in_world: samples.up_in_world,
             pivot_in_world: pivot(&samples.cameras, typical_depth),
-            content: Content::Store { samples: Arc::new(samples), report: Arc::new(report), bytes },
-        }
+            content: Content::Store {
+                samples,
+                playback: Arc::new(playback),
+                report: Arc::new(report),
+                bytes,
+            },
+        })
     }
 
     /// The capture, or `None` where a store is open.
@@ -95,6 +112,14 @@ impl Scene {
         match &self.content {
             Content::Capture { capture, .. } => Some(capture),
             Content::Store { .. } => None,
+        }
+    }
+
+    /// What reads samples from the file, where a store is open.
+    pub(super) fn playback(&self) -> Option<&Arc<Playback>> {
+        match &self.content {
+            Content::Capture { .. } => None,
+            Content::Store { playback, .. } => Some(playback),
         }
     }
 

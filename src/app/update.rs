@@ -182,7 +182,11 @@ impl OverlookApp {
         let stale = self.state.is_stale();
         let content = self.state.scene.as_ref().map(|scene| &scene.content);
         let (samples, report) = match (content, &self.state.whole) {
-            (Some(Content::Store { samples, report, .. }), _) => (samples.clone(), report.clone()),
+            (Some(Content::Store { playback, .. }), _) => {
+                let playback = playback.clone();
+                self.lanes.file.submit(FileRequest::SaveAgain { path, playback });
+                return;
+            }
             (_, Some(whole)) if !stale => (whole.samples.clone(), whole.report.clone()),
             _ => {
                 let text = "The whole capture is not pruned with these settings yet; rerun it, then save.";
@@ -232,7 +236,10 @@ impl OverlookApp {
     }
 
     fn escape(&mut self) {
-        if self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
+        let inspector = &mut self.state.inspector;
+        let was_open = inspector.palette.take().is_some() | inspector.cheat_sheet | inspector.asks_to_close;
+        (inspector.cheat_sheet, inspector.asks_to_close) = (false, false);
+        if was_open || self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
             return;
         }
         if self.state.inspector.path.playing.take().is_some() {

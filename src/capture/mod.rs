@@ -36,6 +36,11 @@ pub trait FrameSource: Send + Sync {
 
     /// Where the frame comes from, for messages: a path, or the scene's name and frame.
     fn place(&self, camera: usize, frame: usize) -> String;
+
+    /// The files that the frame is read from; none where it is rendered.
+    fn files(&self, _camera: usize, _frame: usize) -> Vec<std::path::PathBuf> {
+        Vec::new()
+    }
 }
 
 /// A capture: cameras, frames, and a bounded cache of decoded frames.
@@ -142,6 +147,16 @@ impl Capture {
     #[must_use]
     pub fn place(&self, camera: usize, frame: usize) -> String {
         self.source.place(self.source_cameras[camera], frame)
+    }
+
+    /// Every file that a frame is read from, each once.
+    #[must_use]
+    pub fn files(&self) -> Vec<std::path::PathBuf> {
+        let frames = 0..self.frame_count();
+        let of_camera =
+            |&camera: &usize| frames.clone().flat_map(move |frame| self.source.files(camera, frame));
+        let files: std::collections::BTreeSet<_> = self.source_cameras.iter().flat_map(of_camera).collect();
+        files.into_iter().collect()
     }
 
     /// The index of the frame that bears `number`, or `None`.

@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
+use super::sizes::Sizes;
 use super::{Failure, output};
 use crate::capture::{Camera, transforms};
 use crate::preprocess::Report;
 use crate::settings::{CaptureSettings, Settings};
-use crate::store::Store;
+use crate::store::{Provenance, Store};
 
 /// Arguments of `overlook info`.
 #[derive(Debug, Args)]
@@ -50,10 +51,12 @@ enum Contents {
     Store {
         samples: u64,
         bytes: u64,
+        sizes: Box<Sizes>,
         spans: usize,
         version: String,
         settings: Box<Settings>,
         report: Box<Report>,
+        provenance: Box<Provenance>,
         warnings: Vec<String>,
     },
 }
@@ -87,10 +90,12 @@ fn of_store(path: &Path) -> Result<Info, Failure> {
         contents: Contents::Store {
             samples: info.sample_count(),
             bytes: info.bytes,
+            sizes: Box::new(Sizes::of(info)),
             spans: info.span_count(),
             version: format!("{}.{}", info.version.0, info.version.1),
             settings: Box::new(info.settings.clone()),
             report: Box::new(info.report.clone()),
+            provenance: Box::new(info.provenance.clone()),
             warnings: info.warnings.clone(),
         },
     })
@@ -129,13 +134,14 @@ impl Info {
                 output::count(*pixels),
                 if *normals { "with normals" } else { "normals to be estimated from depth" }
             ),
-            Contents::Store { samples, bytes, spans, report, .. } => write!(
+            Contents::Store { samples, bytes, sizes, spans, report, .. } => write!(
                 text,
-                "  {} samples ({} of {} pixels) over {spans} spans in {}\nNext: overlook {path}",
+                "  {} samples ({} of {} pixels) over {spans} spans in {}\n{}Next: overlook {path}",
                 output::count(*samples),
                 output::percent(*samples, report.samples_in),
                 output::count(report.samples_in),
-                output::bytes(*bytes)
+                output::bytes(*bytes),
+                sizes.text()
             ),
         };
         text

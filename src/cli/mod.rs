@@ -6,6 +6,7 @@
 mod bench;
 mod demo;
 mod evaluate;
+mod export;
 mod info;
 mod machine;
 mod output;
@@ -14,11 +15,14 @@ mod preprocess;
 mod progress;
 mod render;
 mod results;
+mod rivals;
 mod settings;
+mod sizes;
 mod stress;
 mod sweep;
 mod truth;
 mod tune;
+mod verify;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -35,6 +39,8 @@ Examples:
   overlook preprocess scene --out scene.ovl                 drop what is redundant
   overlook render scene.ovl --views scene/novel/transforms.json --out pictures
   overlook evaluate scene                                   accuracy against no pruning and first camera wins
+  overlook export points scene.ovl --out points            binary PLY, one file a frame
+  overlook verify scene.ovl                                 whether all of a store can be read
   overlook bench                                            speed of each stage beside the limits of this machine
 
 Exit codes: 0 success, 1 bad input (one line on stderr says what, where and what to do), 2 bad usage.";
@@ -74,6 +80,10 @@ enum Command {
     Stress(stress::StressArgs),
     /// Find the simplest settings, and the fewest cameras, that are as accurate as the best.
     Tune(tune::TuneArgs),
+    /// Write what a store holds in forms that other programs read: points, pictures, a film.
+    Export(export::ExportArgs),
+    /// Read everything in a store and say what is damaged.
+    Verify(verify::VerifyArgs),
     /// Measure how fast each stage is, beside the limits of this machine.
     Bench(bench::BenchArgs),
     /// Print every setting with its meaning, unit, range and value, as TOML.
@@ -159,6 +169,8 @@ impl Cli {
             Some(Command::Sweep(args)) => args.run(),
             Some(Command::Stress(args)) => args.run(),
             Some(Command::Tune(args)) => args.run(),
+            Some(Command::Export(args)) => args.run(),
+            Some(Command::Verify(args)) => args.run(),
             Some(Command::Bench(args)) => args.run(),
             Some(Command::Settings(args)) => args.run(),
             None => explore(self.path, open_window),

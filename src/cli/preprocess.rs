@@ -9,7 +9,7 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Failure, SettingsArgs, machine, output, progress};
+use super::{Failure, SettingsArgs, machine, output, progress, rivals};
 use crate::capture::{Capture, transforms};
 use crate::error::{Error, Result};
 use crate::evaluate::hold_out;
@@ -17,7 +17,7 @@ use crate::job::Job;
 use crate::preprocess::report::CameraReport;
 use crate::preprocess::{Report, preprocess};
 use crate::settings::{CaptureSettings, Settings, SpanLevels};
-use crate::store;
+use crate::store::{self, Extras, Provenance};
 
 /// Arguments of `overlook preprocess`.
 #[derive(Debug, Args)]
@@ -35,6 +35,9 @@ pub(super) struct PreprocessArgs {
     /// Also measure how long decoding every frame takes on its own.
     #[arg(long)]
     measure_decode: bool,
+    /// Also measure what the input takes as ZIP EXR and, where there is an ffmpeg, as lossless video; `overlook info` tells.
+    #[arg(long)]
+    measure_rivals: bool,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -75,7 +78,13 @@ impl PreprocessArgs {
         let started = Instant::now();
         let (report, bytes_store) = progress::watched(|job| {
             let preprocessed = preprocess(&capture, &settings, job)?;
-            let bytes = store::write(&self.out, &preprocessed.samples, &preprocessed.report, job)?;
+            let bytes = store::write_with(
+                &self.out,
+                &preprocessed.samples,
+                &preprocessed.report,
+                &self.extras(&capture, job)?,
+                job,
+            )?;
             Ok::<_, Error>((preprocessed.report, bytes))
         })?;
         let result = PreprocessOutput {
@@ -117,6 +126,12 @@ impl PreprocessArgs {
         if self.hold_out.is_empty() { Ok(capture) } else { Ok(hold_out::split(&capture, &self.hold_out)?.0) }
     }
 
+    fn extras(&self, capture: &Capture, job: &Job) -> Result<Extras> {
+        let inputs = rivals::input_files(capture, job)?;
+        let rivals = if self.measure_rivals { Some(rivals::measure(capture, job)?) } else { None };
+        Ok(Extras { provenance: Provenance { inputs, rivals, ..Provenance::default() }, ..Extras::default() })
+    }
+
     /// Decodes every frame once, through a capture of its own so that neither cache helps the other.
     fn decode_seconds(&self) -> Result<f64> {
         let capture = self.open(&ONE_FRAME)?;
@@ -143,6 +158,15 @@ impl PreprocessArgs {
         );
         for (rule, dropped) in &result.pruned {
             let _ = writeln!(text, "  dropped {:>16}  {rule}", output::count(*dropped));
+        }
+        let disputes: u64 = result.report.rate_disputes.iter().flatten().sum();
+        let _ = writeln!(
+            text,
+            "  of the points of {} samples the paper's rate and the footprint name different cameras as the best-sampled",
+            output::count(disputes)
+        );
+        for (outcome, samples) in result.report.mixed_pixels.iter().filter(|(_, samples)| **samples > 0) {
+            let _ = writeln!(text, "  blended across a silhouette, {outcome}: {}", output::count(*samples));
         }
         for camera in &result.report.cameras {
             let _ = writeln!(text, "  {}", measured(camera));

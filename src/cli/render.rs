@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -13,10 +12,9 @@ use crate::capture::{View, transforms};
 use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, Scoreboard, render_view};
 use crate::job::Job;
-use crate::preprocess::SampleSet;
 use crate::render::Renderer;
 use crate::settings::{Backend, Fill, Kernel, RenderSettings};
-use crate::store;
+use crate::store::Playback;
 
 /// Arguments of `overlook render`.
 #[derive(Debug, Args)]
@@ -71,13 +69,14 @@ where
 
 impl RenderArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let (samples, _) = progress::watched(|job| store::read(&self.store, job))?;
-        let mut settings = self.settings.over(samples.settings.clone())?.render;
+        let playback = super::export::open(&self.store)?;
+        let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
         self.painting.apply(&mut settings);
         let views = transforms::open_views(&self.views)?;
         let paths = self.picture_paths(&views)?;
-        let evaluation = progress::watched(|job| paint(&Arc::new(samples), &views, &paths, &settings, job))?;
+        let evaluation = progress::watched(|job| paint(&playback, &views, &paths, &settings, job))?;
         output::warn(evaluation.notice.as_slice());
+        output::warn(&playback.store().damage());
         if self.json {
             return output::print_json(&evaluation);
         }
@@ -108,7 +107,7 @@ impl RenderArgs {
 }
 
 fn paint(
-    samples: &Arc<SampleSet>,
+    playback: &Playback,
     views: &[View],
     paths: &[PicturePaths],
     settings: &RenderSettings,
@@ -116,10 +115,14 @@ fn paint(
 ) -> Result<Evaluation> {
     let mut renderer = Renderer::strict(settings.backend)?;
     let mut scores = Scoreboard::default();
+    let frames = &playback.store().info().frame_numbers;
     job.start("Painting views", views.len());
     for (view, paths) in views.iter().zip(paths) {
         job.check()?;
-        let painted = render_view(&mut renderer, samples, view, settings, job)?;
+        // A frame that the store does not have is told by whoever paints, from the first.
+        let frame = frames.binary_search(&view.frame_number).unwrap_or(0);
+        let samples = playback.at(frame, job)?;
+        let painted = render_view(&mut renderer, &samples, view, settings, job)?;
         paths.write(&painted.picture)?;
         scores.add(view, painted);
         job.advance(1);

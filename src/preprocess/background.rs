@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex};
 use rayon::prelude::*;
 
 use super::descent::put;
+use super::frame_layers::{FrameKey, FrameLayers};
 use super::layer::{Layer, LayerBuilder, ROOT};
 use super::pruning::{self, Decided, Rig};
 use super::span_tree::all_frames;
@@ -13,9 +14,7 @@ use super::temporal::TemporalScan;
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
-use crate::settings::{
-    CaptureSettings, NormalSettings, RenderSettings, Settings, SpanSettings, StoreSettings,
-};
+use crate::settings::{NormalSettings, Settings, SpanSettings};
 
 /// Static pixels of all cameras with their verdicts.
 #[derive(Clone, Debug)]
@@ -32,7 +31,7 @@ impl Background {
     /// A background without any sample: every pixel will count as foreground.
     #[must_use]
     pub fn none(capture: &Capture) -> Self {
-        let layers: Vec<Layer> = capture
+        let layers = capture
             .cameras
             .iter()
             .map(|camera| {
@@ -40,6 +39,12 @@ impl Background {
                 Layer::empty(width, height)
             })
             .collect();
+        Self::undecided(layers)
+    }
+
+    /// Layers on which nothing was decided.
+    #[must_use]
+    pub fn undecided(layers: Vec<Layer>) -> Self {
         Self {
             statuses: layers.iter().map(|layer| vec![pruning::ABSENT; layer.level.len()]).collect(),
             decided: layers.iter().map(|_| Decided::default()).collect(),
@@ -57,13 +62,7 @@ impl Background {
 
     /// Prunes static layers, which need their rates yet, against each other.
     fn prune(capture: &Capture, layers: Vec<StaticLayer>, settings: &Settings, job: &Job) -> Result<Self> {
-        let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
-        let rated = layers.into_par_iter().zip(&capture.cameras).map(|((mut layer, pixels), camera)| {
-            job.check()?;
-            builder.rate(&mut layer, camera, &pixels);
-            Ok(layer)
-        });
-        let layers = rated.collect::<Result<Vec<_>>>()?;
+        let layers = rated(capture, layers, settings, job)?;
         let rig = Rig::new(&capture.cameras);
         let statuses = pruning::no_statuses(&layers);
         let decided = pruning::prune(&rig, &layers, &statuses, ROOT, settings, job)?;
@@ -77,43 +76,48 @@ impl Background {
 /// A layer with normals, and the pixels of its samples, ascending.
 type StaticLayer = (Layer, Vec<u32>);
 
-/// The last results that depend on settings but on no frame, each with the settings it was made with: whoever looks at
-/// frame after frame, or turns one threshold, pays once for what stays.
+fn rated(capture: &Capture, layers: Vec<StaticLayer>, settings: &Settings, job: &Job) -> Result<Vec<Layer>> {
+    let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
+    let rated = layers.into_par_iter().zip(&capture.cameras).map(|((mut layer, pixels), camera)| {
+        job.check()?;
+        builder.rate(&mut layer, camera, &pixels);
+        Ok(layer)
+    });
+    rated.collect()
+}
+
+/// The last results that no tolerance touches, each with what it was made with: whoever looks at frame after frame, or turns
+/// one threshold, pays once for what stays.
 #[derive(Debug, Default)]
 pub(super) struct Memo {
     static_layers: Mutex<Option<(StaticKey, Arc<Vec<StaticLayer>>)>>,
-    background: Mutex<Option<(Settings, Arc<Background>)>>,
+    pub(super) frame: Mutex<Option<(FrameKey, Arc<FrameLayers>)>>,
 }
 
 type StaticKey = (NormalSettings, SpanSettings);
 
-fn remembered<K: PartialEq, V: Clone>(memo: &Mutex<Option<(K, V)>>, key: &K) -> Option<V> {
+pub(super) fn remembered<K: PartialEq, V: Clone>(memo: &Mutex<Option<(K, V)>>, key: &K) -> Option<V> {
     let memo = memo.lock().ok()?;
     memo.as_ref().filter(|(made_with, _)| made_with == key).map(|(_, value)| value.clone())
 }
 
-fn remember<K, V>(memo: &Mutex<Option<(K, V)>>, key: K, value: V) {
+pub(super) fn remember<K, V>(memo: &Mutex<Option<(K, V)>>, key: K, value: V) {
     if let Ok(mut memo) = memo.lock() {
         *memo = Some((key, value));
     }
 }
 
 impl TemporalScan {
-    /// The pruned background under `settings`, which the scan serves; computed once for as long as the settings stay.
+    /// Every camera's static pixels under `settings`, which the scan serves, ready to be pruned.
     ///
     /// # Errors
     /// As [`Background::of`].
-    pub fn background(&self, capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<Background>> {
-        // What is done with the samples later does not change them.
-        let key = Settings {
-            store: StoreSettings::default(),
-            render: RenderSettings::default(),
-            capture: CaptureSettings::default(),
-            ..settings.clone()
-        };
-        if let Some(background) = remembered(&self.memo.background, &key) {
-            return Ok(background);
-        }
+    pub(super) fn rated_layers(
+        &self,
+        capture: &Capture,
+        settings: &Settings,
+        job: &Job,
+    ) -> Result<Vec<Layer>> {
         let layers_key = (settings.normals.clone(), settings.spans.clone());
         let layers = if let Some(layers) = remembered(&self.memo.static_layers, &layers_key) {
             layers
@@ -122,9 +126,7 @@ impl TemporalScan {
             remember(&self.memo.static_layers, layers_key, layers.clone());
             layers
         };
-        let background = Arc::new(Background::prune(capture, layers.as_ref().clone(), settings, job)?);
-        remember(&self.memo.background, key, background.clone());
-        Ok(background)
+        rated(capture, layers.as_ref().clone(), settings, job)
     }
 
     /// Every camera's static pixels with normals, not rated yet: no pruning threshold touches them.

@@ -78,6 +78,16 @@ impl<'a> Descent<'a> {
     /// # Errors
     /// Whatever the capture gives (naming file and frame), `Io` where the temporary file cannot be read, and `Cancelled`.
     pub fn enter(&mut self, span: Span, level: Level, job: &Job) -> Result<Step> {
+        let pixels = self.put_span(span, level, job)?;
+        let decided = pruning::prune(self.rig, &self.layers, &self.statuses, level, self.settings, job)?;
+        Ok(Step { pixels, decided })
+    }
+
+    /// Puts and completes the samples of `span`, undecided. Gives their pixels, per camera.
+    ///
+    /// # Errors
+    /// As [`Descent::enter`].
+    pub fn put_span(&mut self, span: Span, level: Level, job: &Job) -> Result<Vec<Vec<u32>>> {
         let (capture, scan, builder) = (self.capture, self.scan, &self.builder);
         let of_camera = |(camera, layer): (usize, &mut Layer)| {
             job.check()?;
@@ -95,9 +105,7 @@ impl<'a> Descent<'a> {
             builder.rate(layer, &capture.cameras[camera], &pixels);
             Ok(pixels)
         };
-        let pixels = self.layers.par_iter_mut().enumerate().map(of_camera).collect::<Result<Vec<_>>>()?;
-        let decided = pruning::prune(self.rig, &self.layers, &self.statuses, level, self.settings, job)?;
-        Ok(Step { pixels, decided })
+        self.layers.par_iter_mut().enumerate().map(of_camera).collect()
     }
 
     /// Takes the samples of a step away again; later steps must be taken away before.
@@ -140,38 +148,6 @@ fn put_frame(layer: &mut Layer, level: Level, frame: &Frame) -> Vec<u32> {
         pixels.push(pixel as u32);
     }
     pixels
-}
-
-/// All cameras at one frame, pruned.
-pub struct PrunedFrame {
-    /// The spans that contain the frame, by level.
-    pub path: Vec<Span>,
-    /// Every sample at the frame, per camera.
-    pub layers: Vec<Layer>,
-    /// The verdicts on samples below the background: per level from the first below, per camera.
-    pub decided: Vec<Vec<Decided>>,
-}
-
-/// Completes and prunes one frame: all samples below the background on the way down to it.
-///
-/// # Errors
-/// As [`Descent::enter`].
-pub fn prune_frame(
-    capture: &Capture,
-    scan: Option<&TemporalScan>,
-    rig: &Rig<'_>,
-    background: Background,
-    settings: &Settings,
-    frame: usize,
-    job: &Job,
-) -> Result<PrunedFrame> {
-    let mut descent = Descent::new(capture, scan, rig, settings, background);
-    let path = descent.tree().path(frame);
-    let mut decided = Vec::with_capacity(path.len());
-    for (level, &span) in path.iter().enumerate().skip(1) {
-        decided.push(descent.enter(span, level as Level, job)?.decided);
-    }
-    Ok(PrunedFrame { path, layers: descent.layers, decided })
 }
 
 /// The recorded pictures of all cameras at one frame.

@@ -16,6 +16,9 @@ pub const COLOR_STEPS: f32 = 32.0;
 /// Set in the rank of a mixed sample that yields: it loses against every clean one.
 pub const MIXED: u32 = 1 << 31;
 
+/// Set in the rank of a sample on a surface whose normal is not known: it loses against all whose normal is.
+pub const UNSURE: u32 = 1 << 30;
+
 /// Set where the normal is known.
 const NORMAL_KNOWN: u32 = 1 << 31;
 
@@ -30,7 +33,7 @@ pub struct Facet {
     pub inverse_depth: f32,
     /// Unit, in the space of its own camera; `(0, 0, 1)` where it is unknown, so that distances count along the depth.
     pub normal_in_camera: [f32; 3],
-    /// Smaller wins; [`MIXED`] is set where a mixed sample yields.
+    /// Smaller wins; see [`MIXED`] and [`UNSURE`].
     pub rank: u32,
     /// The rank by the rate model that does not decide, to see where the two disagree.
     pub other_rank: u32,

@@ -148,16 +148,19 @@ pub struct CameraInspection {
     /// The recorded picture.
     pub frame: Arc<Frame>,
     /// Over how many frames each pixel is the same, in words.
-    pub class: Grid<PixelClass>,
+    pub class: Arc<Grid<PixelClass>>,
     /// The level of each pixel's sample, an index into [`FrameInspection::path`]; [`NO_SAMPLE`] where there is none.
-    pub level: Grid<Level>,
+    pub level: Arc<Grid<Level>>,
     /// Why each pixel was kept or dropped.
     pub verdict: Grid<Verdict>,
+    /// The camera that the rate model not in use names as the best-sampled, where it is another than the model in use names;
+    /// [`Verdict::NO_CAMERA`] where both agree.
+    pub other_winner: Grid<u16>,
     /// World-space normals that were used, given or estimated; zero where there is none.
-    pub normal_in_world: Grid<[f32; 3]>,
+    pub normal_in_world: Arc<Grid<[f32; 3]>>,
     /// Footprint of each pixel on its surface in the unit of the rate model, smaller is better sampled; infinite where
     /// there is no sample. The ratio of two footprints is `r`.
-    pub footprint: Grid<f32>,
+    pub footprint: Arc<Grid<f32>>,
 }
 
 /// All cameras at one frame.

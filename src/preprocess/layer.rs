@@ -4,8 +4,8 @@ use glam::Vec3;
 use half::f16;
 use rayon::prelude::*;
 
-use super::facet::{Facet, MIXED};
-use super::mixed_pixels::MixedTest;
+use super::facet::{Facet, MIXED, UNSURE};
+use super::mixed_pixels::{MixedTest, snap};
 use super::normals::{DepthView, MIN_CONFIDENCE};
 use super::sampling_rate::{Rate, Rays, footprint, rank};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
@@ -95,7 +95,13 @@ impl<'a> LayerBuilder<'a> {
         let camera_from_world = camera.camera_from_world().matrix3.as_mat3();
         let pruning = &self.settings.pruning;
         let detects = self.antialiased && pruning.mixed_pixels != MixedPixels::Keep;
-        let mixed = detects.then(|| MixedTest::new(layer, camera, self.settings.normals.edge));
+        let edge = self.settings.normals.edge;
+        let snapped = if detects && pruning.mixed_pixels == MixedPixels::Snap {
+            snap(layer, camera, edge, pixels)
+        } else {
+            Vec::new()
+        };
+        let mixed = detects.then(|| MixedTest::new(layer, camera, edge));
         let rated = |&pixel: &u32| {
             let pixel = pixel as usize;
             let (x, y) = (pixel % width, pixel / width);
@@ -103,9 +109,14 @@ impl<'a> LayerBuilder<'a> {
             let ray = rays.at(x, y);
             let of = |rate| footprint(rate, &rays, ray, inverse_depth, normal, pruning);
             let own = of(self.rate);
-            let mixed = mixed.as_ref().is_some_and(|mixed| mixed.is_mixed(x, y));
+            let mixed = snapped.binary_search(&(pixel as u32)).is_ok()
+                || mixed.as_ref().is_some_and(|mixed| mixed.is_mixed(x, y));
             let ranks = [own, of(self.rate.other())].map(|footprint| {
-                let rank = if pruning.method == PruningMethod::FirstCamera { 0 } else { rank(footprint) };
+                let unsure = normal == Vec3::ZERO && inverse_depth > 0.0;
+                let rank = match pruning.method {
+                    PruningMethod::FirstCamera => 0,
+                    _ => rank(footprint) | if unsure { UNSURE } else { 0 },
+                };
                 if mixed { rank | MIXED } else { rank }
             });
             let normal_in_camera = camera_from_world * normal;
@@ -166,5 +177,30 @@ impl Layer {
     pub fn color_noise(&self, pixel: usize, steps: f32) -> f32 {
         let share = self.noise_share.get(usize::from(self.level[pixel])).copied().unwrap_or(0.0);
         if share == 0.0 { 0.0 } else { share * self.noise.color_at(steps) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::Intrinsics;
+    use glam::DVec3;
+
+    #[test]
+    fn a_sample_whose_normal_is_not_known_never_wins_against_one_whose_normal_is() {
+        let lens = Intrinsics::from_horizontal_angle(2, 1, 0.9);
+        let camera = Camera::look_at("c", lens, DVec3::ZERO, DVec3::Y, DVec3::Z);
+        let mut layer = Layer::empty(2, 1);
+        for (pixel, (inverse_depth, normal)) in
+            [(100.0, Vec3::ZERO), (0.001, Vec3::NEG_Y)].into_iter().enumerate()
+        {
+            layer.level[pixel] = ROOT;
+            layer.inverse_depth[pixel] = inverse_depth;
+            layer.normal[pixel] = normal;
+        }
+        let settings = Settings::default();
+        LayerBuilder::new(&settings, std::slice::from_ref(&camera), false).rate(&mut layer, &camera, &[0, 1]);
+        assert!(layer.facets[0].rank > layer.facets[1].rank, "however near the first is");
+        assert!(layer.facets[0].other_rank > layer.facets[1].other_rank);
     }
 }

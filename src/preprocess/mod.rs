@@ -17,6 +17,7 @@ mod contest;
 pub mod depth_plane;
 pub mod descent;
 pub mod facet;
+pub mod frame_layers;
 pub mod inspection;
 pub mod layer;
 pub mod mixed_pixels;
@@ -42,6 +43,7 @@ pub mod span_tree;
 pub mod split;
 pub mod static_test;
 pub mod temporal;
+pub mod testimony;
 
 use std::cmp::Reverse;
 use std::sync::Arc;
@@ -56,18 +58,20 @@ use crate::job::Job;
 use crate::settings::Settings;
 
 use background::Background;
-use descent::{Descent, PrunedFrame, load_frame, prune_frame};
-use layer::{Layer, Level, NO_SAMPLE, ROOT};
+use descent::{Descent, load_frame};
+use frame_layers::{CameraPlanes, FrameLayers};
+use layer::{Layer, Level, ROOT};
 use pruning::{Decided, Rig};
 use report::Tally;
 use span_tree::{SpanTree, all_frames};
 
-pub use argument::{ChainLink, PairQuantities, PixelArgument, Testimony, spans_of_pixel};
+pub use argument::spans_of_pixel;
 pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
 pub use inspection::{CameraInspection, FrameInspection, PairArgument, PixelClass, Rule, Verdict};
 pub use report::Report;
 pub use samples::{OctNormal, Sample, SampleImage, SampleSet, SampleTile, Span, TILE};
 pub use temporal::TemporalScan;
+pub use testimony::{ChainLink, PairQuantities, PixelArgument, Testimony};
 
 /// What preprocessing gives: the kept samples, and the account of what was dropped and why.
 #[derive(Clone, Debug)]
@@ -149,7 +153,10 @@ impl Walk<'_> {
             let step = self.descent.enter(child, level + 1, self.job)?;
             self.tally.add(child, &step.decided);
             self.images.extend(pack_all(child, &self.descent.layers, &step.decided, self.settings));
-            self.below(child, level + 1)?;
+            // Of a single frame the paper's two levels are as long as each other.
+            if child.len() < span.len() {
+                self.below(child, level + 1)?;
+            }
             self.descent.leave(&step);
             if child.len() == 1 {
                 self.job.advance(1);
@@ -182,69 +189,55 @@ pub fn inspect_frame(
     }
     let spans = scan.map_or_else(|| settings.spans.clone(), |scan| scan.served(&settings.spans));
     let settings = &Settings { spans, ..settings.clone() };
-    let background = match scan {
-        Some(scan) => scan.background(capture, settings, job)?,
-        None => Arc::new(Background::none(capture)),
-    };
     let rig = Rig::new(&capture.cameras);
     let frames = load_frame(capture, frame, job)?;
-    let pruned = prune_frame(capture, scan, &rig, background.as_ref().clone(), settings, frame, job)?;
-    let mut images = pack_all(pruned.path[0], &background.layers, &background.decided, settings);
-    for (span, decided) in pruned.path.iter().skip(1).zip(&pruned.decided) {
-        images.extend(pack_all(*span, &pruned.layers, decided, settings));
-    }
-    let cameras = frames.into_iter().enumerate();
-    let cameras =
-        cameras.map(|(camera, frame)| inspect_camera(&background, &pruned, camera, frame)).collect();
+    let complete = FrameLayers::of(capture, scan, &rig, settings, frame, job)?;
+    let decided = complete.prune(&rig, settings, job)?;
+    let images = complete.path.iter().zip(&decided);
+    let images = images.flat_map(|(span, decided)| pack_all(*span, &complete.layers, decided, settings));
+    let images = images.collect();
+    let cameras: Vec<CameraInspection> = frames
+        .into_par_iter()
+        .enumerate()
+        .map(|(camera, frame)| inspect_camera(&complete.planes[camera], &decided, camera, frame))
+        .collect();
     Ok(FrameInspection {
         frame,
-        path: pruned.path,
+        path: complete.path.clone(),
         cameras,
         samples: Arc::new(sample_set(capture, settings, images)),
-        layers: Arc::new(pruned.layers),
+        layers: complete.layers.clone(),
         settings: settings.clone(),
     })
 }
 
 fn inspect_camera(
-    background: &Background,
-    pruned: &PrunedFrame,
+    planes: &CameraPlanes,
+    decided: &[Vec<Decided>],
     camera: usize,
     frame: Arc<Frame>,
 ) -> CameraInspection {
-    let layer = &pruned.layers[camera];
-    let (width, height) = (layer.width, layer.height());
-    let mut verdicts = vec![Verdict::without_witness(Rule::NoSample); layer.level.len()];
-    for decided in std::iter::once(&background.decided).chain(&pruned.decided) {
+    let (width, height) = planes.level.size();
+    let mut verdicts = vec![Verdict::without_witness(Rule::NoSample); width * height];
+    let mut other_winner = vec![Verdict::NO_CAMERA; width * height];
+    for decided in decided {
         let decided = &decided[camera];
         for (&pixel, &verdict) in decided.pixels.iter().zip(&decided.verdicts) {
             verdicts[pixel as usize] = verdict;
         }
+        for dispute in &decided.disputes {
+            other_winner[dispute.pixel as usize] = dispute.other_camera;
+        }
     }
+    let CameraPlanes { class, level, normal_in_world, footprint } = planes.clone();
     CameraInspection {
         frame,
-        class: Grid::from_vec(
-            width,
-            height,
-            layer.level.iter().map(|&level| class_of(level, pruned.path.len())).collect(),
-        ),
-        level: Grid::from_vec(width, height, layer.level.clone()),
+        class,
+        level,
         verdict: Grid::from_vec(width, height, verdicts),
-        normal_in_world: Grid::from_vec(
-            width,
-            height,
-            layer.normal.iter().map(glam::Vec3::to_array).collect(),
-        ),
-        footprint: Grid::from_vec(width, height, layer.footprint.clone()),
-    }
-}
-
-fn class_of(level: Level, levels: usize) -> PixelClass {
-    match level {
-        NO_SAMPLE => PixelClass::Invalid,
-        ROOT => PixelClass::Background,
-        level if usize::from(level) + 1 == levels => PixelClass::Foreground,
-        _ => PixelClass::Lasting,
+        other_winner: Grid::from_vec(width, height, other_winner),
+        normal_in_world,
+        footprint,
     }
 }
 

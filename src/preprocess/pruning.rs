@@ -55,6 +55,8 @@ pub struct Decided {
     pub verdicts: Vec<Verdict>,
     /// Where the other rate model would have named another camera, by pixel.
     pub disputes: Vec<Dispute>,
+    /// Samples whose color was found to be blended across a silhouette.
+    pub mixed: u64,
 }
 
 /// A sample of whose point the two rate models name different cameras as the best-sampled.
@@ -108,7 +110,7 @@ pub fn prune(
         statuses,
         decide,
         settings,
-        limits: SameSurface::new(settings),
+        limits: SameSurface::new(settings).at_level(decide),
         all_stand: layers
             .par_iter()
             .zip(statuses)
@@ -128,10 +130,10 @@ pub fn prune(
         job.check()?;
         bands.par_iter_mut().for_each(|band| simd::run(SettleWaiting { pass: &pass, band }));
     }
-    let disputes: Vec<(usize, Vec<Dispute>)> =
-        bands.into_iter().map(|band| (band.camera, band.disputes)).collect();
-    for (camera, disputes) in disputes {
+    let findings: Vec<_> = bands.into_iter().map(|band| (band.camera, band.disputes, band.mixed)).collect();
+    for (camera, disputes, mixed) in findings {
         decided[camera].disputes.extend(disputes);
+        decided[camera].mixed += mixed;
     }
     Ok(decided)
 }
@@ -172,7 +174,7 @@ fn all_stand(layer: &Layer, statuses: &[AtomicU8], decide: Level, across_spans: 
     for (&level, status) in layer.level.iter().zip(statuses) {
         let status = status.load(Ordering::Relaxed);
         let stands = (status == UNDECIDED) | (status == KEPT);
-        stand &= (level == NO_SAMPLE) | (stands & ((level == decide) | across_spans));
+        stand &= (level > decide) | (stands & ((level == decide) | across_spans));
     }
     stand
 }
@@ -194,6 +196,7 @@ fn bands<'a>(layers: &[Layer], counts: &[Vec<usize>], decided: &'a mut [Decided]
                 pixels: own_pixels,
                 verdicts: own_verdicts,
                 disputes: Vec::new(),
+                mixed: 0,
                 waiting: Vec::new(),
             });
         }
@@ -221,6 +224,7 @@ pub(super) struct Band<'a> {
     pub(super) pixels: &'a mut [u32],
     pub(super) verdicts: &'a mut [Verdict],
     disputes: Vec<Dispute>,
+    mixed: u64,
     pub(super) waiting: Vec<Waiting>,
 }
 
@@ -255,6 +259,7 @@ impl Work for FindBest<'_, '_> {
             for Entry { at, lanes, contest, .. } in &entries {
                 for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
                     let pixel = row * layer.width + at * LANES + lane;
+                    band.mixed += u64::from(contest.own_rank(lane) & MIXED != 0);
                     let verdict = if pruning {
                         pass.first_verdict(band.camera, pixel, contest, lane, &mut band.disputes)
                     } else {
@@ -418,6 +423,7 @@ impl Decided {
             pixels: vec![0; count],
             verdicts: vec![Verdict::without_witness(Rule::NoSample); count],
             disputes: Vec::new(),
+            mixed: 0,
         }
     }
 }

@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::normal_errors::NormalErrors;
 use super::pruning::Decided;
 use super::range_shares::RangeFacts;
+use super::sampling_rate::Rate;
 use super::temporal::CameraScan;
-use super::{SampleSet, Span, TemporalScan, Verdict};
+use super::{Rule, SampleSet, Span, TemporalScan, Verdict};
 use crate::capture::Capture;
 use crate::settings::Settings;
 
@@ -70,6 +71,12 @@ pub struct Report {
     pub pruned: BTreeMap<String, u64>,
     /// `witnesses[loser][winner]`: samples of camera `loser` for which a sample of camera `winner` stands.
     pub witnesses: Vec<Vec<u64>>,
+    /// `rate_disputes[a][b]`: samples of whose point the paper's rate names camera `a` as the best-sampled and the footprint
+    /// another camera, `b`.
+    pub rate_disputes: Vec<Vec<u64>>,
+    /// Samples whose color was found to be blended across a silhouette, and what became of them: `found`, `yielded`,
+    /// `dropped`, `kept`. Nobody looks for them where mixed pixels are kept or the capture's color is not filtered.
+    pub mixed_pixels: BTreeMap<String, u64>,
     /// All input pixels as 8-bit color and 32-bit depth.
     pub bytes_raw: u64,
     /// The kept samples in memory.
@@ -97,6 +104,7 @@ fn range_facts(scan: &TemporalScan, settings: &Settings) -> Vec<RangeFacts> {
 pub(super) struct Tally {
     report: Report,
     frames: u64,
+    rate: Rate,
     /// Whether nothing was counted yet: the span of all frames comes first, also where a frame is as long.
     is_first: bool,
 }
@@ -123,13 +131,15 @@ impl Tally {
         let samples_in = capture.pixel_count();
         let report = Report {
             witnesses: vec![vec![0; cameras.len()]; cameras.len()],
+            rate_disputes: vec![vec![0; cameras.len()]; cameras.len()],
             cameras,
             samples_in,
             bytes_raw: samples_in * RAW_BYTES_PER_PIXEL,
             foreground_per_frame: vec![0; scan.frames],
             ..Report::default()
         };
-        Self { report, frames, is_first: true }
+        let rate = Rate::resolve(settings.pruning.rate, &capture.cameras);
+        Self { report, frames, rate, is_first: true }
     }
 
     /// Counts what was decided on the samples of one span.
@@ -164,15 +174,30 @@ impl Tally {
 
     /// Samples kept.
     fn count(&mut self, camera: usize, decided: &Decided) -> u64 {
-        let mut by_rule = [0_u64; super::Rule::ALL.len()];
+        let mut by_rule = [0_u64; Rule::ALL.len()];
         for verdict in &decided.verdicts {
             by_rule[verdict.rule as usize] += 1;
             if !verdict.is_kept() && verdict.witness_camera != Verdict::NO_CAMERA {
                 self.report.witnesses[camera][verdict.witness_camera as usize] += 1;
             }
         }
+        for dispute in &decided.disputes {
+            let (used, other) = (dispute.camera as usize, dispute.other_camera as usize);
+            let (paper, footprint) = if self.rate == Rate::Paper { (used, other) } else { (other, used) };
+            self.report.rate_disputes[paper][footprint] += 1;
+        }
+        let [yielded, dropped] = [Rule::MixedYields, Rule::MixedDropped].map(|rule| by_rule[rule as usize]);
+        let mixed = [
+            ("found", decided.mixed),
+            ("yielded", yielded),
+            ("dropped", dropped),
+            ("kept", decided.mixed.saturating_sub(yielded + dropped)),
+        ];
+        for (name, count) in mixed {
+            *self.report.mixed_pixels.entry(name.to_owned()).or_default() += count;
+        }
         let mut kept = 0;
-        for (rule, count) in super::Rule::ALL.into_iter().zip(by_rule) {
+        for (rule, count) in Rule::ALL.into_iter().zip(by_rule) {
             if rule.keeps() {
                 kept += count;
             } else if count > 0 {

@@ -11,8 +11,9 @@
 //! ```
 
 use super::facet::{COLOR_STEPS, Facet, MIXED};
-use super::layer::Layer;
+use super::layer::{Layer, Level};
 use super::registration::{Block, Carried, LANES, Registration, whole};
+use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::settings::Settings;
 
 /// What another camera says about a sample.
@@ -46,6 +47,8 @@ pub struct SameSurface {
     color_steps: f32,
     noise_sigmas: f32,
     overlap: bool,
+    /// Samples of deeper levels do not take part.
+    deepest: u32,
 }
 
 /// Two noisy colors of one surface differ by less than this many standard deviations of their difference.
@@ -64,7 +67,14 @@ impl SameSurface {
             color_steps: settings.pruning.color_tolerance,
             noise_sigmas: settings.spans.noise * COLOR_SIGMAS,
             overlap: settings.pruning.overlap,
+            deepest: u32::from(Level::MAX),
         }
+    }
+
+    /// These thresholds for samples of `level`, to which those of deeper levels do not exist yet.
+    #[must_use]
+    pub fn at_level(self, level: Level) -> Self {
+        Self { deepest: u32::from(level), ..self }
     }
 
     /// These thresholds for one pair of layers: where neither is noisy, nothing has to be allowed for noise.
@@ -180,7 +190,7 @@ impl Registration {
                 .max((block.color[2][i] - color[2]).abs());
             // A mixed sample's color belongs to no surface: it may not speak against a clean witness.
             let yields = (block.rank[i] & MIXED != 0) & (facet.rank & MIXED == 0);
-            answers.bits[i] |= if there >= 0.0 { HAS_DEPTH } else { 0 }
+            answers.bits[i] |= if (there >= 0.0) & (facet.level() <= limits.deepest) { HAS_DEPTH } else { 0 }
                 | if on_surface { ON_SURFACE } else { 0 }
                 | if there * qz > w { NEARER } else { 0 }
                 | if unknown | (cosine >= limits.normal_cosine) { NORMAL_AGREES } else { 0 }
@@ -246,7 +256,9 @@ impl Registration {
         let mut depths = [[0.0_f32; LANES]; 3];
         for corner in 0..3 {
             for i in 0..LANES {
-                depths[corner][i] = target.facets[beside[corner][i] as usize].inverse_depth;
+                let neighbor = &target.facets[beside[corner][i] as usize];
+                let takes_part = neighbor.level() <= limits.deepest;
+                depths[corner][i] = if takes_part { neighbor.inverse_depth } else { INVALID_INVERSE_DEPTH };
             }
         }
         for i in 0..LANES {

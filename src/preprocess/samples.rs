@@ -159,7 +159,8 @@ pub struct SampleSet {
     pub up_in_world: DVec3,
     /// How the set was made.
     pub settings: Settings,
-    /// Sample images, ordered by span (longest first, then earliest), then by camera; empty ones are left out.
+    /// Sample images, ordered by span (longest first, then earliest), then by camera. Empty ones are left out, save where a
+    /// set holds one frame of a store that plays from disk: the images of other frames are in their places without samples.
     pub images: Vec<std::sync::Arc<SampleImage>>,
 }
 
@@ -167,6 +168,16 @@ impl SampleSet {
     /// The images whose span contains `frame`, longest span first: together they show every camera at that frame.
     pub fn images_at(&self, frame: usize) -> impl Iterator<Item = &std::sync::Arc<SampleImage>> {
         self.images.iter().filter(move |image| image.span.contains(frame))
+    }
+
+    /// Whether some images, by their index, are the very same in another set, and seen by the same cameras.
+    #[must_use]
+    pub fn shares(&self, other: &Self, images: &[usize]) -> bool {
+        let same = |index: &usize| match (self.images.get(*index), other.images.get(*index)) {
+            (Some(mine), Some(theirs)) => std::sync::Arc::ptr_eq(mine, theirs),
+            _ => false,
+        };
+        images.iter().all(same) && self.cameras == other.cameras
     }
 
     /// Samples in all images.

@@ -209,8 +209,8 @@ impl Still {
         camera: &Camera,
         settings: &RenderSettings,
     ) -> bool {
-        Arc::ptr_eq(&self.samples, samples)
-            && self.images == images
+        self.images == images
+            && (Arc::ptr_eq(&self.samples, samples) || self.samples.shares(samples, images))
             && self.camera == *camera
             && self.settings == *settings
     }

@@ -192,7 +192,8 @@ impl Window {
     #[inline(always)]
     fn pixel(&self, x: f32, y: f32, i: usize) -> (u32, bool) {
         let inside = (x >= 0.0) & (x <= self.right) & (y >= self.top) & (y <= self.bottom);
-        let pixel = whole(y - self.top) * self.width + whole(x);
+        // What lies outside may wrap: it is not used.
+        let pixel = whole(y - self.top).wrapping_mul(self.width).wrapping_add(whole(x));
         (if inside { pixel } else { (i as u32).min(self.last) }, inside)
     }
 }

@@ -10,15 +10,18 @@
 
 mod blocks;
 mod bytes;
+mod chunks;
 pub mod coding;
 mod header;
 pub mod iff;
 mod images;
 mod palette;
+mod playback;
 mod precision;
 mod provenance;
 mod reader;
 mod source;
+mod verify;
 mod writer;
 
 use std::path::Path;
@@ -26,13 +29,41 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{Report, SampleSet};
+use crate::settings::{Precision, StoreSettings};
 
 pub use header::{ImageEntry, MAX_REFERENCES, VERSION};
 pub use images::{BlockEntry, ImageHead};
+pub use playback::{DEFAULT_CACHE_BYTES, Playback};
 pub use provenance::{InputFiles, Provenance, Rivals};
 pub use reader::{Store, StoreInfo};
 pub use source::ReadAt;
+pub use verify::{Verification, verify};
 pub use writer::{Extras, write, write_to, write_with};
+
+/// Writes an open store again, as this Overlook writes it, with what it carries beside the samples; `storage` says how, if it is
+/// not to be as before. Gives its size in bytes. `path` may be the store's own.
+///
+/// # Errors
+/// As [`write`]; `Invalid` where some of it is damaged, since nothing would say so any more.
+pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, job: &Job) -> Result<u64> {
+    let (mut samples, report) = store.read_all(job)?;
+    if let Some(damage) = store.damage().first() {
+        return Err(Error::invalid(
+            path.display(),
+            format!("is not written, since there is damage: {damage}"),
+        ));
+    }
+    let before = samples.settings.store.precision;
+    if let Some(storage) = storage {
+        if before != Precision::Lossless && storage.precision == Precision::Lossless {
+            let what = format!("cannot be lossless any more: the store has a precision of {before}");
+            return Err(Error::invalid(path.display(), what));
+        }
+        samples.settings.store = storage.clone();
+    }
+    let extras = Extras { provenance: store.info().provenance.clone(), unknown: store.unknown_chunks()? };
+    write_with(path, &samples, &report, &extras, job)
+}
 
 /// Reads a whole store, in which nothing may be damaged: [`Store::read_all`] makes do with what is whole.
 ///

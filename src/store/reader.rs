@@ -11,9 +11,10 @@ use rayon::prelude::*;
 
 use super::blocks::Coding;
 use super::bytes::{HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE};
+use super::chunks::{Chunks, REQUIRED, decode_settings, from_iff, in_chunk};
 use super::coding::model::Model;
-use super::header::{Head, ImageEntry, VERSION, chain, decode_head, decode_index, decode_version};
-use super::iff::{ChunkHeader, ChunkId, FORM_HEADER, FormReader, IffError};
+use super::header::{Head, ImageEntry, chain, decode_head, decode_index};
+use super::iff::{ChunkHeader, ChunkId, FORM_HEADER, FormReader};
 use super::images::{self, BlockEntry, Damage, ImageHead};
 use super::palette::Palette;
 use super::provenance::Provenance;
@@ -318,6 +319,52 @@ impl Store {
         }
     }
 
+    /// Chunks that this Overlook does not know, for whoever writes the store again: id and payload as it is.
+    ///
+    /// # Errors
+    /// `Io`; `Invalid` where the chunks do not follow one another to the end of the file.
+    pub fn unknown_chunks(&self) -> Result<Vec<(ChunkId, Vec<u8>)>> {
+        let mut unknown = Vec::new();
+        let mut offset = FORM_HEADER;
+        while let Some(header) = self.form.header_at(offset).map_err(|error| from_iff(&self.path, error))? {
+            if header.id != IMAGE && !REQUIRED.contains(&header.id) {
+                unknown.push((header.id, self.bytes(&header, 0..header.length)?));
+            }
+            offset = header.end();
+        }
+        Ok(unknown)
+    }
+
+    /// Walks over every chunk of the file; says where they do not follow one another, and which images the index does not have.
+    ///
+    /// # Errors
+    /// `Io`.
+    pub(super) fn walk(&self) -> Result<Vec<String>> {
+        let mut damage = Vec::new();
+        let mut offset = FORM_HEADER;
+        loop {
+            match self.form.header_at(offset).map_err(|error| from_iff(&self.path, error)) {
+                Ok(None) => return Ok(damage),
+                Ok(Some(header)) => {
+                    let listed =
+                        |at| self.info.images.binary_search_by_key(&at, |image| image.offset).is_ok();
+                    if header.id == IMAGE && !listed(offset) {
+                        damage.push(format!(
+                            "{}: at byte {offset}: chunk 'IMAG' is not in the index",
+                            self.path.display()
+                        ));
+                    }
+                    offset = header.end();
+                }
+                Err(error @ Error::Io { .. }) => return Err(error),
+                Err(error) => {
+                    damage.push(error.to_string());
+                    return Ok(damage);
+                }
+            }
+        }
+    }
+
     /// Reads every image. Tiles that are damaged are missing: see [`Store::damage`].
     ///
     /// # Errors
@@ -349,93 +396,5 @@ impl Store {
         let images = decoded.into_iter().flatten().map(|decoded| decoded.image);
         samples.images = images.filter(|image| !image.is_empty()).collect();
         Ok((samples, self.info.report.clone()))
-    }
-}
-
-/// The payloads of the chunks that say what a store holds.
-struct Chunks {
-    version: (u16, u16),
-    payloads: BTreeMap<ChunkId, Vec<u8>>,
-}
-
-/// Chunks that every store has once.
-const REQUIRED: [ChunkId; 7] = [HEAD, SETTINGS, REPORT, PROVENANCE, PALETTE, MODEL, INDEX];
-
-impl Chunks {
-    /// Walks over the file until all are found, skipping images and unknown chunks.
-    fn collect(form: &FormReader<Box<dyn ReadAt>>, path: &Path) -> Result<Self> {
-        let iff = |error| from_iff(path, error);
-        let mut version = None;
-        let mut payloads = BTreeMap::new();
-        let mut offset = FORM_HEADER;
-        while payloads.len() < REQUIRED.len()
-            && let Some(header) = form.header_at(offset).map_err(iff)?
-        {
-            if version.is_none() && header.id != HEAD {
-                return Err(in_chunk(path, HEAD, "it must be the first chunk"));
-            }
-            if REQUIRED.contains(&header.id) {
-                let payload = form.payload(&header).map_err(iff)?;
-                if header.id == HEAD && version.is_none() {
-                    version = Some(checked_version(&payload, path)?);
-                }
-                if payloads.insert(header.id, payload).is_some() {
-                    return Err(in_chunk(path, header.id, "there are two of them"));
-                }
-            }
-            offset = header.end();
-        }
-        if let Some(missing) = REQUIRED.iter().find(|id| !payloads.contains_key(*id)) {
-            return Err(in_chunk(path, *missing, "it is missing"));
-        }
-        let version = version.ok_or_else(|| in_chunk(path, HEAD, "it is missing"))?;
-        Ok(Self { version, payloads })
-    }
-
-    fn get(&self, id: ChunkId) -> &[u8] {
-        self.payloads.get(&id).map_or(&[], Vec::as_slice)
-    }
-}
-
-/// Settings come and go between versions; the samples are none the worse. What this Overlook does not know is left out
-/// and told.
-fn decode_settings(toml: &[u8]) -> Result<(Settings, Vec<String>), String> {
-    let text = std::str::from_utf8(toml).map_err(|error| error.to_string())?;
-    let table: toml::Table = text.parse().map_err(|_| "it is not TOML".to_owned())?;
-    let mut settings = Settings::default();
-    let mut warnings = Vec::new();
-    for (section, values) in table {
-        for (name, value) in values.as_table().cloned().unwrap_or_default() {
-            let stated = format!("{section}.{name} = {value}");
-            if settings.set(&format!("{section}.{name}"), value).is_err() {
-                warnings.push(format!("made with {stated}, which this Overlook does not know"));
-            }
-        }
-    }
-    Ok((settings, warnings))
-}
-
-fn checked_version(head: &[u8], path: &Path) -> Result<(u16, u16)> {
-    let version = decode_version(head).map_err(|what| in_chunk(path, HEAD, what))?;
-    if version.0 != VERSION.0 {
-        return Err(Error::unsupported(
-            path.display(),
-            format!(
-                "the store has version {}.{}, this Overlook reads {}.x; use the Overlook that wrote it or preprocess again",
-                version.0, version.1, VERSION.0
-            ),
-        ));
-    }
-    Ok(version)
-}
-
-fn in_chunk(path: &Path, id: ChunkId, what: impl std::fmt::Display) -> Error {
-    Error::invalid(format!("{}: chunk '{}'", path.display(), id.escape_ascii()), what.to_string())
-}
-
-fn from_iff(path: &Path, error: IffError) -> Error {
-    match error {
-        IffError::Io(error) => Error::io(path, error),
-        error => Error::invalid(path.display(), error.to_string()),
     }
 }

@@ -38,6 +38,9 @@ pub(crate) struct Scene {
     pub(crate) half_depth: bool,
     /// Whether frames carry normals.
     pub(crate) normals: bool,
+    /// Color is averaged over so many rays a side of each pixel, as renderers do; depth and normal stay those of its center.
+    /// 0 and 1 trace the center alone.
+    pub(crate) color_rays: u32,
     /// Added to the ground's linear color at a frame.
     pub(crate) ground_light: Option<Arc<dyn Fn(usize, DVec3) -> f32 + Send + Sync>>,
 }
@@ -93,6 +96,20 @@ impl Scene {
         best
     }
 
+    /// Mean color over a pixel.
+    fn average_color(&self, camera: &Camera, frame: usize, (x, y): (usize, usize)) -> [f32; 3] {
+        let side = self.color_rays;
+        let mut sum = [0.0; 3];
+        for i in 0..side * side {
+            let offset = (DVec2::new(f64::from(i % side), f64::from(i / side)) + 0.5) / f64::from(side);
+            let in_camera = camera.intrinsics.ray_in_camera(DVec2::new(x as f64, y as f64) + offset);
+            let ray = camera.world_from_camera.matrix3 * in_camera;
+            let color = self.hit(frame, camera.position_in_world(), ray).map_or(SKY, |(_, _, color)| color);
+            (0..3).for_each(|channel| sum[channel] += color[channel] / (side * side) as f32);
+        }
+        sum
+    }
+
     /// What `camera` records; `seed` tells cameras' noise apart.
     pub(crate) fn trace(&self, camera: &Camera, frame: usize, seed: usize) -> Frame {
         let (width, height) = camera.intrinsics.size();
@@ -107,6 +124,7 @@ impl Scene {
                 let noise = 1.0 + self.color_noise * normal_draw((x + 1000 * y, frame, seed));
                 let (w, n, c) = hit.map_or((0.0, DVec3::ZERO, SKY), |(t, n, c)| (1.0 / t, n, c));
                 let w = if self.half_depth { 1.0 / f64::from(f16::from_f64(1.0 / w).to_f32()) } else { w };
+                let c = if self.color_rays > 1 { self.average_color(camera, frame, (x, y)) } else { c };
                 color[(x, y)] = c.map(|c| f16::from_f32(c * noise));
                 inverse_depth[(x, y)] = if w.is_finite() { w as f32 } else { 0.0 };
                 normal[(x, y)] = n.as_vec3().to_array();
@@ -128,7 +146,7 @@ impl Scene {
                 frame_numbers: (0..frames as i64).collect(),
                 up_in_world: DVec3::Z,
                 has_normals: self.normals,
-                antialiased_color: false,
+                antialiased_color: self.color_rays > 1,
                 warnings: Vec::new(),
                 source: Arc::new(Recorder { scene: self.clone(), cameras: cameras.clone() }),
                 cameras,
@@ -190,6 +208,7 @@ impl std::fmt::Debug for Scene {
             .field("color_noise", &self.color_noise)
             .field("half_depth", &self.half_depth)
             .field("normals", &self.normals)
+            .field("color_rays", &self.color_rays)
             .finish_non_exhaustive()
     }
 }

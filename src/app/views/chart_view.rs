@@ -33,8 +33,8 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
     ui.horizontal(|ui| {
         let quantities: Vec<_> =
             Quantity::ALL.iter().map(|(of, name, _)| (*of, (*name).to_owned(), String::new())).collect();
-        for (index, name) in [(0, "Along"), (1, "Up")] {
-            ui.label(RichText::new(name).color(Tokens::in_ui(ui).text_weak));
+        for (index, caption, name) in [(0, "Along", "Along axis"), (1, "Up", "Up axis")] {
+            ui.label(RichText::new(caption).color(Tokens::in_ui(ui).text_weak));
             if let Some(quantity) = choice_ui(ui, name, charts.axes[index], &quantities, 96.0) {
                 let mut axes = charts.axes;
                 axes[index] = quantity;

@@ -49,19 +49,30 @@ pub(super) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, lege
             let total = kept + dropped + lost_to.iter().sum::<u64>();
             let label = RichText::new(format!("kept {}", text::percent(*kept, total)));
             ui.label(label.small()).on_hover_text("Kept pixels show their own picture.");
-            let mut winners: Vec<_> = lost_to.iter().enumerate().filter(|(_, count)| **count > 0).collect();
-            winners.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
-            let cameras = state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
-            let entries: Vec<_> = winners
-                .into_iter()
-                .filter_map(|(winner, count)| {
-                    let name = &cameras.get(winner)?.name;
-                    Some((camera_color(winner), format!("{name} {}", text::percent(*count, total))))
-                })
-                .collect();
-            swatches_ui(ui, &entries, 0.0);
+            winners_ui(ui, state, lost_to, total);
+        }
+        Legend::RateDisputes { agreed, won_by } => {
+            let total = agreed + won_by.iter().sum::<u64>();
+            let label = RichText::new(format!("rates agree {}", text::percent(*agreed, total)));
+            ui.label(label.small()).on_hover_text("Both rate models name the same camera; shown dimmed.");
+            winners_ui(ui, state, won_by, total);
         }
     });
+}
+
+/// Cameras with the share of pixels that each won, most first.
+fn winners_ui(ui: &mut Ui, state: &State, won_by: &[u64], total: u64) {
+    let mut winners: Vec<_> = won_by.iter().enumerate().filter(|(_, count)| **count > 0).collect();
+    winners.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+    let cameras = state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+    let entries: Vec<_> = winners
+        .into_iter()
+        .filter_map(|(winner, count)| {
+            let name = &cameras.get(winner)?.name;
+            Some((camera_color(winner), format!("{name} {}", text::percent(*count, total))))
+        })
+        .collect();
+    swatches_ui(ui, &entries, 0.0);
 }
 
 /// The legend of the right picture.

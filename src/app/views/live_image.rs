@@ -17,6 +17,7 @@ use crate::render::{
     HolePattern, NO_IMAGE, Painter, Picture, RenderStats, Renderer, ScreenTexture, Shown, Vantage,
 };
 use crate::settings::RenderSettings;
+use crate::store::Playback;
 
 /// What the colors of the right view tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -67,6 +68,8 @@ pub(crate) struct LiveKey {
     pub scene: u64,
     /// The samples.
     pub samples: Arc<SampleSet>,
+    /// What reads the frame's samples from a file, where they are not all in memory.
+    pub playback: Option<Arc<Playback>>,
     /// Where from, and when.
     pub vantage: Vantage,
     /// How.
@@ -139,16 +142,17 @@ impl LivePicture {
 /// # Errors
 /// As [`Renderer::render`].
 pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
-    let shown = if key.in_motion && key.color_by == ColorBy::Picture {
-        let tokens = Tokens::of(key.dark);
-        let colors = [tokens.hole, tokens.hole_stripe].map(|color| [color.r(), color.g(), color.b()]);
-        let holes = HolePattern { colors, stripe: STRIPE as u32 };
-        renderer.show(&key.samples, &key.vantage, &key.settings, &holes, job)?
-    } else {
-        let (picture, stats) = renderer.render(&key.samples, &key.vantage, &key.settings, job)?;
-        (Shown::InMemory(picture), stats)
+    let next = key.vantage.frame + 1;
+    let samples = match &key.playback {
+        None => key.samples.clone(),
+        Some(playback) => playback.at(key.vantage.frame, job)?,
     };
-    let (size, pixels, stats) = match shown {
+    let (shown, _) = rayon::join(
+        || shown(renderer, &samples, key, job),
+        // What cannot be read ahead says so when it is shown.
+        || key.playback.as_ref().map(|playback| playback.read_ahead(next..next + FRAMES_AHEAD, job)),
+    );
+    let (size, pixels, stats) = match shown? {
         (Shown::OnAdapter(texture), stats) => {
             ([texture.width() as usize, texture.height() as usize], Pixels::OnAdapter(texture), stats)
         }
@@ -159,8 +163,7 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
             (size, Pixels::InMemory { image, rendered }, stats)
         }
     };
-    let next = key.vantage.frame + 1;
-    renderer.prefetch(&key.samples, next..next + FRAMES_AHEAD);
+    renderer.prefetch(&samples, next..next + FRAMES_AHEAD);
     Ok(LivePicture {
         size,
         pixels,
@@ -168,6 +171,23 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
         notice: renderer.notice().map(str::to_owned),
     })
+}
+
+/// Has the picture painted: into memory once the view is at rest or its colors tell of samples, else wherever that is fastest.
+fn shown(
+    renderer: &mut Renderer,
+    samples: &Arc<SampleSet>,
+    key: &LiveKey,
+    job: &Job,
+) -> Result<(Shown, RenderStats)> {
+    if key.in_motion && key.color_by == ColorBy::Picture {
+        let tokens = Tokens::of(key.dark);
+        let colors = [tokens.hole, tokens.hole_stripe].map(|color| [color.r(), color.g(), color.b()]);
+        let holes = HolePattern { colors, stripe: STRIPE as u32 };
+        return renderer.show(samples, &key.vantage, &key.settings, &holes, job);
+    }
+    let (picture, stats) = renderer.render(samples, &key.vantage, &key.settings, job)?;
+    Ok((Shown::InMemory(picture), stats))
 }
 
 fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
@@ -236,6 +256,7 @@ mod tests {
         LiveKey {
             scene: 1,
             samples: Arc::new(samples),
+            playback: None,
             vantage: Vantage { camera: camera(distance), frame: 0 },
             settings: RenderSettings::default(),
             color_by: ColorBy::Picture,

@@ -9,7 +9,7 @@ use super::colormap::{camera as camera_color, dimmed, diverging, mix, sequential
 use crate::capture::Frame;
 use crate::color::steps_from_linear;
 use crate::grid::Grid;
-use crate::preprocess::{CameraInspection, FrameInspection, PixelClass, TILE};
+use crate::preprocess::{CameraInspection, FrameInspection, PixelClass, TILE, Verdict};
 
 /// What the left view shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -25,6 +25,8 @@ pub(crate) enum Overlay {
     SamplingRatio,
     /// Which camera's sample stands for each pruned one.
     WhoWon,
+    /// Where the two rate models name different cameras.
+    RateDisputes,
     /// What is the same over all frames, and what is not.
     Split,
     /// What is kept in each tile of the store.
@@ -33,10 +35,11 @@ pub(crate) enum Overlay {
 
 impl Overlay {
     /// Every overlay, in the order of the menu.
-    pub(crate) const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 8] = [
         Self::Color,
         Self::WhoWon,
         Self::SamplingRatio,
+        Self::RateDisputes,
         Self::Split,
         Self::Tiles,
         Self::Depth,
@@ -50,6 +53,7 @@ impl Overlay {
             Self::Depth => "Depth",
             Self::Normals => "Normals",
             Self::SamplingRatio => "Sampling",
+            Self::RateDisputes => "Rates",
             Self::WhoWon => "Who won",
             Self::Split => "Motion",
             Self::Tiles => "Tiles",
@@ -65,6 +69,10 @@ impl Overlay {
             Self::SamplingRatio => {
                 "How densely this camera samples each point against another: purple where this one is denser, orange \
                  where the other is."
+            }
+            Self::RateDisputes => {
+                "Where the paper's rate and the footprint name different cameras as the best: in the color of the one that \
+                 the rate not in use names."
             }
             Self::WhoWon => {
                 "Pruned pixels in the color of the camera whose sample stands for them; kept pixels show their own picture."
@@ -134,6 +142,13 @@ pub(crate) enum Legend {
         /// Pixels dropped without a witness.
         dropped: u64,
     },
+    /// Pixels on whose best-sampled camera both rate models agree, and those that each camera would win by the other model.
+    RateDisputes {
+        /// Pixels on which both agree.
+        agreed: u64,
+        /// Pixels that each camera would win.
+        won_by: Vec<u64>,
+    },
     /// Pixels per class.
     Split {
         /// The same over all frames.
@@ -173,6 +188,7 @@ pub(crate) fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
         (Overlay::Normals, Some(camera)) => (normals(&camera.normal_in_world, tokens), Legend::Plain),
         (Overlay::SamplingRatio, Some(_)) => (sampling_ratio(key, &picture), Legend::Ratio),
         (Overlay::WhoWon, Some(camera)) => who_won(camera, &picture, tokens),
+        (Overlay::RateDisputes, Some(camera)) => rate_disputes(camera, &picture),
         (Overlay::Split, Some(camera)) => split(camera, &picture, tokens),
         (Overlay::Tiles, Some(camera)) => tiles(camera, &picture),
         _ => (picture, Legend::Plain),
@@ -246,7 +262,7 @@ fn who_won(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) 
             return own;
         }
         let winner = verdict.witness_camera as usize;
-        if verdict.witness_camera == crate::preprocess::Verdict::NO_CAMERA {
+        if verdict.witness_camera == Verdict::NO_CAMERA {
             dropped += 1;
             return tokens.hole;
         }
@@ -257,6 +273,25 @@ fn who_won(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) 
         mix(dimmed(own, 0.8), camera_color(winner), 0.72)
     });
     (pixels, Legend::Winners { kept, lost_to, dropped })
+}
+
+fn rate_disputes(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Color32>, Legend) {
+    let mut agreed = 0;
+    let mut won_by = Vec::new();
+    let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
+        let winner = camera.other_winner[(x, y)];
+        if winner == Verdict::NO_CAMERA {
+            agreed += 1;
+            return dimmed(picture[(x, y)], 0.35);
+        }
+        let winner = winner as usize;
+        if won_by.len() <= winner {
+            won_by.resize(winner + 1, 0);
+        }
+        won_by[winner] += 1;
+        mix(picture[(x, y)], camera_color(winner), 0.72)
+    });
+    (pixels, Legend::RateDisputes { agreed, won_by })
 }
 
 fn split(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) -> (Grid<Color32>, Legend) {
@@ -309,7 +344,7 @@ fn tiles(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Color32>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preprocess::{Rule, Verdict};
+    use crate::preprocess::Rule;
 
     fn camera() -> (CameraInspection, Grid<Color32>) {
         let (width, height) = (32, 16);
@@ -322,15 +357,16 @@ mod tests {
         let lost = Verdict { rule: Rule::LowerRate, witness_level: 0, witness_camera: 2, witness_pixel: 0 };
         let camera = CameraInspection {
             frame: Arc::new(frame),
-            class: Grid::from_fn(width, height, |x, _| {
+            class: Arc::new(Grid::from_fn(width, height, |x, _| {
                 if x < 16 { PixelClass::Background } else { PixelClass::Foreground }
-            }),
-            level: Grid::from_fn(width, height, |x, _| u8::from(x >= 16)),
+            })),
+            level: Arc::new(Grid::from_fn(width, height, |x, _| u8::from(x >= 16))),
             verdict: Grid::from_fn(width, height, |x, _| {
                 if x < 16 { Verdict::without_witness(Rule::BestRate) } else { lost }
             }),
-            normal_in_world: Grid::filled(width, height, [0.0, 0.0, 1.0]),
-            footprint: Grid::filled(width, height, 1.0),
+            other_winner: Grid::from_fn(width, height, |x, _| if x < 8 { 1 } else { Verdict::NO_CAMERA }),
+            normal_in_world: Arc::new(Grid::filled(width, height, [0.0, 0.0, 1.0])),
+            footprint: Arc::new(Grid::filled(width, height, 1.0)),
         };
         (camera, Grid::filled(width, height, Color32::WHITE))
     }
@@ -342,6 +378,14 @@ mod tests {
         assert_eq!(legend, Legend::Winners { kept: 256, lost_to: vec![0, 0, 256], dropped: 0 });
         assert_eq!(pixels[(0, 0)], Color32::WHITE);
         assert_ne!(pixels[(20, 0)], Color32::WHITE);
+    }
+
+    #[test]
+    fn pixels_on_which_the_rates_disagree_are_counted_for_the_other_winner() {
+        let (camera, picture) = camera();
+        let (pixels, legend) = rate_disputes(&camera, &picture);
+        assert_eq!(legend, Legend::RateDisputes { agreed: 384, won_by: vec![0, 128] });
+        assert_ne!(pixels[(0, 0)], pixels[(20, 0)]);
     }
 
     #[test]

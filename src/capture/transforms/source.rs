@@ -23,6 +23,15 @@ impl FrameSource for FileSource {
     fn place(&self, camera: usize, frame: usize) -> String {
         self.recording.entries[camera][frame].place.clone()
     }
+
+    fn files(&self, camera: usize, frame: usize) -> Vec<std::path::PathBuf> {
+        let files = &self.recording.entries[camera][frame].files;
+        [Some(&files.color), files.depth.as_ref(), files.normal.as_ref()]
+            .into_iter()
+            .flatten()
+            .cloned()
+            .collect()
+    }
 }
 
 /// Reads the headers of every camera's first frame, and tells whether all of them give normals.

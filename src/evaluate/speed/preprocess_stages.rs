@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::Bench;
 use super::backend::Backend;
 use super::measure::{Times, repeat};
 use super::report::{Bound, Measured};
 use crate::capture::Frame;
 use crate::error::{Error, Result};
-use crate::preprocess::background::Background;
-use crate::preprocess::descent::{FRAME, prune_frame};
+use crate::preprocess::descent::FRAME;
+use crate::preprocess::frame_layers::FrameLayers;
 use crate::preprocess::noise::measure_pairs;
 use crate::preprocess::normals::DepthView;
 use crate::preprocess::pruning::{self, Rig};
@@ -42,6 +44,8 @@ pub(super) enum PreprocessCase {
     StoreWrite,
     /// The pruned set from a file that the system has in memory.
     StoreRead,
+    /// The foreground of one frame from such a file: what playback does.
+    StoreDecode,
 }
 
 /// Frames that the temporal split is measured on.
@@ -56,6 +60,7 @@ pub(super) fn cases() -> Vec<PreprocessCase> {
         PreprocessCase::Pack,
         PreprocessCase::StoreWrite,
         PreprocessCase::StoreRead,
+        PreprocessCase::StoreDecode,
     ];
     [PreprocessCase::Scan, PreprocessCase::Split].into_iter().chain(normals).chain(others).collect()
 }
@@ -72,6 +77,7 @@ impl PreprocessCase {
             Self::Pack => "preprocess/pack".to_owned(),
             Self::StoreWrite => "store/write".to_owned(),
             Self::StoreRead => "store/read".to_owned(),
+            Self::StoreDecode => "store/decode-foreground".to_owned(),
         }
     }
 
@@ -100,6 +106,8 @@ impl PreprocessCase {
             }
             Self::StoreWrite => (write_store(bench)?, pruned.sample_count(), pruned.bytes()),
             Self::StoreRead => (read_store(bench)?, pruned.sample_count(), pruned.bytes()),
+            // What the frame stands for: all its pixels, 8-bit color and 32-bit depth.
+            Self::StoreDecode => (decode_foreground(bench)?, one_frame, one_frame * (3 + DEPTH_BYTES)),
         };
         Ok(Measured {
             name: self.name(),
@@ -150,14 +158,15 @@ fn prune_layers(bench: &Bench<'_>) -> Result<Times> {
     let capture = &bench.scene.capture;
     let mut settings = Settings::default();
     let rig = Rig::new(&capture.cameras);
-    let layers = prune_frame(capture, None, &rig, Background::none(capture), &settings, 0, bench.job)?.layers;
+    let complete = FrameLayers::of(capture, None, &rig, &settings, 0, bench.job)?;
+    let layers = &complete.layers;
     let tolerance = settings.pruning.color_tolerance;
     let mut turn = 0_u8;
     repeat(bench.budget, bench.job, || {
         turn = turn.wrapping_add(1);
         settings.pruning.color_tolerance = tolerance + 0.01 * f32::from(turn);
-        let statuses = pruning::no_statuses(&layers);
-        pruning::prune(&rig, &layers, &statuses, FRAME, &settings, bench.job)
+        let statuses = pruning::no_statuses(layers);
+        pruning::prune(&rig, layers, &statuses, FRAME, &settings, bench.job)
     })
 }
 
@@ -179,10 +188,11 @@ fn pack_frame(bench: &Bench<'_>) -> Result<Times> {
     let capture = &bench.scene.capture;
     let settings = Settings::default();
     let rig = Rig::new(&capture.cameras);
-    let pruned = prune_frame(capture, None, &rig, Background::none(capture), &settings, 0, bench.job)?;
+    let complete = FrameLayers::of(capture, None, &rig, &settings, 0, bench.job)?;
+    let decided = complete.prune(&rig, &settings, bench.job)?;
     let span = Span { start: 0, end: 1 };
     repeat(bench.budget, bench.job, || {
-        let cameras = pruned.layers.iter().zip(&pruned.decided[0]).enumerate();
+        let cameras = complete.layers.iter().zip(&decided[usize::from(FRAME)]).enumerate();
         let images = cameras.map(|(camera, (layer, decided))| {
             pack::pack(camera, span, layer, decided, settings.store.normals)
         });
@@ -200,6 +210,22 @@ fn write_store(bench: &Bench<'_>) -> Result<Times> {
     let path = folder.path().join("speed.ovl");
     let report = Report::default();
     repeat(bench.budget, bench.job, || store::write(&path, &bench.scene.pruned, &report, bench.job))
+}
+
+/// Decodes the foreground of a frame, block by block and predicted from nothing but itself: what playback does for every frame, at
+/// its slowest.
+fn decode_foreground(bench: &Bench<'_>) -> Result<Times> {
+    let folder = folder()?;
+    let path = folder.path().join("speed.ovl");
+    store::write(&path, &bench.scene.split, &Report::default(), bench.job)?;
+    let store = store::Store::open(&path)?;
+    let images = store.info().images.iter().enumerate();
+    let is_first = |span: Span| span.start == 0 && span.len() == 1;
+    let passing: Vec<usize> =
+        images.filter(|(_, image)| is_first(image.span)).map(|(index, _)| index).collect();
+    repeat(bench.budget, bench.job, || {
+        passing.par_iter().map(|&index| store.image(index)).collect::<Result<Vec<_>>>()
+    })
 }
 
 fn read_store(bench: &Bench<'_>) -> Result<Times> {

@@ -91,8 +91,9 @@ struct Background {
 
 impl Background {
     fn is(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.samples, &other.samples)
-            && self.images == other.images
+        self.images == other.images
+            && (Arc::ptr_eq(&self.samples, &other.samples)
+                || self.samples.shares(&other.samples, &other.images))
             && self.camera == other.camera
             && self.settings == other.settings
     }

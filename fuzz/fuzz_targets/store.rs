@@ -1,0 +1,16 @@
+//! Any bytes as a store: what can be read is read, and nothing panics.
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use overlook::job::Job;
+use overlook::store::Store;
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Ok(store) = Store::over(Path::new("fuzzed.ovl"), Box::new(bytes.to_vec())) {
+        let _ = store.head(0);
+        let _ = store.read_all(&Job::new());
+        let _ = store.unknown_chunks();
+    }
+});

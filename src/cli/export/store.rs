@@ -1,0 +1,36 @@
+//! `overlook export store`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::super::{Failure, SettingsArgs, output, progress};
+use crate::store::{self, Store};
+
+/// Arguments of `overlook export store`.
+#[derive(Debug, Args)]
+pub(super) struct StoreArgs {
+    /// The store.
+    store: PathBuf,
+    /// The store to write. It may be the same file: that is replaced when the new one is whole.
+    #[arg(long, value_name = "F.ovl")]
+    out: PathBuf,
+    /// The settings of how it is stored, as in --set store.precision=bits10.
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+impl StoreArgs {
+    pub(super) fn run(self) -> Result<(), Failure> {
+        let opened = Store::open(&self.store)?;
+        let settings = self.settings.over(opened.info().settings.clone())?;
+        let bytes =
+            progress::watched(|job| store::write_again(&self.out, &opened, Some(&settings.store), job))?;
+        output::print(&format!(
+            "Wrote {} to {}, {} before",
+            output::bytes(bytes),
+            self.out.display(),
+            output::bytes(opened.info().bytes)
+        ))
+    }
+}

@@ -1,0 +1,151 @@
+//! What the input takes in other lossless forms: `overlook preprocess --measure-rivals`.
+//!
+//! ZIP-compressed EXR with half-float color and 32-bit depth, what captures come as; and video with motion between frames, made by
+//! the ffmpeg on this machine where there is one: color in 8-bit sRGB as lossless H.264, inverse depth in 16 bits, scaled to each camera's
+//! nearest point, as FFV1.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+use rayon::prelude::*;
+
+use crate::capture::{Capture, Frame, exr_write};
+use crate::color::srgb8_from_linear;
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::store::{InputFiles, Rivals};
+
+/// Largest number of a 16-bit pixel.
+const LARGEST: f32 = 65_535.0;
+
+/// Measures all rivals; those that need an ffmpeg are `None` where there is none.
+///
+/// # Errors
+/// Whatever decoding the capture gives, `Io`, `Cancelled`.
+pub(super) fn measure(capture: &Capture, job: &Job) -> Result<Rivals> {
+    let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
+    let zip_exr = zip_exr(capture, folder.path(), job)?;
+    let mut rivals = Rivals { zip_exr, video_color: None, video_depth: None };
+    let found = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    if found.is_ok_and(|status| status.success()) {
+        let (color, depth) = video(capture, folder.path(), job)?;
+        (rivals.video_color, rivals.video_depth) = (Some(color), Some(depth));
+    }
+    Ok(rivals)
+}
+
+fn size_of(path: &Path) -> Result<u64> {
+    Ok(std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len())
+}
+
+fn zip_exr(capture: &Capture, folder: &Path, job: &Job) -> Result<u64> {
+    let (cameras, frames) = (capture.cameras.len(), capture.frame_count());
+    job.start("Measuring EXR", cameras * frames);
+    let sizes = (0..cameras * frames).into_par_iter().map(|index| {
+        job.check()?;
+        let frame = capture.frame(index / frames, index % frames)?;
+        let path = folder.join(format!("{index}.exr"));
+        let bare = Frame { normal_in_world: None, ..(*frame).clone() };
+        exr_write::write_frame(&path, &bare)?;
+        let size = size_of(&path)?;
+        std::fs::remove_file(&path).map_err(|error| Error::io(&path, error))?;
+        job.advance(1);
+        Ok(size)
+    });
+    sizes.sum()
+}
+
+fn video(capture: &Capture, folder: &Path, job: &Job) -> Result<(u64, u64)> {
+    let (cameras, frames) = (capture.cameras.len(), capture.frame_count());
+    job.start("Measuring video", cameras * frames);
+    let (mut color_bytes, mut depth_bytes) = (0, 0);
+    for camera in 0..cameras {
+        let mut nearest = f32::MIN_POSITIVE;
+        for frame in 0..frames {
+            job.check()?;
+            let frame = capture.frame(camera, frame)?;
+            nearest = frame.inverse_depth.as_slice().iter().copied().fold(nearest, f32::max);
+        }
+        let size = capture.cameras[camera].intrinsics.size();
+        let (color_path, depth_path) = (folder.join("color.mkv"), folder.join("depth.mkv"));
+        let mut color = start(&color_path, "rgb24", size, &["-c:v", "libx264rgb", "-qp", "0"])?;
+        let mut depth =
+            start(&depth_path, "gray16le", size, &["-c:v", "ffv1", "-level", "3", "-coder", "2"])?;
+        for frame in 0..frames {
+            job.check()?;
+            let frame = capture.frame(camera, frame)?;
+            let rgb: Vec<u8> = frame
+                .color
+                .as_slice()
+                .iter()
+                .flatten()
+                .map(|channel| srgb8_from_linear(channel.to_f32()))
+                .collect();
+            let levels = frame.inverse_depth.as_slice().iter();
+            let gray: Vec<u8> = levels
+                .flat_map(|depth| ((depth.max(0.0) / nearest * LARGEST).round() as u16).to_le_bytes())
+                .collect();
+            feed(&mut color, &rgb)?;
+            feed(&mut depth, &gray)?;
+            job.advance(1);
+        }
+        finish(color)?;
+        finish(depth)?;
+        color_bytes += size_of(&color_path)?;
+        depth_bytes += size_of(&depth_path)?;
+    }
+    Ok((color_bytes, depth_bytes))
+}
+
+fn start(path: &Path, format: &str, (width, height): (usize, usize), codec: &[&str]) -> Result<Child> {
+    let mut command = Command::new("ffmpeg");
+    command.args(["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", format]);
+    command.args(["-s", &format!("{width}x{height}"), "-i", "-"]).args(codec).arg(path);
+    command.stdin(Stdio::piped()).stdout(Stdio::null());
+    command.spawn().map_err(|error| Error::io("ffmpeg", error))
+}
+
+fn feed(ffmpeg: &mut Child, bytes: &[u8]) -> Result<()> {
+    match &mut ffmpeg.stdin {
+        Some(pipe) => pipe.write_all(bytes).map_err(|error| Error::io("ffmpeg", error)),
+        None => Err(Error::invalid("ffmpeg", "takes no pictures")),
+    }
+}
+
+fn finish(mut ffmpeg: Child) -> Result<()> {
+    drop(ffmpeg.stdin.take());
+    let status = ffmpeg.wait().map_err(|error| Error::io("ffmpeg", error))?;
+    if status.success() { Ok(()) } else { Err(Error::invalid("ffmpeg", format!("failed: {status}"))) }
+}
+
+/// Reads every file of a capture once more and sums them up; `None` where it does not come from files.
+///
+/// # Errors
+/// `Io`, `Cancelled`.
+pub(super) fn input_files(capture: &Capture, job: &Job) -> Result<Option<InputFiles>> {
+    let files = capture.files();
+    job.start("Summing the input up", files.len());
+    // Names count from the folder that all files share, so that a capture may move as a whole.
+    let root = files.iter().skip(1).fold(files.first().and_then(|path| path.parent()), |root, path| {
+        root.and_then(|root| root.ancestors().find(|root| path.starts_with(root)))
+    });
+    let root = root.unwrap_or(Path::new(""));
+    let read = files.par_iter().map(|path| {
+        job.check()?;
+        let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
+        job.advance(1);
+        let name = path.strip_prefix(root).unwrap_or(path).display().to_string();
+        Ok((name, bytes.len() as u64, crc32fast::hash(&bytes)))
+    });
+    let mut read: Vec<(String, u64, u32)> = read.collect::<Result<_>>()?;
+    read.sort();
+    let lines: Vec<String> =
+        read.iter().map(|(name, bytes, crc)| format!("{crc:08x} {bytes} {name}\n")).collect();
+    let list = lines.concat();
+    Ok((!read.is_empty()).then(|| InputFiles {
+        files: read.len() as u64,
+        bytes: read.iter().map(|(_, bytes, _)| bytes).sum(),
+        crc32: crc32fast::hash(list.as_bytes()),
+    }))
+}

@@ -1,0 +1,152 @@
+//! What a file may make the reader allocate: never more than a stated multiple of its own size, whatever it says.
+
+#[expect(dead_code, reason = "the builder serves other tests too")]
+#[path = "store_contract/builder.rs"]
+mod builder;
+
+use std::alloc::System;
+use std::path::Path;
+use std::sync::Arc;
+
+use cap::Cap;
+use half::f16;
+use overlook::job::Job;
+use overlook::preprocess::DepthPlane;
+use overlook::store::{self, Store};
+
+use builder::{moving_set, small_report, small_set};
+
+#[global_allocator]
+static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
+
+/// Bytes that reading may allocate for each byte of the file: see the last paragraph of FORMAT.md.
+const PER_BYTE: usize = 8192;
+
+/// Tables and the working memory of the threads, whatever the file.
+const FIXED: usize = 16 << 20;
+
+/// Reads all that can be read.
+fn read(bytes: &[u8]) -> bool {
+    let Ok(store) = Store::over(Path::new("fuzzed.ovl"), Box::new(bytes.to_vec())) else { return false };
+    let _ = store.head(0);
+    store.read_all(&Job::new()).is_ok()
+}
+
+/// Makes every checksum right, as far as chunks can be followed.
+fn mend(bytes: &mut [u8]) {
+    let mut offset = 12;
+    while let Some(header) = bytes.get(offset..offset + 8) {
+        let id: [u8; 4] = header[..4].try_into().unwrap();
+        let length = u32::from_be_bytes(header[4..].try_into().unwrap()) as usize;
+        let Some(payload) = bytes.get_mut(offset + 8..(offset + 8).saturating_add(length)) else { return };
+        if id != *b"IMAG"
+            && let Some((payload, checksum)) = payload.split_last_chunk_mut::<4>()
+        {
+            *checksum = crc32fast::hash(&[&id, &*payload].concat()).to_be_bytes();
+        }
+        offset += 8 + length + length % 2;
+    }
+    // Heads and codes of images, where the index says they are.
+    let Ok(store) = Store::over(Path::new("fuzzed.ovl"), Box::new(bytes.to_vec())) else { return };
+    for image in store.info().images.clone() {
+        let start = image.offset as usize + 8;
+        let Some(payload) = bytes.get_mut(start..start.saturating_add(image.length as usize)) else {
+            continue;
+        };
+        let Some((head, codes)) = payload.split_at_mut_checked(image.head as usize) else { continue };
+        let Some((head, checksum)) = head.split_last_chunk_mut::<4>() else { continue };
+        let camera = &store.info().cameras[image.camera as usize].intrinsics;
+        let blocks = (camera.width.div_ceil(64) as usize * camera.height.div_ceil(64) as usize).div_ceil(8);
+        let mut start = 0_usize;
+        for entry in head.get_mut(2 + blocks..).unwrap_or_default().chunks_exact_mut(16) {
+            let length = u32::from_be_bytes(entry[8..12].try_into().unwrap()) as usize;
+            let code = codes.get(start..start.saturating_add(length)).unwrap_or_default();
+            entry[12..].copy_from_slice(&crc32fast::hash(code).to_be_bytes());
+            start = start.saturating_add(length);
+        }
+        *checksum = crc32fast::hash(&[b"IMAG", &*head].concat()).to_be_bytes();
+    }
+}
+
+fn written(set: &overlook::preprocess::SampleSet) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let report = (&small_report(), &store::Extras::default());
+    store::write_to(&mut bytes, Path::new("memory.ovl"), set, report, &Job::new()).unwrap();
+    bytes.into_inner()
+}
+
+/// Full pictures of one color and depth: as many samples a byte as there can be.
+fn bomb() -> Vec<u8> {
+    let mut set = moving_set();
+    let flat = set.images[0].clone();
+    let tiles = flat.tiles.iter().map(|tile| {
+        let inside = |row: usize| (tile.tile_y as usize * 16 + row) < 70;
+        let columns = if tile.tile_x == 5 { 0x03FF } else { 0xFFFF };
+        (tile.tile_x, tile.tile_y, std::array::from_fn(|row| if inside(row) { columns } else { 0 }))
+    });
+    let mut first = 0;
+    let tiles: Vec<_> = tiles
+        .map(|(tile_x, tile_y, rows)| {
+            let tile = overlook::preprocess::SampleTile { tile_x, tile_y, first, rows };
+            first += tile.count() as u32;
+            tile
+        })
+        .collect();
+    let depth = DepthPlane::pack(&tiles, &vec![0.5; first as usize]);
+    for image in &mut set.images {
+        let color = vec![[f16::ONE; 3]; first as usize];
+        *image = Arc::new(overlook::preprocess::SampleImage {
+            tiles: tiles.clone(),
+            color,
+            depth: depth.clone(),
+            ..(**image).clone()
+        });
+    }
+    written(&set)
+}
+
+/// How long the mutated stores are read: `OVERLOOK_FUZZ_SECONDS`, 3 unless told otherwise.
+fn fuzz_time() -> std::time::Duration {
+    let seconds = std::env::var("OVERLOOK_FUZZ_SECONDS").ok().and_then(|seconds| seconds.parse().ok());
+    std::time::Duration::from_secs(seconds.unwrap_or(3))
+}
+
+#[test]
+fn damaged_stores_never_allocate_more_than_a_multiple_of_their_size_nor_panic() {
+    let seeds = [written(&small_set()), written(&moving_set()), bomb()];
+    for seed in &seeds {
+        assert!(read(seed));
+    }
+    let largest = seeds.iter().map(Vec::len).max().unwrap();
+    let before = ALLOCATOR.allocated();
+    // A single allocation above this would abort the process.
+    ALLOCATOR.set_limit(before + FIXED + PER_BYTE * largest).unwrap();
+    let (mut state, mut runs, mut opened) = (0x0123_4567_89AB_CDEF_u64, 0_u64, 0_u64);
+    let mut random = move |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below.max(1)
+    };
+    let started = std::time::Instant::now();
+    while started.elapsed() < fuzz_time() {
+        let mut bytes = seeds[random(seeds.len())].clone();
+        for _ in 0..=random(4) {
+            let (at, length) = (random(bytes.len()), 1 + random(6));
+            let (end, to) = ((at + length).min(bytes.len()), random(bytes.len() - length));
+            match random(5) {
+                0 => bytes[at] ^= 1 << random(8),
+                1 => bytes[at] = [0, 1, 0x7F, 0x80, 0xFF][random(5)],
+                2 => (at..end).for_each(|at| bytes[at] = 0xFF),
+                3 => bytes.copy_within(at..end, to),
+                _ => (at..end).for_each(|at| bytes[at] = 0),
+            }
+        }
+        if random(8) > 0 {
+            mend(&mut bytes);
+        }
+        opened += u64::from(read(&bytes));
+        runs += 1;
+    }
+    println!("{runs} damaged stores read, {opened} of them opened");
+    assert!(opened > runs / 20, "damage is found before it is of interest: {opened} of {runs}");
+    ALLOCATOR.set_limit(usize::MAX).unwrap();
+}

@@ -1,0 +1,245 @@
+//! What was saved stays: writers that are killed, run out of disk, or fail at any byte; what a store carries along.
+
+#[path = "store_contract/builder.rs"]
+mod builder;
+
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use overlook::error::Error;
+use overlook::job::Job;
+use overlook::store::{self, Extras, InputFiles, Playback, Provenance, Rivals, Store};
+
+use builder::{any_set, moving_set, small_report, small_set};
+
+/// Where the child that is to be killed writes.
+const TARGET: &str = "OVERLOOK_TEST_STORE_TO_WRITE";
+
+/// Moments at which a writer is killed.
+const KILLS: u64 = 50;
+
+/// Not a test of its own: the process that [`a_killed_writer_leaves_the_store_before_it_whole`] kills.
+#[test]
+fn a_child_writes_stores_until_it_is_killed() {
+    let Some(path) = std::env::var_os(TARGET) else { return };
+    let sets = [moving_set(), small_set()];
+    std::fs::write(Path::new(&path).with_extension("started"), b"").unwrap();
+    for set in sets.iter().cycle() {
+        store::write(Path::new(&path), set, &small_report(), &Job::new()).unwrap();
+    }
+}
+
+#[test]
+fn a_killed_writer_leaves_the_store_before_it_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ovl");
+    store::write(&path, &small_set(), &small_report(), &Job::new()).unwrap();
+    let started = path.with_extension("started");
+    let mut seed = 7_u64;
+    let mut replaced = 0;
+    for _ in 0..KILLS {
+        let mut child = Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", "a_child_writes_stores_until_it_is_killed"])
+            .env(TARGET, &path)
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        while !started.exists() {
+            assert!(child.try_wait().unwrap().is_none(), "the child ended on its own");
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        std::thread::sleep(Duration::from_micros((seed >> 33) % 40_000));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        std::fs::remove_file(&started).unwrap();
+        let (read, _) = store::read(&path, &Job::new()).unwrap();
+        let is_small = read.images == small_set().images;
+        assert!(is_small || read.images == moving_set().images);
+        replaced += usize::from(!is_small);
+    }
+    assert!(replaced > 0, "no child came as far as writing a store");
+}
+
+/// A file in memory that takes so many bytes and no more.
+struct Full {
+    room: usize,
+    position: usize,
+}
+
+impl Write for Full {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.position + bytes.len() > self.room {
+            return Err(io::ErrorKind::StorageFull.into());
+        }
+        self.position += bytes.len();
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Seek for Full {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        if let SeekFrom::Start(position) = to {
+            self.position = position as usize;
+        }
+        Ok(self.position as u64)
+    }
+}
+
+#[test]
+fn a_disk_that_fills_at_any_byte_gives_an_error() {
+    let extras = Extras::default();
+    let write = |room| {
+        let full = Full { room, position: 0 };
+        store::write_to(full, Path::new("full.ovl"), &small_set(), (&small_report(), &extras), &Job::new())
+    };
+    let size = write(usize::MAX).unwrap() as usize;
+    for room in (0..size).step_by(97).chain([size - 1]) {
+        let error = write(room).unwrap_err();
+        assert!(matches!(error, Error::Io { .. }) && error.to_string().contains("full.ovl"), "{error}");
+    }
+    assert_eq!(write(size).unwrap() as usize, size);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_full_disk_leaves_the_old_store_and_no_half_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let [from, to] = ["from.ovl", "to.ovl"].map(|name| folder.path().join(name));
+    store::write(&from, &moving_set(), &small_report(), &Job::new()).unwrap();
+    store::write(&to, &small_set(), &small_report(), &Job::new()).unwrap();
+    let before = std::fs::read(&to).unwrap();
+    // Files of this process and its children end after 2 KiB.
+    let script = "trap '' XFSZ; ulimit -f 4; exec \"$0\" export store \"$1\" --out \"$2\"";
+    let output = Command::new("sh")
+        .args(["-c", script, env!("CARGO_BIN_EXE_overlook")])
+        .args([&from, &to])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("to.ovl") && said.trim().lines().count() == 1, "{said}");
+    assert_eq!(std::fs::read(&to).unwrap(), before);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+}
+
+#[test]
+fn provenance_and_unknown_chunks_stay_when_a_store_is_written_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, second] = ["first.ovl", "second.ovl"].map(|name| folder.path().join(name));
+    let provenance = Provenance {
+        inputs: Some(InputFiles { files: 3, bytes: 12_345, crc32: 0xDEAD_BEEF }),
+        rivals: Some(Rivals { zip_exr: 99, video_color: Some(5), video_depth: None }),
+        ..Provenance::default()
+    };
+    let unknown = vec![(*b"ANNO", b"by hand".to_vec()), (*b"XTRA", Vec::new())];
+    let extras = Extras { provenance: provenance.clone(), unknown: unknown.clone() };
+    store::write_with(&first, &moving_set(), &small_report(), &extras, &Job::new()).unwrap();
+
+    let output = Command::new(env!("CARGO_BIN_EXE_overlook"))
+        .args(["export", "store"])
+        .arg(&first)
+        .arg("--out")
+        .arg(&second)
+        .args(["--set", "store.precision=bits8"])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let written = Store::open(&second).unwrap();
+    assert_eq!(written.info().provenance, provenance);
+    assert_eq!(written.unknown_chunks().unwrap(), unknown);
+    assert!(written.info().bytes < Store::open(&first).unwrap().info().bytes);
+    assert_eq!(written.info().settings.to_toml().lines().filter(|line| line.contains("bits8")).count(), 1);
+}
+
+#[test]
+fn verify_says_which_chunk_is_bad() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ovl");
+    store::write(&path, &moving_set(), &small_report(), &Job::new()).unwrap();
+    let verify = || Command::new(env!("CARGO_BIN_EXE_overlook")).arg("verify").arg(&path).output().unwrap();
+    let whole = verify();
+    assert_eq!(whole.status.code(), Some(0));
+    assert!(String::from_utf8_lossy(&whole.stdout).contains("is whole"));
+
+    let bytes = std::fs::read(&path).unwrap();
+    let image = Store::open(&path).unwrap().info().images[3];
+    let mut damaged = bytes.clone();
+    damaged[(image.offset + 8) as usize + image.length as usize - 1] ^= 0x10;
+    std::fs::write(&path, &damaged).unwrap();
+    let bad = verify();
+    assert_eq!(bad.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&bad.stderr).into_owned();
+    assert!(said.contains(&format!("at byte {}: chunk 'IMAG' of camera 'one'", image.offset)), "{said}");
+
+    std::fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
+    assert_eq!(verify().status.code(), Some(1));
+}
+
+#[test]
+fn a_store_plays_frame_by_frame_with_a_cache_that_holds_hardly_anything() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ovl");
+    let set = moving_set();
+    store::write(&path, &set, &small_report(), &Job::new()).unwrap();
+    let playback = Playback::new(Store::open(&path).unwrap(), 40_000);
+    let job = Job::new();
+    for frame in [9, 0, 3, 4, 5, 1, 8] {
+        let shown = playback.at(frame, &job).unwrap();
+        assert_eq!(shown.images.len(), set.images.len());
+        for (index, image) in shown.images.iter().enumerate() {
+            if index == frame {
+                assert_eq!(image, &set.images[index]);
+            } else {
+                assert!(image.is_empty() && image.span == set.images[index].span);
+            }
+        }
+        assert!(playback.cached_bytes() <= 40_000);
+    }
+    assert!(playback.at(10, &job).unwrap_err().to_string().contains("no frame 10"));
+    let cached = Playback::new(Store::open(&path).unwrap(), 1 << 20);
+    cached.read_ahead(2..20, &job).unwrap();
+    let [first, again] = [cached.at(3, &job).unwrap(), cached.at(3, &job).unwrap()];
+    assert!(first.shares(&again, &[3]) && !first.shares(&cached.at(4, &job).unwrap(), &[3]));
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn what_is_left_out_is_within_the_precision_that_is_set(
+        mut set in any_set(),
+        bits in proptest::sample::select(vec![8_u32, 10, 12, 16]),
+        footprints in 0.002_f32..1.0,
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.ovl");
+        set.settings.set_text(&format!("store.precision=bits{bits}")).unwrap();
+        set.settings.set_text(&format!("store.depth_precision={footprints}")).unwrap();
+        store::write(&path, &set, &small_report(), &Job::new()).unwrap();
+        let (read, _) = store::read(&path, &Job::new()).unwrap();
+        let steps = overlook::color::steps_from_linear;
+        let half_step = 127.5 / ((1_u64 << bits) - 1) as f32;
+        proptest::prop_assert_eq!(read.images.len(), set.images.len());
+        for (read, image) in read.images.iter().zip(&set.images) {
+            proptest::prop_assert_eq!(&read.tiles, &image.tiles);
+            for (a, b) in read.color.iter().flatten().zip(image.color.iter().flatten()) {
+                proptest::prop_assert!((steps(*a) - steps(*b)).abs() <= half_step, "{} for {}", a, b);
+            }
+            let intrinsics = &set.cameras[image.camera as usize].intrinsics;
+            let allowed = f64::from(footprints) / intrinsics.fx.max(intrinsics.fy);
+            for (a, b) in read.inverse_depths().into_iter().zip(image.inverse_depths()) {
+                let (a, b) = (f64::from(a), f64::from(b));
+                proptest::prop_assert!(
+                    (a - b).abs() <= allowed * b || b < f64::from(f32::MIN_POSITIVE), "{} for {}", a, b
+                );
+            }
+        }
+    }
+}
