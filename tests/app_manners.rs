@@ -42,7 +42,7 @@ fn a_first_run_explains_itself_in_three_callouts_and_only_once() {
     let storage = std::sync::Arc::new(std::sync::Mutex::new(Storage::default()));
     let start = |storage: std::sync::Arc<std::sync::Mutex<Storage>>| -> Window {
         Harness::builder().with_size(SIZE).with_os(egui::os::OperatingSystem::Nix).build_eframe(move |cc| {
-            OverlookApp::new(&cc.egui_ctx, Some(&*storage.lock().unwrap()), small_demo()).unwrap()
+            OverlookApp::new(&cc.egui_ctx, Some(&*storage.lock().unwrap()), None, small_demo()).unwrap()
         })
     };
     let mut window = start(storage.clone());
@@ -174,7 +174,7 @@ fn twice_the_scale_shows_the_same_window() {
         .with_size(SIZE)
         .with_pixels_per_point(2.0)
         .with_os(egui::os::OperatingSystem::Nix)
-        .build_eframe(move |cc| OverlookApp::new(&cc.egui_ctx, None, start).unwrap());
+        .build_eframe(move |cc| OverlookApp::new(&cc.egui_ctx, None, None, start).unwrap());
     settle(&mut window);
     for name in ["Source picture", "Live picture", "Thresholds", "Pixel", "Timeline"] {
         let area = window.get_by_label(name).rect();

@@ -9,6 +9,7 @@ use super::inspector::history::PRESETS;
 use super::inspector::path::{ExportRequest, PathKey};
 use super::inspector::probe::Spot;
 use super::state::NoticeKind;
+use super::views::live_image::Pixels;
 use super::views::{marks, words};
 use crate::settings::Settings;
 
@@ -96,8 +97,17 @@ impl OverlookApp {
 
     fn copy_picture(&mut self) {
         let Some(shown) = &self.state.live_shown else { return };
-        self.ctx.copy_image(shown.picture.image.as_ref().clone());
+        let Pixels::InMemory { image, .. } = &shown.picture.pixels else {
+            return self.tell_of_motion();
+        };
+        self.ctx.copy_image(image.as_ref().clone());
         self.state.notify(NoticeKind::Done, "Copied", "The picture of the live view is on the clipboard.");
+    }
+
+    /// Pictures in motion may stay on the graphics card, out of reach.
+    pub(super) fn tell_of_motion(&mut self) {
+        let text = "The live view is in motion; pause it first, and try again.";
+        self.state.notify(NoticeKind::Warning, "No picture yet", text);
     }
 
     /// Puts the point that is kept in the middle of the live view; without one, home.
@@ -155,7 +165,7 @@ impl OverlookApp {
             .state
             .live_shown
             .as_ref()
-            .map_or([960, 720], |shown| shown.picture.image.size.map(|side| side as u32));
+            .map_or([960, 720], |shown| shown.picture.size.map(|side| side as u32));
         let settings = self.state.settings.render.clone();
         self.lanes.inspector.export.submit(ExportRequest { path, samples, settings, size, folder });
     }

@@ -16,7 +16,7 @@ use crate::capture::{Capture, View, transforms};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{self, CameraInspection, Report, SampleSet, TemporalScan};
-use crate::render::{Picture, Renderer};
+use crate::render::{Picture, Renderer, SharedDevice};
 use crate::settings::{CaptureSettings, Settings};
 use crate::store::{self, Playback};
 
@@ -100,17 +100,17 @@ pub(super) struct Lanes {
 }
 
 impl Lanes {
-    /// Starts all lanes.
+    /// Starts all lanes; on the `shared` device of a window the GPU paints the live view.
     ///
     /// # Errors
     /// `Io` where the operating system gives no thread.
-    pub(super) fn start(outbox: &Outbox) -> Result<Self> {
+    pub(super) fn start(outbox: &Outbox, shared: Option<SharedDevice>) -> Result<Self> {
         let background = pool("prune", rayon::current_num_threads())?;
         // A frame that this lane decodes may be awaited by every thread of the shared pool; its own thread finishes it.
         let decoder = pool("decode", 1)?;
         let measuring = background.clone();
         let progress = outbox.clone();
-        let mut renderer = Renderer::new();
+        let mut renderer = Renderer::sharing(shared);
         Ok(Self {
             open: Lane::start("Open", Supersede::Always, outbox.clone(), open)?,
             whole: Lane::start("Prune", Supersede::Always, outbox.clone(), move |request, job| {

@@ -38,6 +38,7 @@ use std::time::{Duration, Instant};
 use crate::capture::demo::DemoSpec;
 use crate::error::Result;
 use crate::preprocess::Report;
+use crate::render::SharedDevice;
 use crate::settings::Settings;
 use command::Command;
 use dock::Dock;
@@ -46,7 +47,7 @@ use lanes::Lanes;
 use memory::Memory;
 use message::Message;
 use plan::Plan;
-use state::{Busy, LiveLook, NoticeKind, SourceLook, State, Timeline};
+use state::{Busy, LiveLook, NoticeKind, SourceLook, State, Texture, Timeline};
 use worker::Outbox;
 
 pub use start::run;
@@ -80,20 +81,34 @@ pub struct OverlookApp {
     /// When the system's dialog was asked for.
     asked_at: Option<Instant>,
     ctx: egui::Context,
+    /// What draws the window, where that is wgpu.
+    window: Option<eframe::egui_wgpu::RenderState>,
     /// When each kind of work that is watched began, by its words.
     stages: std::collections::HashMap<String, Instant>,
 }
 
 impl OverlookApp {
-    /// A window that opens `start`. `storage` brings back what an earlier run remembered.
+    /// A window that opens `start`. `storage` brings back what an earlier run remembered; on the device of `window` the GPU
+    /// paints, so that pictures in motion need not be copied.
     ///
     /// # Errors
     /// `Io` where the operating system gives no threads.
-    pub fn new(ctx: &egui::Context, storage: Option<&dyn eframe::Storage>, start: Start) -> Result<Self> {
+    pub fn new(
+        ctx: &egui::Context,
+        storage: Option<&dyn eframe::Storage>,
+        window: Option<&eframe::egui_wgpu::RenderState>,
+        start: Start,
+    ) -> Result<Self> {
         theme::install(ctx);
         let (sender, inbox) = sync_channel(MESSAGES);
-        let lanes = Lanes::start(&Outbox::new(sender, ctx.clone()))?;
+        let shared = window.map(|window| SharedDevice {
+            adapter: window.adapter.clone(),
+            device: window.device.clone(),
+            queue: window.queue.clone(),
+        });
+        let lanes = Lanes::start(&Outbox::new(sender, ctx.clone()), shared)?;
         let mut state = fresh_state();
+        state.live.shares_device = window.is_some();
         let dock = Memory::load(storage).restore(&mut state);
         if storage.is_none() {
             // Nothing can be remembered, so that it would be a first run every time.
@@ -108,6 +123,7 @@ impl OverlookApp {
             commands: Vec::new(),
             asked_at: None,
             ctx: ctx.clone(),
+            window: window.cloned(),
             stages: std::collections::HashMap::new(),
         };
         match start {
@@ -151,8 +167,14 @@ impl OverlookApp {
     #[must_use]
     pub fn live_coverage(&self) -> Option<([usize; 2], f64)> {
         let shown = self.state.live_shown.as_ref()?;
-        let [width, height] = shown.picture.image.size;
+        let [width, height] = shown.picture.size;
         Some(([width, height], 1.0 - shown.picture.stats.holes as f64 / (width * height).max(1) as f64))
+    }
+
+    /// Whether the live picture is shown without its pixels ever having left the device that draws the window.
+    #[must_use]
+    pub fn live_is_on_device(&self) -> bool {
+        self.state.live_shown.as_ref().is_some_and(|shown| matches!(shown.texture, Texture::Painted(_)))
     }
 
     /// Position of the live view in world space; `None` while nothing is open.
@@ -333,6 +355,7 @@ fn fresh_state() -> State {
             color_by: views::live_image::ColorBy::Picture,
             show_cameras: true,
             size: [0, 0],
+            shares_device: false,
         },
         live_shown: None,
         notices: Vec::new(),

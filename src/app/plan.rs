@@ -11,10 +11,14 @@ use super::views::live_image::LiveKey;
 use super::views::source_image::{Overlay, SourceKey};
 use crate::preprocess::SampleSet;
 use crate::render::Vantage;
-use crate::settings::Settings;
+use crate::settings::{Backend, Settings};
 
 /// How long a slider must rest before the whole capture is pruned again.
 const DEBOUNCE: Duration = Duration::from_millis(400);
+
+/// The live view is still once it has shown one place and frame for so long; then its pixels are brought into memory, where
+/// they can be asked about.
+const REST: Duration = Duration::from_millis(200);
 
 #[derive(Clone, PartialEq)]
 struct InspectKey {
@@ -36,6 +40,8 @@ pub(super) struct Plan {
     inspector: InspectorPlan,
     /// When a setting was last changed.
     pub changed_at: Option<Instant>,
+    /// When the live view last looked elsewhere, or at another frame.
+    moved_at: Option<Instant>,
 }
 
 impl Plan {
@@ -50,7 +56,8 @@ impl Plan {
         let whole = !state.has_capture() || state.stopped || (state.whole.is_some() && !state.is_stale());
         let source = !state.has_capture()
             || state.source_shown.as_ref().map(|shown| &shown.key) == self.source.as_ref();
-        let live = state.live_shown.as_ref().map(|shown| &shown.key) == self.live.as_ref();
+        let live = state.live_shown.as_ref().map(|shown| &shown.key) == self.live.as_ref()
+            && self.live.as_ref().is_none_or(|live| !live.in_motion);
         let inspected = state.inspected.as_ref().is_some_and(|inspected| {
             self.inspect.as_ref().is_some_and(|key| {
                 key.frame == inspected.inspection.frame && key.method == method_of(&inspected.settings)
@@ -63,10 +70,10 @@ impl Plan {
     pub(super) fn ask(&mut self, state: &State, visible: &[View], lanes: &Lanes) -> Option<Duration> {
         self.ask_inspection(state, lanes);
         self.ask_source(state, lanes);
-        self.ask_live(state, lanes);
+        let rest = self.ask_live(state, lanes);
         self.ask_accuracy(state, lanes);
         self.inspector.ask(state, visible, &lanes.inspector);
-        self.ask_whole(state, lanes)
+        self.ask_whole(state, lanes).into_iter().chain(rest).min()
     }
 
     fn ask_inspection(&mut self, state: &State, lanes: &Lanes) {
@@ -116,29 +123,39 @@ impl Plan {
         }
     }
 
-    fn ask_live(&mut self, state: &State, lanes: &Lanes) {
+    fn ask_live(&mut self, state: &State, lanes: &Lanes) -> Option<Duration> {
         let (Some(scene), Some(samples), Some(rig)) =
             (state.scene.as_ref(), state.samples_here(), state.live.rig.as_ref())
         else {
-            return;
+            return None;
         };
         if state.live.size.contains(&0) {
-            return;
+            return None;
         }
         let [width, height] = rig.painted_size(state.live.size);
+        let vantage = Vantage { camera: rig.camera(width, height), frame: state.timeline.frame };
+        if self.live.as_ref().is_some_and(|last| last.vantage != vantage) {
+            self.moved_at = Some(Instant::now());
+        }
+        let rested = self.moved_at.map_or(REST, |at| at.elapsed());
+        let on_gpu =
+            state.live_shown.as_ref().is_some_and(|shown| shown.picture.painter.backend == Backend::Gpu);
+        let in_motion = state.live.shares_device && on_gpu && rested < REST;
         let key = LiveKey {
             scene: scene.id,
             samples: samples.clone(),
             playback: scene.playback().cloned(),
-            vantage: Vantage { camera: rig.camera(width, height), frame: state.timeline.frame },
+            vantage,
             settings: state.settings.render.clone(),
             color_by: state.live.color_by,
             dark: state.dark,
+            in_motion,
         };
         if self.live.as_ref() != Some(&key) {
             lanes.live.submit(key.clone());
             self.live = Some(key);
         }
+        in_motion.then(|| REST.saturating_sub(rested))
     }
 
     fn ask_whole(&mut self, state: &State, lanes: &Lanes) -> Option<Duration> {

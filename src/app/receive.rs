@@ -12,8 +12,9 @@ use super::inspector::probe::{Probed, Spot};
 use super::memory::remember_recent;
 use super::message::{Message, Purpose};
 use super::scene::{Origin, Scene};
-use super::state::{NoticeKind, Shown, Whole};
+use super::state::{NoticeKind, Shown, Texture, Whole};
 use super::text;
+use super::views::live_image::{LivePicture, Pixels};
 use super::views::rig::Rig;
 use crate::error::Error;
 
@@ -25,6 +26,33 @@ const SOURCE: (&str, TextureFilter) = ("source", TextureFilter::Nearest);
 const LIVE: (&str, TextureFilter) = ("live", TextureFilter::Linear);
 
 impl OverlookApp {
+    /// The texture that shows a picture of the live view; `None` where nothing draws the window that could.
+    fn live_texture(&mut self, ctx: &egui::Context, picture: &LivePicture) -> Option<Texture> {
+        let replaced = self.state.live_shown.take();
+        let painted = match &picture.pixels {
+            Pixels::OnAdapter(texture) => texture,
+            Pixels::InMemory { image, .. } => {
+                if let (Some(Texture::Painted(id)), Some(window)) =
+                    (replaced.as_ref().map(|shown| &shown.texture), &self.window)
+                {
+                    window.renderer.write().free_texture(id);
+                }
+                return Some(texture(ctx, LIVE, image, replaced));
+            }
+        };
+        let window = self.window.as_ref()?;
+        let view = painted.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut renderer = window.renderer.write();
+        let filter = wgpu::FilterMode::Linear;
+        let id = if let Some(Texture::Painted(id)) = replaced.map(|shown| shown.texture) {
+            renderer.update_egui_texture_from_wgpu_texture(&window.device, &view, filter, id);
+            id
+        } else {
+            renderer.register_native_texture(&window.device, &view, filter)
+        };
+        Some(Texture::Painted(id))
+    }
+
     /// Takes in one answer.
     pub(super) fn receive(&mut self, message: Message, ctx: &egui::Context) {
         let current = self.state.scene.as_ref().map(|scene| scene.id);
@@ -55,8 +83,8 @@ impl OverlookApp {
                 self.state.source_shown = Some(Shown { key, picture, texture });
             }
             Message::LivePainted { key, picture } if Some(key.scene) == current => {
-                let texture = texture(ctx, LIVE, &picture.image, self.state.live_shown.take());
-                self.state.live_shown = Some(Shown { key, picture, texture });
+                let texture = self.live_texture(ctx, &picture);
+                self.state.live_shown = texture.map(|texture| Shown { key, picture, texture });
             }
             Message::Measured { scene, settings, accuracy }
                 if Some(scene) == current && settings == self.state.settings =>
@@ -227,13 +255,13 @@ fn texture<K, P>(
     (name, magnification): (&str, TextureFilter),
     image: &Arc<egui::ColorImage>,
     replaced: Option<Shown<K, P>>,
-) -> egui::TextureHandle {
+) -> Texture {
     let options = TextureOptions { magnification, minification: TextureFilter::Linear, ..Default::default() };
-    match replaced {
-        Some(Shown { mut texture, .. }) => {
+    match replaced.map(|shown| shown.texture) {
+        Some(Texture::Sent(mut texture)) => {
             texture.set(image.clone(), options);
-            texture
+            Texture::Sent(texture)
         }
-        None => ctx.load_texture(name, image.clone(), options),
+        Some(Texture::Painted(_)) | None => Texture::Sent(ctx.load_texture(name, image.clone(), options)),
     }
 }

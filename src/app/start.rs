@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::{OverlookApp, Start};
 use crate::capture::demo::{DemoSpec, SCENES};
 use crate::error::{Error, Result};
+use crate::render::gpu::device_descriptor;
 
 /// Opens the window on a capture or store at `path`, or on the first built-in scene, and runs until it is closed.
 ///
@@ -26,14 +27,24 @@ pub fn run(path: Option<PathBuf>) -> Result<()> {
             .with_min_inner_size([1024.0, 640.0])
             .with_drag_and_drop(true),
         renderer: if has_graphics_card() { eframe::Renderer::Wgpu } else { eframe::Renderer::Glow },
+        wgpu_options: window_device(),
         ..Default::default()
     };
     let created: eframe::AppCreator<'_> = Box::new(|cc| {
-        let app = OverlookApp::new(&cc.egui_ctx, cc.storage, start)?;
+        let app = OverlookApp::new(&cc.egui_ctx, cc.storage, cc.wgpu_render_state.as_ref(), start)?;
         Ok(Box::new(app))
     });
     eframe::run_native("overlook", options, created)
         .map_err(|error| Error::Gpu { what: format!("no window can be opened: {error}") })
+}
+
+/// A window whose device can do whatever its adapter can, so that the GPU renderer can share it.
+fn window_device() -> eframe::egui_wgpu::WgpuConfiguration {
+    let mut configuration = eframe::egui_wgpu::WgpuConfiguration::default();
+    if let eframe::egui_wgpu::WgpuSetup::CreateNew(setup) = &mut configuration.wgpu_setup {
+        setup.device_descriptor = std::sync::Arc::new(device_descriptor);
+    }
+    configuration
 }
 
 fn default_demo() -> DemoSpec {

@@ -101,6 +101,8 @@ pub(super) struct LiveLook {
     pub show_cameras: bool,
     /// Size of the view in pixels.
     pub size: [u32; 2],
+    /// Whether the GPU may paint on the device that draws the window.
+    pub shares_device: bool,
 }
 
 /// A path that is being typed.
@@ -132,7 +134,25 @@ pub(super) struct Shown<K, P> {
     /// The picture.
     pub picture: Arc<P>,
     /// The picture on the graphics card.
-    pub texture: egui::TextureHandle,
+    pub texture: Texture,
+}
+
+/// A texture that a view shows.
+pub(super) enum Texture {
+    /// Sent through egui.
+    Sent(egui::TextureHandle),
+    /// Written by the renderer, on the window's own device.
+    Painted(egui::TextureId),
+}
+
+impl Texture {
+    /// What egui knows it by.
+    pub(super) fn id(&self) -> egui::TextureId {
+        match self {
+            Self::Sent(handle) => handle.id(),
+            Self::Painted(id) => *id,
+        }
+    }
 }
 
 /// What the window knows.

@@ -168,9 +168,10 @@ impl OverlookApp {
             }
             Purpose::LoadSettings => self.lanes.file.submit(FileRequest::LoadSettings { path }),
             Purpose::SavePicture => {
-                if let Some(shown) = &self.state.live_shown {
-                    let picture = shown.picture.rendered.clone();
-                    self.lanes.file.submit(FileRequest::SavePicture { path, picture });
+                let rendered = self.state.live_shown.as_ref().and_then(|shown| shown.picture.rendered());
+                match rendered.cloned() {
+                    Some(picture) => self.lanes.file.submit(FileRequest::SavePicture { path, picture }),
+                    None => self.tell_of_motion(),
                 }
             }
             Purpose::ExportPath => self.export_path(path),

@@ -30,7 +30,7 @@ pub(crate) fn demo(cameras: usize, frames: usize, size: (u32, u32)) -> Start {
 pub(crate) fn open(start: Start, size: [f32; 2]) -> Window {
     let builder: HarnessBuilder<OverlookApp> =
         Harness::builder().with_size(size).with_os(egui::os::OperatingSystem::Nix).with_render_cursor(false);
-    builder.build_eframe(move |cc| OverlookApp::new(&cc.egui_ctx, None, start).unwrap())
+    builder.build_eframe(move |cc| OverlookApp::new(&cc.egui_ctx, None, None, start).unwrap())
 }
 
 /// Steps the window until `condition` holds.

@@ -89,7 +89,7 @@ pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
         Spot::Source { camera, x, y } => (camera, x, y, None),
         Spot::Live { x, y } => {
             let (live, shown) = key.live.as_ref()?;
-            let picked = pick(&live.samples, &live.vantage, &shown.rendered, x, y)?;
+            let picked = pick(&live.samples, &live.vantage, shown.rendered()?, x, y)?;
             (picked.camera, picked.x, picked.y, picked.point_in_world)
         }
     };

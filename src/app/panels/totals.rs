@@ -138,7 +138,7 @@ fn render_figure(state: &State) -> Figure {
     let (value, note) = match &state.live_shown {
         Some(shown) => {
             let stats = &shown.picture.stats;
-            let pixels = shown.picture.image.pixels.len().max(1) as u64;
+            let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
             (
                 format!("{} ms", text::significant(stats.milliseconds)),
                 format!("{} covered", text::percent(pixels.saturating_sub(stats.holes), pixels)),

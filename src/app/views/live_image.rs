@@ -13,7 +13,9 @@ use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
 use crate::preprocess::SampleSet;
-use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, Vantage};
+use crate::render::{
+    HolePattern, NO_IMAGE, Painter, Picture, RenderStats, Renderer, ScreenTexture, Shown, Vantage,
+};
 use crate::settings::RenderSettings;
 use crate::store::Playback;
 
@@ -76,6 +78,8 @@ pub(crate) struct LiveKey {
     pub color_by: ColorBy,
     /// Dark or light, as holes use a color of the theme.
     pub dark: bool,
+    /// Whether the next one follows at once: then nobody asks what its pixels show, and they may stay where they are.
+    pub in_motion: bool,
 }
 
 impl PartialEq for LiveKey {
@@ -86,6 +90,7 @@ impl PartialEq for LiveKey {
             && self.settings == other.settings
             && self.color_by == other.color_by
             && self.dark == other.dark
+            && self.in_motion == other.in_motion
     }
 }
 
@@ -97,16 +102,39 @@ const STRIPE: usize = 6;
 
 /// The right picture.
 pub(crate) struct LivePicture {
+    /// Columns and rows.
+    pub size: [usize; 2],
     /// Its pixels.
-    pub image: Arc<ColorImage>,
-    /// What the renderer gave: depths, and whose samples are shown.
-    pub rendered: Arc<Picture>,
+    pub pixels: Pixels,
     /// What it took.
     pub stats: RenderStats,
     /// What painted.
     pub painter: Painter,
     /// Why something else painted than was asked for.
     pub notice: Option<String>,
+}
+
+/// Where the pixels of a picture are.
+pub(crate) enum Pixels {
+    /// On the device that draws the window.
+    OnAdapter(ScreenTexture),
+    /// In memory.
+    InMemory {
+        /// As shown.
+        image: Arc<ColorImage>,
+        /// What the renderer gave: depths, and whose samples are shown.
+        rendered: Arc<Picture>,
+    },
+}
+
+impl LivePicture {
+    /// What the renderer gave; `None` while pictures in motion stay on the graphics card.
+    pub(crate) fn rendered(&self) -> Option<&Arc<Picture>> {
+        match &self.pixels {
+            Pixels::InMemory { rendered, .. } => Some(rendered),
+            Pixels::OnAdapter(_) => None,
+        }
+    }
 }
 
 /// Renders and colors the picture that `key` asks for.
@@ -119,22 +147,47 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
         None => key.samples.clone(),
         Some(playback) => playback.at(key.vantage.frame, job)?,
     };
-    let (painted, _) = rayon::join(
-        || renderer.render(&samples, &key.vantage, &key.settings, job),
+    let (shown, _) = rayon::join(
+        || shown(renderer, &samples, key, job),
         // What cannot be read ahead says so when it is shown.
         || key.playback.as_ref().map(|playback| playback.read_ahead(next..next + FRAMES_AHEAD, job)),
     );
-    let (picture, stats) = painted?;
-    let pixels = colored(&picture, key);
-    let image = ColorImage::new([pixels.width(), pixels.height()], pixels.into_vec());
+    let (size, pixels, stats) = match shown? {
+        (Shown::OnAdapter(texture), stats) => {
+            ([texture.width() as usize, texture.height() as usize], Pixels::OnAdapter(texture), stats)
+        }
+        (Shown::InMemory(rendered), stats) => {
+            let pixels = colored(&rendered, key);
+            let size = [pixels.width(), pixels.height()];
+            let image = Arc::new(ColorImage::new(size, pixels.into_vec()));
+            (size, Pixels::InMemory { image, rendered }, stats)
+        }
+    };
     renderer.prefetch(&samples, next..next + FRAMES_AHEAD);
     Ok(LivePicture {
-        image: Arc::new(image),
-        rendered: picture,
+        size,
+        pixels,
         stats,
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
         notice: renderer.notice().map(str::to_owned),
     })
+}
+
+/// Has the picture painted: into memory once the view is at rest or its colors tell of samples, else wherever that is fastest.
+fn shown(
+    renderer: &mut Renderer,
+    samples: &Arc<SampleSet>,
+    key: &LiveKey,
+    job: &Job,
+) -> Result<(Shown, RenderStats)> {
+    if key.in_motion && key.color_by == ColorBy::Picture {
+        let tokens = Tokens::of(key.dark);
+        let colors = [tokens.hole, tokens.hole_stripe].map(|color| [color.r(), color.g(), color.b()]);
+        let holes = HolePattern { colors, stripe: STRIPE as u32 };
+        return renderer.show(samples, &key.vantage, &key.settings, &holes, job);
+    }
+    let (picture, stats) = renderer.render(samples, &key.vantage, &key.settings, job)?;
+    Ok((Shown::InMemory(picture), stats))
 }
 
 fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
@@ -208,6 +261,7 @@ mod tests {
             settings: RenderSettings::default(),
             color_by: ColorBy::Picture,
             dark: true,
+            in_motion: false,
         }
     }
 

@@ -112,7 +112,7 @@ fn probe_ui(
         }
     }
     let (Some(pointer), Some(shown)) = (response.hover_pos(), &state.live_shown) else { return };
-    let [width, height] = shown.picture.image.size;
+    let [width, height] = shown.picture.size;
     let share = (pointer - canvas.min) / canvas.size();
     let (x, y) = ((share.x * width as f32) as usize, (share.y * height as f32) as usize);
     if x < width && y < height {
@@ -122,8 +122,8 @@ fn probe_ui(
 
 /// Whether the live picture shows the surface at this place and depth, and not something before it.
 fn shows(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> bool {
-    let Some(shown) = &state.live_shown else { return false };
-    let picture = &shown.picture.rendered.inverse_depth;
+    let rendered = state.live_shown.as_ref().and_then(|shown| shown.picture.rendered());
+    let Some(picture) = rendered.map(|rendered| &rendered.inverse_depth) else { return false };
     let share = (at - canvas.min) / canvas.size();
     if share.x < 0.0 || share.y < 0.0 {
         return false;
@@ -165,7 +165,7 @@ fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State
 /// The surface point that the live picture shows at a place.
 fn point_under(state: &State, canvas: Rect, at: egui::Pos2) -> Option<glam::DVec3> {
     let shown = state.live_shown.as_ref()?;
-    let picture = &shown.picture.rendered.inverse_depth;
+    let picture = &shown.picture.rendered()?.inverse_depth;
     let share = (at - canvas.min) / canvas.size();
     let place =
         DVec2::new(f64::from(share.x) * picture.width() as f64, f64::from(share.y) * picture.height() as f64);
@@ -209,7 +209,7 @@ fn facts_ui(ui: &mut Ui, state: &State) {
     let facts = match &state.live_shown {
         Some(shown) => {
             let stats = &shown.picture.stats;
-            let [width, height] = shown.picture.image.size;
+            let [width, height] = shown.picture.size;
             let reused = if stats.background_reused { ", background kept" } else { "" };
             format!(
                 "{} holes ({}) · {} samples at {width}×{height} in {} ms by the {}{reused}",
