@@ -94,7 +94,7 @@ pub(crate) fn one_too_many(frames: usize) -> Scene {
     let Scene { capture, truth } = orrery(frames);
     let mut cameras = capture.cameras.clone();
     let mut again = cameras[1].clone();
-    again.name = "redundant".to_owned();
+    "redundant".clone_into(&mut again.name);
     cameras.push(again);
     let twice = |capture: &Capture, camera: usize, frame| {
         Ok((*capture.frame(if camera == 3 { 1 } else { camera }, frame)?).clone())
