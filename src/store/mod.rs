@@ -44,7 +44,7 @@ pub use writer::{Extras, write, write_to, write_with};
 /// not to be as before. Gives its size in bytes. `path` may be the store's own.
 ///
 /// # Errors
-/// As [`write`]; `Invalid` where some of it is damaged, since nothing would say so any more.
+/// As [`write()`]; `Invalid` where some of it is damaged, since nothing would say so any more.
 pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, job: &Job) -> Result<u64> {
     let (mut samples, report) = store.read_all(job)?;
     if let Some(damage) = store.damage().first() {

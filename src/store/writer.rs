@@ -49,10 +49,10 @@ pub fn write(path: &Path, samples: &SampleSet, report: &Report, job: &Job) -> Re
     write_with(path, samples, report, &Extras::default(), job)
 }
 
-/// As [`write`], with what is to stand beside the samples.
+/// As [`write()`], with what is to stand beside the samples.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_with(
     path: &Path,
     samples: &SampleSet,
@@ -83,7 +83,7 @@ fn temporary_file(folder: &Path) -> std::io::Result<NamedTempFile> {
 /// Writes a store to anything that can be written at any place; `path` is named in errors. Gives its size in bytes.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_to(
     target: impl Write + Seek,
     path: &Path,
