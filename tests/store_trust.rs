@@ -6,7 +6,7 @@ mod builder;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use overlook::error::Error;
 use overlook::job::Job;
@@ -37,6 +37,11 @@ fn a_killed_writer_leaves_the_store_before_it_whole() {
     let path = folder.path().join("scene.ovl");
     store::write(&path, &small_set(), &small_report(), &Job::new()).unwrap();
     let started = path.with_extension("started");
+    let elsewhere = folder.path().join("elsewhere.ovl");
+    let set_off = Instant::now();
+    store::write(&elsewhere, &moving_set(), &small_report(), &Job::new()).unwrap();
+    // Half of the children are killed within their first store, the others within one of the next.
+    let longest_us = 2 * set_off.elapsed().as_micros().max(20_000) as u64;
     let mut seed = 7_u64;
     let mut replaced = 0;
     for _ in 0..KILLS {
@@ -51,7 +56,7 @@ fn a_killed_writer_leaves_the_store_before_it_whole() {
             assert!(child.try_wait().unwrap().is_none(), "the child ended on its own");
             std::thread::sleep(Duration::from_micros(200));
         }
-        std::thread::sleep(Duration::from_micros((seed >> 33) % 40_000));
+        std::thread::sleep(Duration::from_micros((seed >> 33) % longest_us));
         child.kill().unwrap();
         child.wait().unwrap();
         std::fs::remove_file(&started).unwrap();

@@ -167,7 +167,9 @@ impl OverlookApp {
             .as_ref()
             .map_or([960, 720], |shown| shown.picture.size.map(|side| side as u32));
         let settings = self.state.settings.render.clone();
-        self.lanes.inspector.export.submit(ExportRequest { path, samples, settings, size, folder });
+        let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
+        let request = ExportRequest { path, samples, playback, settings, size, folder };
+        self.lanes.inspector.export.submit(request);
     }
 
     /// Takes the settings of a preset.

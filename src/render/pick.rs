@@ -9,8 +9,9 @@ use glam::{DVec2, DVec3};
 use super::vantage::{NO_IMAGE, Picture, Vantage};
 use crate::preprocess::{SampleImage, SampleSet, TILE};
 
-/// Samples this many pixels around the position are looked at: a footprint seen from the side reaches that far.
-const REACH: i64 = 3;
+/// Samples this many pixels around the position are looked at: a footprint seen from the side reaches that far, and where
+/// there is none, a gap between samples that gathering closed lies within the farther reach.
+const REACHES: [i64; 2] = [3, 12];
 
 /// The sample that painted a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,10 +50,11 @@ pub fn pick(samples: &SampleSet, vantage: &Vantage, picture: &Picture, x: usize,
         source.intrinsics.project(source.camera_from_world().matrix3 * direction)?
     };
     let (column, row) = (position.x.floor() as i64, position.y.floor() as i64);
-    let mut nearest: Option<(f64, Picked)> = None;
-    for y in row - REACH..=row + REACH {
-        for x in column - REACH..=column + REACH {
-            let Some((index, sample_inverse_depth)) = sample_at(image, x, y) else { continue };
+    let nearest = |reach: i64| {
+        let rows = row - reach..=row + reach;
+        let around = rows.flat_map(|y| (column - reach..=column + reach).map(move |x| (x, y)));
+        let found = around.filter_map(|(x, y)| {
+            let (index, sample_inverse_depth) = sample_at(image, x, y)?;
             let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
             let distance = match point {
                 Some(point) if sample_inverse_depth > 0.0 => {
@@ -62,20 +64,19 @@ pub fn pick(samples: &SampleSet, vantage: &Vantage, picture: &Picture, x: usize,
                 Some(_) => f64::INFINITY,
                 None => (center - position).length(),
             };
-            if nearest.as_ref().is_none_or(|(best, _)| distance < *best) {
-                let picked = Picked {
-                    image: image_index as usize,
-                    camera: image.camera as usize,
-                    x: x as usize,
-                    y: y as usize,
-                    index,
-                    point_in_world: point,
-                };
-                nearest = Some((distance, picked));
-            }
-        }
-    }
-    nearest.map(|(_, picked)| picked)
+            Some((distance, x as usize, y as usize, index))
+        });
+        found.min_by(|(a, ..), (b, ..)| a.total_cmp(b))
+    };
+    let (_, x, y, index) = REACHES.into_iter().find_map(nearest)?;
+    Some(Picked {
+        image: image_index as usize,
+        camera: image.camera as usize,
+        x,
+        y,
+        index,
+        point_in_world: point,
+    })
 }
 
 /// Index and inverse depth of the sample at pixel `(x, y)`, where the image holds one.

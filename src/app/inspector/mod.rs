@@ -292,7 +292,9 @@ impl InspectorPlan {
     }
 
     fn ask_memory(&mut self, state: &State, visible: &[View], lanes: &InspectorLanes) {
-        let samples = state.whole_samples().filter(|_| visible.contains(&View::Memory));
+        // A store plays from disk: its set only says where samples are.
+        let wanted = visible.contains(&View::Memory) && state.has_capture();
+        let samples = state.whole_samples().filter(|_| wanted);
         let (Some(scene), Some(samples)) = (&state.scene, samples) else { return };
         if !self.memory.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, samples)) {
             lanes.memory.submit((scene.id, samples.clone()));

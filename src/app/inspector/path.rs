@@ -15,6 +15,7 @@ use crate::job::Job;
 use crate::preprocess::SampleSet;
 use crate::render::{Picture, Renderer, Vantage};
 use crate::settings::RenderSettings;
+use crate::store::Playback;
 
 /// A place on the path.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,8 +88,10 @@ fn catmull_rom([before, from, to, after]: [DVec3; 4], share: f64) -> DVec3 {
 pub(crate) struct ExportRequest {
     /// The path.
     pub path: CameraPath,
-    /// What is painted.
+    /// What is painted; of a store played from disk, what there is to play.
     pub samples: Arc<SampleSet>,
+    /// Where the samples come from, frame by frame, if not from memory.
+    pub playback: Option<Arc<Playback>>,
     /// How.
     pub settings: RenderSettings,
     /// Columns and rows of the pictures.
@@ -115,7 +118,11 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<usize> {
         let [width, height] = request.size;
         let frame = key.frame.min(request.samples.frame_count().saturating_sub(1));
         let vantage = Vantage { camera: key.rig.camera(width, height), frame };
-        let (painted, _) = renderer.render(&request.samples, &vantage, &request.settings, job)?;
+        let samples = match &request.playback {
+            Some(playback) => playback.at(frame, job)?,
+            None => request.samples.clone(),
+        };
+        let (painted, _) = renderer.render(&samples, &vantage, &request.settings, job)?;
         write_png(&painted, &request.folder.join(format!("{:04}.png", picture + 1)))?;
         job.advance(1);
     }

@@ -79,7 +79,7 @@ pub(crate) struct Probed {
     pub point_in_world: Option<DVec3>,
     /// What every camera says; `None` where there are no verdicts.
     pub argument: Option<PixelArgument>,
-    /// The spans in which the pixel is stored; `None` while the whole capture is not pruned.
+    /// The spans in which the pixel is stored; `None` while the whole capture is not pruned, and for stores.
     pub spans: Option<Vec<Span>>,
 }
 
@@ -89,14 +89,15 @@ pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
         Spot::Source { camera, x, y } => (camera, x, y, None),
         Spot::Live { x, y } => {
             let (live, shown) = key.live.as_ref()?;
-            let picked = pick(&live.samples, &live.vantage, shown.rendered()?, x, y)?;
+            let picked = pick(&shown.samples, &live.vantage, shown.rendered()?, x, y)?;
             (picked.camera, picked.x, picked.y, picked.point_in_world)
         }
     };
     let argument = key.inspection.as_ref().and_then(|inspection| inspection.pixel_argument(camera, x, y));
     let point_in_world = argument.as_ref().map_or(seen, |argument| argument.point_in_world.or(seen));
     let samples = match &key.scene.content {
-        Content::Store { samples, .. } => Some(samples),
+        // Of a store played from disk only the frame shown is in memory.
+        Content::Store { .. } => None,
         Content::Capture { .. } => key.whole.as_ref(),
     };
     let spans = samples.map(|samples| spans_of_pixel(samples, camera, x, y));

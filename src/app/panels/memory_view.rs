@@ -14,7 +14,11 @@ use super::empty_ui;
 pub(super) fn memory_ui(ui: &mut Ui, state: &State) {
     let tokens = Tokens::in_ui(ui);
     let (Some(scene), Some(blocks)) = (&state.scene, &state.inspector.memory) else {
-        let text = "What the kept samples take is known once the whole capture is pruned.";
+        let text = if state.scene.is_none() || state.has_capture() {
+            "What the kept samples take is known once the whole capture is pruned."
+        } else {
+            "A store plays from disk: only the samples around the frame shown are in memory."
+        };
         empty_ui(ui, ICON_MEMORY, "No samples yet", text, |_| {});
         return;
     };

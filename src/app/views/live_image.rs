@@ -102,6 +102,8 @@ const STRIPE: usize = 6;
 
 /// The right picture.
 pub(crate) struct LivePicture {
+    /// What was painted: of a store played from disk, the samples of this frame alone.
+    pub samples: Arc<SampleSet>,
     /// Columns and rows.
     pub size: [usize; 2],
     /// Its pixels.
@@ -165,6 +167,7 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
     };
     renderer.prefetch(&samples, next..next + FRAMES_AHEAD);
     Ok(LivePicture {
+        samples,
         size,
         pixels,
         stats,

@@ -112,7 +112,8 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
     let tokens = Tokens::in_ui(ui);
     let frames = state.frame_count().max(1);
     let caption = match &probed.spans {
-        None => "When it is stored is known once the capture is pruned.".to_owned(),
+        None if state.has_capture() => "When it is stored is known once the capture is pruned.".to_owned(),
+        None => "A store plays frame by frame; open the capture to see when the pixel is stored.".to_owned(),
         Some(spans) if spans.is_empty() => "Never stored: others stand for it in every frame.".to_owned(),
         Some(spans) => {
             let stored: usize = spans.iter().map(|span| span.len()).sum();

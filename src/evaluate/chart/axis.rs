@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn ticks_are_round_and_lie_within() {
         let axis = Axis::around(Scale::Linear, [21.3, 27.1].into_iter(), (100.0, 0.0));
-        assert_eq!(axis.ticks(6), [21.0, 22.0, 23.0, 24.0, 25.0, 26.0, 27.0]);
+        assert_eq!(axis.ticks(8), [21.0, 22.0, 23.0, 24.0, 25.0, 26.0, 27.0]);
         assert!(axis.at(21.0) > axis.at(27.0));
         let axis = Axis::around(Scale::Log, [0.9, 30.0].into_iter(), (0.0, 100.0));
         assert_eq!(axis.ticks(6), [1.0, 2.0, 5.0, 10.0, 20.0]);

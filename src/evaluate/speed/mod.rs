@@ -198,7 +198,10 @@ mod tests {
         {
             assert!(all.iter().any(|found| found == name), "{name} in {all:?}");
         }
-        assert_eq!(names(&["store/", "preprocess/pack"]), ["preprocess/pack", "store/write", "store/read"]);
+        assert_eq!(
+            names(&["store/", "preprocess/pack"]),
+            ["preprocess/pack", "store/write", "store/read", "store/decode-foreground"]
+        );
     }
 
     #[test]
