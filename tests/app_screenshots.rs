@@ -7,8 +7,9 @@ use app_driver::{
     Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, type_path, wait,
 };
 use egui_kittest::kittest::Queryable;
-use image::RgbaImage;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{GrayImage, RgbImage, RgbaImage};
+use std::collections::HashMap;
 
 fn updating() -> bool {
     std::env::var_os("OVERLOOK_UPDATE_SCREENSHOTS").is_some_and(|value| value == "1")
@@ -32,34 +33,86 @@ fn shoot(window: &mut Window, name: &str) {
 }
 
 /// Bytes a picture of the window may have.
-const LARGEST: usize = 245_000;
+const LARGEST: usize = 250_000;
 
-/// Small files: the window's own colors stay as they are, pictures within it are told in steps of 8, 16 or 32.
+/// Small files: 256 colors, the window's own among them.
 fn save(picture: RgbaImage, path: &std::path::Path) {
-    let colors = image::DynamicImage::ImageRgba8(picture).to_rgb8();
-    let mut counts = std::collections::HashMap::new();
-    for pixel in colors.pixels() {
+    let (indices, palette) = indexed(&image::DynamicImage::ImageRgba8(picture).to_rgb8());
+    let mut bytes = Vec::new();
+    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::NoFilter);
+    indices.write_with_encoder(encoder).unwrap();
+    let bytes = with_palette(&bytes, &palette);
+    assert!(bytes.len() <= LARGEST, "{} would have {} bytes", path.display(), bytes.len());
+    std::fs::write(path, bytes).unwrap();
+}
+
+/// The nearest of 256 colors, pixel by pixel: half of them those found most often, the others by median cut of what
+/// is left (Heckbert, *Color image quantization for frame buffer display*, 1982).
+fn indexed(picture: &RgbImage) -> (GrayImage, Vec<[u8; 3]>) {
+    let mut counts = HashMap::new();
+    for pixel in picture.pixels() {
         *counts.entry(pixel.0).or_insert(0_usize) += 1;
     }
-    for bits in [3, 4, 5] {
-        let mut coarse = colors.clone();
-        for pixel in coarse.pixels_mut().filter(|pixel| counts[&pixel.0] < 300) {
-            let steps = 255 >> bits << bits;
-            pixel.0 = pixel.0.map(|value| (value & steps) | (value >> (8 - bits)));
+    let mut colors: Vec<[u8; 3]> = counts.keys().copied().collect();
+    colors.sort_unstable_by_key(|color| (std::cmp::Reverse(counts[color]), *color));
+    let rest = colors.split_off(colors.len().min(128));
+    let mut palette = colors;
+    let mut boxes = vec![rest];
+    let widest = |colors: &[[u8; 3]]| {
+        let range = |axis: usize| {
+            let values = colors.iter().map(|color| color[axis]);
+            values.clone().max().unwrap_or(0) - values.min().unwrap_or(0)
+        };
+        (0..3).map(|axis| (range(axis), axis)).max().unwrap()
+    };
+    while boxes.len() < 128 {
+        let (at, (range, axis)) =
+            boxes.iter().map(|colors| widest(colors)).enumerate().max_by_key(|(_, wide)| wide.0).unwrap();
+        if range == 0 {
+            break;
         }
-        let mut bytes = Vec::new();
-        let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive);
-        coarse.write_with_encoder(encoder).unwrap();
-        if bytes.len() < LARGEST || bits == 5 {
-            std::fs::write(path, bytes).unwrap();
-            return;
-        }
+        boxes[at].sort_unstable_by_key(|color| color[axis]);
+        let half = boxes[at].len() / 2;
+        let upper = boxes[at].split_off(half);
+        boxes.push(upper);
     }
+    palette.extend(boxes.iter().filter(|colors| !colors.is_empty()).map(|colors| {
+        let weight: usize = colors.iter().map(|color| counts[color]).sum();
+        [0, 1, 2].map(|axis| {
+            let sum: usize = colors.iter().map(|color| usize::from(color[axis]) * counts[color]).sum();
+            (sum / weight) as u8
+        })
+    }));
+    let distance =
+        |a: &[u8; 3], b: &[u8; 3]| (0..3).map(|i| u32::from(a[i].abs_diff(b[i])).pow(2)).sum::<u32>();
+    let nearest: HashMap<[u8; 3], u8> = counts
+        .keys()
+        .map(|color| {
+            (*color, (0..palette.len()).min_by_key(|i| distance(color, &palette[*i])).unwrap() as u8)
+        })
+        .collect();
+    let indices = GrayImage::from_fn(picture.width(), picture.height(), |x, y| {
+        image::Luma([nearest[&picture.get_pixel(x, y).0]])
+    });
+    (indices, palette)
+}
+
+/// A gray PNG of eight bits with its values made indices into a palette: the same bytes but for the kind of color.
+fn with_palette(gray: &[u8], palette: &[[u8; 3]]) -> Vec<u8> {
+    let chunk = |kind: &[u8], body: &[u8]| {
+        let checked = [kind, body].concat();
+        let length = (body.len() as u32).to_be_bytes();
+        [&length[..], &checked, &crc32fast::hash(&checked).to_be_bytes()].concat()
+    };
+    // The signature has 8 bytes; the header after it 4 of length, 4 of kind, 13 of its own, 4 of checksum.
+    let mut header = gray[16..29].to_vec();
+    header[9] = 3;
+    [&gray[..8], &chunk(b"IHDR", &header), &chunk(b"PLTE", palette.as_flattened()), &gray[33..]].concat()
 }
 
 /// A picture holds something where it has many colors and no single one covers it all.
 fn check(picture: &RgbaImage, name: &str) {
-    let mut counts = std::collections::HashMap::new();
+    let mut counts = HashMap::new();
     for pixel in picture.pixels() {
         *counts.entry(pixel.0).or_insert(0_usize) += 1;
     }
@@ -169,4 +222,15 @@ fn the_window_shows_that_it_is_loading_and_what_went_wrong() {
     wait(&mut window, "the error", |window| !window.state().notices().is_empty());
     assert!(window.query_by_label("Dismiss").is_some());
     shoot(&mut window, "error");
+}
+
+#[test]
+fn a_picture_of_few_colors_comes_back_from_its_palette_as_it_was() {
+    let picture = RgbImage::from_fn(40, 30, |x, y| image::Rgb([x as u8 * 6, 7 * (y as u8 % 4), 200]));
+    let (indices, palette) = indexed(&picture);
+    let mut bytes = Vec::new();
+    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::NoFilter);
+    indices.write_with_encoder(encoder).unwrap();
+    let read = image::load_from_memory(&with_palette(&bytes, &palette)).unwrap().to_rgb8();
+    assert_eq!(read, picture);
 }
