@@ -139,7 +139,6 @@ impl Hand {
 }
 
 #[test]
-#[ignore = "takes 17 s on two cores; run it with --ignored after changing the window or a renderer"]
 fn ten_thousand_random_events_neither_panic_nor_hang() {
     let folder = tempfile::tempdir().unwrap();
     let bad = folder.path().join("bad.ovl");

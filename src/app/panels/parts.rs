@@ -60,8 +60,8 @@ pub(crate) fn segments_ui<T: Copy + PartialEq>(
 ) -> Option<T> {
     let mut clicked = None;
     ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing = Vec2::new(3.0, 3.0);
-        ui.spacing_mut().button_padding = Vec2::new(7.0, 2.0);
+        ui.spacing_mut().item_spacing = Vec2::new(2.0, 3.0);
+        ui.spacing_mut().button_padding = Vec2::new(5.0, 2.0);
         for (value, text, help) in choices {
             let button = Button::selectable(value == current, RichText::new(text).size(12.5));
             let button = ui.add(button).on_hover_text(help).accessible_name(format!("{name}: {text}"));

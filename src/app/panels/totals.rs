@@ -37,6 +37,7 @@ fn figure_ui(ui: &mut Ui, figure: &Figure, stale: bool) {
     let tokens = Tokens::in_ui(ui);
     let stale = stale && figure.of_whole;
     ui.set_min_width(ui.available_width());
+    ui.set_max_width(ui.available_width() - 8.0);
     ui.spacing_mut().item_spacing = egui::vec2(6.0, 1.0);
     let name = RichText::new(figure.name).small().color(tokens.text_weak);
     let note = if stale { "out of date" } else { &figure.note };
@@ -47,7 +48,7 @@ fn figure_ui(ui: &mut Ui, figure: &Figure, stale: bool) {
             ui.horizontal(|ui| {
                 ui.label(RichText::new(&figure.value).text_style(figure_style()).color(color));
                 let note_color = if stale { tokens.warning } else { tokens.text_weak };
-                ui.label(RichText::new(note).small().color(note_color));
+                ui.add(egui::Label::new(RichText::new(note).small().color(note_color)).truncate());
             });
         })
         .response;

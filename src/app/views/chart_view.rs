@@ -43,7 +43,8 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
         }
         study_button(ui, state, Study::Sweep, commands);
         let hint = format!("{} settings; click one to put it on", charts.sweep.len());
-        ui.label(RichText::new(hint).small().color(Tokens::in_ui(ui).text_weak));
+        let hint = RichText::new(hint).small().color(Tokens::in_ui(ui).text_weak);
+        ui.add(egui::Label::new(hint).truncate());
     });
     let [along, up] = charts.axes;
     let tokens = *Tokens::in_ui(ui);
