@@ -59,36 +59,10 @@ impl<'a> FrameTile<'a> {
         }
     }
 
-    /// Whether there is a sample at a pixel of the tile.
-    #[inline(always)]
-    pub(super) fn holds(&self, column: usize, row: usize) -> bool {
-        self.rows[row] >> column & 1 == 1
-    }
-
     /// Samples before a pixel of the tile.
     #[inline(always)]
     pub(super) fn rank(&self, column: usize, row: usize) -> usize {
         self.before[row] as usize + (self.rows[row] & ((1 << column) - 1)).count_ones() as usize
-    }
-
-    /// The three half floats of a sample's color, red lowest.
-    #[inline(always)]
-    pub(super) fn color_bits(&self, nth: usize) -> u64 {
-        bits_of(self.color[nth])
-    }
-
-    /// Inverse depths and colors of the samples at 2×2 pixels, left above, right above, left below, right below; `None` where
-    /// one is missing.
-    #[inline(always)]
-    pub(super) fn quad(&self, column: usize, row: usize) -> Option<([f32; 4], [u64; 4])> {
-        let (above, below) = (self.rows[row] >> column, self.rows[row + 1] >> column);
-        if above & below & 3 != 3 {
-            return None;
-        }
-        let firsts = [self.rank(column, row), self.rank(column, row + 1)];
-        let [a, b] = firsts.map(|first| self.color[first..].first_chunk::<2>());
-        let (a, b) = (a?, b?);
-        Some((self.depths.pairs(firsts)?, [a[0], a[1], b[0], b[1]].map(bits_of)))
     }
 
     /// Asks for the memory of the tile's depths.
@@ -99,17 +73,18 @@ impl<'a> FrameTile<'a> {
         (0..high.len()).step_by(64).for_each(|at| simd::prefetch(high, at));
     }
 
+    /// The three half floats of a color, red lowest.
+    #[inline(always)]
+    pub(super) fn bits_of(color: [f16; 3]) -> u64 {
+        let [red, green, blue] = color.map(|half| u64::from(half.to_bits()));
+        red | green << 16 | blue << 32
+    }
+
     /// The color of a sample, linear.
     #[inline(always)]
     pub(super) fn color(&self, nth: usize) -> [f32; 3] {
         self.color[nth].map(f32_from_f16)
     }
-}
-
-#[inline(always)]
-fn bits_of(color: [f16; 3]) -> u64 {
-    let [red, green, blue] = color.map(|half| u64::from(half.to_bits()));
-    red | green << 16 | blue << 32
 }
 
 /// A half float widened by integer arithmetic alone, so that it is inlined and vectorized; colors are finite.

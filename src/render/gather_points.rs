@@ -4,13 +4,8 @@
 
 use super::frame_samples::f32_from_f16_bits;
 use super::gather::{BESIDE_EDGE, ENOUGH, EXACT, Gather, MAX_SUBPIXELS, OWN_SHARE, USEFUL_RATE, View};
-use super::project::Projector;
-use super::surface::whole;
-
-/// Points that are worked on together.
-const LANES: usize = 16;
-
-type Lanes = [f32; LANES];
+use super::places::{Places, agrees, bilinear, carried};
+use super::window::{LANES, Lanes, Quads, Windows};
 
 /// A surface point of the vantage.
 #[derive(Clone, Copy, Debug)]
@@ -84,45 +79,18 @@ impl Answers {
     }
 }
 
-/// The points in one camera.
-struct Places {
-    /// Whether the camera looks there.
-    inside: [bool; LANES],
-    left: Lanes,
-    above: Lanes,
-    along: Lanes,
-    down: Lanes,
-    /// Inverse depth there, if it is the surface that the camera sees.
-    expected: Lanes,
-    /// Distance from the vantage over that from the camera.
-    reciprocal: Lanes,
-}
-
-/// The 2×2 samples around each point.
-struct Quads {
-    depth: [Lanes; 4],
-    /// Three half floats each.
-    color: [[u64; LANES]; 4],
-}
-
-impl Quads {
-    fn new() -> Self {
-        Self { depth: [[0.0; LANES]; 4], color: [[0; LANES]; 4] }
-    }
-
-    /// Red, green and blue of each corner.
-    #[inline(always)]
-    fn colors(&self) -> [[Lanes; 3]; 4] {
-        let mut colors = [[[0.0; LANES]; 3]; 4];
-        for (bits, colors) in self.color.iter().zip(&mut colors) {
-            for i in 0..LANES {
-                colors[0][i] = f32_from_f16_bits(bits[i] as u32 & 0xffff);
-                colors[1][i] = f32_from_f16_bits((bits[i] >> 16) as u32 & 0xffff);
-                colors[2][i] = f32_from_f16_bits((bits[i] >> 32) as u32 & 0xffff);
-            }
+/// Red, green and blue of each corner of quads.
+#[inline(always)]
+fn colors(quads: &Quads) -> [[Lanes; 3]; 4] {
+    let mut colors = [[[0.0; LANES]; 3]; 4];
+    for (bits, colors) in quads.color.iter().zip(&mut colors) {
+        for i in 0..LANES {
+            colors[0][i] = f32_from_f16_bits(bits[i] as u32 & 0xffff);
+            colors[1][i] = f32_from_f16_bits((bits[i] >> 16) as u32 & 0xffff);
+            colors[2][i] = f32_from_f16_bits((bits[i] >> 32) as u32 & 0xffff);
         }
-        colors
     }
+    colors
 }
 
 impl Gather<'_> {
@@ -133,8 +101,8 @@ impl Gather<'_> {
         &self,
         points: &[SurfacePoint],
         cameras: &[u16],
+        (windows, wanting): (&mut Windows, &mut Vec<usize>),
         found: &mut Vec<Findings>,
-        wanting: &mut Vec<usize>,
     ) {
         found.clear();
         found.resize(points.len(), Findings::default());
@@ -143,7 +111,7 @@ impl Gather<'_> {
             for &camera in cameras {
                 wanting.clear();
                 wanting.extend(all().filter(|(_, point)| point.sample == camera).map(|(nth, _)| nth));
-                self.ask(camera, points, wanting, found);
+                self.ask(camera, points, wanting, windows, found);
             }
         }
         for &camera in cameras {
@@ -152,13 +120,20 @@ impl Gather<'_> {
                 found[nth].pixels < self.many && !(self.pruned && point.sample == camera)
             };
             wanting.extend(all().filter(|(nth, point)| wants(*nth, point)).map(|(nth, _)| nth));
-            self.ask(camera, points, wanting, found);
+            self.ask(camera, points, wanting, windows, found);
         }
     }
 
     /// Adds what one camera says of some points.
     #[inline(always)]
-    fn ask(&self, camera: u16, points: &[SurfacePoint], wanting: &[usize], found: &mut [Findings]) {
+    fn ask(
+        &self,
+        camera: u16,
+        points: &[SurfacePoint],
+        wanting: &[usize],
+        windows: &mut Windows,
+        found: &mut [Findings],
+    ) {
         let view = &self.views[camera as usize];
         for group in wanting.chunks(LANES) {
             let zero = [0.0; LANES];
@@ -167,7 +142,7 @@ impl Gather<'_> {
                 let point = &points[nth];
                 (asked.x[lane], asked.y[lane], asked.w[lane]) = (point.x, point.y, point.w);
             }
-            let answers = self.answers(view, &asked);
+            let answers = self.answers(view, &asked, windows);
             for (lane, &nth) in group.iter().enumerate() {
                 let known = &mut found[nth];
                 (0..3).for_each(|channel| known.color[channel] += answers.color[channel][lane]);
@@ -179,10 +154,10 @@ impl Gather<'_> {
 
     /// What one camera says of sixteen points.
     #[inline(always)]
-    fn answers(&self, view: &View, points: &Asked) -> Answers {
+    fn answers(&self, view: &View, points: &Asked, windows: &mut Windows) -> Answers {
         let mut found = Answers::NONE;
         let places = self.places(view, &points.x, &points.y, &points.w);
-        let asked = points.which & mask(|i| places.inside[i]);
+        let asked = points.which & places.inside;
         if asked == 0 {
             return found;
         }
@@ -195,21 +170,28 @@ impl Gather<'_> {
         }
         let single = asked & mask(|i| counts[i] == 1.0);
         if single != 0 {
-            found = self.interpolated(view, &places, (&points.x, &points.y, &points.w), single);
+            found = self.interpolated(view, &places, (&points.x, &points.y, &points.w), single, windows);
         }
         let mut left = asked & !single;
         while left != 0 {
             let count = counts[left.trailing_zeros() as usize % LANES];
             let alike = left & mask(|i| counts[i] == count);
             left &= !alike;
-            self.average(view, points, (alike, count), &mut found);
+            self.average(view, points, (alike, count), windows, &mut found);
         }
         found
     }
 
     /// The mean over `count` times `count` sub-pixels of the points of a mask.
     #[inline(always)]
-    fn average(&self, view: &View, points: &Asked, (asked, count): (u32, f32), found: &mut Answers) {
+    fn average(
+        &self,
+        view: &View,
+        points: &Asked,
+        (asked, count): (u32, f32),
+        windows: &mut Windows,
+        found: &mut Answers,
+    ) {
         let mut sum = Answers::NONE;
         let per_subpixel = 1.0 / count;
         for sub_y in 0..count as usize {
@@ -220,44 +202,12 @@ impl Gather<'_> {
                     y[i] = y[i] + (sub_y as f32 + 0.5) * per_subpixel - 0.5;
                 }
                 let places = self.places(view, &x, &y, &points.w);
-                let asked = asked & mask(|i| places.inside[i]);
-                let part = self.interpolated(view, &places, (&x, &y, &points.w), asked);
+                let asked = asked & places.inside;
+                let part = self.interpolated(view, &places, (&x, &y, &points.w), asked, windows);
                 sum.add(&part, &[1.0; LANES]);
             }
         }
         found.add(&sum, &[per_subpixel * per_subpixel; LANES]);
-    }
-
-    /// Where points lie in a camera.
-    #[inline(always)]
-    fn places(&self, view: &View, x: &Lanes, y: &Lanes, w: &Lanes) -> Places {
-        let zero = [0.0; LANES];
-        let mut places = Places {
-            inside: [false; LANES],
-            left: zero,
-            above: zero,
-            along: zero,
-            down: zero,
-            expected: zero,
-            reciprocal: zero,
-        };
-        let (width, height) = self.lookup.size(view.camera);
-        let (width, height) = (width as f32, height as f32);
-        for i in 0..LANES {
-            let point = carried(&view.source_from_target, x[i], y[i], w[i]);
-            let reciprocal = 1.0 / point[2];
-            let (u, v) = (point[0] * reciprocal - 0.5, point[1] * reciprocal - 0.5);
-            // Rounded down: inside, both are larger than −1.
-            let (left, above) = ((u + 1.0).floor() - 1.0, (v + 1.0).floor() - 1.0);
-            places.inside[i] = (point[2] > 0.0) & (u > -1.0) & (v > -1.0) & (u < width) & (v < height);
-            places.left[i] = left;
-            places.above[i] = above;
-            places.along[i] = u - left;
-            places.down[i] = v - above;
-            places.expected[i] = w[i] * reciprocal;
-            places.reciprocal[i] = reciprocal;
-        }
-        places
     }
 
     /// What a camera's samples say of the points of a mask; nothing of the others.
@@ -268,25 +218,11 @@ impl Gather<'_> {
         places: &Places,
         (x, y, w): (&Lanes, &Lanes, &Lanes),
         asked: u32,
+        windows: &mut Windows,
     ) -> Answers {
-        let mut quads = Quads::new();
-        let (mut columns, mut rows) = ([0_i32; LANES], [0_i32; LANES]);
-        for i in 0..LANES {
-            columns[i] = whole(places.left[i] + 1.0) as i32 - 1;
-            rows[i] = whole(places.above[i] + 1.0) as i32 - 1;
-        }
-        let mut left = asked;
-        while left != 0 {
-            let i = left.trailing_zeros() as usize % LANES;
-            left &= left - 1;
-            let (depth, color) = self.lookup.samples(view.camera, columns[i], rows[i]);
-            for corner in 0..4 {
-                quads.depth[corner][i] = depth[corner];
-                quads.color[corner][i] = color[corner];
-            }
-        }
-        let weights = self.weights(view, &places.reciprocal, (x, y, w));
-        let colors = quads.colors();
+        let quads = windows.quads::<true>(&self.lookup, view.camera, &places.corners(), asked);
+        let weights = self.weights(view, &places.reciprocal, [x, y, w]);
+        let colors = colors(&quads);
         let mut answers = Answers::NONE;
         for i in 0..LANES {
             let expected = places.expected[i];
@@ -340,29 +276,6 @@ impl Gather<'_> {
         }
         answers
     }
-
-    /// How much a camera counts for each of sixteen points.
-    #[inline(always)]
-    fn weights(&self, view: &View, reciprocal: &Lanes, (x, y, w): (&Lanes, &Lanes, &Lanes)) -> Lanes {
-        let mut weights = [0.0; LANES];
-        for i in 0..LANES {
-            weights[i] = self.weight(view, reciprocal[i], (x[i], y[i]), w[i]);
-        }
-        weights
-    }
-}
-
-/// Whether a sample at inverse depth `depth` shows the surface that is expected.
-#[inline(always)]
-fn agrees(depth: f32, expected: f32, limit: f32) -> bool {
-    ((depth - expected).abs() <= limit) & (depth >= 0.0)
-}
-
-/// `M·ray + o·w` of a pixel.
-#[inline(always)]
-fn carried(projector: &Projector, x: f32, y: f32, w: f32) -> [f32; 3] {
-    let point = projector.ray(x, y) + projector.origin * w;
-    [point.x, point.y, point.z]
 }
 
 /// A mask of the points for which `holds`.
@@ -373,13 +286,6 @@ fn mask(holds: impl Fn(usize) -> bool) -> u32 {
         mask |= u32::from(holds(i)) << i;
     }
     mask
-}
-
-/// Shares of left above, right above, left below, right below.
-#[inline(always)]
-pub(super) fn bilinear(along: f32, down: f32) -> [f32; 4] {
-    let (back, up) = (1.0 - along, 1.0 - down);
-    [back * up, along * up, back * down, along * down]
 }
 
 /// Where between the 2×2 samples the pixel's line of sight meets the surface that the camera itself saw, at inverse depth

@@ -26,11 +26,14 @@ pub mod gpu;
 mod keys;
 mod lookup;
 pub mod pick;
+mod places;
 mod project;
 mod resolve;
 mod silhouette;
 mod surface;
 pub mod vantage;
+mod votes;
+mod window;
 
 pub use backend::{Painter, Renderer, Shown};
 pub use cpu::CpuRenderer;

@@ -12,8 +12,10 @@ use super::frame_samples::{ColorPlace, FrameSamples, f32_from_f16_bits};
 use super::gather::{BLOCK, Gather};
 use super::gather_points::{Findings, SurfacePoint};
 use super::keys::{inverse_depth_of, slot_of};
-use super::silhouette::{Patch, Pixel, RING, SIDE};
+use super::silhouette::{Patch, Pixel, Question, RING, SIDE};
 use super::vantage::{NO_IMAGE, Picture};
+use super::votes::{Points, Votes};
+use super::window::Windows;
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::Kernel;
@@ -73,6 +75,15 @@ struct Rows<'a> {
     image: &'a mut [u32],
 }
 
+impl Rows<'_> {
+    #[inline(always)]
+    fn set(&mut self, frame: &FrameSamples<'_>, at: usize, key: u64, color: [f32; 3]) {
+        self.color[at] = color;
+        self.inverse_depth[at] = inverse_depth_of(key);
+        self.image[at] = if key == 0 { NO_IMAGE } else { frame.image_of(slot_of(key)) };
+    }
+}
+
 impl Resolve<'_> {
     /// Resolves the blocks of `which` into `picture`; others are left as they are.
     ///
@@ -83,9 +94,12 @@ impl Resolve<'_> {
         let color = picture.color.as_mut_slice().par_chunks_mut(strip);
         let depth = picture.inverse_depth.as_mut_slice().par_chunks_mut(strip);
         let image = picture.image.as_mut_slice().par_chunks_mut(strip);
-        color.zip(depth).zip(image).enumerate().try_for_each(|(row, ((color, inverse_depth), image))| {
+        let strips = color.zip(depth).zip(image).enumerate();
+        let scratch = || Scratch::new(self.frame.set.cameras.len());
+        strips.try_for_each_init(scratch, |scratch, (row, ((color, inverse_depth), image))| {
             self.job.check()?;
-            simd::run(Strip { resolve: self, which, row, rows: Rows { color, inverse_depth, image } });
+            let rows = Rows { color, inverse_depth, image };
+            simd::run(Strip { resolve: self, scratch, which, row, rows });
             Ok(())
         })
     }
@@ -94,6 +108,7 @@ impl Resolve<'_> {
 /// A row of blocks.
 struct Strip<'a> {
     resolve: &'a Resolve<'a>,
+    scratch: &'a mut Scratch,
     which: &'a Blocks,
     row: usize,
     rows: Rows<'a>,
@@ -104,7 +119,6 @@ impl Work for Strip<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        let (mut cameras, mut waiting) = (Vec::new(), Waiting::default());
         let mut found = Found {
             keys: [[0; BLOCK]; BLOCK],
             places: [[ColorPlace::default(); BLOCK]; BLOCK],
@@ -120,7 +134,8 @@ impl Work for Strip<'_> {
             if !has_foreground && let Some(background) = self.resolve.background_picture {
                 self.copy(&block, background);
             } else if let Some(gathers) = self.resolve.gather {
-                self.gather(&block, gathers[usize::from(has_foreground)], (&mut cameras, &mut waiting));
+                let among = usize::from(has_foreground);
+                self.gather(&block, gathers[among], among);
             } else if self.resolve.kernel == Kernel::Point && !self.resolve.frame.tiles.is_empty() {
                 self.points(&block, &mut found);
             } else {
@@ -204,13 +219,6 @@ impl Strip<'_> {
         (BLOCK.min(self.resolve.width - block.left), rows)
     }
 
-    #[inline(always)]
-    fn set(&mut self, at: usize, key: u64, color: [f32; 3]) {
-        self.rows.color[at] = color;
-        self.rows.inverse_depth[at] = inverse_depth_of(key);
-        self.rows.image[at] = if key == 0 { NO_IMAGE } else { self.resolve.frame.image_of(slot_of(key)) };
-    }
-
     fn copy(&mut self, block: &Block, from: &Picture) {
         let (columns, rows) = self.extent(block);
         for row in 0..rows {
@@ -232,7 +240,7 @@ impl Strip<'_> {
                 let pixel = (block.top + row) * self.resolve.width + block.left + column;
                 let key = self.resolve.key(pixel);
                 let color = if key == 0 { [0.0; 3] } else { self.resolve.blended(pixel, key) };
-                self.set(row * self.resolve.width + block.left + column, key, color);
+                self.rows.set(self.resolve.frame, row * self.resolve.width + block.left + column, key, color);
             }
         }
     }
@@ -304,30 +312,47 @@ impl Strip<'_> {
     }
 
     #[inline(always)]
-    fn gather(
-        &mut self,
-        block: &Block,
-        gather: &Gather<'_>,
-        (cameras, waiting): (&mut Vec<u16>, &mut Waiting),
-    ) {
+    fn gather(&mut self, block: &Block, gather: &Gather<'_>, among: usize) {
         let frame = self.resolve.frame;
+        let Scratch { windows, cameras, weights, questions, claims, votes, waiting } = &mut *self.scratch;
+        let windows = &mut windows[among];
         let patch = self.resolve.patch(block);
         frame.cameras_of(patch.keys.as_flattened(), cameras);
         let middle = patch.keys.as_flattened()[SIDE * SIDE / 2 + SIDE / 2];
         let center = ((block.left + BLOCK / 2) as f32, (block.top + BLOCK / 2) as f32);
-        gather.rank(center, inverse_depth_of(middle).max(0.0), cameras);
+        gather.rank(center, inverse_depth_of(middle).max(0.0), cameras, weights);
         let edges = patch.edges();
-        let (columns, rows) = self.extent(block);
+        let columns = BLOCK.min(self.resolve.width - block.left);
+        let rows = self.rows.image.len() / self.resolve.width;
+        questions.clear();
+        claims.clear();
+        for (row, edges) in edges.iter().enumerate().take(rows) {
+            let mut left = edges & (u32::MAX >> (32 - columns)) as u16;
+            while left != 0 {
+                let column = left.trailing_zeros() as usize % BLOCK;
+                left &= left - 1;
+                let question = patch.question(column, row);
+                if let Some(claim) = question.claim() {
+                    let (x, y) = ((block.left + column) as f32, (block.top + row) as f32);
+                    claims.push(x, y, inverse_depth_of(claim));
+                }
+                questions.push(question);
+            }
+        }
+        gather.vote(claims, cameras, windows, votes);
+        let (mut questions, mut votes) = (questions.iter(), votes.iter());
         waiting.clear();
         for row in 0..rows {
             for column in 0..columns {
                 let own = patch.keys[row + RING][column + RING];
-                let pixel = if edges[row] >> column & 1 == 1 {
-                    patch.decide(gather, cameras, column, row)
-                } else if own == 0 {
-                    Pixel::Hole
-                } else {
-                    Pixel::Surface(own)
+                let question = (edges[row] >> column & 1 == 1).then(|| questions.next()).flatten();
+                let pixel = match question {
+                    Some(question) => {
+                        let votes = question.claim().and_then(|_| votes.next().copied());
+                        question.answer(votes.unwrap_or_default())
+                    }
+                    None if own == 0 => Pixel::Hole,
+                    None => Pixel::Surface(own),
                 };
                 let (key, layers) = match pixel {
                     Pixel::Hole => (0, [(0, 0.0); 2]),
@@ -337,7 +362,7 @@ impl Strip<'_> {
                     }
                 };
                 let at = row * self.resolve.width + block.left + column;
-                self.set(at, key, [0.0; 3]);
+                self.rows.set(frame, at, key, [0.0; 3]);
                 for (key, share) in layers {
                     if share > 0.0 {
                         let place = ((block.left + column) as f32, (block.top + row) as f32);
@@ -346,10 +371,37 @@ impl Strip<'_> {
                 }
             }
         }
-        gather.find(&waiting.points, cameras, &mut waiting.found, &mut waiting.wanting);
+        gather.find(&waiting.points, cameras, (windows, &mut waiting.wanting), &mut waiting.found);
         for (found, &(key, share, at)) in waiting.found.iter().zip(&waiting.pixels) {
             let color = found.color(|| frame.color_of(slot_of(key)));
             (0..3).for_each(|channel| self.rows.color[at][channel] += share * color[channel]);
+        }
+    }
+}
+
+/// What gathering a block needs for a while, and keeps for the next.
+struct Scratch {
+    /// Among the lasting samples, and among all.
+    windows: [Windows; 2],
+    cameras: Vec<u16>,
+    weights: Vec<(f32, u16)>,
+    /// What is to be decided at edges, in the order of the pixels.
+    questions: Vec<Question>,
+    claims: Points,
+    votes: Vec<Votes>,
+    waiting: Waiting,
+}
+
+impl Scratch {
+    fn new(cameras: usize) -> Self {
+        Self {
+            windows: [Windows::new(cameras), Windows::new(cameras)],
+            cameras: Vec::new(),
+            weights: Vec::new(),
+            questions: Vec::new(),
+            claims: Points::default(),
+            votes: Vec::new(),
+            waiting: Waiting::default(),
         }
     }
 }
