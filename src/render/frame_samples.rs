@@ -11,6 +11,7 @@ use std::ops::Range;
 
 use half::f16;
 
+use super::keys::slot_of;
 use crate::error::{Error, Result};
 use crate::preprocess::{SampleImage, SampleSet, TILE, TILE_SAMPLES, TileDepths};
 use crate::simd::{self, Work};
@@ -33,13 +34,11 @@ pub(super) struct FrameTile<'a> {
     pub(super) origin: (u32, u32),
     /// Index of the camera.
     pub(super) camera: u16,
-    /// Index in [`SampleSet::images`].
-    pub(super) image: u32,
 }
 
 impl<'a> FrameTile<'a> {
     #[inline(always)]
-    fn new(image_index: usize, image: &'a SampleImage, index: usize) -> Self {
+    fn new(image: &'a SampleImage, index: usize) -> Self {
         let tile = &image.tiles[index];
         let mut before = [0; TILE];
         let mut count = 0;
@@ -55,7 +54,6 @@ impl<'a> FrameTile<'a> {
             color: &image.color[samples],
             origin: (u32::from(tile.tile_x) * TILE as u32, u32::from(tile.tile_y) * TILE as u32),
             camera: image.camera as u16,
-            image: image_index as u32,
         }
     }
 
@@ -130,11 +128,12 @@ pub(super) struct FrameSamples<'a> {
     color_places: Vec<ColorPlace>,
     /// Colors of each image.
     colors: Vec<&'a [[f16; 3]]>,
+    /// The camera of each image.
+    image_cameras: Vec<u16>,
 }
 
 /// Adds the tiles of an image.
 struct Numbering<'a, 'b> {
-    index: usize,
     image: &'a SampleImage,
     tiles: &'b mut Vec<FrameTile<'a>>,
 }
@@ -144,8 +143,8 @@ impl Work for Numbering<'_, '_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { index, image, tiles } = self;
-        tiles.extend((0..image.tiles.len()).map(|tile| FrameTile::new(index, image, tile)));
+        let Self { image, tiles } = self;
+        tiles.extend((0..image.tiles.len()).map(|tile| FrameTile::new(image, tile)));
     }
 }
 
@@ -178,14 +177,15 @@ impl<'a> FrameSamples<'a> {
         let mut color_places = Vec::with_capacity(count);
         for (nth, &index) in images.iter().enumerate() {
             let image = &set.images[index];
-            simd::run(Numbering { index, image, tiles: &mut tiles });
+            simd::run(Numbering { image, tiles: &mut tiles });
             color_places.extend(image.tiles.iter().map(|tile| {
                 let full = if tile.rows == [u16::MAX; TILE] { FULL } else { 0 };
                 ColorPlace { image: nth as u32 | full, nth: tile.first }
             }));
         }
         let colors = images.iter().map(|&image| set.images[image].color.as_slice()).collect();
-        Ok(Self { set, images, tiles, lasting_images, lasting_tiles, color_places, colors })
+        let image_cameras = images.iter().map(|&image| set.images[image].camera as u16).collect();
+        Ok(Self { set, images, tiles, lasting_images, lasting_tiles, color_places, colors, image_cameras })
     }
 
     /// Numbers of the tiles that hold at all frames.
@@ -201,13 +201,19 @@ impl<'a> FrameSamples<'a> {
     /// Index in [`SampleSet::images`] of the image of a slot.
     #[inline(always)]
     pub(super) fn image_of(&self, slot: u32) -> u32 {
-        self.tiles[(slot >> 8) as usize].image
+        self.images[self.nth_image(slot)] as u32
     }
 
     /// Index of the camera of a slot.
     #[inline(always)]
     pub(super) fn camera_of(&self, slot: u32) -> u16 {
-        self.tiles[(slot >> 8) as usize].camera
+        self.image_cameras[self.nth_image(slot)]
+    }
+
+    /// The image of a slot, as an index in `images`.
+    #[inline(always)]
+    fn nth_image(&self, slot: u32) -> usize {
+        (self.color_places[(slot >> 8) as usize].image & !FULL) as usize
     }
 
     /// The color of the sample at a slot, linear.
@@ -240,9 +246,13 @@ impl<'a> FrameSamples<'a> {
     #[inline(always)]
     pub(super) fn cameras_of(&self, keys: &[u64], cameras: &mut Vec<u16>) {
         cameras.clear();
-        let mut seen = [0_u64; 4];
-        for key in keys.iter().filter(|key| **key != 0) {
-            let camera = self.tiles[(!(*key as u32) >> 8) as usize].camera;
+        let (mut seen, mut last) = ([0_u64; 4], None);
+        for &key in keys.iter().filter(|key| **key != 0) {
+            let tile = slot_of(key) >> 8;
+            if last.replace(tile) == Some(tile) {
+                continue;
+            }
+            let camera = self.camera_of(slot_of(key));
             match seen.get_mut(camera as usize / 64) {
                 Some(word) => *word |= 1 << (camera % 64),
                 // Beyond 256 cameras they are listed one by one.

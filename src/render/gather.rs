@@ -96,7 +96,13 @@ impl<'a> Gather<'a> {
 
     /// Sorts cameras by how much they count for the surface at inverse depth `w` in pixel `(x, y)`, most first.
     #[inline(always)]
-    pub(super) fn rank(&self, (x, y): (f32, f32), w: f32, cameras: &mut [u16], weights: &mut Vec<(f32, u16)>) {
+    pub(super) fn rank(
+        &self,
+        (x, y): (f32, f32),
+        w: f32,
+        cameras: &mut [u16],
+        weights: &mut Vec<(f32, u16)>,
+    ) {
         weights.clear();
         weights.extend(cameras.iter().map(|&camera| {
             let view = &self.views[camera as usize];

@@ -1,40 +1,71 @@
 //! The gather stage's arithmetic: a camera is asked for the colors of all points of a block that want it, sixteen at a time
-//! in vectors; only the samples themselves are looked up one by one. Every point hears its cameras in the same order as if it
+//! in vectors. Every point hears its cameras in the same order as if it
 //! asked alone, so that its color does not depend on its neighbors.
 
 use super::frame_samples::f32_from_f16_bits;
-use super::gather::{BESIDE_EDGE, ENOUGH, EXACT, Gather, MAX_SUBPIXELS, OWN_SHARE, USEFUL_RATE, View};
+use super::gather::{BESIDE_EDGE, BLOCK, ENOUGH, EXACT, Gather, MAX_SUBPIXELS, OWN_SHARE, USEFUL_RATE, View};
 use super::places::{Places, agrees, bilinear, carried};
 use super::window::{LANES, Lanes, Quads, Windows};
 
-/// A surface point of the vantage.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SurfacePoint {
-    /// Column of the pixel.
-    pub(super) x: f32,
-    /// Row of the pixel.
-    pub(super) y: f32,
-    /// Inverse depth.
-    pub(super) w: f32,
-    /// Camera of the nearest sample.
-    pub(super) sample: u16,
-}
+/// Surface points that a block has at most: two in each pixel.
+const MOST: usize = 2 * BLOCK * BLOCK;
 
-/// What is known of a surface point's color.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Findings {
-    /// Weighted by `weight`.
-    color: [f32; 3],
-    weight: f32,
+/// The surface points of a block that are to be colored, and what is known of their colors so far.
+pub(super) struct SurfacePoints {
+    count: usize,
+    /// Columns of their pixels.
+    x: [f32; MOST],
+    /// Rows of their pixels.
+    y: [f32; MOST],
+    /// Inverse depths.
+    w: [f32; MOST],
+    /// Cameras of the nearest samples.
+    own: [u16; MOST],
+    /// Red, green and blue, weighted by `weight`.
+    color: [[f32; MOST]; 3],
+    weight: [f32; MOST],
     /// Pixels' worth of samples.
-    pixels: f32,
+    known: [f32; MOST],
+    /// Points that want one camera.
+    wanting: Vec<u16>,
 }
 
-impl Findings {
-    /// The color; `own`, that of the nearest sample, stands in where too little is known.
+impl SurfacePoints {
+    pub(super) fn new() -> Self {
+        let zero = [0.0; MOST];
+        Self {
+            count: 0,
+            x: zero,
+            y: zero,
+            w: zero,
+            own: [0; MOST],
+            color: [zero; 3],
+            weight: zero,
+            known: zero,
+            wanting: Vec::with_capacity(MOST),
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Adds the surface at inverse depth `w` in pixel `(x, y)`, shown by a sample of camera `own`.
     #[inline(always)]
-    pub(super) fn color(&self, own: impl FnOnce() -> [f32; 3]) -> [f32; 3] {
-        let (mut sum, mut total) = (self.color, self.weight);
+    pub(super) fn push(&mut self, (x, y): (f32, f32), w: f32, own: u16) {
+        let at = self.count % MOST;
+        self.count = at + 1;
+        self.x[at] = x;
+        self.y[at] = y;
+        self.w[at] = w;
+        self.own[at] = own;
+    }
+
+    /// The color of a point; `own`, that of the nearest sample, stands in where too little is known.
+    #[inline(always)]
+    pub(super) fn color(&self, at: usize, own: impl FnOnce() -> [f32; 3]) -> [f32; 3] {
+        let at = at % MOST;
+        let (mut sum, mut total) = ([0, 1, 2].map(|channel: usize| self.color[channel][at]), self.weight[at]);
         if total < ENOUGH {
             let lack = (ENOUGH - total) * OWN_SHARE + 1e-6;
             let own = own();
@@ -42,6 +73,20 @@ impl Findings {
             total += lack;
         }
         sum.map(|channel| channel / total)
+    }
+
+    /// Lists the points for which `wants` holds, sixteen at a time.
+    #[inline(always)]
+    fn list(&mut self, wants: impl Fn(&Self, usize) -> bool) {
+        self.wanting.clear();
+        for first in (0..self.count).step_by(LANES) {
+            let there = u32::MAX >> (32 - LANES.min(self.count - first));
+            let mut which = there & mask(|i| wants(self, (first + i) % MOST));
+            while which != 0 {
+                self.wanting.push((first as u32 + which.trailing_zeros()) as u16);
+                which &= which - 1;
+            }
+        }
     }
 }
 
@@ -68,13 +113,13 @@ impl Answers {
     const NONE: Self = Self { color: [[0.0; LANES]; 3], weight: [0.0; LANES], known: [0.0; LANES] };
 
     #[inline(always)]
-    fn add(&mut self, other: &Self, factor: &Lanes) {
+    fn add(&mut self, other: &Self, factor: f32) {
         for i in 0..LANES {
-            self.color[0][i] += other.color[0][i] * factor[i];
-            self.color[1][i] += other.color[1][i] * factor[i];
-            self.color[2][i] += other.color[2][i] * factor[i];
-            self.weight[i] += other.weight[i] * factor[i];
-            self.known[i] += other.known[i] * factor[i];
+            self.color[0][i] += other.color[0][i] * factor;
+            self.color[1][i] += other.color[1][i] * factor;
+            self.color[2][i] += other.color[2][i] * factor;
+            self.weight[i] += other.weight[i] * factor;
+            self.known[i] += other.known[i] * factor;
         }
     }
 }
@@ -97,57 +142,42 @@ impl Gather<'_> {
     /// Finds what the samples of `cameras`, of which the best come first, say of the colors of surface points; in a pruned set
     /// a point's own camera is asked before all others. Each camera is asked at once for all points that want it.
     #[inline(always)]
-    pub(super) fn find(
-        &self,
-        points: &[SurfacePoint],
-        cameras: &[u16],
-        (windows, wanting): (&mut Windows, &mut Vec<usize>),
-        found: &mut Vec<Findings>,
-    ) {
-        found.clear();
-        found.resize(points.len(), Findings::default());
-        let all = || points.iter().enumerate();
-        if self.pruned {
+    pub(super) fn find(&self, points: &mut SurfacePoints, cameras: &[u16], windows: &mut Windows) {
+        let count = points.count;
+        points.color.iter_mut().for_each(|channel| channel[..count].fill(0.0));
+        points.weight[..count].fill(0.0);
+        points.known[..count].fill(0.0);
+        let (pruned, many) = (self.pruned, self.many);
+        if pruned {
             for &camera in cameras {
-                wanting.clear();
-                wanting.extend(all().filter(|(_, point)| point.sample == camera).map(|(nth, _)| nth));
-                self.ask(camera, points, wanting, windows, found);
+                points.list(|points, at| points.own[at] == camera);
+                self.ask(camera, points, windows);
             }
         }
         for &camera in cameras {
-            wanting.clear();
-            let wants = |nth: usize, point: &SurfacePoint| {
-                found[nth].pixels < self.many && !(self.pruned && point.sample == camera)
-            };
-            wanting.extend(all().filter(|(nth, point)| wants(*nth, point)).map(|(nth, _)| nth));
-            self.ask(camera, points, wanting, windows, found);
+            points.list(|points, at| (points.known[at] < many) & !(pruned & (points.own[at] == camera)));
+            self.ask(camera, points, windows);
         }
     }
 
-    /// Adds what one camera says of some points.
+    /// Adds what one camera says of the points that want it.
     #[inline(always)]
-    fn ask(
-        &self,
-        camera: u16,
-        points: &[SurfacePoint],
-        wanting: &[usize],
-        windows: &mut Windows,
-        found: &mut [Findings],
-    ) {
+    fn ask(&self, camera: u16, points: &mut SurfacePoints, windows: &mut Windows) {
         let view = &self.views[camera as usize];
+        let SurfacePoints { x, y, w, color, weight, known, wanting, .. } = points;
         for group in wanting.chunks(LANES) {
-            let zero = [0.0; LANES];
-            let mut asked = Asked { x: zero, y: zero, w: zero, which: (1_u32 << group.len()) - 1 };
-            for (lane, &nth) in group.iter().enumerate() {
-                let point = &points[nth];
-                (asked.x[lane], asked.y[lane], asked.w[lane]) = (point.x, point.y, point.w);
-            }
-            let answers = self.answers(view, &asked, windows);
-            for (lane, &nth) in group.iter().enumerate() {
-                let known = &mut found[nth];
-                (0..3).for_each(|channel| known.color[channel] += answers.color[channel][lane]);
-                known.weight += answers.weight[lane];
-                known.pixels += answers.known[lane];
+            // What is missing at the end is a point that is there already, and not asked for.
+            let mut at = [group[0] as usize % MOST; LANES];
+            at.iter_mut().zip(group).for_each(|(at, nth)| *at = *nth as usize % MOST);
+            let which = u32::MAX >> (32 - group.len());
+            let [x, y, w] = [&*x, &*y, &*w].map(|numbers| at.map(|at| numbers[at]));
+            let answers = self.answers(view, &Asked { x, y, w, which }, windows);
+            for (lane, &at) in at.iter().enumerate().take(group.len()) {
+                color[0][at] += answers.color[0][lane];
+                color[1][at] += answers.color[1][lane];
+                color[2][at] += answers.color[2][lane];
+                weight[at] += answers.weight[lane];
+                known[at] += answers.known[lane];
             }
         }
     }
@@ -157,10 +187,7 @@ impl Gather<'_> {
     fn answers(&self, view: &View, points: &Asked, windows: &mut Windows) -> Answers {
         let mut found = Answers::NONE;
         let places = self.places(view, &points.x, &points.y, &points.w);
-        let asked = points.which & places.inside;
-        if asked == 0 {
-            return found;
-        }
+        let mut left = points.which & places.inside;
         let mut counts = [1.0; LANES];
         for i in 0..LANES {
             let rate = view.source_from_target.focal_ratio * places.reciprocal[i];
@@ -168,11 +195,6 @@ impl Gather<'_> {
             let count = (rate / USEFUL_RATE).ceil().min(MAX_SUBPIXELS);
             counts[i] = if rate <= USEFUL_RATE { 1.0 } else { count };
         }
-        let single = asked & mask(|i| counts[i] == 1.0);
-        if single != 0 {
-            found = self.interpolated(view, &places, (&points.x, &points.y, &points.w), single, windows);
-        }
-        let mut left = asked & !single;
         while left != 0 {
             let count = counts[left.trailing_zeros() as usize % LANES];
             let alike = left & mask(|i| counts[i] == count);
@@ -197,17 +219,19 @@ impl Gather<'_> {
         for sub_y in 0..count as usize {
             for sub_x in 0..count as usize {
                 let (mut x, mut y) = (points.x, points.y);
+                let across = (sub_x as f32 + 0.5) * per_subpixel;
+                let down = (sub_y as f32 + 0.5) * per_subpixel;
                 for i in 0..LANES {
-                    x[i] = x[i] + (sub_x as f32 + 0.5) * per_subpixel - 0.5;
-                    y[i] = y[i] + (sub_y as f32 + 0.5) * per_subpixel - 0.5;
+                    x[i] = x[i] + across - 0.5;
+                    y[i] = y[i] + down - 0.5;
                 }
                 let places = self.places(view, &x, &y, &points.w);
                 let asked = asked & places.inside;
                 let part = self.interpolated(view, &places, (&x, &y, &points.w), asked, windows);
-                sum.add(&part, &[1.0; LANES]);
+                sum.add(&part, 1.0);
             }
         }
-        found.add(&sum, &[per_subpixel * per_subpixel; LANES]);
+        found.add(&sum, per_subpixel * per_subpixel);
     }
 
     /// What a camera's samples say of the points of a mask; nothing of the others.

@@ -66,9 +66,15 @@ impl<'a> Lookup<'a> {
 
     /// The tiles of a camera that hold samples in a column and row of its grid of tiles, which may lie outside of it.
     #[inline(always)]
-    pub(super) fn tiles_at(&self, camera: usize, column: i32, row: i32) -> impl Iterator<Item = &'a FrameTile<'a>> {
+    pub(super) fn tiles_at(
+        &self,
+        camera: usize,
+        column: i32,
+        row: i32,
+    ) -> impl Iterator<Item = &'a FrameTile<'a>> {
         let cells = &self.cameras[camera];
-        let inside = column >= 0 && row >= 0 && (column as usize) < cells.across && (row as usize) < cells.down;
+        let inside =
+            column >= 0 && row >= 0 && (column as usize) < cells.across && (row as usize) < cells.down;
         let mut at = NONE;
         if inside {
             at = self.cells[cells.first + row as usize * cells.across + column as usize];

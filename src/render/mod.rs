@@ -21,6 +21,7 @@ mod fill;
 mod footprint;
 mod frame_samples;
 mod gather;
+mod gather_block;
 mod gather_points;
 pub mod gpu;
 mod keys;

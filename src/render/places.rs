@@ -41,15 +41,8 @@ impl Gather<'_> {
     #[inline(always)]
     pub(super) fn places(&self, view: &View, x: &Lanes, y: &Lanes, w: &Lanes) -> Places {
         let zero = [0.0; LANES];
-        let mut places = Places {
-            inside: 0,
-            left: zero,
-            above: zero,
-            along: zero,
-            down: zero,
-            expected: zero,
-            reciprocal: zero,
-        };
+        let (mut left, mut above, mut along, mut down) = (zero, zero, zero, zero);
+        let (mut expected, mut reciprocals, mut inside) = (zero, zero, [0_u32; LANES]);
         let (width, height) = self.lookup.size(view.camera);
         let (width, height) = (width as f32, height as f32);
         for i in 0..LANES {
@@ -57,17 +50,17 @@ impl Gather<'_> {
             let reciprocal = 1.0 / point[2];
             let (u, v) = (point[0] * reciprocal - 0.5, point[1] * reciprocal - 0.5);
             // Rounded down: inside, both are larger than −1.
-            let (left, above) = ((u + 1.0).floor() - 1.0, (v + 1.0).floor() - 1.0);
-            let inside = (point[2] > 0.0) & (u > -1.0) & (v > -1.0) & (u < width) & (v < height);
-            places.inside |= u32::from(inside) << i;
-            places.left[i] = left;
-            places.above[i] = above;
-            places.along[i] = u - left;
-            places.down[i] = v - above;
-            places.expected[i] = w[i] * reciprocal;
-            places.reciprocal[i] = reciprocal;
+            left[i] = (u + 1.0).floor() - 1.0;
+            above[i] = (v + 1.0).floor() - 1.0;
+            along[i] = u - left[i];
+            down[i] = v - above[i];
+            expected[i] = w[i] * reciprocal;
+            reciprocals[i] = reciprocal;
+            let is_inside = (point[2] > 0.0) & (u > -1.0) & (v > -1.0) & (u < width) & (v < height);
+            inside[i] = u32::from(is_inside) << i;
         }
-        places
+        let inside = inside.iter().fold(0, |mask, bit| mask | bit);
+        Places { inside, left, above, along, down, expected, reciprocal: reciprocals }
     }
 
     /// How much a camera counts for each of sixteen points.

@@ -10,12 +10,10 @@ use super::blend::Sum;
 use super::blocks::Blocks;
 use super::frame_samples::{ColorPlace, FrameSamples, f32_from_f16_bits};
 use super::gather::{BLOCK, Gather};
-use super::gather_points::{Findings, SurfacePoint};
+use super::gather_block::Scratch;
 use super::keys::{inverse_depth_of, slot_of};
-use super::silhouette::{Patch, Pixel, Question, RING, SIDE};
+use super::silhouette::{Patch, RING, SIDE};
 use super::vantage::{NO_IMAGE, Picture};
-use super::votes::{Points, Votes};
-use super::window::Windows;
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::Kernel;
@@ -69,10 +67,10 @@ struct Found {
 }
 
 /// Sixteen rows of the three planes of a picture.
-struct Rows<'a> {
-    color: &'a mut [[f32; 3]],
-    inverse_depth: &'a mut [f32],
-    image: &'a mut [u32],
+pub(super) struct Rows<'a> {
+    pub(super) color: &'a mut [[f32; 3]],
+    pub(super) inverse_depth: &'a mut [f32],
+    pub(super) image: &'a mut [u32],
 }
 
 impl Rows<'_> {
@@ -134,8 +132,14 @@ impl Work for Strip<'_> {
             if !has_foreground && let Some(background) = self.resolve.background_picture {
                 self.copy(&block, background);
             } else if let Some(gathers) = self.resolve.gather {
-                let among = usize::from(has_foreground);
-                self.gather(&block, gathers[among], among);
+                let (among, frame) = (usize::from(has_foreground), self.resolve.frame);
+                let patch = self.resolve.patch(&block);
+                self.scratch.gather(
+                    (gathers[among], among),
+                    frame,
+                    &patch,
+                    (&mut self.rows, self.resolve.width),
+                );
             } else if self.resolve.kernel == Kernel::Point && !self.resolve.frame.tiles.is_empty() {
                 self.points(&block, &mut found);
             } else {
@@ -145,9 +149,10 @@ impl Work for Strip<'_> {
     }
 }
 
-struct Block {
-    left: usize,
-    top: usize,
+/// Column and row of the first pixel of a block.
+pub(super) struct Block {
+    pub(super) left: usize,
+    pub(super) top: usize,
 }
 
 impl Resolve<'_> {
@@ -309,124 +314,5 @@ impl Strip<'_> {
         }
         self.rows.inverse_depth[at..at + columns].copy_from_slice(&depths[..columns]);
         self.rows.image[at..at + columns].copy_from_slice(&images[..columns]);
-    }
-
-    #[inline(always)]
-    fn gather(&mut self, block: &Block, gather: &Gather<'_>, among: usize) {
-        let frame = self.resolve.frame;
-        let Scratch { windows, cameras, weights, questions, claims, votes, waiting } = &mut *self.scratch;
-        let windows = &mut windows[among];
-        let patch = self.resolve.patch(block);
-        frame.cameras_of(patch.keys.as_flattened(), cameras);
-        let middle = patch.keys.as_flattened()[SIDE * SIDE / 2 + SIDE / 2];
-        let center = ((block.left + BLOCK / 2) as f32, (block.top + BLOCK / 2) as f32);
-        gather.rank(center, inverse_depth_of(middle).max(0.0), cameras, weights);
-        let edges = patch.edges();
-        let columns = BLOCK.min(self.resolve.width - block.left);
-        let rows = self.rows.image.len() / self.resolve.width;
-        questions.clear();
-        claims.clear();
-        for (row, edges) in edges.iter().enumerate().take(rows) {
-            let mut left = edges & (u32::MAX >> (32 - columns)) as u16;
-            while left != 0 {
-                let column = left.trailing_zeros() as usize % BLOCK;
-                left &= left - 1;
-                let question = patch.question(column, row);
-                if let Some(claim) = question.claim() {
-                    let (x, y) = ((block.left + column) as f32, (block.top + row) as f32);
-                    claims.push(x, y, inverse_depth_of(claim));
-                }
-                questions.push(question);
-            }
-        }
-        gather.vote(claims, cameras, windows, votes);
-        let (mut questions, mut votes) = (questions.iter(), votes.iter());
-        waiting.clear();
-        for row in 0..rows {
-            for column in 0..columns {
-                let own = patch.keys[row + RING][column + RING];
-                let question = (edges[row] >> column & 1 == 1).then(|| questions.next()).flatten();
-                let pixel = match question {
-                    Some(question) => {
-                        let votes = question.claim().and_then(|_| votes.next().copied());
-                        question.answer(votes.unwrap_or_default())
-                    }
-                    None if own == 0 => Pixel::Hole,
-                    None => Pixel::Surface(own),
-                };
-                let (key, layers) = match pixel {
-                    Pixel::Hole => (0, [(0, 0.0); 2]),
-                    Pixel::Surface(key) => (key, [(key, 1.0), (0, 0.0)]),
-                    Pixel::Edge { near, far, share } => {
-                        (if share >= 0.5 { near } else { far }, [(near, share), (far, 1.0 - share)])
-                    }
-                };
-                let at = row * self.resolve.width + block.left + column;
-                self.rows.set(frame, at, key, [0.0; 3]);
-                for (key, share) in layers {
-                    if share > 0.0 {
-                        let place = ((block.left + column) as f32, (block.top + row) as f32);
-                        waiting.push(frame, place, (key, share), at);
-                    }
-                }
-            }
-        }
-        gather.find(&waiting.points, cameras, (windows, &mut waiting.wanting), &mut waiting.found);
-        for (found, &(key, share, at)) in waiting.found.iter().zip(&waiting.pixels) {
-            let color = found.color(|| frame.color_of(slot_of(key)));
-            (0..3).for_each(|channel| self.rows.color[at][channel] += share * color[channel]);
-        }
-    }
-}
-
-/// What gathering a block needs for a while, and keeps for the next.
-struct Scratch {
-    /// Among the lasting samples, and among all.
-    windows: [Windows; 2],
-    cameras: Vec<u16>,
-    weights: Vec<(f32, u16)>,
-    /// What is to be decided at edges, in the order of the pixels.
-    questions: Vec<Question>,
-    claims: Points,
-    votes: Vec<Votes>,
-    waiting: Waiting,
-}
-
-impl Scratch {
-    fn new(cameras: usize) -> Self {
-        Self {
-            windows: [Windows::new(cameras), Windows::new(cameras)],
-            cameras: Vec::new(),
-            weights: Vec::new(),
-            questions: Vec::new(),
-            claims: Points::default(),
-            votes: Vec::new(),
-            waiting: Waiting::default(),
-        }
-    }
-}
-
-/// Surface points of a block that wait for their colors.
-#[derive(Default)]
-struct Waiting {
-    points: Vec<SurfacePoint>,
-    /// The key of each, how much it counts in its pixel, and the pixel, as an index in the strip.
-    pixels: Vec<(u64, f32, usize)>,
-    found: Vec<Findings>,
-    /// Points that want one camera.
-    wanting: Vec<usize>,
-}
-
-impl Waiting {
-    fn clear(&mut self) {
-        self.points.clear();
-        self.pixels.clear();
-    }
-
-    #[inline(always)]
-    fn push(&mut self, frame: &FrameSamples<'_>, (x, y): (f32, f32), (key, share): (u64, f32), at: usize) {
-        let sample = frame.camera_of(slot_of(key));
-        self.points.push(SurfacePoint { x, y, w: inverse_depth_of(key), sample });
-        self.pixels.push((key, share, at));
     }
 }
