@@ -245,30 +245,42 @@ impl Gather<'_> {
         windows: &mut Windows,
     ) -> Answers {
         let quads = windows.quads::<true>(&self.lookup, view.camera, &places.corners(), asked);
+        let (mut known, mut depth, mut moved) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
+        for i in 0..LANES {
+            let limit = places.expected[i] * view.tolerance;
+            let shares = bilinear(places.along[i], places.down[i]);
+            // Samples that show the surface there count fully, others not at all; all four do nearly everywhere.
+            let [a, b, c, d] = [0, 1, 2, 3].map(|corner: usize| quads.depth[corner][i]);
+            let shown_a = if agrees(a, places.expected[i], limit) { shares[0] } else { 0.0 };
+            let shown_b = if agrees(b, places.expected[i], limit) { shares[1] } else { 0.0 };
+            let shown_c = if agrees(c, places.expected[i], limit) { shares[2] } else { 0.0 };
+            let shown_d = if agrees(d, places.expected[i], limit) { shares[3] } else { 0.0 };
+            known[i] = (shown_a + shown_b) + (shown_c + shown_d);
+            depth[i] = ((shown_a * a + shown_b * b) + (shown_c * c + shown_d * d)) / known[i];
+            // Where the camera agrees with the z-buffer to a small part of the tolerance, correcting moves nothing.
+            let is_exact = (depth[i] - places.expected[i]).abs() <= EXACT * limit;
+            moved[i] = u32::from(!is_exact) << i;
+        }
+        let (mut along, mut down) = (places.along, places.down);
+        let moved = moved.iter().fold(0, |mask, bit| mask | bit);
+        if moved & asked != 0 {
+            for i in 0..LANES {
+                let (correct_along, correct_down) = corrected(view, places, i, (x[i], y[i]), depth[i]);
+                let moves = moved >> i & 1 == 1;
+                along[i] = if moves { correct_along } else { along[i] };
+                down[i] = if moves { correct_down } else { down[i] };
+            }
+        }
         let weights = self.weights(view, &places.reciprocal, [x, y, w]);
         let colors = colors(&quads);
         let mut answers = Answers::NONE;
         for i in 0..LANES {
             let expected = places.expected[i];
             let limit = expected * view.tolerance;
-            let (a, b) = (quads.depth[0][i], quads.depth[1][i]);
-            let (c, d) = (quads.depth[2][i], quads.depth[3][i]);
-            // Samples that show the surface there count fully, others not at all; all four do nearly everywhere.
+            let [a, b, c, d] = [0, 1, 2, 3].map(|corner: usize| quads.depth[corner][i]);
             let (agrees_a, agrees_b) = (agrees(a, expected, limit), agrees(b, expected, limit));
             let (agrees_c, agrees_d) = (agrees(c, expected, limit), agrees(d, expected, limit));
-            let shares = bilinear(places.along[i], places.down[i]);
-            let shown_a = if agrees_a { shares[0] } else { 0.0 };
-            let shown_b = if agrees_b { shares[1] } else { 0.0 };
-            let shown_c = if agrees_c { shares[2] } else { 0.0 };
-            let shown_d = if agrees_d { shares[3] } else { 0.0 };
-            let known = (shown_a + shown_b) + (shown_c + shown_d);
-            let depth = ((shown_a * a + shown_b * b) + (shown_c * c + shown_d * d)) / known;
-            // Where the camera agrees with the z-buffer to a small part of the tolerance, correcting moves nothing.
-            let is_exact = (depth - expected).abs() <= EXACT * limit;
-            let (along, down) = corrected(view, places, i, (x[i], y[i]), depth);
-            let along = if is_exact { places.along[i] } else { along };
-            let down = if is_exact { places.down[i] } else { down };
-            let shares = bilinear(along, down);
+            let shares = bilinear(along[i], down[i]);
             let part_a = if agrees_a { shares[0] } else { 0.0 };
             let part_b = if agrees_b { shares[1] } else { 0.0 };
             let part_c = if agrees_c { shares[2] } else { 0.0 };
@@ -279,7 +291,7 @@ impl Gather<'_> {
                 | (!agrees_c & (c >= 0.0))
                 | (!agrees_d & (d >= 0.0));
             let weight = weights[i] * if beside { BESIDE_EDGE } else { 1.0 };
-            let counts = (asked >> i & 1 == 1) & (known >= 1e-3);
+            let counts = (asked >> i & 1 == 1) & (known[i] >= 1e-3);
             let red = colors[0][0][i] * part_a
                 + colors[1][0][i] * part_b
                 + colors[2][0][i] * part_c
