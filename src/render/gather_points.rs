@@ -250,7 +250,8 @@ impl Gather<'_> {
             let limit = places.expected[i] * view.tolerance;
             let shares = bilinear(places.along[i], places.down[i]);
             // Samples that show the surface there count fully, others not at all; all four do nearly everywhere.
-            let [a, b, c, d] = [0, 1, 2, 3].map(|corner: usize| quads.depth[corner][i]);
+            let (a, b) = (quads.depth[0][i], quads.depth[1][i]);
+            let (c, d) = (quads.depth[2][i], quads.depth[3][i]);
             let shown_a = if agrees(a, places.expected[i], limit) { shares[0] } else { 0.0 };
             let shown_b = if agrees(b, places.expected[i], limit) { shares[1] } else { 0.0 };
             let shown_c = if agrees(c, places.expected[i], limit) { shares[2] } else { 0.0 };
@@ -277,7 +278,8 @@ impl Gather<'_> {
         for i in 0..LANES {
             let expected = places.expected[i];
             let limit = expected * view.tolerance;
-            let [a, b, c, d] = [0, 1, 2, 3].map(|corner: usize| quads.depth[corner][i]);
+            let (a, b) = (quads.depth[0][i], quads.depth[1][i]);
+            let (c, d) = (quads.depth[2][i], quads.depth[3][i]);
             let (agrees_a, agrees_b) = (agrees(a, expected, limit), agrees(b, expected, limit));
             let (agrees_c, agrees_d) = (agrees(c, expected, limit), agrees(d, expected, limit));
             let shares = bilinear(along[i], down[i]);

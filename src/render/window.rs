@@ -65,44 +65,61 @@ impl Windows {
         [x, y]: &[[i32; LANES]; 2],
         asked: u32,
     ) -> Quads {
-        let mut quads = Quads { depth: [[0.0; LANES]; 4], color: [[0; LANES]; 4] };
         let Self { cameras, packed } = self;
         let window = cameras[camera].get_or_insert_with(Window::new);
-        let mut left = asked;
+        let (near, corner, touched) = within((x, y), asked);
+        for row in touched[2]..=touched[3] {
+            for column in touched[0]..=touched[1] {
+                window.unpack(lookup, camera, (corner.0 + column, corner.1 + row), packed);
+            }
+        }
+        let mut quads = window.read::<COLORS>((x, y));
+        // Points that lie too far from the first for the window to hold both have to wait.
+        let mut left = asked & !near;
         while left != 0 {
-            // Points that lie too far from the first for the window have to wait.
-            let first = left.trailing_zeros() as usize % LANES;
-            let corner = ((x[first] >> 4) - 1, (y[first] >> 4) - 1);
-            let (near, [left_most, right_most, top_most, bottom_most]) = within(corner, (x, y), left);
-            left &= !near;
-            for row in top_most..=bottom_most {
-                for column in left_most..=right_most {
-                    window.unpack(lookup, camera, (corner.0 + column, corner.1 + row), packed);
+            let i = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            for row in y[i] >> 4..=(y[i] + 1) >> 4 {
+                for column in x[i] >> 4..=(x[i] + 1) >> 4 {
+                    window.unpack(lookup, camera, (column, row), packed);
                 }
             }
-            window.read::<COLORS>((x, y), near, &mut quads);
+            for corner in 0..4 {
+                let at = place(x[i] + (corner as i32 & 1), y[i] + (corner as i32 >> 1));
+                quads.depth[corner][i] = window.depth[at];
+                quads.color[corner][i] = window.color[at];
+            }
         }
         quads
     }
 }
 
-/// The points of a mask whose 2×2 samples lie in the window's number of tiles from `corner` on; and the first and last columns
-/// and rows of tiles, from there, that they touch.
+/// Where a pixel of a camera lies in its window.
 #[inline(always)]
-fn within(corner: (i32, i32), (x, y): (&[i32; LANES], &[i32; LANES]), which: u32) -> (u32, [i32; 4]) {
-    let mut near = 0;
-    let mut touched = [[1; LANES]; 4];
+fn place(x: i32, y: i32) -> usize {
+    let (column, row) = (x as u32 % SIDE as u32, y as u32 % SIDE as u32);
+    (row * SIDE as u32 + column) as usize % AREA
+}
+
+/// Those points of a mask whose 2×2 samples lie in one window together with the first one's; the tile that the window begins
+/// with; and from there, the first and last columns and rows of tiles that they touch.
+#[inline(always)]
+fn within((x, y): (&[i32; LANES], &[i32; LANES]), which: u32) -> (u32, (i32, i32), [i32; 4]) {
+    let first = which.trailing_zeros() as usize % LANES;
+    let corner = ((x[first] >> 4) - 1, (y[first] >> 4) - 1);
+    let (mut near, mut touched) = ([0_u32; LANES], [[1; LANES]; 4]);
     for i in 0..LANES {
         let (left, right) = ((x[i] >> 4) - corner.0, ((x[i] + 1) >> 4) - corner.0);
         let (above, below) = ((y[i] >> 4) - corner.1, ((y[i] + 1) >> 4) - corner.1);
         let inside = (left >= 0) & (right < TILES as i32) & (above >= 0) & (below < TILES as i32);
         let is_near = inside & (which >> i & 1 == 1);
-        near |= u32::from(is_near) << i;
+        near[i] = u32::from(is_near) << i;
         touched[0][i] = if is_near { left } else { 1 };
         touched[1][i] = if is_near { right } else { 1 };
         touched[2][i] = if is_near { above } else { 1 };
         touched[3][i] = if is_near { below } else { 1 };
     }
+    let near = near.iter().fold(0, |mask, bit| mask | bit);
     let mut ends = [1; 4];
     for i in 0..LANES {
         ends[0] = ends[0].min(touched[0][i]);
@@ -110,7 +127,7 @@ fn within(corner: (i32, i32), (x, y): (&[i32; LANES], &[i32; LANES]), which: u32
         ends[2] = ends[2].min(touched[2][i]);
         ends[3] = ends[3].max(touched[3][i]);
     }
-    (near, ends)
+    (near, corner, ends)
 }
 
 impl Window {
@@ -174,27 +191,21 @@ impl Window {
         }
     }
 
-    /// Reads the 2×2 samples of the points of a mask.
+    /// Reads the 2×2 samples of all points; those of points that are not in the window are anything.
     #[inline(always)]
-    fn read<const COLORS: bool>(
-        &self,
-        (x, y): (&[i32; LANES], &[i32; LANES]),
-        which: u32,
-        quads: &mut Quads,
-    ) {
+    fn read<const COLORS: bool>(&self, (x, y): (&[i32; LANES], &[i32; LANES])) -> Quads {
+        let mut quads = Quads { depth: [[0.0; LANES]; 4], color: [[0; LANES]; 4] };
         for corner in 0..4 {
             let (right, below) = (corner as i32 & 1, corner as i32 >> 1);
             for i in 0..LANES {
-                let (column, row) = (x[i] + right & (SIDE as i32 - 1), y[i] + below & (SIDE as i32 - 1));
-                let at = (row * SIDE as i32 + column) as usize % AREA;
-                let is_asked = which >> i & 1 == 1;
-                let depth = self.depth[at];
-                quads.depth[corner][i] = if is_asked { depth } else { quads.depth[corner][i] };
-                if COLORS {
-                    let color = self.color[at];
-                    quads.color[corner][i] = if is_asked { color } else { quads.color[corner][i] };
+                quads.depth[corner][i] = self.depth[place(x[i] + right, y[i] + below)];
+            }
+            if COLORS {
+                for i in 0..LANES {
+                    quads.color[corner][i] = self.color[place(x[i] + right, y[i] + below)];
                 }
             }
         }
+        quads
     }
 }
