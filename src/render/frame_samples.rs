@@ -132,10 +132,12 @@ pub(super) struct FrameSamples<'a> {
     image_cameras: Vec<u16>,
 }
 
-/// Adds the tiles of an image.
+/// Adds the tiles of the `nth` image of the frame.
 struct Numbering<'a, 'b> {
+    nth: u32,
     image: &'a SampleImage,
     tiles: &'b mut Vec<FrameTile<'a>>,
+    color_places: &'b mut Vec<ColorPlace>,
 }
 
 impl Work for Numbering<'_, '_> {
@@ -143,8 +145,13 @@ impl Work for Numbering<'_, '_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { image, tiles } = self;
-        tiles.extend((0..image.tiles.len()).map(|tile| FrameTile::new(image, tile)));
+        let Self { nth, image, tiles, color_places } = self;
+        for (index, tile) in image.tiles.iter().enumerate() {
+            let numbered = FrameTile::new(image, index);
+            let full = if numbered.color.len() == TILE_SAMPLES { FULL } else { 0 };
+            color_places.push(ColorPlace { image: nth | full, nth: tile.first });
+            tiles.push(numbered);
+        }
     }
 }
 
@@ -177,11 +184,8 @@ impl<'a> FrameSamples<'a> {
         let mut color_places = Vec::with_capacity(count);
         for (nth, &index) in images.iter().enumerate() {
             let image = &set.images[index];
-            simd::run(Numbering { image, tiles: &mut tiles });
-            color_places.extend(image.tiles.iter().map(|tile| {
-                let full = if tile.rows == [u16::MAX; TILE] { FULL } else { 0 };
-                ColorPlace { image: nth as u32 | full, nth: tile.first }
-            }));
+            let (tiles, color_places) = (&mut tiles, &mut color_places);
+            simd::run(Numbering { nth: nth as u32, image, tiles, color_places });
         }
         let colors = images.iter().map(|&image| set.images[image].color.as_slice()).collect();
         let image_cameras = images.iter().map(|&image| set.images[image].camera as u16).collect();
