@@ -161,3 +161,13 @@ fn a_graphics_adapter_is_measured_where_it_is_asked_for_and_held_against_its_mem
         assert!(stage["coverage"].as_f64().unwrap() > 0.5);
     }
 }
+
+#[test]
+fn narrower_instructions_are_used_where_they_are_asked_for() {
+    let document =
+        measured(&["--only", "render/point/pruned/160x120", "--instructions", "portable", "--json"]);
+    assert_eq!(document["machine"]["instructions"], "portable");
+    let output = bench(&["--instructions", "mmx"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("avx2"));
+}

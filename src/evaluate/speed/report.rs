@@ -2,11 +2,10 @@
 
 use serde::Serialize;
 
-use super::backend::Backend;
 use super::limits::Limit;
 use super::machine::Machine;
 use super::measure::Times;
-use crate::settings::Kernel;
+use crate::settings::{Backend, Kernel};
 
 /// The speed of every stage, beside the limits of the machine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,7 +33,7 @@ pub struct SpeedReport {
 pub struct StageSpeed {
     /// What was done to what, as `render/block/pruned/640x480`.
     pub name: String,
-    /// What did it.
+    /// What did it: `Cpu` or `Gpu`.
     pub backend: Backend,
     /// Threads.
     pub threads: usize,
