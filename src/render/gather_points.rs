@@ -5,6 +5,7 @@
 use super::frame_samples::f32_from_f16_bits;
 use super::gather::{BESIDE_EDGE, BLOCK, ENOUGH, EXACT, Gather, MAX_SUBPIXELS, OWN_SHARE, USEFUL_RATE, View};
 use super::places::{Places, agrees, bilinear, carried};
+use super::surface::joined;
 use super::window::{LANES, Lanes, Quads, Windows};
 
 /// Surface points that a block has at most: two in each pixel.
@@ -168,9 +169,11 @@ impl Gather<'_> {
         for group in wanting.chunks(LANES) {
             // What is missing at the end is a point that is there already, and not asked for.
             let mut at = [group[0] as usize % MOST; LANES];
-            at.iter_mut().zip(group).for_each(|(at, nth)| *at = *nth as usize % MOST);
+            for (at, nth) in at.iter_mut().zip(group) {
+                *at = *nth as usize % MOST;
+            }
             let which = u32::MAX >> (32 - group.len());
-            let [x, y, w] = [&*x, &*y, &*w].map(|numbers| at.map(|at| numbers[at]));
+            let (x, y, w) = (listed(x, &at), listed(y, &at), listed(w, &at));
             let answers = self.answers(view, &Asked { x, y, w, which }, windows);
             for (lane, &at) in at.iter().enumerate().take(group.len()) {
                 color[0][at] += answers.color[0][lane];
@@ -263,7 +266,7 @@ impl Gather<'_> {
             moved[i] = u32::from(!is_exact) << i;
         }
         let (mut along, mut down) = (places.along, places.down);
-        let moved = moved.iter().fold(0, |mask, bit| mask | bit);
+        let moved = joined(&moved);
         if moved & asked != 0 {
             for i in 0..LANES {
                 let (correct_along, correct_down) = corrected(view, places, i, (x[i], y[i]), depth[i]);
@@ -316,14 +319,24 @@ impl Gather<'_> {
     }
 }
 
+/// Some numbers out of many.
+#[inline(always)]
+fn listed(numbers: &[f32; MOST], at: &[usize; LANES]) -> Lanes {
+    let mut lanes = [0.0; LANES];
+    for i in 0..LANES {
+        lanes[i] = numbers[at[i] % MOST];
+    }
+    lanes
+}
+
 /// A mask of the points for which `holds`.
 #[inline(always)]
 fn mask(holds: impl Fn(usize) -> bool) -> u32 {
-    let mut mask = 0;
+    let mut bits = [0; LANES];
     for i in 0..LANES {
-        mask |= u32::from(holds(i)) << i;
+        bits[i] = u32::from(holds(i)) << i;
     }
-    mask
+    joined(&bits)
 }
 
 /// Where between the 2×2 samples the pixel's line of sight meets the surface that the camera itself saw, at inverse depth

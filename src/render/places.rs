@@ -2,7 +2,7 @@
 
 use super::gather::{Gather, View};
 use super::project::Projector;
-use super::surface::whole;
+use super::surface::{joined, whole};
 use super::window::{LANES, Lanes};
 
 /// Sixteen points in one camera.
@@ -59,7 +59,7 @@ impl Gather<'_> {
             let is_inside = (point[2] > 0.0) & (u > -1.0) & (v > -1.0) & (u < width) & (v < height);
             inside[i] = u32::from(is_inside) << i;
         }
-        let inside = inside.iter().fold(0, |mask, bit| mask | bit);
+        let inside = joined(&inside);
         Places { inside, left, above, along, down, expected, reciprocal: reciprocals }
     }
 

@@ -12,6 +12,7 @@
 
 use super::gather::BLOCK;
 use super::keys::{CORE, inverse_depth_of, key, nearness, slot_of};
+use super::surface::joined;
 use super::votes::Votes;
 
 /// A pixel is the nearer surface's by `LEAST + SLOPE · s` for a supporting share `s`. Fitted once to how often the nearer
@@ -113,21 +114,26 @@ impl Patch {
     pub(super) fn edges(&self) -> [u16; BLOCK] {
         let (mut far, mut near) = ([[0.0_f32; BLOCK]; SIDE], [[0.0_f32; BLOCK]; SIDE]);
         for (row, keys) in self.keys.iter().enumerate() {
-            let w = keys.map(inverse_depth_of);
+            let mut w = [0.0_f32; SIDE];
+            for x in 0..SIDE {
+                w[x] = inverse_depth_of(keys[x]);
+            }
             for x in 0..BLOCK {
                 far[row][x] = w[x + 1].min(w[x + 2]).min(w[x + 3]);
                 near[row][x] = w[x + 1].max(w[x + 2]).max(w[x + 3]);
             }
         }
-        std::array::from_fn(|y| {
-            let mut mask = 0;
+        let mut edges = [0; BLOCK];
+        for y in 0..BLOCK {
+            let mut bits = [0_u32; BLOCK];
             for x in 0..BLOCK {
                 let far = far[y + 1][x].min(far[y + 2][x]).min(far[y + 3][x]);
                 let near = near[y + 1][x].max(near[y + 2][x]).max(near[y + 3][x]);
-                mask |= u16::from(far < near * self.surface_ratio) << x;
+                bits[x] = u32::from(far < near * self.surface_ratio) << x;
             }
-            mask
-        })
+            edges[y] = joined(&bits) as u16;
+        }
+        edges
     }
 
     /// What is to be decided about pixel `(x, y)` of the block.

@@ -272,8 +272,7 @@ impl Splat for Planes {
             columns[i] = u32::from((edges[0][i] != edges[1][i]) & seen) << i;
             rows[i] = u32::from((edges[2][i] != edges[3][i]) & seen) << i;
         }
-        let [mut large, columns, rows] =
-            [large, columns, rows].map(|bits| bits.iter().fold(0, |mask, bit| mask | bit));
+        let (mut large, columns, rows) = (joined(&large), joined(&columns), joined(&rows));
         // Most footprints cover one column and one row alone.
         let further = [u32::MAX, columns, rows, columns & rows];
         let mut touched = [0_u32; 4];
@@ -318,6 +317,16 @@ impl Splat for Planes {
 #[inline(always)]
 pub(super) fn whole(number: f32) -> u32 {
     (number + 8_388_608.0).to_bits() & 0x7f_ffff
+}
+
+/// All bits together.
+#[inline(always)]
+pub(super) fn joined(bits: &[u32; TILE]) -> u32 {
+    let mut all = 0;
+    for i in 0..TILE {
+        all |= bits[i];
+    }
+    all
 }
 
 /// Inverse depth of a sample's plane at the center of pixel `(x, y)`, never negative.

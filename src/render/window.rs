@@ -11,6 +11,7 @@
 use super::dense_tile::MISSING;
 use super::frame_samples::FrameTile;
 use super::lookup::Lookup;
+use super::surface::joined;
 use crate::preprocess::{TILE, TILE_SAMPLES};
 
 /// Points that are looked up together.
@@ -119,7 +120,7 @@ fn within((x, y): (&[i32; LANES], &[i32; LANES]), which: u32) -> (u32, (i32, i32
         touched[2][i] = if is_near { above } else { 1 };
         touched[3][i] = if is_near { below } else { 1 };
     }
-    let near = near.iter().fold(0, |mask, bit| mask | bit);
+    let near = joined(&near);
     let mut ends = [1; 4];
     for i in 0..LANES {
         ends[0] = ends[0].min(touched[0][i]);
