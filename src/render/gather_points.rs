@@ -175,13 +175,11 @@ impl Gather<'_> {
             let which = u32::MAX >> (32 - group.len());
             let (x, y, w) = (listed(x, &at), listed(y, &at), listed(w, &at));
             let answers = self.answers(view, &Asked { x, y, w, which }, windows);
-            for (lane, &at) in at.iter().enumerate().take(group.len()) {
-                color[0][at] += answers.color[0][lane];
-                color[1][at] += answers.color[1][lane];
-                color[2][at] += answers.color[2][lane];
-                weight[at] += answers.weight[lane];
-                known[at] += answers.known[lane];
+            for (sum, part) in color.iter_mut().zip(&answers.color) {
+                add_listed(sum, &at, group.len(), part);
             }
+            add_listed(weight, &at, group.len(), &answers.weight);
+            add_listed(known, &at, group.len(), &answers.known);
         }
     }
 
@@ -319,14 +317,41 @@ impl Gather<'_> {
     }
 }
 
+/// Whether ascending places follow one another.
+#[inline(always)]
+fn is_run(at: &[usize; LANES]) -> bool {
+    at[LANES - 1] == at[0] + LANES - 1
+}
+
 /// Some numbers out of many.
 #[inline(always)]
 fn listed(numbers: &[f32; MOST], at: &[usize; LANES]) -> Lanes {
+    if is_run(at)
+        && let Some(run) = numbers[at[0] % MOST..].first_chunk::<LANES>()
+    {
+        return *run;
+    }
     let mut lanes = [0.0; LANES];
     for i in 0..LANES {
         lanes[i] = numbers[at[i] % MOST];
     }
     lanes
+}
+
+/// Adds the first `count` of some numbers to others out of many.
+#[inline(always)]
+fn add_listed(sums: &mut [f32; MOST], at: &[usize; LANES], count: usize, parts: &Lanes) {
+    if is_run(at)
+        && let Some(run) = sums[at[0] % MOST..].first_chunk_mut::<LANES>()
+    {
+        for i in 0..LANES {
+            run[i] += parts[i];
+        }
+        return;
+    }
+    for (at, part) in at.iter().zip(parts).take(count) {
+        sums[at % MOST] += part;
+    }
 }
 
 /// A mask of the points for which `holds`.
