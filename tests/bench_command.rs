@@ -106,6 +106,7 @@ fn painting_says_what_it_painted_and_a_still_vantage_keeps_its_background() {
         let share = positive(stage, "samples") / document["samples"].as_f64().unwrap();
         if still {
             positive(stage, "speedup_over_full_repaint");
+            assert!((0.01..0.5).contains(&positive(stage, "foreground_of_picture")), "{stage}");
             assert!((0.05..0.2).contains(&share), "{share} of the samples change");
         } else if !name(stage).contains("/pruned/") {
             assert_eq!(share, 1.0, "{stage}");

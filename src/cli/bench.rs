@@ -139,7 +139,14 @@ fn stage_lines(text: &mut String, stage: &StageSpeed) {
         output::number(coverage, 4, 7),
         stage.repeats
     );
-    if let Some(speedup) = stage.painting.as_ref().and_then(|painting| painting.speedup_over_full_repaint) {
-        let _ = write!(text, "   {speedup:.1} × faster than painting all anew");
+    if let Some(painting) = &stage.painting
+        && let (Some(speedup), Some(foreground)) =
+            (painting.speedup_over_full_repaint, painting.foreground_of_picture)
+    {
+        let _ = write!(
+            text,
+            "   {speedup:.1} × faster than painting all anew; foreground on {:.0} % of the picture",
+            100.0 * foreground
+        );
     }
 }

@@ -128,6 +128,14 @@ impl PaintCase {
         })?;
         let (width, height) = self.size;
         let pixels = f64::from(width) * f64::from(height);
+        let mut foreground = None;
+        if background_reused && let Some(vantage) = round.vantages.first() {
+            let (picture, _) = renderer.render(round.set, vantage, &settings, bench.job)?;
+            let passes = |index: &&u32| {
+                round.set.images.get(**index as usize).is_some_and(|image| image.span.len() == 1)
+            };
+            foreground = Some(picture.image.as_slice().iter().filter(passes).count() as f64 / pixels);
+        }
         Ok(Measured {
             name: round.name.clone(),
             backend: self.backend,
@@ -143,6 +151,7 @@ impl PaintCase {
                 background_reused,
                 fraction_of_same_size_limit: 0.0,
                 speedup_over_full_repaint: None,
+                foreground_of_picture: foreground,
             }),
         })
     }
