@@ -67,7 +67,9 @@ impl Scratch {
         gather.rank(center, inverse_depth_of(middle).max(0.0), &mut self.cameras, weights);
         let extent = (BLOCK.min(width - patch.left), rows.image.len() / width);
         let mut edges = patch.edges();
-        edges.iter_mut().for_each(|edges| *edges &= (u32::MAX >> (32 - extent.0)) as u16);
+        for edges in &mut edges {
+            *edges &= (u32::MAX >> (32 - extent.0)) as u16;
+        }
         self.ask(patch, &edges[..extent.1]);
         gather.vote(&self.claims, &self.cameras, &mut self.windows[among], &mut self.votes);
         self.settle(frame, patch, (&edges, extent), (rows, width));

@@ -132,6 +132,10 @@ fn within((x, y): (&[i32; LANES], &[i32; LANES]), which: u32) -> (u32, (i32, i32
 }
 
 impl Window {
+    #[expect(
+        clippy::large_stack_arrays,
+        reason = "48 KiB on their way to the heap, once per camera and thread"
+    )]
     fn new() -> Box<Self> {
         Box::new(Self { depth: [MISSING; AREA], color: [0; AREA], cells: [NO_CELL; TILES * TILES] })
     }
