@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::inspector::InspectorLanes;
-use super::inspector::path::write_png;
 use super::message::{Message, Purpose};
 use super::scene::{Origin, Scene, median_depth};
 use super::state::Inspected;
@@ -16,7 +15,7 @@ use crate::capture::{Capture, View, transforms};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{self, CameraInspection, Report, SampleSet, TemporalScan};
-use crate::render::{Picture, Renderer, SharedDevice};
+use crate::render::{Picture, Renderer, SharedDevice, write_png};
 use crate::settings::{CaptureSettings, Settings};
 use crate::store::{self, Playback};
 
@@ -257,7 +256,7 @@ fn file(request: FileRequest, job: &Job) -> Result<Message> {
             Ok(Message::Saved { path, bytes: None })
         }
         FileRequest::SavePicture { path, picture } => {
-            write_png(&picture, &path)?;
+            write_png(&path, &picture)?;
             Ok(Message::Saved { path, bytes: None })
         }
         FileRequest::LoadSettings { path } => {

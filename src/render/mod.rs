@@ -26,6 +26,7 @@ pub mod gpu;
 mod keys;
 mod lookup;
 pub mod pick;
+pub mod png;
 mod project;
 mod resolve;
 mod silhouette;
@@ -37,6 +38,7 @@ pub use cpu::CpuRenderer;
 pub use fill::fill;
 pub use gpu::{AdapterChoice, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 pub use pick::{Picked, pick};
+pub use png::write_png;
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]

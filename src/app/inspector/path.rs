@@ -3,17 +3,16 @@
 //! Between keys positions follow a Catmull-Rom curve (Catmull and Rom 1974) through the keys, and directions turn evenly
 //! (spherical linear interpolation, Shoemake 1985). Time runs evenly from one key's frame to the next one's.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
 
 use super::super::views::rig::Rig;
-use crate::color::srgb8_from_linear;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::SampleSet;
-use crate::render::{Picture, Renderer, Vantage};
+use crate::render::{Renderer, Vantage, write_png};
 use crate::settings::RenderSettings;
 use crate::store::Playback;
 
@@ -123,27 +122,10 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<usize> {
             None => request.samples.clone(),
         };
         let (painted, _) = renderer.render(&samples, &vantage, &request.settings, job)?;
-        write_png(&painted, &request.folder.join(format!("{:04}.png", picture + 1)))?;
+        write_png(&request.folder.join(format!("{:04}.png", picture + 1)), &painted)?;
         job.advance(1);
     }
     Ok(pictures)
-}
-
-/// Writes a picture as 8-bit sRGB; holes are transparent.
-///
-/// # Errors
-/// `Io` where the file cannot be written.
-pub(crate) fn write_png(picture: &Picture, path: &Path) -> Result<()> {
-    let (width, height) = picture.color.size();
-    let pixels = picture.color.as_slice().iter().zip(picture.inverse_depth.as_slice());
-    let bytes: Vec<u8> = pixels
-        .flat_map(|(color, inverse_depth)| {
-            let [r, g, b] = color.map(srgb8_from_linear);
-            [r, g, b, if *inverse_depth < 0.0 { 0 } else { 255 }]
-        })
-        .collect();
-    image::save_buffer(path, &bytes, width as u32, height as u32, image::ColorType::Rgba8)
-        .map_err(|error| Error::io(path, std::io::Error::other(error)))
 }
 
 #[cfg(test)]
