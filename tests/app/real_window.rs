@@ -1,9 +1,6 @@
 //! The program itself in a real window, on a display of the test's own: clicked, typed at, looked at, and closed.
 //!
 //! Needs Xvfb and xdotool; where they are missing the test says so and checks nothing.
-#![cfg(target_os = "linux")]
-
-mod app_driver;
 
 use std::io::Read;
 use std::path::Path;
@@ -11,6 +8,8 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use egui_kittest::kittest::Queryable;
+
+use super::driver::{SIZE, open, settle};
 
 /// Ends its process when the test does, however it does.
 struct Guard(Child);
@@ -112,8 +111,8 @@ fn start_program(display: &str, folder: &Path, arguments: &[&Path]) -> Guard {
 
 /// Where the widget of this name lies in the window: the same layout, off screen.
 fn place_of(name: &str, capture: &Path, share_x: f32) -> [String; 2] {
-    let mut window = app_driver::open(overlook::app::Start::Path(capture.to_path_buf()), [1280.0, 800.0]);
-    app_driver::settle(&mut window);
+    let mut window = open(overlook::app::Start::Path(capture.to_path_buf()), SIZE);
+    settle(&mut window);
     let rect = window.get_by_label(name).rect();
     [rect.left() + rect.width() * share_x, rect.center().y].map(|place| format!("{place:.0}"))
 }

@@ -1,22 +1,10 @@
 //! How the window behaves beside its work: it explains itself, asks before it closes, and does anything by name.
 
-mod app_driver;
-
-use app_driver::{Window, click, demo, drag, open, open_view, settle, type_path, wait};
+use super::driver::{SIZE, Window, click, drag, open, open_view, settle, shows, small_demo, type_path, wait};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use overlook::app::{OverlookApp, Start};
-
-const SIZE: [f32; 2] = [1280.0, 800.0];
-
-fn small_demo() -> Start {
-    demo(3, 4, (96, 72))
-}
-
-fn shows(window: &Window, text: &str) -> bool {
-    window.query_all_by_label_contains(text).next().is_some()
-}
+use overlook::app::OverlookApp;
 
 #[derive(Default)]
 struct Storage(std::collections::HashMap<String, String>);

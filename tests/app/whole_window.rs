@@ -1,23 +1,11 @@
 //! Drives the whole window as a person does, off screen: open, look, turn thresholds, cancel, save, open again, fail.
 
-mod app_driver;
-
-use app_driver::{Window, choose, click, demo, drag, open, pick, settle, type_path, wait};
+use super::driver::{
+    SIZE, Window, choose, click, demo, drag, drop_on, open, pick, settle, shows, small_demo, type_path, wait,
+};
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 use overlook::app::Start;
-
-const SIZE: [f32; 2] = [1280.0, 800.0];
-
-/// A small recording of a built-in scene, quick to trace and to prune.
-fn small_demo() -> Start {
-    demo(3, 4, (96, 72))
-}
-
-/// Whether some label on screen holds `text`.
-fn shows(window: &Window, text: &str) -> bool {
-    window.query_all_by_label_contains(text).next().is_some()
-}
 
 #[test]
 fn a_demo_opens_and_both_views_show_it() {
@@ -209,26 +197,12 @@ fn one_camera_and_one_frame_are_enough() {
     assert!(window.state().notices().is_empty());
 }
 
-#[derive(Debug)]
-struct Dropped(std::path::PathBuf);
-
-impl egui::DroppedFile for Dropped {
-    fn path(&self) -> &std::path::Path {
-        &self.0
-    }
-
-    fn bytes(&self) -> Result<Vec<u8>, String> {
-        std::fs::read(&self.0).map_err(|error| error.to_string())
-    }
-}
-
 #[test]
 fn a_folder_dropped_on_the_window_is_opened() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    let dropped = std::sync::Arc::new(Dropped(folder.path().to_path_buf()));
-    window.input_mut().dropped_files.push(dropped);
+    drop_on(&mut window, folder.path());
     wait(&mut window, "the message", |window| !window.state().notices().is_empty());
     let message = window.state().notices().remove(0);
     assert!(message.contains(&folder.path().display().to_string()), "{message}");

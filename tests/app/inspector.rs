@@ -1,21 +1,10 @@
 //! The inspector, driven as a person does: pixels are argued about, views dock, numbers can be read.
 
-mod app_driver;
-
-use app_driver::{Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, wait};
+use super::driver::{
+    SIZE, Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, shows, small_demo, wait,
+};
 use egui::{Key, vec2};
 use egui_kittest::kittest::Queryable;
-use overlook::app::Start;
-
-const SIZE: [f32; 2] = [1280.0, 800.0];
-
-fn small_demo() -> Start {
-    demo(3, 4, (96, 72))
-}
-
-fn shows(window: &Window, text: &str) -> bool {
-    window.query_all_by_label_contains(text).next().is_some()
-}
 
 #[test]
 fn a_pixel_clicked_in_the_source_is_argued_about_by_every_camera() {
