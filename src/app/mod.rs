@@ -26,6 +26,7 @@ mod scene;
 mod start;
 mod state;
 mod text;
+mod texture;
 mod theme;
 mod update;
 mod views;
@@ -47,7 +48,8 @@ use lanes::Lanes;
 use memory::Memory;
 use message::Message;
 use plan::Plan;
-use state::{Busy, LiveLook, NoticeKind, SourceLook, State, Texture, Timeline};
+use state::{Busy, LiveLook, NoticeKind, SourceLook, State, Timeline};
+use texture::Texture;
 use worker::Outbox;
 
 pub use start::run;
@@ -175,6 +177,12 @@ impl OverlookApp {
     #[must_use]
     pub fn live_is_on_device(&self) -> bool {
         self.state.live_shown.as_ref().is_some_and(|shown| matches!(shown.texture, Texture::Painted(_)))
+    }
+
+    /// What egui knows the live picture by; `None` while there is none.
+    #[must_use]
+    pub fn live_texture(&self) -> Option<egui::TextureId> {
+        self.state.live_shown.as_ref().map(|shown| shown.texture.id())
     }
 
     /// Position of the live view in world space; `None` while nothing is open.
