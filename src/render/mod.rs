@@ -18,6 +18,7 @@ pub mod cpu;
 mod cull;
 mod dense_tile;
 mod fill;
+pub mod film;
 mod footprint;
 mod frame_samples;
 mod gather;
