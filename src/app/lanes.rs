@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::inspector::InspectorLanes;
 use super::message::{Message, Purpose};
+use super::own_thread::{self, Urgency};
 use super::scene::{Origin, Scene, median_depth};
 use super::state::Inspected;
 use super::views::live_image::{self, LiveKey};
@@ -104,9 +105,9 @@ impl Lanes {
     /// # Errors
     /// `Io` where the operating system gives no thread.
     pub(super) fn start(outbox: &Outbox, shared: Option<SharedDevice>) -> Result<Self> {
-        let background = pool("prune", rayon::current_num_threads())?;
+        let background = pool("prune", rayon::current_num_threads(), Urgency::Background)?;
         // A frame that this lane decodes may be awaited by every thread of the shared pool; its own thread finishes it.
-        let decoder = pool("decode", 1)?;
+        let decoder = pool("decode", 1, Urgency::Shown)?;
         let measuring = background.clone();
         let progress = outbox.clone();
         let mut renderer = Renderer::sharing(shared);
@@ -151,10 +152,11 @@ impl Lanes {
 }
 
 /// Threads of their own: in the pool that the views share, a picture would wait behind minutes of pruning.
-pub(super) fn pool(name: &'static str, threads: usize) -> Result<Arc<rayon::ThreadPool>> {
+pub(super) fn pool(name: &'static str, threads: usize, urgency: Urgency) -> Result<Arc<rayon::ThreadPool>> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(move |index| format!("{name} {index}"))
+        .start_handler(move |_| own_thread::make_way(urgency))
         .build()
         .map(Arc::new)
         .map_err(|error| Error::invalid("thread pool", error.to_string()))
@@ -290,7 +292,12 @@ fn ask(purpose: Purpose) -> Option<PathBuf> {
             .set_file_name("picture.png")
             .add_filter("PNG", &["png"])
             .save_file(),
-        Purpose::ExportPath => dialog.set_title("Export pictures into a folder").pick_folder(),
+        Purpose::ExportPictures => dialog.set_title("Export pictures into a folder").pick_folder(),
+        Purpose::ExportFilm => dialog
+            .set_title("Export a film")
+            .set_file_name("film.mp4")
+            .add_filter("Film", &["mp4", "mkv", "mov"])
+            .save_file(),
         Purpose::LoadSettings => {
             dialog.set_title("Load settings").add_filter("Settings", &["toml"]).pick_file()
         }

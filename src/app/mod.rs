@@ -19,6 +19,7 @@ mod keyboard;
 mod lanes;
 mod memory;
 mod message;
+mod own_thread;
 mod panels;
 mod plan;
 mod receive;
@@ -43,7 +44,8 @@ use crate::render::SharedDevice;
 use crate::settings::Settings;
 use command::Command;
 use dock::Dock;
-pub use inspector::meter::FrameTimes;
+use inspector::meter::Stopwatch;
+pub use inspector::meter::{Figures, FrameTimes};
 use lanes::Lanes;
 use memory::Memory;
 use message::Message;
@@ -295,7 +297,7 @@ impl OverlookApp {
 
 impl eframe::App for OverlookApp {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        let started = Instant::now();
+        let watch = Stopwatch::start();
         while let Ok(message) = self.inbox.try_recv() {
             self.receive(message, ctx);
         }
@@ -314,21 +316,27 @@ impl eframe::App for OverlookApp {
         if ctx.theme() != theme {
             ctx.set_theme(theme);
         }
-        self.state.inspector.meter.logic(started.elapsed());
+        self.state.inspector.meter.logic(watch.spent());
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        let started = Instant::now();
+        let watch = Stopwatch::start();
         keyboard::commands(ui, &self.state, &mut self.commands);
         panels::window_ui(ui, &self.state, &mut self.dock, &mut self.commands);
         if !self.commands.is_empty() {
             ui.ctx().request_repaint();
         }
-        self.state.inspector.meter.ui(started.elapsed());
+        self.state.inspector.meter.ui(watch.spent());
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         Memory::of(&self.state, &self.dock).save(storage);
+    }
+
+    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
+        if let Some(times) = self.frame_times() {
+            log::info!("the window's own work, {times}");
+        }
     }
 }
 

@@ -7,7 +7,8 @@ use std::time::Duration;
 use egui::{TextureFilter, TextureOptions};
 
 use super::OverlookApp;
-use super::inspector::compare::{Compared, Comparison};
+use super::inspector::compare::Compared;
+use super::inspector::difference::Comparison;
 use super::inspector::probe::{Probed, Spot};
 use super::memory::remember_recent;
 use super::message::{Message, Purpose};
@@ -101,8 +102,8 @@ impl OverlookApp {
             Message::Studied { scene } if Some(scene) == current => {
                 self.state.inspector.charts.studying = false;
             }
-            Message::Exported { folder, pictures } => {
-                let text = format!("{pictures} pictures in {}", folder.display());
+            Message::Exported { path, pictures } => {
+                let text = format!("{pictures} pictures in {}", path.display());
                 self.state.notify(NoticeKind::Done, "Exported", text);
             }
             Message::SettingsLoaded { path, settings } => {
@@ -226,7 +227,7 @@ impl OverlookApp {
             "Live view" => "Could not render this view",
             "File" => "Could not save or load",
             "Study" => "Could not measure",
-            "Export" => "Could not export the pictures",
+            "Export" => "Could not export the camera path",
             other => other,
         };
         self.state.notify(NoticeKind::Error, title, error.to_string());

@@ -76,7 +76,7 @@ fn the_palette_does_anything_by_its_name() {
     window.key_press(Key::Enter);
     window.run_steps(3);
     assert!(shows(&window, "Frame times") && window.query_by_label("Command").is_none());
-    assert!(window.state().frame_times().unwrap().frames > 3);
+    assert!(window.state().frame_times().unwrap().wall.frames > 3);
     click(&mut window, "Commands");
     window.get_by_label("Command").type_text("pruning.method off");
     window.run_steps(3);
