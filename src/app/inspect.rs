@@ -32,7 +32,12 @@ impl OverlookApp {
                 }
             }
             Command::ShowPointIn(camera) => self.show_point_in(camera),
-            Command::ClearMeter => state.inspector.meter.clear(),
+            Command::ClearMeter => {
+                if let Some(times) = state.inspector.meter.times() {
+                    log::info!("the window's own work, {times}");
+                }
+                state.inspector.meter.clear();
+            }
             Command::Compare(look) => state.inspector.compare = *look,
             Command::Palette(palette) => state.inspector.palette = palette,
             Command::CheatSheet(open) => state.inspector.cheat_sheet = open,

@@ -183,6 +183,11 @@ fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Mes
         let playback = Playback::new(store::Store::open(&path)?, store::DEFAULT_CACHE_BYTES);
         return Ok(Message::Opened(Arc::new(Scene::of_store(path, playback, job)?)));
     }
+    let named_json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    if path.is_file() && !named_json {
+        let what = "is neither a store nor a transforms.json; open one of those, or the folder of a capture";
+        return Err(Error::unsupported(path.display(), what));
+    }
     let capture = transforms::open(&path, settings)?;
     let truth = transforms::truth_beside(&path)
         .map_or_else(|| Ok(Vec::new()), |views| transforms::open_views(&views))?;

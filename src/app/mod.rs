@@ -332,12 +332,6 @@ impl eframe::App for OverlookApp {
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         Memory::of(&self.state, &self.dock).save(storage);
     }
-
-    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
-        if let Some(times) = self.frame_times() {
-            log::info!("the window's own work, {times}");
-        }
-    }
 }
 
 /// How long the rest takes at the pace so far; `None` while too little is done to tell.

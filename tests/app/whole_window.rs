@@ -3,6 +3,8 @@
 use super::driver::{
     SIZE, Window, choose, click, demo, drag, drop_on, open, pick, settle, shows, small_demo, type_path, wait,
 };
+use std::path::Path;
+
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 use overlook::app::Start;
@@ -198,14 +200,61 @@ fn one_camera_and_one_frame_are_enough() {
 }
 
 #[test]
-fn a_folder_dropped_on_the_window_is_opened() {
+fn whatever_is_dropped_is_opened_or_the_message_says_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
+    let capture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let [empty, text, missing, broken, bare] =
+        ["empty", "notes.txt", "gone.ovl", "broken", "bare"].map(|name| folder.path().join(name));
+    std::fs::create_dir(&empty).unwrap();
+    std::fs::write(&text, "not a capture").unwrap();
+    std::fs::create_dir(&bare).unwrap();
+    std::fs::copy(capture.join("transforms.json"), bare.join("transforms.json")).unwrap();
+    copy_folder(&capture, &broken);
+    let picture = first_picture(&broken);
+    let whole = std::fs::read(&picture).unwrap();
+    std::fs::write(&picture, &whole[..whole.len() / 2]).unwrap();
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    drop_on(&mut window, folder.path());
-    wait(&mut window, "the message", |window| !window.state().notices().is_empty());
-    let message = window.state().notices().remove(0);
-    assert!(message.contains(&folder.path().display().to_string()), "{message}");
+    for (path, named, advice) in [
+        (&missing, "gone.ovl", "check the path"),
+        (&empty, "empty", "a capture is a folder that holds a transforms.json"),
+        (&text, "notes.txt", "open one of those, or the folder of a capture"),
+        (&bare, "cam", ";"),
+        (&broken, "cam", ";"),
+    ] {
+        drop_on(&mut window, path);
+        wait(&mut window, named, |window| !window.state().notices().is_empty());
+        let message = window.state().notices().pop().unwrap();
+        assert!(message.starts_with("Could not") && message.contains(named), "{message}");
+        assert!(message.contains(advice) && !message.contains("os error"), "{message}");
+        window.key_press(Key::Escape);
+        window.run_steps(3);
+        assert!(window.state().notices().is_empty());
+    }
+    assert_eq!(window.state().scene_name(), Some("orrery"), "what was open stays open");
+    drop_on(&mut window, &capture);
+    wait(&mut window, "the capture", |window| window.state().scene_name() == Some("small_capture"));
+}
+
+fn copy_folder(from: &Path, to: &Path) {
+    std::fs::create_dir(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap().path();
+        let target = to.join(entry.file_name().unwrap());
+        if entry.is_dir() {
+            copy_folder(&entry, &target);
+        } else {
+            std::fs::copy(&entry, &target).unwrap();
+        }
+    }
+}
+
+/// The picture that a capture shows first.
+fn first_picture(capture: &Path) -> std::path::PathBuf {
+    let mut pictures: Vec<_> =
+        std::fs::read_dir(capture.join("cam0")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    pictures.sort();
+    pictures.remove(0)
 }
 
 #[test]

@@ -81,7 +81,8 @@ impl Comparison {
             Measure::Brightness => diverging(apart / range),
             Measure::Steps | Measure::Flip => sequential(apart / range),
         };
-        let map = apart.map(|apart| apart.map_or(tokens.hole, color));
+        // A gray, which no color of the maps is: the holes' own purple is near their lower end.
+        let map = apart.map(|apart| apart.map_or(tokens.raised, color));
         let difference = Arc::new(ColorImage::new([map.width(), map.height()], map.into_vec()));
         let known = || apart.as_slice().iter().flatten();
         let mean = known().map(|apart| f64::from(apart.abs())).sum::<f64>() / known().count().max(1) as f64;

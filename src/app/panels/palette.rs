@@ -129,6 +129,8 @@ fn entries(state: &State) -> Vec<Entry> {
         ("Keep settings as a preset", "", Command::NamePreset(Some(String::new()))),
         ("Save picture", "", Command::AskPath(Purpose::SavePicture)),
         ("Copy picture", "", Command::CopyPicture),
+        ("Export pictures of the camera path", "", Command::AskPath(Purpose::ExportPictures)),
+        ("Export a film of the camera path", "", Command::AskPath(Purpose::ExportFilm)),
         ("Copy argument for the pixel", "Ctrl+Shift+C", Command::CopyArgument),
         ("Undo", "Ctrl+Z", Command::Undo),
         ("Redo", "Ctrl+Y", Command::Redo),
