@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::inspector::InspectorLanes;
 use super::message::{Message, Purpose};
-use super::own_thread::{self, Urgency};
+use super::own_thread;
 use super::scene::{Origin, Scene, median_depth};
 use super::state::Inspected;
 use super::views::live_image::{self, LiveKey};
@@ -105,9 +105,9 @@ impl Lanes {
     /// # Errors
     /// `Io` where the operating system gives no thread.
     pub(super) fn start(outbox: &Outbox, shared: Option<SharedDevice>) -> Result<Self> {
-        let background = pool("prune", rayon::current_num_threads(), Urgency::Background)?;
+        let background = pool("prune", rayon::current_num_threads(), true)?;
         // A frame that this lane decodes may be awaited by every thread of the shared pool; its own thread finishes it.
-        let decoder = pool("decode", 1, Urgency::Shown)?;
+        let decoder = pool("decode", 1, false)?;
         let measuring = background.clone();
         let progress = outbox.clone();
         let mut renderer = Renderer::sharing(shared);
@@ -151,12 +151,17 @@ impl Lanes {
     }
 }
 
-/// Threads of their own: in the pool that the views share, a picture would wait behind minutes of pruning.
-pub(super) fn pool(name: &'static str, threads: usize, urgency: Urgency) -> Result<Arc<rayon::ThreadPool>> {
+/// Threads of their own: in the pool that the views share, a picture would wait behind minutes of pruning. Where they make
+/// way, the window and its pictures also come before them.
+pub(super) fn pool(name: &'static str, threads: usize, makes_way: bool) -> Result<Arc<rayon::ThreadPool>> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(move |index| format!("{name} {index}"))
-        .start_handler(move |_| own_thread::make_way(urgency))
+        .start_handler(move |_| {
+            if makes_way {
+                own_thread::make_way();
+            }
+        })
         .build()
         .map(Arc::new)
         .map_err(|error| Error::invalid("thread pool", error.to_string()))

@@ -15,29 +15,13 @@ pub(super) fn cpu_time() -> Option<Duration> {
     None
 }
 
-/// What a thread's work is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Urgency {
-    /// A picture or a figure that somebody looks at.
-    Shown,
-    /// Minutes of work whose end is waited for.
-    Background,
-}
-
-/// Lets the thread that draws, and threads of more urgent work, go before the calling one. Linux keeps a niceness per
-/// thread; other systems put the thread of the window in front first anyway. It is a wish: where it is refused nothing is
-/// lost but evenness.
-pub(super) fn make_way(urgency: Urgency) {
+/// Lets the thread that draws, and those whose pictures are waited for, go before the calling one, which works for minutes.
+/// Linux keeps a niceness per thread; other systems put the threads of the window in front first anyway. It is a wish: where it
+/// is refused nothing is lost but evenness.
+pub(super) fn make_way() {
+    // A third of the share of others: more, and a window in steady motion would starve the work that it waits for.
     #[cfg(target_os = "linux")]
-    {
-        let niceness = match urgency {
-            Urgency::Shown => 5,
-            Urgency::Background => 15,
-        };
-        let _ = rustix::process::setpriority_process(None, niceness);
-    }
-    #[cfg(not(target_os = "linux"))]
-    let _ = urgency;
+    let _ = rustix::process::setpriority_process(None, 5);
 }
 
 #[cfg(all(test, target_os = "linux"))]
@@ -50,10 +34,10 @@ mod tests {
         let own = niceness();
         let worker = std::thread::Builder::new().name("worker".to_owned());
         let theirs = worker.spawn(move || {
-            make_way(Urgency::Background);
+            make_way();
             niceness()
         });
-        assert_eq!((theirs.unwrap().join().unwrap(), niceness()), (15, own));
+        assert_eq!((theirs.unwrap().join().unwrap(), niceness()), (5, own));
     }
 
     #[test]

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use super::own_thread::{self, Urgency};
 use super::{OverlookApp, Start};
 use crate::capture::demo::{DemoSpec, SCENES};
 use crate::error::{Error, Result};
@@ -18,13 +17,6 @@ pub fn run(path: Option<PathBuf>) -> Result<()> {
             what: "there is no display for a window; overlook demo, info, preprocess, render and evaluate work without one"
                 .to_owned(),
         });
-    }
-    // The threads that every library call shares: their pictures are waited for, but the window goes first.
-    let shared = rayon::ThreadPoolBuilder::new()
-        .thread_name(|index| format!("shared {index}"))
-        .start_handler(|_| own_thread::make_way(Urgency::Shown));
-    if shared.build_global().is_err() {
-        log::debug!("the shared threads were started before");
     }
     let start = path.map_or_else(|| Start::Demo(default_demo()), Start::Path);
     let options = eframe::NativeOptions {

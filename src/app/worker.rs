@@ -13,7 +13,6 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 use super::message::Message;
-use super::own_thread::{self, Urgency};
 use crate::error::{Error, Result};
 use crate::job::{Job, Progress};
 
@@ -93,7 +92,6 @@ impl<R: Send + 'static> Lane<R> {
         let thread = std::thread::Builder::new()
             .name(what.to_owned())
             .spawn(move || {
-                own_thread::make_way(Urgency::Shown);
                 while let Some((request, job)) = next(&inbox) {
                     let answer = run(what, &mut work, request, &job);
                     inbox.lock().running = None;

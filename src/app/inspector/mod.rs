@@ -22,7 +22,6 @@ use egui::TextureHandle;
 use super::dock::View;
 use super::lanes::pool;
 use super::message::Message;
-use super::own_thread::Urgency;
 use super::panels::Palette;
 use super::state::{NoticeKind, State};
 use super::worker::{Lane, Outbox, Supersede};
@@ -161,7 +160,7 @@ impl InspectorLanes {
         let mut comparer = Comparer::default();
         let studying = outbox.clone();
         // Threads of their own: the pictures on screen must not wait for minutes of measuring.
-        let threads = pool("study", rayon::current_num_threads(), Urgency::Background)?;
+        let threads = pool("study", rayon::current_num_threads(), true)?;
         Ok(Self {
             probe: Lane::start("Pixel argument", Supersede::Never, outbox.clone(), |key: ProbeKey, _| {
                 let probed = probe::probe(&key).map(Arc::new);
