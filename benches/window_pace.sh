@@ -14,13 +14,14 @@ trap 'kill $server 2>/dev/null; rm -rf "$folder"' EXIT
 until [ -s "$folder/display" ]; do sleep 0.1; done
 DISPLAY=":$(cat "$folder/display")"
 export DISPLAY
-RUST_LOG=overlook=info XDG_DATA_HOME=$folder DBUS_SESSION_BUS_ADDRESS=unix:path=/nonexistent \
+RUST_LOG=${RUST_LOG:-overlook=info} XDG_DATA_HOME=$folder DBUS_SESSION_BUS_ADDRESS=unix:path=/nonexistent \
     target/release/overlook ${2:+"$2"} 2>"$folder/log" &
 program=$!
 window=$(xdotool search --sync --onlyvisible --name '^Overlook$' | head -n 1)
 xdotool windowfocus --sync "$window"
 say() { xdotool key ctrl+p; sleep 0.4; xdotool type --delay 15 "$1"; sleep 0.4; xdotool key Return; sleep 0.4; }
 sleep 12
+say "skip the introduction"
 say "set render.backend to cpu"
 say "run a sweep"
 say "count frame times anew"
@@ -35,6 +36,7 @@ while [ $SECONDS -lt $end ]; do
     for step in $(seq 1 10); do xdotool mousemove_relative -- 2 0; sleep 0.03; done
     xdotool mouseup 1 key ctrl+z
 done
+say "open view: speed and accuracy"
 [ -z "${PICTURE:-}" ] || import -window root "$PICTURE"
 say "count frame times anew"
 sleep 1

@@ -160,7 +160,7 @@ fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
     settle(&mut window);
     window.hover_at(egui::pos2(5.0, 5.0));
     window.run_steps(3);
-    assert!(shows(&window, "dB apart, FLIP "));
+    assert!(shows(&window, "FLIP on average"));
     assert!(window.state().notices().is_empty());
 }
 

@@ -256,8 +256,9 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     let [pixel, line] = [("Source picture", 0.5), ("Pruning depth tolerance on its histogram", 0.6)]
         .map(|(name, share)| place_of(name, &capture, share));
     let (_server, display) = start_display();
-    let program = start_program(&display, folder.path(), &[Path::new("nothing-here")]);
+    let program = start_program(&display, folder.path(), &[]);
 
+    say(&display, "skip the introduction");
     say(&display, "open path");
     answer(&display, &capture);
     wait_for("the capture", || (colors_in_source_view(&display, folder.path()) > 100).then_some(()));

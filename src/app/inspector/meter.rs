@@ -105,6 +105,14 @@ impl Meter {
     /// `ui` took this long: the frame is over.
     pub(crate) fn ui(&mut self, spent: Spent) {
         let frame = std::mem::take(&mut self.logic).and(spent);
+        if frame.wall.as_secs_f32() * 1e3 > BUDGET_MS / 2.0 {
+            log::debug!(
+                "a frame took {:.1?}, of which ui {:.1?}; {:.1?} spent",
+                frame.wall,
+                spent.wall,
+                frame.cpu
+            );
+        }
         remember(&mut self.wall_ms, frame.wall);
         if let Some(cpu) = frame.cpu {
             remember(&mut self.cpu_ms, cpu);

@@ -149,6 +149,7 @@ fn entries(state: &State) -> Vec<Entry> {
         ("Dark theme", "", Command::Dark(true)),
         ("Reset layout", "", Command::ResetLayout),
         ("Show the keys", "?", Command::CheatSheet(true)),
+        ("Skip the introduction", "", Command::Callout(super::CALLOUTS)),
     ] {
         add(name.to_owned(), keys, command);
     }

@@ -91,7 +91,7 @@ pub(super) fn live_legend_ui(ui: &mut Ui, state: &State) {
                 swatches_ui(ui, &entries, HOLE_WIDTH);
             }
             ColorBy::Span => {
-                swatch_ui(ui, tokens.static_over_time, "stored once");
+                swatch_ui(ui, tokens.static_over_time, "several frames");
                 swatch_ui(ui, tokens.moving, "this frame only");
             }
             ColorBy::SamplingRate => ratio_ui(ui, "denser than pixels", "coarser"),
