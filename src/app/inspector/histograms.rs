@@ -187,8 +187,11 @@ pub(crate) fn histograms(
     found.into_iter().flatten().collect()
 }
 
+/// A range, and whether it is granted.
+type Granted = (f32, bool);
+
 /// Ranges over all frames of color and of depth, each with whether it is granted, for pixels spread over all cameras.
-fn ranges(scan: &TemporalScan, settings: &Settings) -> [Vec<(f32, bool)>; 2] {
+fn ranges(scan: &TemporalScan, settings: &Settings) -> [Vec<Granted>; 2] {
     let [mut color, mut depth] = [Vec::new(), Vec::new()];
     let tests = (0..scan.cameras.len()).map(|index| scan.static_test(index, &settings.spans));
     for (camera, test) in scan.cameras.iter().zip(tests) {
@@ -212,7 +215,7 @@ fn of_pixels(
     test: &StaticTest,
     settings: &Settings,
     room: usize,
-) -> (Vec<(f32, bool)>, Vec<(f32, bool)>) {
+) -> (Vec<Granted>, Vec<Granted>) {
     let is_static = ranges.static_pixels(&settings.spans, test);
     let stride = ranges.color_steps.len().div_ceil(room.max(1)).max(1);
     let values = ranges.color_steps.as_slice().iter().zip(ranges.depth_relative.as_slice());
