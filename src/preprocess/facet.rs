@@ -53,8 +53,7 @@ pub struct Facet {
 
 impl Facet {
     /// No sample.
-    pub const ABSENT: Self =
-        Self { inverse_depth: INVALID_INVERSE_DEPTH, normal_in_camera: [0.0, 0.0, 1.0] };
+    pub const ABSENT: Self = Self { inverse_depth: INVALID_INVERSE_DEPTH, normal_in_camera: [0.0, 0.0, 1.0] };
 
     /// A sample on a surface; a zero normal is unknown.
     #[must_use]

@@ -128,7 +128,8 @@ impl<'a> LayerBuilder<'a> {
             let facet = Facet::new(inverse_depth, normal_in_camera);
             (own, ranks, facet, Look::new(layer.level[pixel], layer.color[pixel], normal != Vec3::ZERO))
         };
-        let rated: Vec<(f32, Ranks, Facet, Look)> = pixels.par_iter().with_min_len(MIN_PIXELS).map(rated).collect();
+        let rated: Vec<(f32, Ranks, Facet, Look)> =
+            pixels.par_iter().with_min_len(MIN_PIXELS).map(rated).collect();
         for (&pixel, (footprint, ranks, facet, look)) in pixels.iter().zip(rated) {
             layer.footprint[pixel as usize] = footprint;
             layer.ranks[pixel as usize] = ranks;

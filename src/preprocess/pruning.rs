@@ -347,7 +347,10 @@ impl Pass<'_> {
                 registration.may_see([0, layer.width - 1], rows, whole).then(|| Rival {
                     camera: other,
                     registration,
-                    limits: self.limits.between(layer, &self.layers[other]).with_deeper(self.has_deeper[other]),
+                    limits: self
+                        .limits
+                        .between(layer, &self.layers[other])
+                        .with_deeper(self.has_deeper[other]),
                     told: 0,
                     may_see: bounds
                         .iter()
@@ -422,7 +425,8 @@ impl Pass<'_> {
 fn depth_bounds(layer: &Layer, column: usize, rows: Range<usize>) -> [f32; 2] {
     let (mut smallest, mut largest) = ([f32::INFINITY; LANES], [0.0_f32; LANES]);
     for row in rows {
-        let depths = lanes_of::<_, LANES>(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
+        let depths =
+            lanes_of::<_, LANES>(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
         for lane in 0..LANES {
             let w = depths[lane];
             smallest[lane] = smallest[lane].min(if w < 0.0 { f32::INFINITY } else { w });

@@ -273,8 +273,7 @@ impl Registration {
         if limits.has_deeper {
             for corner in 0..3 {
                 for i in 0..N {
-                    let takes_part =
-                        u32::from(target.level[beside[corner][i] as usize]) <= limits.deepest;
+                    let takes_part = u32::from(target.level[beside[corner][i] as usize]) <= limits.deepest;
                     depths[corner][i] = if takes_part { depths[corner][i] } else { INVALID_INVERSE_DEPTH };
                 }
             }
