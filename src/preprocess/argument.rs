@@ -289,8 +289,10 @@ impl<'a> Asker<'a> {
         testimony.color_difference_steps = self.color_difference(layer, pixel);
         let ray = Rays::new(target).at(x, y);
         testimony.incidence_degrees = angle_degrees(-ray, layer.normal[pixel]);
-        [testimony.paper_r, testimony.footprint_r] =
-            [Rate::Paper, Rate::Footprint].map(|rate| self.ratio(rate, target, layer, (x, y, pixel)));
+        let pruning = &self.inspection.settings.pruning;
+        let deciding = Rate::resolve(pruning.rate, &self.inspection.samples.cameras);
+        [testimony.paper_r, testimony.footprint_r] = [Rate::Paper, deciding.with_focal_length()]
+            .map(|rate| self.ratio(rate, target, layer, (x, y, pixel)));
         testimony
     }
 

@@ -70,7 +70,7 @@ choice! {
 choice! {
     /// How the sampling rate of a pixel is measured.
     pub enum RateModel {
-        /// The footprint where cameras differ in focal length or resolution, the paper's ratio where they are alike.
+        /// The longest side (`stretch`) where cameras differ in focal length or resolution, the paper's ratio where they are alike.
         Auto = "auto",
         /// The paper's r: planar depth over cosine of incidence. Knows nothing of focal length and resolution.
         Paper = "paper",

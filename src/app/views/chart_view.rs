@@ -53,12 +53,13 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
     for point in &charts.sweep {
         series.entry(point.series.name()).or_default().push(place(point));
     }
-    let mut front: Vec<[f64; 2]> = charts.sweep.iter().filter(|point| point.pareto).map(place).collect();
+    let on_front = charts.sweep.iter().filter(|point| point.pareto && point.is_lossless());
+    let mut front: Vec<[f64; 2]> = on_front.map(place).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let current = charts.sweep.iter().find(|point| point.settings == state.settings).map(place);
     let plot = plot("tradeoff", along, up);
     let shown = plot.show(ui, |plot_ui| {
-        plot_ui.line(Line::new("best for its size", front).color(tokens.text_weak).width(1.0));
+        plot_ui.line(Line::new("best lossless for its size", front).color(tokens.text_weak).width(1.0));
         for (index, (name, places)) in series.into_iter().enumerate() {
             let color = colormap::camera(index);
             plot_ui.points(Points::new(name, places).color(color).radius(4.0).shape(shape(index)));
