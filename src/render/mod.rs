@@ -21,16 +21,20 @@ mod fill;
 mod footprint;
 mod frame_samples;
 mod gather;
+mod gather_block;
 mod gather_points;
 pub mod gpu;
 mod keys;
 mod lookup;
 pub mod pick;
+mod places;
 mod project;
 mod resolve;
 mod silhouette;
 mod surface;
 pub mod vantage;
+mod votes;
+mod window;
 
 pub use backend::{Painter, Renderer, Shown};
 pub use cpu::CpuRenderer;
@@ -63,11 +67,11 @@ mod tests {
         let vantage = Vantage { camera: demo.home(), frame: 1 };
         for &kernel in Kernel::ALL {
             let settings = RenderSettings { kernel, ..RenderSettings::default() };
-            let [best, portable] = simd::at_best_and_portable(|| {
+            let pictures = simd::at_every_level(|| {
                 CpuRenderer::new().render(&samples, &vantage, &settings, &Job::new()).unwrap().0
             });
-            assert!(best.holes() < best.image.len() as u64 / 2);
-            assert_eq!(best, portable, "{kernel}");
+            assert!(pictures[0].holes() < pictures[0].image.len() as u64 / 2);
+            assert!(pictures.iter().all(|picture| *picture == pictures[0]), "{kernel}");
         }
     }
 }
