@@ -12,7 +12,7 @@ use overlook::render::gpu::device_descriptor;
 
 /// A window drawn by wgpu, with the device that [`overlook::app::run`] asks for, and what draws it.
 fn open() -> (Window, RenderState) {
-    let (sender, receiver) = std::sync::mpsc::channel();
+    let (sender, receiver) = std::sync::mpsc::sync_channel(1);
     let mut setup = egui_kittest::wgpu::default_wgpu_setup();
     if let eframe::egui_wgpu::WgpuSetup::CreateNew(setup) = &mut setup {
         setup.device_descriptor = std::sync::Arc::new(device_descriptor);
