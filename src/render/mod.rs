@@ -18,6 +18,7 @@ pub mod cpu;
 mod cull;
 mod dense_tile;
 mod fill;
+pub mod film;
 mod footprint;
 mod frame_samples;
 mod gather;
@@ -28,6 +29,7 @@ mod keys;
 mod lookup;
 pub mod pick;
 mod places;
+pub mod png;
 mod project;
 mod resolve;
 mod silhouette;
@@ -41,6 +43,7 @@ pub use cpu::CpuRenderer;
 pub use fill::fill;
 pub use gpu::{AdapterChoice, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 pub use pick::{Picked, pick};
+pub use png::write_png;
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]
