@@ -93,12 +93,6 @@ impl Rays {
     pub fn at(&self, x: usize, y: usize) -> Vec3 {
         self.origin + self.per_column * x as f32 + self.per_row * y as f32
     }
-
-    /// Side of a pixel held perpendicular to the optical axis at planar depth 1.
-    #[must_use]
-    pub fn pixel_side(&self) -> f32 {
-        self.pixel_area.sqrt()
-    }
 }
 
 /// The cosine of incidence θ between a ray and a surface normal, both in world orientation, no less than `floor`.

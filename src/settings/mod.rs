@@ -158,6 +158,20 @@ choice! {
     }
 }
 
+choice! {
+    /// The widest vector instructions that hot loops may use. No setting: every choice gives the same bits.
+    pub enum Instructions {
+        /// The widest that the processor has.
+        Auto = "auto",
+        /// AVX-512 with byte, word, doubleword and shorter vectors.
+        Avx512 = "avx512",
+        /// AVX2 and what comes with it.
+        Avx2 = "avx2",
+        /// What every processor of the target has.
+        Portable = "portable",
+    }
+}
+
 section! {
     /// Reading the capture.
     pub struct CaptureSettings in "capture" {

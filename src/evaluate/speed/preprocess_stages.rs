@@ -5,7 +5,6 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::Bench;
-use super::backend::Backend;
 use super::measure::{Times, repeat};
 use super::report::{Bound, Measured};
 use crate::capture::Frame;
@@ -18,7 +17,7 @@ use crate::preprocess::pruning::{self, Rig};
 use crate::preprocess::split::{BATCH, Split};
 use crate::preprocess::static_test::StaticTest;
 use crate::preprocess::{Report, Span, Verdict, inspect_frame, pack, scan};
-use crate::settings::{NormalEstimator, Settings};
+use crate::settings::{Backend, NormalEstimator, Settings};
 use crate::store;
 
 /// Bytes of a pixel's color (three half floats) and depth.
