@@ -119,7 +119,7 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<usize> {
         let frame = key.frame.min(request.samples.frame_count().saturating_sub(1));
         let vantage = Vantage { camera: key.rig.camera(width, height), frame };
         let samples = match &request.playback {
-            Some(playback) => playback.at(frame, job)?,
+            Some(playback) => playback.seen_from(&vantage.camera, frame, job)?,
             None => request.samples.clone(),
         };
         let (painted, _) = renderer.render(&samples, &vantage, &request.settings, job)?;

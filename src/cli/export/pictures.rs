@@ -54,13 +54,12 @@ pub(super) fn paint(
     job.start("Painting", stops.len());
     for (nth, stop) in stops.iter().enumerate() {
         job.check()?;
-        let samples = playback.at(stop.frame, job)?;
+        let samples = playback.seen_from(&stop.camera, stop.frame, job)?;
         let vantage = Vantage { camera: stop.camera.clone(), frame: stop.frame };
-        let ahead = stops.get(nth + 1).map_or(0..0, |next| next.frame..next.frame + 1);
         // A frame that cannot be read ahead says so when it is painted.
         let (painted, _) = rayon::join(
             || renderer.render(&samples, &vantage, settings, job),
-            || playback.read_ahead(ahead, job),
+            || stops.get(nth + 1).map(|next| playback.seen_from(&next.camera, next.frame, job)),
         );
         let (picture, _): (Arc<Picture>, _) = painted?;
         take(stop, &picture)?;
