@@ -140,7 +140,7 @@ fn provenance_and_unknown_chunks_stay_when_a_store_is_written_again() {
     let [first, second] = ["first.ovl", "second.ovl"].map(|name| folder.path().join(name));
     let provenance = Provenance {
         inputs: Some(InputFiles { files: 3, bytes: 12_345, crc32: 0xDEAD_BEEF }),
-        rivals: Some(Rivals { zip_exr: 99, video_color: Some(5), video_depth: None }),
+        rivals: Some(Rivals { zip_exr: 99, video_color: Some(5), ..Rivals::default() }),
         ..Provenance::default()
     };
     let unknown = vec![(*b"ANNO", b"by hand".to_vec()), (*b"XTRA", Vec::new())];

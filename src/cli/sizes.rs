@@ -91,7 +91,10 @@ impl Sizes {
             ("as ZIP EXR", self.zip_exr),
             ("  of that, which pixels hold a sample", self.planes.map(|planes| planes.mask)),
             ("  of that, depth", self.planes.map(|planes| planes.depth)),
-            ("  of that, green, red and blue", self.planes.map(|planes| planes.green + planes.red + planes.blue)),
+            (
+                "  of that, green, red and blue",
+                self.planes.map(|planes| planes.green + planes.red + planes.blue),
+            ),
             ("  of that, normals", self.planes.map(|planes| planes.normals).filter(|bytes| *bytes > 0)),
             ("as lossless video", self.lossless_video),
             ("as differences of frames, by zstd", self.xor_zstd),
