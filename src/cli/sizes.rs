@@ -88,7 +88,6 @@ impl Sizes {
             ("without redundancy between cameras", Some(self.after_pruning)),
             ("in memory", Some(self.memory)),
             ("in the store", Some(self.store)),
-            ("as ZIP EXR", self.zip_exr),
             ("  of that, which pixels hold a sample", self.planes.map(|planes| planes.mask)),
             ("  of that, depth", self.planes.map(|planes| planes.depth)),
             (
@@ -96,6 +95,7 @@ impl Sizes {
                 self.planes.map(|planes| planes.green + planes.red + planes.blue),
             ),
             ("  of that, normals", self.planes.map(|planes| planes.normals).filter(|bytes| *bytes > 0)),
+            ("as ZIP EXR", self.zip_exr),
             ("as lossless video", self.lossless_video),
             ("as differences of frames, by zstd", self.xor_zstd),
         ] {

@@ -16,8 +16,8 @@ use super::coding::near::BLOCK;
 use super::images::BlockEntry;
 use crate::capture::Camera;
 
-/// Pixels by which a block's samples reach beyond it: the largest stretched footprint.
-const SOURCE_REACH: f64 = 16.0;
+/// Pixels by which the footprints of samples reach beyond their block: twice what renderers stretch them to, and a pixel for rounding.
+const SOURCE_REACH: f64 = 4.0;
 
 /// Pixels of the picture by which it is taken to be larger.
 const PICTURE_REACH: f64 = 4.0;
