@@ -7,6 +7,12 @@
     reason = "a function compiled for more instructions may only be called where they exist; so may one instruction"
 )]
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use crate::error::{Error, Result};
+use crate::settings::Instructions;
+
 /// A loop that profits from wide vectors. `run` must be `#[inline(always)]`, and so must what it calls.
 pub(crate) trait Work {
     /// What it gives.
@@ -19,17 +25,14 @@ pub(crate) trait Work {
 /// A set of instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Level {
-    /// What every processor of the target has.
     Portable,
-    /// AVX2 and what comes with it.
-    #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// AVX-512 with byte, word, doubleword and shorter vectors.
-    #[cfg(target_arch = "x86_64")]
     Avx512,
 }
 
 impl Level {
+    const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
+
     /// The widest that this processor has.
     #[cfg(target_arch = "x86_64")]
     fn best() -> Self {
@@ -57,15 +60,59 @@ impl Level {
     fn best() -> Self {
         Self::Portable
     }
+
+    /// The widest that may be used.
+    fn allowed() -> Self {
+        Self::ALL[LIMIT.load(Ordering::Relaxed).min(2)].min(Self::best())
+    }
 }
 
-/// Does the work at the best level.
-pub(crate) fn run<W: Work>(work: W) -> W::Output {
-    #[cfg(test)]
-    if PORTABLE.load(std::sync::atomic::Ordering::Relaxed) {
-        return run_at(Level::Portable, work);
+/// The widest level that may be used, as an index of [`Level::ALL`]. Loops that are at work while it changes give the same
+/// either way.
+static LIMIT: AtomicUsize = AtomicUsize::new(2);
+
+/// Does `work` while hot loops use no wider instructions than these. One caller at a time has its way.
+///
+/// # Errors
+/// `Unsupported` where the processor lacks them.
+pub(crate) fn limited<T>(instructions: Instructions, work: impl FnOnce() -> Result<T>) -> Result<T> {
+    static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+    struct Reset;
+    impl Drop for Reset {
+        fn drop(&mut self) {
+            LIMIT.store(2, Ordering::Relaxed);
+        }
     }
-    run_at(Level::best(), work)
+    let level = match instructions {
+        Instructions::Auto => Level::best(),
+        Instructions::Avx512 => Level::Avx512,
+        Instructions::Avx2 => Level::Avx2,
+        Instructions::Portable => Level::Portable,
+    };
+    if level > Level::best() {
+        return Err(Error::unsupported(
+            format!("instructions '{instructions}'"),
+            format!("this processor goes up to '{}'", widest()),
+        ));
+    }
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    LIMIT.store(level as usize, Ordering::Relaxed);
+    let _reset = Reset;
+    work()
+}
+
+/// The instructions that hot loops use now; never `Auto`.
+pub(crate) fn widest() -> Instructions {
+    match Level::allowed() {
+        Level::Portable => Instructions::Portable,
+        Level::Avx2 => Instructions::Avx2,
+        Level::Avx512 => Instructions::Avx512,
+    }
+}
+
+/// Does the work with the widest instructions that may be used.
+pub(crate) fn run<W: Work>(work: W) -> W::Output {
+    run_at(Level::allowed(), work)
 }
 
 /// Asks for an element to be fetched into the cache while other work goes on. Changes no result; nothing happens where there
@@ -84,6 +131,7 @@ pub(crate) fn prefetch<T>(plane: &[T], index: usize) {
 }
 
 /// Does the work at a level, or at the best there is where that is less.
+#[inline]
 fn run_at<W: Work>(level: Level, work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     match level.min(Level::best()) {
@@ -110,18 +158,28 @@ fn avx512<W: Work>(work: W) -> W::Output {
     work.run()
 }
 
-/// Whether every loop runs at the lowest level. Other tests may see it: they give the same either way.
+/// What `work` gives with each set of instructions that the processor has, for tests that compare them.
 #[cfg(test)]
-static PORTABLE: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
+pub(crate) fn at_every_level<T>(mut work: impl FnMut() -> T) -> Vec<T> {
+    [Instructions::Portable, Instructions::Avx2, Instructions::Avx512]
+        .into_iter()
+        .filter_map(|instructions| limited(instructions, || Ok(work())).ok())
+        .collect()
+}
 
-/// What `work` gives at the best level and at the lowest, for tests that compare them.
 #[cfg(test)]
-pub(crate) fn at_best_and_portable<T>(mut work: impl FnMut() -> T) -> [T; 2] {
-    static ONE_AT_A_TIME: std::sync::Mutex<()> = std::sync::Mutex::new(());
-    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let best = work();
-    PORTABLE.store(true, std::sync::atomic::Ordering::Relaxed);
-    let portable = work();
-    PORTABLE.store(false, std::sync::atomic::Ordering::Relaxed);
-    [best, portable]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn loops_use_no_wider_instructions_than_asked_for_and_the_widest_again_afterwards() {
+        let best = Level::best();
+        for instructions in [Instructions::Portable, Instructions::Avx2, Instructions::Avx512] {
+            match limited(instructions, || Ok(widest())) {
+                Ok(used) => assert_eq!(used, instructions),
+                Err(Error::Unsupported { .. }) => assert_ne!(best, Level::Avx512),
+                Err(error) => panic!("{error}"),
+            }
+        }
+    }
 }

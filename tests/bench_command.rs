@@ -106,6 +106,7 @@ fn painting_says_what_it_painted_and_a_still_vantage_keeps_its_background() {
         let share = positive(stage, "samples") / document["samples"].as_f64().unwrap();
         if still {
             positive(stage, "speedup_over_full_repaint");
+            assert!((0.01..0.5).contains(&positive(stage, "foreground_of_picture")), "{stage}");
             assert!((0.05..0.2).contains(&share), "{share} of the samples change");
         } else if !name(stage).contains("/pruned/") {
             assert_eq!(share, 1.0, "{stage}");
@@ -160,4 +161,14 @@ fn a_graphics_adapter_is_measured_where_it_is_asked_for_and_held_against_its_mem
         assert!(close(positive(stage, "fraction_of_limit"), gb_per_s / positive(limit, "gpu_copy_gb_per_s")));
         assert!(stage["coverage"].as_f64().unwrap() > 0.5);
     }
+}
+
+#[test]
+fn narrower_instructions_are_used_where_they_are_asked_for() {
+    let document =
+        measured(&["--only", "render/point/pruned/160x120", "--instructions", "portable", "--json"]);
+    assert_eq!(document["machine"]["instructions"], "portable");
+    let output = bench(&["--instructions", "mmx"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("avx2"));
 }

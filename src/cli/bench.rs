@@ -9,7 +9,7 @@ use super::{Failure, output, progress};
 use crate::evaluate::speed::limits::Limit;
 use crate::evaluate::speed::machine::Machine;
 use crate::evaluate::speed::{self, LimitKind, Options, SpeedReport, StageSpeed};
-use crate::settings::Backend;
+use crate::settings::{Backend, Instructions};
 
 /// Arguments of `overlook bench`.
 #[derive(Debug, Args)]
@@ -20,6 +20,9 @@ pub(super) struct BenchArgs {
     /// What paints: the CPU alone, or with it a graphics adapter, which `auto` takes only where it is a card.
     #[arg(long, default_value = "auto", value_parser = choice::<Backend>(Backend::NAMES))]
     backend: Backend,
+    /// The widest vector instructions that the stages may use; narrower ones give the same bits.
+    #[arg(long, default_value = "auto", value_parser = choice::<Instructions>(Instructions::NAMES))]
+    instructions: Instructions,
     /// Few repeats on a small scene: shows that everything works, not how fast it is.
     #[arg(long)]
     quick: bool,
@@ -34,6 +37,7 @@ impl BenchArgs {
             threads: rayon::current_num_threads(),
             quick: self.quick,
             backend: self.backend,
+            instructions: self.instructions,
             only: self.only.clone(),
         };
         let report = progress::watched(|job| speed::measure(&options, job))?;
@@ -75,7 +79,7 @@ fn text(report: &SpeedReport) -> String {
 
 fn machine_line(machine: &Machine) -> String {
     format!(
-        "{} ({} {}), {} threads, {}",
+        "{} ({} {}), {} threads, {}; stages use {}",
         machine.cpu.as_deref().unwrap_or("unknown processor"),
         machine.os,
         machine.arch,
@@ -84,7 +88,8 @@ fn machine_line(machine: &Machine) -> String {
             "vector instructions unknown".to_owned()
         } else {
             machine.simd.join(" ")
-        }
+        },
+        machine.instructions
     )
 }
 
@@ -134,7 +139,14 @@ fn stage_lines(text: &mut String, stage: &StageSpeed) {
         output::number(coverage, 4, 7),
         stage.repeats
     );
-    if let Some(speedup) = stage.painting.as_ref().and_then(|painting| painting.speedup_over_full_repaint) {
-        let _ = write!(text, "   {speedup:.1} × faster than painting all anew");
+    if let Some(painting) = &stage.painting
+        && let (Some(speedup), Some(foreground)) =
+            (painting.speedup_over_full_repaint, painting.foreground_of_picture)
+    {
+        let _ = write!(
+            text,
+            "   {speedup:.1} × faster than painting all anew; foreground on {:.0} % of the picture",
+            100.0 * foreground
+        );
     }
 }

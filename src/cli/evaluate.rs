@@ -47,8 +47,7 @@ impl EvaluateArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let mut settings = self.settings.over(Settings::default())?;
         self.painting.apply(&mut settings.render);
-        let capture = transforms::open(&self.capture, &settings.capture)?;
-        output::warn(&capture.warnings);
+        let capture = super::open_capture(&self.capture, &settings.capture)?;
         let (capture, views) = self.truth(capture)?;
         let comparison = progress::watched(|job| compare(&capture, &views, &settings, job))?;
         output::warn(comparison.as_set.evaluation.notice.as_slice());

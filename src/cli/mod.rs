@@ -24,13 +24,14 @@ mod truth;
 mod tune;
 mod verify;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::capture::{Capture, transforms};
 use crate::error::Error;
-use crate::settings::Settings;
+use crate::settings::{CaptureSettings, Settings};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -116,6 +117,13 @@ impl SettingsArgs {
         }
         Ok(settings)
     }
+}
+
+/// Opens a capture and says on stderr what is odd about it.
+fn open_capture(path: &Path, settings: &CaptureSettings) -> Result<Capture, Failure> {
+    let capture = transforms::open(path, settings)?;
+    output::warn(&capture.warnings);
+    Ok(capture)
 }
 
 /// Why a command ends early.

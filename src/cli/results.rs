@@ -9,10 +9,11 @@ use std::sync::Mutex;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::output;
+use super::{output, progress};
 use crate::error::{Error, Result};
 use crate::evaluate::chart::Chart;
 use crate::evaluate::sweep::Point;
+use crate::job::Job;
 
 /// What a run has measured so far, one JSON document a line below a line that says what it was measured on.
 pub(super) struct Journal {
@@ -63,6 +64,23 @@ impl Journal {
         let Ok(mut file) = self.file.lock() else { return Ok(()) };
         writeln!(file, "{line}").and_then(|()| file.flush()).map_err(io)
     }
+}
+
+/// Does `work` under a progress bar, adding each point it measures to `journal`; stops where that cannot be written.
+pub(super) fn recorded<P: Serialize, T>(
+    journal: Option<&Journal>,
+    work: impl FnOnce(&Job, &mut dyn FnMut(&P)) -> Result<T>,
+) -> Result<T> {
+    let mut trouble = None;
+    let outcome = progress::watched(|job| {
+        work(job, &mut |point| {
+            if let Some(Err(error)) = journal.map(|journal| journal.add(point)) {
+                trouble = Some(error);
+                job.cancel();
+            }
+        })
+    });
+    trouble.map_or(outcome, Err)
 }
 
 /// Writes one JSON document.

@@ -8,8 +8,7 @@ use clap::builder::PossibleValuesParser;
 use serde::Serialize;
 
 use super::truth::TruthArgs;
-use super::{Failure, SettingsArgs, output, progress, results};
-use crate::capture::transforms;
+use super::{Failure, SettingsArgs, output, results};
 use crate::evaluate::chart;
 use crate::evaluate::stress::{self, Disturbance, Failure as PointOfFailure, Plan, StressPoint};
 use crate::evaluate::truth::Truth;
@@ -46,32 +45,21 @@ struct StressOutput<'a> {
 impl StressArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let settings = self.settings.over(Settings::default())?;
-        let capture = transforms::open(&self.capture, &settings.capture)?;
-        output::warn(&capture.warnings);
+        let capture = super::open_capture(&self.capture, &settings.capture)?;
         let truth: Truth = self.truth.truth(&self.capture, &capture)?;
         let mut plan = Plan { frames: self.truth.frames, ..Plan::standard(&settings) };
         if !self.only.is_empty() {
             plan.disturbances.retain(|disturbance| self.only.iter().any(|name| name == disturbance.name()));
         }
-        let journal = results::Journal::open(&self.out, "stress", &self.truth.fingerprint(&capture))?;
+        let journal = results::Journal::open(&self.out, "stress", &self.truth.fingerprint(&capture, &truth))?;
         plan.done = journal.points();
-        let mut trouble = None;
-        let points = progress::watched(|job| {
-            stress::run(&capture, &plan, &truth, job, |point, _| {
-                if let Err(error) = journal.add(point) {
-                    trouble = Some(error);
-                    job.cancel();
-                }
-            })
-        });
-        if let Some(error) = trouble {
-            return Err(error.into());
-        }
-        let points = points?;
+        let points = results::recorded(Some(&journal), |job, keep| {
+            stress::run(&capture, &plan, &truth, job, |point, _| keep(point))
+        })?;
         let failures = stress::failures(&points);
         let document = StressOutput {
             capture: &capture.name,
-            truth: self.truth.words(&capture),
+            truth: self.truth.words(&capture, &truth),
             points: &points,
             failures: &failures,
         };

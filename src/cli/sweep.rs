@@ -7,8 +7,7 @@ use serde::Serialize;
 
 use super::render::PaintingArgs;
 use super::truth::TruthArgs;
-use super::{Failure, SettingsArgs, output, progress, results};
-use crate::capture::transforms;
+use super::{Failure, SettingsArgs, output, results};
 use crate::evaluate::chart;
 use crate::evaluate::sweep::{self, Plan, Point};
 use crate::settings::Settings;
@@ -50,27 +49,19 @@ impl SweepArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let mut settings = self.settings.over(Settings::default())?;
         self.painting.apply(&mut settings.render);
-        let opened = transforms::open(&self.capture, &settings.capture)?;
-        output::warn(&opened.warnings);
+        let opened = super::open_capture(&self.capture, &settings.capture)?;
         let (capture, truth) = self.truth.open(&self.capture, opened)?;
         let mut plan = self.plan(&settings, &capture)?;
-        let journal = results::Journal::open(&self.out, "sweep", &self.truth.fingerprint(&capture))?;
+        let journal = results::Journal::open(&self.out, "sweep", &self.truth.fingerprint(&capture, &truth))?;
         plan.done = journal.points();
-        let mut trouble = None;
-        let points = progress::watched(|job| {
-            sweep::run(&capture, &plan, &truth, job, |point, _| {
-                if let Err(error) = journal.add(point) {
-                    trouble = Some(error);
-                    job.cancel();
-                }
-            })
-        });
-        if let Some(error) = trouble {
-            return Err(error.into());
-        }
-        let points = points?;
-        let document =
-            SweepOutput { capture: &capture.name, truth: self.truth.words(&capture), points: &points };
+        let points = results::recorded(Some(&journal), |job, keep| {
+            sweep::run(&capture, &plan, &truth, job, |point, _| keep(point))
+        })?;
+        let document = SweepOutput {
+            capture: &capture.name,
+            truth: self.truth.words(&capture, &truth),
+            points: &points,
+        };
         results::write_json(&self.out.join("sweep.json"), &document)?;
         results::write_csv(&self.out.join("sweep.csv"), &points)?;
         results::write_chart(&self.out.join("pareto.png"), &chart::pareto(&capture.name, &points))?;

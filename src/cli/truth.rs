@@ -45,11 +45,11 @@ impl TruthArgs {
     }
 
     /// The truth in words.
-    pub(super) fn words(&self, capture: &Capture) -> String {
-        let source = match (&self.views, self.cross_validate) {
-            (Some(path), _) => path.display().to_string(),
-            (None, true) => "each camera left out in turn".to_owned(),
-            (None, false) => "the capture's own views, or else each camera left out in turn".to_owned(),
+    pub(super) fn words(&self, capture: &Capture, truth: &Truth) -> String {
+        let source = match (truth, &self.views) {
+            (Truth::HoldOut, _) => "each camera left out in turn".to_owned(),
+            (Truth::Views(_), Some(path)) => path.display().to_string(),
+            (Truth::Views(_), None) => "the capture's own views".to_owned(),
         };
         format!(
             "{source}; {} frames",
@@ -58,7 +58,7 @@ impl TruthArgs {
     }
 
     /// Tells results apart that must not be mixed.
-    pub(super) fn fingerprint(&self, capture: &Capture) -> String {
+    pub(super) fn fingerprint(&self, capture: &Capture, truth: &Truth) -> String {
         let cameras: Vec<_> = capture
             .cameras
             .iter()
@@ -69,7 +69,7 @@ impl TruthArgs {
             env!("CARGO_PKG_VERSION"),
             capture.name,
             capture.frame_numbers,
-            self.words(capture)
+            self.words(capture, truth)
         )
     }
 }

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::truth::TruthArgs;
-use super::{Failure, SettingsArgs, output, progress, results};
-use crate::capture::transforms;
+use super::{Failure, SettingsArgs, output, results};
 use crate::error::Error;
 use crate::evaluate::tune::{self, Budget, Plan};
 use crate::settings::Settings;
@@ -43,29 +42,19 @@ pub(super) struct TuneArgs {
 impl TuneArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let settings = self.settings.over(Settings::default())?;
-        let capture = transforms::open(&self.capture, &settings.capture)?;
-        output::warn(&capture.warnings);
+        let capture = super::open_capture(&self.capture, &settings.capture)?;
         let (capture, truth) = self.truth.open(&self.capture, capture)?;
         let journal = match &self.journal {
-            Some(folder) => Some(results::Journal::open(folder, "tune", &self.truth.fingerprint(&capture))?),
+            Some(folder) => {
+                Some(results::Journal::open(folder, "tune", &self.truth.fingerprint(&capture, &truth))?)
+            }
             None => None,
         };
         let budget = self.max_bytes.map(Budget::Bytes).or(self.max_ms.map(Budget::Milliseconds));
         let done = journal.as_ref().map(results::Journal::points).unwrap_or_default();
         let plan = Plan { settings, budget, drop_cameras: !self.all_cameras, done };
-        let mut trouble = None;
-        let tuned = progress::watched(|job| {
-            tune::run(&capture, &plan, &truth, job, |point| {
-                if let Some(Err(error)) = journal.as_ref().map(|journal| journal.add(point)) {
-                    trouble = Some(error);
-                    job.cancel();
-                }
-            })
-        });
-        if let Some(error) = trouble {
-            return Err(error.into());
-        }
-        let tuned = tuned?;
+        let tuned =
+            results::recorded(journal.as_ref(), |job, keep| tune::run(&capture, &plan, &truth, job, keep))?;
         let head = format!("# {}\n\n", tuned.words.join("\n# "));
         std::fs::write(&self.out, head + &tuned.settings.to_toml())
             .map_err(|error| Error::io(&self.out, error))?;

@@ -15,7 +15,7 @@ use super::truth::{Recorded, Truth};
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
-use crate::settings::Settings;
+use crate::settings::{Precision, Settings};
 
 pub use plan::{Plan, Planned, Series, paper, variations};
 
@@ -70,11 +70,17 @@ pub struct Point {
     pub work: f64,
     /// Seconds of preprocessing.
     pub seconds_preprocess: f64,
-    /// Whether no other point is both more accurate (`psnr_filled_db`) and smaller (`bytes`).
+    /// Whether no other point is both more accurate (`psnr_filled_db`) and smaller (`bytes`), see [`mark_pareto`].
     pub pareto: bool,
 }
 
 impl Point {
+    /// Whether the store gives back every bit of the samples it keeps.
+    #[must_use]
+    pub fn is_lossless(&self) -> bool {
+        self.settings.store.precision == Precision::Lossless
+    }
+
     /// What a trial gave.
     #[must_use]
     pub fn new(trial: &Trial, series: Series, measured: &Measured) -> Self {
@@ -113,13 +119,15 @@ impl Point {
     }
 }
 
-/// Marks the points that no other beats in one thing without losing in the other: `cost` is better where smaller, `gain`
-/// where larger. Of equals, all are marked.
+/// Marks the points that no other beats in one thing without losing in another: `cost` is better where smaller, `gain`
+/// where larger, and a store that gives back every bit where the other rounds. So a store that rounds never drives a
+/// lossless one from the front, however well its pictures look. Of equals, all are marked.
 pub fn mark_pareto(points: &mut [Point], cost: impl Fn(&Point) -> f64, gain: impl Fn(&Point) -> f64) {
-    let values: Vec<(f64, f64)> = points.iter().map(|point| (cost(point), gain(point))).collect();
-    for (point, (cost, gain)) in points.iter_mut().zip(&values) {
-        point.pareto = !values.iter().any(|(other_cost, other_gain)| {
-            (other_cost < cost && other_gain >= gain) || (other_cost <= cost && other_gain > gain)
+    let values: Vec<_> = points.iter().map(|point| (cost(point), gain(point), point.is_lossless())).collect();
+    for (point, (cost, gain, lossless)) in points.iter_mut().zip(&values) {
+        point.pareto = !values.iter().any(|(other_cost, other_gain, other_lossless)| {
+            other_lossless >= lossless
+                && ((other_cost < cost && other_gain >= gain) || (other_cost <= cost && other_gain > gain))
         });
     }
 }

@@ -58,13 +58,6 @@ impl FrameInspection {
         Some(argument)
     }
 
-    /// The pixel of `camera` that sees `point_in_world` nearest to its center; `None` outside its picture.
-    #[must_use]
-    pub fn pixel_at(&self, camera: usize, point_in_world: DVec3) -> Option<(usize, usize)> {
-        let (position, _) = self.samples.cameras.get(camera)?.project(point_in_world)?;
-        pixel_of(position, &self.layers[camera]).map(|(x, y, _)| (x, y))
-    }
-
     fn verdict_of(&self, camera: usize, pixel: u32) -> Verdict {
         let width = self.layers[camera].width;
         self.cameras[camera].verdict[(pixel as usize % width, pixel as usize / width)]
@@ -98,13 +91,13 @@ impl FrameInspection {
     ) -> Option<(usize, u32)> {
         let layer = &self.layers[camera];
         let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
-        let own = (layer.facets[pixel as usize].rank, camera);
+        let own = (layer.ranks[pixel as usize].rank, camera);
         (0..self.layers.len())
             .filter(|&other| other != camera)
             .filter_map(|other| {
                 let target = &self.layers[other];
                 match rig.registration(camera, other).test(layer, target, x, y, limits) {
-                    Outcome::Same(found) => Some((target.facets[found as usize].rank, other, found)),
+                    Outcome::Same(found) => Some((target.ranks[found as usize].rank, other, found)),
                     _ => None,
                 }
             })
@@ -296,8 +289,10 @@ impl<'a> Asker<'a> {
         testimony.color_difference_steps = self.color_difference(layer, pixel);
         let ray = Rays::new(target).at(x, y);
         testimony.incidence_degrees = angle_degrees(-ray, layer.normal[pixel]);
-        [testimony.paper_r, testimony.footprint_r] =
-            [Rate::Paper, Rate::Footprint].map(|rate| self.ratio(rate, target, layer, (x, y, pixel)));
+        let pruning = &self.inspection.settings.pruning;
+        let deciding = Rate::resolve(pruning.rate, &self.inspection.samples.cameras);
+        [testimony.paper_r, testimony.footprint_r] = [Rate::Paper, deciding.with_focal_length()]
+            .map(|rate| self.ratio(rate, target, layer, (x, y, pixel)));
         testimony
     }
 

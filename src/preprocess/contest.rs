@@ -1,8 +1,10 @@
 //! Sixteen samples at a time against every other camera: who shows the same point, and who of them sampled it best?
 
-use super::layer::Level;
+use super::facet::Ranks;
+use super::layer::{Layer, Level};
 use super::pruning::Pass;
 use super::registration::{Block, Carried, LANES, Registration, SameSurface};
+use super::same_surface::IN_VIEW;
 
 /// Another camera that may show something of a band.
 pub(super) struct Rival<'a> {
@@ -11,17 +13,10 @@ pub(super) struct Rival<'a> {
     pub(super) limits: SameSurface,
     /// For each sixteen columns of the band.
     pub(super) may_see: Vec<bool>,
+    /// Samples of the band that it knew more about than those asked before. Who does so is asked early: then the others need
+    /// not be heard. No result depends on the order.
+    pub(super) told: u32,
 }
-
-/// No camera.
-const NOBODY: u32 = u32::MAX;
-
-/// A camera's number, and above it the level of its sample.
-const CAMERA_MASK: u32 = 0xffff;
-const LEVEL_SHIFT: u32 = 16;
-
-/// Blocks that are carried before the first of them is compared: so many fetches from memory are under way at once.
-const AHEAD: usize = 8;
 
 /// A block with something to decide: its place in the row, its lanes and samples, and how its contest stands.
 pub(super) struct Entry {
@@ -31,30 +26,58 @@ pub(super) struct Entry {
     pub(super) contest: Contest,
 }
 
-/// Holds a row of blocks of `camera` against a rival.
+/// Where the samples of a block lie in a rival's picture, and which of them are to be compared with what it saw.
+pub(super) struct Way {
+    carried: Carried,
+    wanted: [u32; LANES],
+}
+
+impl Way {
+    pub(super) const NOWHERE: Self = Self { carried: Carried::NOWHERE, wanted: [0; LANES] };
+}
+
+/// Holds a row of blocks of `camera` against a rival. `ways` are scratch, one for each block. The whole row is carried before
+/// any of it is compared: so many fetches from memory are under way at once.
 #[inline(always)]
-pub(super) fn hold_row(pass: &Pass<'_>, camera: usize, entries: &mut [Entry], rival: &Rival<'_>) {
+pub(super) fn hold_row(
+    pass: &Pass<'_>,
+    camera: usize,
+    entries: &mut [Entry],
+    rival: &mut Rival<'_>,
+    ways: &mut [Way],
+) {
     let target = &pass.layers[rival.camera];
-    let mut carried = [Carried::NOWHERE; AHEAD];
-    for entries in entries.chunks_mut(AHEAD) {
-        for (entry, carried) in entries.iter().zip(&mut carried) {
-            *carried = Carried::NOWHERE;
-            if rival.may_see[entry.at] {
-                *carried = rival.registration.carry(&entry.block, target.width);
-                carried.prefetch(target);
-            }
+    for (entry, way) in entries.iter().zip(&mut *ways) {
+        way.carried.bits = [0; LANES];
+        if rival.may_see[entry.at] {
+            way.carried = rival.registration.carry(&entry.block, target.width);
+            way.carried.prefetch_ranks(target);
         }
-        for (entry, carried) in entries.iter_mut().zip(&carried) {
-            entry.contest.hold(pass, camera, &entry.block, rival, carried);
+    }
+    for (entry, way) in entries.iter().zip(&mut *ways) {
+        way.wanted = entry.contest.wanted(target, rival.camera, &way.carried);
+        if any(&way.wanted) {
+            way.carried.prefetch(target);
+        }
+    }
+    for (entry, way) in entries.iter_mut().zip(&*ways) {
+        if any(&way.wanted) {
+            rival.told += entry.contest.hold(pass, camera, &entry.block, rival, &way.carried, way.wanted);
         }
     }
 }
 
-/// How the contest went for each sample of a block.
+#[inline(always)]
+fn any(lanes: &[u32; LANES]) -> bool {
+    lanes.iter().fold(0, |all, lane| all | lane) != 0
+}
+
+/// How the contest went for each sample of a block: the best sample so far, at first its own, by both rate models.
 pub(super) struct Contest {
+    own_camera: u32,
     rank: [u32; LANES],
-    /// With the level above it, see [`LEVEL_SHIFT`].
     camera: [u32; LANES],
+    level: [u32; LANES],
     pixel: [u32; LANES],
     other_rank: [u32; LANES],
     other_camera: [u32; LANES],
@@ -72,72 +95,92 @@ pub(super) struct Best {
 }
 
 impl Contest {
-    /// Before any other camera was asked.
+    /// Before any other camera than the block's own was asked.
     #[inline(always)]
-    pub(super) fn new(block: &Block) -> Self {
-        let mut contest = Self {
-            rank: [0; LANES],
-            camera: [NOBODY; LANES],
+    pub(super) fn new(block: &Block, camera: usize) -> Self {
+        Self {
+            own_camera: camera as u32,
+            rank: block.rank,
+            camera: [camera as u32; LANES],
+            level: [0; LANES],
             pixel: [0; LANES],
-            other_rank: [0; LANES],
-            other_camera: [NOBODY; LANES],
+            other_rank: block.other_rank,
+            other_camera: [camera as u32; LANES],
             seen: [0; LANES],
             own_rank: block.rank,
-        };
-        // Against earlier cameras a tie is lost.
-        for lane in 0..LANES {
-            contest.rank[lane] = block.rank[lane].saturating_add(1);
-            contest.other_rank[lane] = block.other_rank[lane].saturating_add(1);
         }
-        contest
     }
 
-    /// Holds the samples of a block of `camera`, carried to a rival, against the rival's. Rivals come in their order: of
-    /// equals the earlier camera wins.
+    /// For which samples it matters what the target saw: where nobody else saw the point yet, or its sample would be the best
+    /// by either model.
     #[inline(always)]
-    fn hold(&mut self, pass: &Pass<'_>, camera: usize, block: &Block, rival: &Rival<'_>, carried: &Carried) {
-        if !carried.any_in_view() {
-            return;
+    fn wanted(&self, target: &Layer, rival: usize, carried: &Carried) -> [u32; LANES] {
+        if !any(&carried.bits) {
+            return [0; LANES];
         }
+        let mut ranks = [Ranks::ABSENT; LANES];
+        for i in 0..LANES {
+            ranks[i] = target.ranks[carried.pixel[i] as usize];
+        }
+        let rival = rival as u32;
+        let mut wanted = [0; LANES];
+        for i in 0..LANES {
+            let better = wins(ranks[i].rank, rival, self.rank[i], self.camera[i]);
+            let otherwise = wins(ranks[i].other_rank, rival, self.other_rank[i], self.other_camera[i]);
+            let in_view = carried.bits[i] & IN_VIEW != 0;
+            wanted[i] = u32::from(in_view & (better | otherwise | (self.seen[i] == 0)));
+        }
+        wanted
+    }
+
+    /// Holds the samples of a block of `camera`, carried to a rival, against the rival's. Gives how many are known better now.
+    #[inline(always)]
+    fn hold(
+        &mut self,
+        pass: &Pass<'_>,
+        camera: usize,
+        block: &Block,
+        rival: &Rival<'_>,
+        carried: &Carried,
+        wanted: [u32; LANES],
+    ) -> u32 {
         let (source, target) = (&pass.layers[camera], &pass.layers[rival.camera]);
-        // What is worse than the best so far changes nothing, once the point was seen by anybody.
-        let answers =
-            rival.registration.compare(source, target, block, carried, &rival.limits, |lane, found| {
-                (self.seen[lane] == 0)
-                    | (found.rank < self.rank[lane])
-                    | (found.other_rank < self.other_rank[lane])
-            });
-        let mut stands = [1_u32; LANES];
+        let answers = rival.registration.compare(source, target, block, carried, &rival.limits, wanted);
+        let mut stands = wanted;
         if !pass.all_stand[rival.camera] {
             for lane in 0..LANES {
-                stands[lane] = u32::from(pass.may_stand(rival.camera, answers.pixel[lane]));
+                stands[lane] &= u32::from(pass.may_stand(rival.camera, answers.pixel[lane]));
             }
         }
-        let later = rival.camera > camera;
-        let name = rival.camera as u32;
-        for lane in 0..LANES {
-            let same = answers.is_same(lane) & (stands[lane] != 0);
-            let limit = if later { block.rank[lane] } else { u32::MAX };
-            let other_limit = if later { block.other_rank[lane] } else { u32::MAX };
-            let better = same & (answers.rank[lane] < self.rank[lane].min(limit));
-            let otherwise = same & (answers.other_rank[lane] < self.other_rank[lane].min(other_limit));
-            self.seen[lane] |= u32::from(same);
-            self.rank[lane] = if better { answers.rank[lane] } else { self.rank[lane] };
-            self.camera[lane] =
-                if better { name | answers.level[lane] << LEVEL_SHIFT } else { self.camera[lane] };
-            self.pixel[lane] = if better { answers.pixel[lane] } else { self.pixel[lane] };
-            self.other_rank[lane] = if otherwise { answers.other_rank[lane] } else { self.other_rank[lane] };
-            self.other_camera[lane] = if otherwise { name } else { self.other_camera[lane] };
+        let mut ranks = [Ranks::ABSENT; LANES];
+        for i in 0..LANES {
+            ranks[i] = target.ranks[carried.pixel[i] as usize];
         }
+        let name = rival.camera as u32;
+        let mut told = 0;
+        for i in 0..LANES {
+            let same = answers.is_same(i) & (stands[i] != 0);
+            let better = same & wins(ranks[i].rank, name, self.rank[i], self.camera[i]);
+            let otherwise = same & wins(ranks[i].other_rank, name, self.other_rank[i], self.other_camera[i]);
+            told += u32::from(better | (same & (self.seen[i] == 0)));
+            self.seen[i] |= u32::from(same);
+            self.rank[i] = if better { ranks[i].rank } else { self.rank[i] };
+            self.camera[i] = if better { name } else { self.camera[i] };
+            self.level[i] = if better { answers.level[i] } else { self.level[i] };
+            self.pixel[i] = if better { answers.pixel[i] } else { self.pixel[i] };
+            self.other_rank[i] = if otherwise { ranks[i].other_rank } else { self.other_rank[i] };
+            self.other_camera[i] = if otherwise { name } else { self.other_camera[i] };
+        }
+        told
     }
 
     /// The best sample of the point in `lane` where another camera has a better one than the block's own.
     #[inline(always)]
     pub(super) fn best(&self, lane: usize) -> Option<Best> {
-        (self.camera[lane] != NOBODY).then(|| Best {
+        (self.camera[lane] != self.own_camera).then(|| Best {
             rank: self.rank[lane],
-            camera: (self.camera[lane] & CAMERA_MASK) as u16,
-            level: (self.camera[lane] >> LEVEL_SHIFT) as Level,
+            camera: self.camera[lane] as u16,
+            level: self.level[lane] as Level,
             pixel: self.pixel[lane],
         })
     }
@@ -154,13 +197,17 @@ impl Contest {
         self.seen[lane] != 0
     }
 
-    /// The camera that has the best sample of the point in `lane` by the model in use, and by the other one; `None` is the
-    /// block's own.
+    /// The camera that has the best sample of the point in `lane` by the model in use, and by the other one.
     #[inline(always)]
-    pub(super) fn winners(&self, lane: usize) -> [Option<u16>; 2] {
-        [self.camera[lane], self.other_camera[lane]]
-            .map(|camera| (camera != NOBODY).then_some((camera & CAMERA_MASK) as u16))
+    pub(super) fn winners(&self, lane: usize) -> [u16; 2] {
+        [self.camera[lane] as u16, self.other_camera[lane] as u16]
     }
+}
+
+/// Whether a sample of `rank` beats one of `other_rank`: of equals the earlier camera's wins.
+#[inline(always)]
+fn wins(rank: u32, camera: u32, other_rank: u32, other_camera: u32) -> bool {
+    (rank < other_rank) | ((rank == other_rank) & (camera < other_camera))
 }
 
 #[cfg(test)]
@@ -182,12 +229,12 @@ mod tests {
             noise: None,
         };
         let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
-        let [best, portable] = simd::at_best_and_portable(|| {
+        let verdicts = simd::at_every_level(|| {
             let inspection = inspect_frame(&capture, None, &Settings::default(), 0, &Job::new()).unwrap();
             inspection.cameras.into_iter().map(|camera| camera.verdict).collect::<Vec<_>>()
         });
-        let dropped = best.iter().flat_map(Grid::as_slice).filter(|verdict| !verdict.is_kept());
+        let dropped = verdicts[0].iter().flat_map(Grid::as_slice).filter(|verdict| !verdict.is_kept());
         assert!(dropped.count() > 75 * 50 / 2);
-        assert!(best == portable);
+        assert!(verdicts.iter().all(|found| *found == verdicts[0]));
     }
 }

@@ -74,26 +74,6 @@ impl TileDepths<'_> {
         f32::from_bits(self.place.farthest + (u32::from(self.low[nth]) | high << 16))
     }
 
-    /// The inverse depths of two samples and those after them; `None` where there are none.
-    #[inline(always)]
-    #[must_use]
-    pub fn pairs(&self, firsts: [usize; 2]) -> Option<[f32; 4]> {
-        let mut bits = [0; 4];
-        for (pair, first) in bits.as_chunks_mut::<2>().0.iter_mut().zip(firsts) {
-            let low = self.low.get(first..)?.first_chunk::<2>()?;
-            let high = if self.place.is_wide() {
-                let high = self.high.get(2 * first..)?.first_chunk::<4>()?;
-                [u16::from_le_bytes([high[0], high[1]]), u16::from_le_bytes([high[2], high[3]])]
-            } else {
-                self.high.get(first..)?.first_chunk::<2>()?.map(u16::from)
-            };
-            (0..2).for_each(|nth| {
-                pair[nth] = self.place.farthest + (u32::from(low[nth]) | u32::from(high[nth]) << 16);
-            });
-        }
-        Some(bits.map(f32::from_bits))
-    }
-
     /// The inverse depths of all samples, in their order, into the front of `depths`; the rest of it is left as it is.
     #[inline(always)]
     pub fn unpack(&self, depths: &mut [f32; TILE_SAMPLES]) {

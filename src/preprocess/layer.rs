@@ -4,7 +4,7 @@ use glam::Vec3;
 use half::f16;
 use rayon::prelude::*;
 
-use super::facet::{Facet, MIXED, UNSURE};
+use super::facet::{Facet, Look, MIXED, Ranks, UNSURE};
 use super::mixed_pixels::{MixedTest, snap};
 use super::normals::{DepthView, MIN_CONFIDENCE};
 use super::sampling_rate::{Rate, Rays, footprint, rank};
@@ -35,8 +35,12 @@ pub struct Layer {
     pub normal: Vec<Vec3>,
     /// See [`footprint`]; infinite where there is no sample.
     pub footprint: Vec<f32>,
-    /// The samples as other cameras test them.
+    /// How well each was sampled: the first that other cameras ask, …
+    pub ranks: Vec<Ranks>,
+    /// … where it lies, …
     pub facets: Vec<Facet>,
+    /// … and how it looks.
+    pub looks: Vec<Look>,
     /// The level of each pixel's sample; [`NO_SAMPLE`] where there is none.
     pub level: Vec<Level>,
     /// Noise of a single frame. Samples of one frame carry it.
@@ -88,7 +92,7 @@ impl<'a> LayerBuilder<'a> {
         }
     }
 
-    /// Fills in footprints and facets of the samples at `pixels`, from colors, depths and normals.
+    /// Fills in footprints, ranks, facets and looks of the samples at `pixels`, from colors, depths and normals.
     pub fn rate(&self, layer: &mut Layer, camera: &Camera, pixels: &[u32]) {
         let width = layer.width.max(1);
         let rays = Rays::new(camera);
@@ -120,12 +124,17 @@ impl<'a> LayerBuilder<'a> {
                 if mixed { rank | MIXED } else { rank }
             });
             let normal_in_camera = camera_from_world * normal;
-            (own, Facet::new(layer.level[pixel], inverse_depth, normal_in_camera, layer.color[pixel], ranks))
+            let ranks = Ranks { rank: ranks[0], other_rank: ranks[1] };
+            let facet = Facet::new(inverse_depth, normal_in_camera);
+            (own, ranks, facet, Look::new(layer.level[pixel], layer.color[pixel], normal != Vec3::ZERO))
         };
-        let rated: Vec<(f32, Facet)> = pixels.par_iter().with_min_len(MIN_PIXELS).map(rated).collect();
-        for (&pixel, (footprint, facet)) in pixels.iter().zip(rated) {
+        let rated: Vec<(f32, Ranks, Facet, Look)> =
+            pixels.par_iter().with_min_len(MIN_PIXELS).map(rated).collect();
+        for (&pixel, (footprint, ranks, facet, look)) in pixels.iter().zip(rated) {
             layer.footprint[pixel as usize] = footprint;
+            layer.ranks[pixel as usize] = ranks;
             layer.facets[pixel as usize] = facet;
+            layer.looks[pixel as usize] = look;
         }
     }
 }
@@ -141,7 +150,9 @@ impl Layer {
             inverse_depth: vec![INVALID_INVERSE_DEPTH; pixels],
             normal: vec![Vec3::ZERO; pixels],
             footprint: vec![f32::INFINITY; pixels],
+            ranks: vec![Ranks::ABSENT; pixels],
             facets: vec![Facet::ABSENT; pixels],
+            looks: vec![Look::ABSENT; pixels],
             level: vec![NO_SAMPLE; pixels],
             noise: super::noise::Noise::default(),
             noise_share: Vec::new(),
@@ -155,7 +166,9 @@ impl Layer {
         self.inverse_depth[pixel] = INVALID_INVERSE_DEPTH;
         self.normal[pixel] = Vec3::ZERO;
         self.footprint[pixel] = f32::INFINITY;
+        self.ranks[pixel] = Ranks::ABSENT;
         self.facets[pixel] = Facet::ABSENT;
+        self.looks[pixel] = Look::ABSENT;
         self.level[pixel] = NO_SAMPLE;
     }
 
@@ -200,7 +213,7 @@ mod tests {
         }
         let settings = Settings::default();
         LayerBuilder::new(&settings, std::slice::from_ref(&camera), false).rate(&mut layer, &camera, &[0, 1]);
-        assert!(layer.facets[0].rank > layer.facets[1].rank, "however near the first is");
-        assert!(layer.facets[0].other_rank > layer.facets[1].other_rank);
+        assert!(layer.ranks[0].rank > layer.ranks[1].rank, "however near the first is");
+        assert!(layer.ranks[0].other_rank > layer.ranks[1].other_rank);
     }
 }

@@ -16,12 +16,13 @@
 //! turns out dropped, all candidates are found and tried in their order. Rectangles of samples that a camera cannot see are
 //! not held against it.
 
+use std::cmp::Reverse;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::contest::{Contest, Entry, Rival, hold_row};
+use super::contest::{Contest, Entry, Rival, Way, hold_row};
 use super::facet::MIXED;
 use super::layer::{Layer, Level, NO_SAMPLE};
 use super::registration::{Block, LANES, SameSurface, lanes_of};
@@ -118,6 +119,7 @@ pub fn prune(
                 samples > pixels / FEW && all_stand(layer, statuses, decide, settings.pruning.across_spans)
             })
             .collect(),
+        has_deeper: layers.par_iter().map(|layer| has_deeper(layer, decide)).collect(),
     };
     let mut bands = bands(layers, &counts, &mut decided);
     bands.par_iter_mut().try_for_each(|band| {
@@ -158,7 +160,7 @@ fn open(layer: &Layer, statuses: &[AtomicU8], decide: Level, mixed_pixels: Mixed
             for (i, (&level, status)) in levels.iter().zip(statuses).enumerate() {
                 if level == decide {
                     count += 1;
-                    let drop = mixed_pixels == MixedPixels::Drop && layer.facets[first + i].rank & MIXED != 0;
+                    let drop = mixed_pixels == MixedPixels::Drop && layer.ranks[first + i].rank & MIXED != 0;
                     status.store(if drop { DROPPED } else { UNDECIDED }, Ordering::Relaxed);
                 }
             }
@@ -177,6 +179,14 @@ fn all_stand(layer: &Layer, statuses: &[AtomicU8], decide: Level, across_spans: 
         stand &= (level > decide) | (stands & ((level == decide) | across_spans));
     }
     stand
+}
+
+fn has_deeper(layer: &Layer, decide: Level) -> bool {
+    let mut deeper = false;
+    for &level in &layer.level {
+        deeper |= (level > decide) & (level != NO_SAMPLE);
+    }
+    deeper
 }
 
 /// The rows of every camera, cut into bands that hold something to decide.
@@ -214,6 +224,8 @@ pub(super) struct Pass<'a> {
     pub(super) limits: SameSurface,
     /// Per camera, see [`all_stand`].
     pub(super) all_stand: Vec<bool>,
+    /// Per camera, whether it holds samples of deeper levels than the one that is decided.
+    has_deeper: Vec<bool>,
 }
 
 /// Some rows of one camera: the samples to decide and what is known of each. Until it is settled, a verdict names the
@@ -243,19 +255,21 @@ impl Work for FindBest<'_, '_> {
         let layer = &pass.layers[band.camera];
         let pruning = pass.settings.pruning.method != PruningMethod::Off;
         let lanes = band.lanes(layer, pass.decide);
-        let rivals = if pruning { pass.rivals(band, &lanes) } else { Vec::new() };
+        let mut rivals = if pruning { pass.rivals(band, &lanes) } else { Vec::new() };
         let mut entries = Vec::new();
+        let mut ways: Vec<Way> = (0..layer.width.div_ceil(LANES)).map(|_| Way::NOWHERE).collect();
         let mut next = 0;
         for (row, lanes) in band.rows.clone().zip(lanes.chunks_exact(layer.width.div_ceil(LANES))) {
             entries.clear();
             for (at, &lanes) in lanes.iter().enumerate().filter(|(_, lanes)| **lanes != 0) {
                 let block = Block::new(layer, at * LANES, row, lanes);
-                entries.push(Entry { at, lanes, contest: Contest::new(&block), block });
+                entries.push(Entry { at, lanes, contest: Contest::new(&block, band.camera), block });
             }
             // One rival after the other, so that its picture is read along its rows.
-            for rival in &rivals {
-                hold_row(pass, band.camera, &mut entries, rival);
+            for rival in &mut rivals {
+                hold_row(pass, band.camera, &mut entries, rival, &mut ways);
             }
+            rivals.sort_by_key(|rival| Reverse(rival.told));
             for Entry { at, lanes, contest, .. } in &entries {
                 for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
                     let pixel = row * layer.width + at * LANES + lane;
@@ -281,7 +295,7 @@ impl Band<'_> {
         let mut all = Vec::with_capacity(self.rows.len() * layer.width.div_ceil(LANES));
         for row in self.rows.clone() {
             for column in (0..layer.width).step_by(LANES) {
-                let levels = lanes_of(&layer.level, layer.width, (column, row), NO_SAMPLE);
+                let levels = lanes_of::<_, LANES>(&layer.level, layer.width, (column, row), NO_SAMPLE);
                 let mut lanes = 0;
                 for lane in 0..LANES {
                     lanes |= u32::from(levels[lane] == level) << lane;
@@ -333,7 +347,11 @@ impl Pass<'_> {
                 registration.may_see([0, layer.width - 1], rows, whole).then(|| Rival {
                     camera: other,
                     registration,
-                    limits: self.limits.between(layer, &self.layers[other]),
+                    limits: self
+                        .limits
+                        .between(layer, &self.layers[other])
+                        .with_deeper(self.has_deeper[other]),
+                    told: 0,
                     may_see: bounds
                         .iter()
                         .enumerate()
@@ -368,7 +386,7 @@ impl Pass<'_> {
         if self.status(camera, pixel as u32) == DROPPED {
             return Verdict::without_witness(Rule::MixedDropped);
         }
-        let winners = contest.winners(lane).map(|winner| winner.unwrap_or(camera as u16));
+        let winners = contest.winners(lane);
         if winners[0] != winners[1] {
             disputes.push(Dispute { pixel: pixel as u32, camera: winners[0], other_camera: winners[1] });
         }
@@ -407,7 +425,8 @@ impl Pass<'_> {
 fn depth_bounds(layer: &Layer, column: usize, rows: Range<usize>) -> [f32; 2] {
     let (mut smallest, mut largest) = ([f32::INFINITY; LANES], [0.0_f32; LANES]);
     for row in rows {
-        let depths = lanes_of(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
+        let depths =
+            lanes_of::<_, LANES>(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
         for lane in 0..LANES {
             let w = depths[lane];
             smallest[lane] = smallest[lane].min(if w < 0.0 { f32::INFINITY } else { w });

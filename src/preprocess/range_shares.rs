@@ -63,10 +63,10 @@ pub struct RangeFacts {
 }
 
 impl RangeShares {
-    /// Counts a pixel over all frames.
-    pub fn add(&mut self, sums: &SpanSums, pixel: usize, test: &StaticTest) {
+    /// Counts a pixel over all frames, of which the mean colors are known.
+    pub fn add(&mut self, sums: &SpanSums, means: &[[half::f16; 3]], pixel: usize, test: &StaticTest) {
         let (color, depth) = (sums.color_range_steps(pixel), sums.depth_range_relative(pixel));
-        self.count(color, depth, test, || sums.mean_color(pixel));
+        self.count(color, depth, test, || means[pixel]);
     }
 
     /// Counts a pixel of these ranges; an infinite range of depth stands for a frame without depth.
@@ -101,6 +101,17 @@ impl RangeShares {
         self.within_depth += other.within_depth;
     }
 
+    /// Ranges of color (8-bit sRGB steps) from a lower end to an upper one, and how many pixels have such a range. What has
+    /// no range at all comes first, from 0 to 0.
+    pub fn color_bins(&self) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
+        ends(&self.color, COLOR_OCTAVES)
+    }
+
+    /// The same for relative ranges of depth.
+    pub fn depth_bins(&self) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
+        ends(&self.depth, DEPTH_OCTAVES)
+    }
+
     /// What the counts tell.
     #[must_use]
     pub fn facts(&self, test: &StaticTest) -> RangeFacts {
@@ -121,9 +132,23 @@ fn bin(range: f32, octaves: f32, bins: usize) -> usize {
     if range <= 0.0 {
         return 0;
     }
-    let position = ((range.log2() + octaves) * BINS_PER_OCTAVE).max(0.0);
+    // Octave and quarter of it are those of the float's exponent and mantissa: no logarithm is needed.
+    let bits = range.to_bits();
+    let octave = (bits >> 23) as i32 - 127 + octaves as i32;
+    let mantissa = bits & 0x7f_ffff;
+    let quarter = QUARTERS.iter().filter(|from| mantissa >= **from).count() as i32;
+    let position = (octave * BINS_PER_OCTAVE as i32 + quarter).max(0);
     (1 + position as usize).min(bins - 1)
 }
+
+fn ends(bins: &[u64], octaves: f32) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
+    let end = move |bin: usize| (bin as f32 / BINS_PER_OCTAVE - octaves).exp2();
+    let ends = move |bin: usize| if bin == 0 { [0.0; 2] } else { [end(bin - 1), end(bin)] };
+    bins.iter().enumerate().map(move |(bin, count)| (ends(bin), *count))
+}
+
+/// Mantissas of 2^¼, 2^½ and 2^¾, where the second, third and fourth bin of an octave begin.
+const QUARTERS: [u32; 3] = [0x18_37f0, 0x35_04f3, 0x57_44fd];
 
 /// The upper ends of the bins that the percentiles fall into; empty where nothing was counted.
 fn percentiles(bins: &[u64], octaves: f32) -> Vec<f32> {
@@ -155,6 +180,19 @@ mod tests {
     use crate::settings::SpanSettings;
 
     #[test]
+    fn a_range_falls_into_the_bin_that_its_logarithm_names() {
+        let mut range = 1e-8_f32;
+        while range < 1e4 {
+            let position = (f64::from(range).log2() + f64::from(COLOR_OCTAVES)) * f64::from(BINS_PER_OCTAVE);
+            let expected = (1 + position.max(0.0) as usize).min(COLOR_BINS - 1);
+            assert_eq!(bin(range, COLOR_OCTAVES, COLOR_BINS), expected, "{range}");
+            range *= 1.013;
+        }
+        assert_eq!(bin(0.0, COLOR_OCTAVES, COLOR_BINS), 0);
+        assert_eq!(bin(f32::MIN_POSITIVE / 8.0, COLOR_OCTAVES, COLOR_BINS), 1);
+    }
+
+    #[test]
     fn percentiles_and_shares_tell_where_the_tolerance_lies() {
         let settings = SpanSettings::default();
         let test = StaticTest::new(&settings, &Noise::default(), 0.0, 10);
@@ -166,6 +204,8 @@ mod tests {
         let facts = shares.facts(&test);
         let expected = settings.color_tolerance / 10.0;
         assert!((facts.within_color_tolerance - expected).abs() < 2e-3, "{facts:?}");
+        let median = shares.color_bins().find(|([low, high], _)| (*low..*high).contains(&5.0)).unwrap();
+        assert!(median.1 > 50 && shares.color_bins().map(|(_, count)| count).sum::<u64>() == 1000);
         // A bin is a quarter of an octave wide.
         assert!((5.0..5.0 * 1.2).contains(&facts.color_percentiles_steps[0]), "{facts:?}");
         assert_eq!(facts.depth_percentiles_relative, [0.0; 5]);

@@ -8,7 +8,7 @@
 
 use glam::{DVec2, Vec3};
 
-use super::facet::Facet;
+use super::facet::{Facet, Look, Ranks};
 use super::layer::Layer;
 pub use super::same_surface::{Answers, Outcome, SameSurface};
 use super::same_surface::{IN_FRONT, IN_VIEW};
@@ -57,111 +57,117 @@ impl Lens {
     }
 }
 
-/// Sixteen pixels of a row, some of which hold samples to be carried.
+/// Pixels of a row, some of which hold samples to be carried.
 #[derive(Clone, Copy, Debug)]
-pub struct Block {
+pub struct Block<const N: usize = LANES> {
     pub(super) column: usize,
     pub(super) row: usize,
-    pub(super) inverse_depth: [f32; LANES],
-    pub(super) normal: [[f32; LANES]; 3],
-    pub(super) color: [[i32; LANES]; 3],
-    pub(super) known: [u32; LANES],
+    pub(super) inverse_depth: [f32; N],
+    pub(super) normal: [[f32; N]; 3],
+    pub(super) color: [[i32; N]; 3],
+    pub(super) known: [u32; N],
     /// Ranks of the samples.
-    pub rank: [u32; LANES],
+    pub rank: [u32; N],
     /// Ranks by the other rate model.
-    pub other_rank: [u32; LANES],
+    pub other_rank: [u32; N],
 }
 
-/// Sixteen pixels of a row from `(column, row)` on; `nothing` beyond its end.
+/// Pixels of a row from `(column, row)` on; `nothing` beyond its end.
 #[inline(always)]
-pub(super) fn lanes_of<T: Copy>(
+pub(super) fn lanes_of<T: Copy, const N: usize>(
     plane: &[T],
     width: usize,
     (column, row): (usize, usize),
     nothing: T,
-) -> [T; LANES] {
+) -> [T; N] {
     let rest = &plane[row * width + column..(row + 1) * width];
     if let Some(lanes) = rest.first_chunk() {
         return *lanes;
     }
-    let mut lanes = [nothing; LANES];
+    let mut lanes = [nothing; N];
     lanes.iter_mut().zip(rest).for_each(|(lane, &value)| *lane = value);
     lanes
 }
 
-impl Carried {
+impl<const N: usize> Carried<N> {
     /// Nothing was carried.
     pub(super) const NOWHERE: Self = Self {
-        point: [[0.0; LANES]; 3],
-        cell: [[0.0; LANES]; 2],
-        off_center: [[0.0; LANES]; 2],
-        pixel: [0; LANES],
-        bits: [0; LANES],
+        point: [[0.0; N]; 3],
+        cell: [[0.0; N]; 2],
+        off_center: [[0.0; N]; 2],
+        pixel: [0; N],
+        bits: [0; N],
     };
 
-    /// Whether any of the samples lies in the target's view.
+    /// Asks for the ranks of what the target saw there to be fetched.
     #[inline(always)]
-    pub(super) fn any_in_view(&self) -> bool {
-        self.bits.iter().fold(0, |all, bits| all | bits) & IN_VIEW != 0
+    pub(super) fn prefetch_ranks(&self, target: &Layer) {
+        // Eight share a cache line, and neighboring lanes lie beside each other more often than not.
+        for lane in (0..N).step_by(8) {
+            simd::prefetch(&target.ranks, self.pixel[lane] as usize);
+        }
     }
 
     /// Asks for what the target saw there to be fetched.
     #[inline(always)]
     pub(super) fn prefetch(&self, target: &Layer) {
-        // Two facets share a cache line, and neighboring lanes lie beside each other more often than not.
-        for lane in (0..LANES).step_by(2) {
+        for lane in (0..N).step_by(4) {
             let pixel = self.pixel[lane] as usize;
             let below = self.off_center[1][lane] > 0.0;
             let beside = if below { pixel + target.width } else { pixel.wrapping_sub(target.width) };
             simd::prefetch(&target.facets, pixel);
             simd::prefetch(&target.facets, beside);
         }
+        for lane in (0..N).step_by(8) {
+            simd::prefetch(&target.looks, self.pixel[lane] as usize);
+        }
     }
 }
 
-impl Block {
+impl<const N: usize> Block<N> {
     /// The samples of `layer` from `(column, row)` on for whose bit of `lanes` is set.
     #[inline(always)]
     #[must_use]
     pub fn new(layer: &Layer, column: usize, row: usize, lanes: u32) -> Self {
-        let facets = lanes_of(&layer.facets, layer.width, (column, row), Facet::ABSENT);
+        let facets = lanes_of::<_, N>(&layer.facets, layer.width, (column, row), Facet::ABSENT);
+        let looks = lanes_of::<_, N>(&layer.looks, layer.width, (column, row), Look::ABSENT);
+        let ranks = lanes_of::<_, N>(&layer.ranks, layer.width, (column, row), Ranks::ABSENT);
         let mut block = Self {
             column,
             row,
-            inverse_depth: [INVALID_INVERSE_DEPTH; LANES],
-            normal: [[0.0; LANES]; 3],
-            color: [[0; LANES]; 3],
-            known: [0; LANES],
-            rank: [0; LANES],
-            other_rank: [0; LANES],
+            inverse_depth: [INVALID_INVERSE_DEPTH; N],
+            normal: [[0.0; N]; 3],
+            color: [[0; N]; 3],
+            known: [0; N],
+            rank: [0; N],
+            other_rank: [0; N],
         };
-        for i in 0..LANES {
-            let facet = &facets[i];
+        for i in 0..N {
             let wanted = lanes >> i & 1 == 1;
-            block.inverse_depth[i] = if wanted { facet.inverse_depth } else { INVALID_INVERSE_DEPTH };
-            let color = facet.color();
+            block.inverse_depth[i] = if wanted { facets[i].inverse_depth } else { INVALID_INVERSE_DEPTH };
+            let color = looks[i].color();
             for axis in 0..3 {
-                block.normal[axis][i] = facet.normal_in_camera[axis];
+                block.normal[axis][i] = facets[i].normal_in_camera[axis];
                 block.color[axis][i] = color[axis];
             }
-            block.known[i] = u32::from(facet.has_normal());
-            block.rank[i] = facet.rank;
-            block.other_rank[i] = facet.other_rank;
+            block.known[i] = u32::from(looks[i].has_normal());
+            block.rank[i] = ranks[i].rank;
+            block.other_rank[i] = ranks[i].other_rank;
         }
         block
     }
 }
 
 /// Where the samples of a block lie in the target.
-pub(super) struct Carried {
+pub(super) struct Carried<const N: usize = LANES> {
     /// Points in target camera space, times the source's inverse depth.
-    pub(super) point: [[f32; LANES]; 3],
+    pub(super) point: [[f32; N]; 3],
     /// Whole pixels.
-    pub(super) cell: [[f32; LANES]; 2],
+    pub(super) cell: [[f32; N]; 2],
     /// Position within the pixel, off its center, −0.5 to 0.5.
-    pub(super) off_center: [[f32; LANES]; 2],
-    pub(super) pixel: [u32; LANES],
-    pub(super) bits: [u32; LANES],
+    pub(super) off_center: [[f32; N]; 2],
+    pub(super) pixel: [u32; N],
+    pub(super) bits: [u32; N],
 }
 
 /// A whole number from 0 to 2²³ − 1. (A cast would be turned into sixteen scalar instructions, each with checks.)
@@ -223,22 +229,40 @@ impl Registration {
     #[inline(always)]
     #[must_use]
     pub fn test(&self, source: &Layer, target: &Layer, x: usize, y: usize, limits: &SameSurface) -> Outcome {
-        let block = Block::new(source, x, y, 1);
+        let block = Block::<1>::new(source, x, y, 1);
         let carried = self.carry(&block, target.width);
         if carried.bits[0] & IN_VIEW == 0 {
             return if carried.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
         }
-        self.compare(source, target, &block, &carried, limits, |_, _| true).outcome(0)
+        self.compare(source, target, &block, &carried, limits, [1]).outcome(0)
+    }
+
+    /// The pixel of the target that shows the same surface point as the sample at `(x, y)` of the source, if any.
+    #[inline(always)]
+    pub(super) fn same(
+        &self,
+        source: &Layer,
+        target: &Layer,
+        (x, y): (usize, usize),
+        limits: &SameSurface,
+    ) -> Option<u32> {
+        let block = Block::<1>::new(source, x, y, 1);
+        let carried = self.carry(&block, target.width);
+        if carried.bits[0] & IN_VIEW == 0 {
+            return None;
+        }
+        let answers = self.compare(source, target, &block, &carried, limits, [1]);
+        answers.is_same(0).then(|| answers.pixel[0])
     }
 
     /// Carries the samples of a block.
     #[inline(always)]
-    pub(super) fn carry(&self, block: &Block, target_width: usize) -> Carried {
+    pub(super) fn carry<const N: usize>(&self, block: &Block<N>, target_width: usize) -> Carried<N> {
         let mut carried = Carried::NOWHERE;
         let (column, t, lens) = (block.column as f32, self.translation, &self.target);
         let row = self.first_ray + self.per_row * block.row as f32;
         let width = target_width as u32;
-        for i in 0..LANES {
+        for i in 0..N {
             let (along, w) = (column + i as f32, block.inverse_depth[i]);
             let x = row.x + self.per_column.x * along + t.x * w;
             let y = row.y + self.per_column.y * along + t.y * w;

@@ -72,7 +72,7 @@ pub struct Report {
     /// `witnesses[loser][winner]`: samples of camera `loser` for which a sample of camera `winner` stands.
     pub witnesses: Vec<Vec<u64>>,
     /// `rate_disputes[a][b]`: samples of whose point the paper's rate names camera `a` as the best-sampled and the footprint
-    /// another camera, `b`.
+    /// (its longest side where that decides, else its area) another camera, `b`.
     pub rate_disputes: Vec<Vec<u64>>,
     /// Samples whose color was found to be blended across a silhouette, and what became of them: `found`, `yielded`,
     /// `dropped`, `kept`. Nobody looks for them where mixed pixels are kept or the capture's color is not filtered.

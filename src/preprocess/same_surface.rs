@@ -10,7 +10,7 @@
 //! |n·(q wₜ − rayₜ w)| ≤ τ max(s wₜ, sₜ w) + step wₜ + stepₜ w
 //! ```
 
-use super::facet::{COLOR_STEPS, Facet, MIXED};
+use super::facet::{COLOR_STEPS, Facet, Look, MIXED};
 use super::layer::{Layer, Level};
 use super::registration::{Block, Carried, LANES, Registration, whole};
 use crate::capture::INVALID_INVERSE_DEPTH;
@@ -49,6 +49,8 @@ pub struct SameSurface {
     overlap: bool,
     /// Samples of deeper levels do not take part.
     deepest: u32,
+    /// Whether the target may have any.
+    has_deeper: bool,
 }
 
 /// Two noisy colors of one surface differ by less than this many standard deviations of their difference.
@@ -68,6 +70,7 @@ impl SameSurface {
             noise_sigmas: settings.spans.noise * COLOR_SIGMAS,
             overlap: settings.pruning.overlap,
             deepest: u32::from(Level::MAX),
+            has_deeper: true,
         }
     }
 
@@ -83,21 +86,22 @@ impl SameSurface {
         let noisy = source.has_color_noise() || target.has_color_noise();
         Self { noise_sigmas: if noisy { self.noise_sigmas } else { 0.0 }, ..self }
     }
+
+    /// These thresholds for a target of which is known whether it has samples of deeper levels.
+    #[must_use]
+    pub fn with_deeper(self, has_deeper: bool) -> Self {
+        Self { has_deeper, ..self }
+    }
 }
 
-/// What the target says about the samples of a block: for each a set of bits, where in the target it was looked for, and the
-/// ranks of what is there.
+/// What the target says about the samples of a block: for each a set of bits, and where in the target it was looked for.
 #[derive(Clone, Copy, Debug)]
-pub struct Answers {
-    pub(super) bits: [u32; LANES],
+pub struct Answers<const N: usize = LANES> {
+    pub(super) bits: [u32; N],
     /// Pixels of the target, `y * width + x`; 0 where the point lies outside.
-    pub pixel: [u32; LANES],
-    /// Ranks of the samples found.
-    pub rank: [u32; LANES],
-    /// Their ranks by the other rate model.
-    pub other_rank: [u32; LANES],
-    /// Their levels.
-    pub level: [u32; LANES],
+    pub pixel: [u32; N],
+    /// Levels of the samples found.
+    pub level: [u32; N],
 }
 
 pub(super) const IN_FRONT: u32 = 1;
@@ -111,7 +115,7 @@ const SAME: u32 = (1 << 7) - 1;
 /// Not a condition: the target sees something nearer than the point.
 const NEARER: u32 = 1 << 7;
 
-impl Answers {
+impl<const N: usize> Answers<N> {
     /// Whether the target shows the same surface point as the sample in `lane`.
     #[inline(always)]
     #[must_use]
@@ -139,33 +143,26 @@ impl Answers {
 }
 
 impl Registration {
-    /// Compares the samples of a block with what the target saw where they lie. Where what was found does not matter, the
-    /// last and dearest condition (its surroundings) is left open.
+    /// Compares the samples of a block with what the target saw where they lie. Of samples that are not `wanted` it tells no
+    /// more than is needed for the others.
     #[inline(always)]
-    pub(super) fn compare(
+    pub(super) fn compare<const N: usize>(
         &self,
         source: &Layer,
         target: &Layer,
-        block: &Block,
-        carried: &Carried,
+        block: &Block<N>,
+        carried: &Carried<N>,
         limits: &SameSurface,
-        matters: impl Fn(usize, &Facet) -> bool,
-    ) -> Answers {
-        let mut found = [Facet::ABSENT; LANES];
-        for i in 0..LANES {
+        wanted: [u32; N],
+    ) -> Answers<N> {
+        let mut found = [Facet::ABSENT; N];
+        for i in 0..N {
             found[i] = target.facets[carried.pixel[i] as usize];
         }
-        let mut answers = Answers {
-            bits: carried.bits,
-            pixel: carried.pixel,
-            rank: [u32::MAX; LANES],
-            other_rank: [u32::MAX; LANES],
-            level: [0; LANES],
-        };
-        let color_limit = (limits.color_steps * COLOR_STEPS) as i32;
+        let mut answers = Answers { bits: carried.bits, pixel: carried.pixel, level: [0; N] };
         let lens = &self.target;
         let [ax, ay, az] = self.axes;
-        for i in 0..LANES {
+        for i in 0..N {
             let facet = &found[i];
             let (w, there) = (block.inverse_depth[i], facet.inverse_depth);
             let x = (carried.cell[0][i] + 0.5 - lens.center[0]) * (1.0 / lens.focal[0]);
@@ -182,47 +179,61 @@ impl Registration {
             let cosine = (ax.x * mx + ay.x * my + az.x * mz) * nx
                 + (ax.y * mx + ay.y * my + az.y * mz) * ny
                 + (ax.z * mx + ay.z * my + az.z * mz) * nz;
-            let unknown = (block.known[i] == 0) | !facet.has_normal();
-            let color = facet.color();
+            let facing = (block.known[i] == 0) | (cosine >= limits.normal_cosine);
+            answers.bits[i] |= if there >= 0.0 { HAS_DEPTH } else { 0 }
+                | if on_surface { ON_SURFACE } else { 0 }
+                | if there * qz > w { NEARER } else { 0 }
+                | if facing { NORMAL_AGREES } else { 0 };
+        }
+        let mut looks = [Look::ABSENT; N];
+        for i in 0..N {
+            looks[i] = target.looks[carried.pixel[i] as usize];
+        }
+        let mut yields = [0_u32; N];
+        if block.rank.iter().fold(0, |all, rank| all | rank) & MIXED != 0 {
+            for i in 0..N {
+                // A mixed sample's color belongs to no surface: it may not speak against a clean witness.
+                let is_mixed = |rank: u32| rank & MIXED != 0;
+                let clean = !is_mixed(target.ranks[carried.pixel[i] as usize].rank);
+                yields[i] = u32::from(is_mixed(block.rank[i]) & clean);
+            }
+        }
+        let color_limit = (limits.color_steps * COLOR_STEPS) as i32;
+        for i in 0..N {
+            let color = looks[i].color();
             let furthest = (block.color[0][i] - color[0])
                 .abs()
                 .max((block.color[1][i] - color[1]).abs())
                 .max((block.color[2][i] - color[2]).abs());
-            // A mixed sample's color belongs to no surface: it may not speak against a clean witness.
-            let yields = (block.rank[i] & MIXED != 0) & (facet.rank & MIXED == 0);
-            answers.bits[i] |= if (there >= 0.0) & (facet.level() <= limits.deepest) { HAS_DEPTH } else { 0 }
-                | if on_surface { ON_SURFACE } else { 0 }
-                | if there * qz > w { NEARER } else { 0 }
-                | if unknown | (cosine >= limits.normal_cosine) { NORMAL_AGREES } else { 0 }
-                | if yields | (furthest <= color_limit) { COLOR_AGREES } else { 0 };
-            answers.rank[i] = facet.rank;
-            answers.other_rank[i] = facet.other_rank;
-            answers.level[i] = facet.level();
+            let level = looks[i].level();
+            answers.bits[i] &= if level <= limits.deepest { u32::MAX } else { !HAS_DEPTH };
+            answers.bits[i] |= if looks[i].has_normal() { 0 } else { NORMAL_AGREES }
+                | if (yields[i] != 0) | (furthest <= color_limit) { COLOR_AGREES } else { 0 };
+            answers.level[i] = level;
         }
         if limits.noise_sigmas > 0.0 {
-            allow_noise(source, target, block, &found, &mut answers, limits);
+            allow_noise(source, target, block, &looks, &mut answers, limits, wanted);
         }
-        self.surround(target, carried, &found, &mut answers, limits, matters);
+        self.surround(target, carried, &found, &mut answers, limits, wanted);
         answers
     }
 
     /// Whether the target shows the surface on all four pixels around each position, so that it can be interpolated there.
     #[inline(always)]
-    fn surround(
+    fn surround<const N: usize>(
         &self,
         target: &Layer,
-        carried: &Carried,
-        found: &[Facet; LANES],
-        answers: &mut Answers,
+        carried: &Carried<N>,
+        found: &[Facet; N],
+        answers: &mut Answers<N>,
         limits: &SameSurface,
-        matters: impl Fn(usize, &Facet) -> bool,
+        mut wanted: [u32; N],
     ) {
         const BUT_SURROUNDED: u32 = SAME & !SURROUNDED;
         let mut candidates = 0;
-        let mut wanted = [0_u32; LANES];
-        for i in 0..LANES {
+        for i in 0..N {
             let so_far = answers.bits[i] & BUT_SURROUNDED == BUT_SURROUNDED;
-            wanted[i] = u32::from(so_far & matters(i, &found[i]));
+            wanted[i] &= u32::from(so_far);
             candidates |= wanted[i];
         }
         if candidates == 0 || !limits.overlap {
@@ -232,10 +243,10 @@ impl Registration {
         let lens = &self.target;
         let width = target.width as u32;
         // Along each axis: 0 where the position is the pixel's center, else ±1 toward the pixel on the other side of it.
-        let mut toward = [[0.0_f32; LANES]; 2];
-        let mut beside = [[0_u32; LANES]; 3];
-        let mut inside = [0_u32; LANES];
-        for i in 0..LANES {
+        let mut toward = [[0.0_f32; N]; 2];
+        let mut beside = [[0_u32; N]; 3];
+        let mut inside = [0_u32; N];
+        for i in 0..N {
             let mut within = wanted[i] != 0;
             for axis in 0..2 {
                 let off = carried.off_center[axis][i];
@@ -253,15 +264,21 @@ impl Registration {
             beside[2][i] = whole(below) * width + whole(right);
             inside[i] = u32::from(within);
         }
-        let mut depths = [[0.0_f32; LANES]; 3];
+        let mut depths = [[0.0_f32; N]; 3];
         for corner in 0..3 {
-            for i in 0..LANES {
-                let neighbor = &target.facets[beside[corner][i] as usize];
-                let takes_part = neighbor.level() <= limits.deepest;
-                depths[corner][i] = if takes_part { neighbor.inverse_depth } else { INVALID_INVERSE_DEPTH };
+            for i in 0..N {
+                depths[corner][i] = target.facets[beside[corner][i] as usize].inverse_depth;
             }
         }
-        for i in 0..LANES {
+        if limits.has_deeper {
+            for corner in 0..3 {
+                for i in 0..N {
+                    let takes_part = u32::from(target.level[beside[corner][i] as usize]) <= limits.deepest;
+                    depths[corner][i] = if takes_part { depths[corner][i] } else { INVALID_INVERSE_DEPTH };
+                }
+            }
+        }
+        for i in 0..N {
             let facet = &found[i];
             let here = facet.inverse_depth;
             let x = (carried.cell[0][i] + 0.5 - lens.center[0]) * (1.0 / lens.focal[0]);
@@ -286,21 +303,22 @@ impl Registration {
 /// Looks again at colors that differ by more than the tolerance: the measured noise of both may explain it.
 #[cold]
 #[inline(never)]
-fn allow_noise(
+fn allow_noise<const N: usize>(
     source: &Layer,
     target: &Layer,
-    block: &Block,
-    found: &[Facet; LANES],
-    answers: &mut Answers,
+    block: &Block<N>,
+    looks: &[Look; N],
+    answers: &mut Answers<N>,
     limits: &SameSurface,
+    wanted: [u32; N],
 ) {
     const BUT_LOOKS: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
-    for (i, facet) in found.iter().enumerate() {
-        if answers.bits[i] & (BUT_LOOKS | COLOR_AGREES) != BUT_LOOKS {
+    for (i, look) in looks.iter().enumerate() {
+        if wanted[i] == 0 || answers.bits[i] & (BUT_LOOKS | COLOR_AGREES) != BUT_LOOKS {
             continue;
         }
         let pixel = block.row * source.width + block.column + i;
-        let color = facet.color();
+        let color = look.color();
         let agrees = (0..3).all(|channel| {
             let [a, b] = [block.color[channel][i], color[channel]].map(|color| color as f32 / COLOR_STEPS);
             let noise = source.color_noise(pixel, a).hypot(target.color_noise(answers.pixel[i] as usize, b));

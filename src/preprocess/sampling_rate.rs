@@ -43,8 +43,8 @@ impl Rate {
         match model {
             RateModel::Paper => Self::Paper,
             RateModel::Auto if cameras.windows(2).all(|pair| alike(&pair[0], &pair[1])) => Self::Paper,
-            RateModel::Footprint | RateModel::Auto => Self::Footprint,
-            RateModel::Stretch => Self::Stretch,
+            RateModel::Footprint => Self::Footprint,
+            RateModel::Stretch | RateModel::Auto => Self::Stretch,
         }
     }
 
@@ -55,6 +55,12 @@ impl Rate {
             Self::Paper => Self::Footprint,
             Self::Footprint | Self::Stretch => Self::Paper,
         }
+    }
+
+    /// This one where it knows focal length and resolution, else the area of a pixel: what the paper's `r` is shown beside.
+    #[must_use]
+    pub fn with_focal_length(self) -> Self {
+        if self == Self::Paper { Self::Footprint } else { self }
     }
 }
 
@@ -86,12 +92,6 @@ impl Rays {
     #[must_use]
     pub fn at(&self, x: usize, y: usize) -> Vec3 {
         self.origin + self.per_column * x as f32 + self.per_row * y as f32
-    }
-
-    /// Side of a pixel held perpendicular to the optical axis at planar depth 1.
-    #[must_use]
-    pub fn pixel_side(&self) -> f32 {
-        self.pixel_area.sqrt()
     }
 }
 
@@ -237,7 +237,8 @@ mod tests {
         };
         assert!((ratio(Rate::Paper) - 1.0).abs() < 1e-5);
         assert!((ratio(Rate::Footprint) - 16.0).abs() < 1e-3);
-        assert_eq!(Rate::resolve(RateModel::Auto, &[coarse.clone(), fine]), Rate::Footprint);
+        assert!((ratio(Rate::Stretch) - 4.0).abs() < 1e-4);
+        assert_eq!(Rate::resolve(RateModel::Auto, &[coarse.clone(), fine]), Rate::Stretch);
         assert_eq!(Rate::resolve(RateModel::Auto, &[coarse.clone(), coarse]), Rate::Paper);
     }
 

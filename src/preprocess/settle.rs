@@ -4,7 +4,6 @@ use super::Rule;
 use super::Verdict;
 use super::layer::Level;
 use super::pruning::{Band, DROPPED, KEPT, Pass, UNDECIDED};
-use super::registration::Outcome;
 use crate::simd::{self, Work};
 
 /// Statuses of witnesses are fetched so many samples ahead.
@@ -66,7 +65,7 @@ impl Pass<'_> {
                 self.set_status(band.camera, pixel, KEPT);
                 return false;
             };
-            *verdict = self.dropped_for(self.layers[band.camera].facets[pixel as usize].rank, next);
+            *verdict = self.dropped_for(self.layers[band.camera].ranks[pixel as usize].rank, next);
         }
     }
 
@@ -75,7 +74,7 @@ impl Pass<'_> {
     fn all_but_the_best(&self, camera: usize, pixel: u32) -> Vec<Candidate> {
         let layer = &self.layers[camera];
         let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
-        let rank = layer.facets[pixel as usize].rank;
+        let rank = layer.ranks[pixel as usize].rank;
         let mut candidates = Vec::new();
         for other in (0..self.layers.len()).filter(|other| *other != camera) {
             let target = &self.layers[other];
@@ -83,8 +82,8 @@ impl Pass<'_> {
                 continue;
             }
             let registration = self.rig.registration(camera, other);
-            let Outcome::Same(found) = registration.test(layer, target, x, y, &self.limits) else { continue };
-            let found_rank = target.facets[found as usize].rank;
+            let Some(found) = registration.same(layer, target, (x, y), &self.limits) else { continue };
+            let found_rank = target.ranks[found as usize].rank;
             let own_level = target.level[found as usize] == self.decide;
             // What is dropped by now is still a candidate; it will be passed over.
             if (own_level || self.may_stand(other, found)) && (found_rank, other) < (rank, camera) {

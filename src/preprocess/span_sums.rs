@@ -6,6 +6,7 @@
 
 use glam::Vec3;
 use half::f16;
+use half::slice::HalfFloatSliceExt;
 
 use super::static_test::StaticTest;
 use crate::capture::INVALID_INVERSE_DEPTH;
@@ -67,6 +68,12 @@ impl SpanSums {
         self.inverse_depth.len()
     }
 
+    /// Whether any pixel has no depth in some frame.
+    #[must_use]
+    pub fn lacks_depth(&self) -> bool {
+        self.min_inverse_depth.iter().fold(false, |lacks, w| lacks | (*w < 0.0))
+    }
+
     /// Whether the pixel is open and stays within the tolerance.
     #[inline(always)]
     #[must_use]
@@ -123,6 +130,16 @@ impl SpanSums {
     pub fn mean_color(&self, pixel: usize) -> [f16; 3] {
         let count = self.frames as f32;
         [0, 1, 2].map(|channel| f16::from_f32(self.color[3 * pixel + channel] / count))
+    }
+
+    /// [`SpanSums::mean_color`] of every pixel.
+    #[must_use]
+    pub fn mean_colors(&self) -> Vec<[f16; 3]> {
+        let count = self.frames as f32;
+        let means: Vec<f32> = self.color.iter().map(|sum| sum / count).collect();
+        let mut halves = vec![[f16::ZERO; 3]; self.pixels()];
+        halves.as_flattened_mut().convert_from_f32_slice(&means);
+        halves
     }
 
     /// Mean inverse depth; exactly what was recorded where that is the same in every frame.

@@ -174,16 +174,19 @@ impl Band {
                     sums.close(pixel);
                 }
             }
-            self.invalid += runs.iter().map(|run| count_invalid(run) as u64).sum::<u64>();
+            if sums.lacks_depth() {
+                self.invalid += runs.iter().map(|run| count_invalid(run) as u64).sum::<u64>();
+            }
             for given in &mut long {
                 let Some(left) = open.pop() else { break };
                 sums = union(&left, &sums, batch.test, first, given);
             }
             if batch.is_last {
+                let means = sums.mean_colors();
                 for pixel in 0..pixels {
-                    self.shares.add(&sums, pixel, batch.test);
+                    self.shares.add(&sums, &means, pixel, batch.test);
                     if sums.is_open(pixel) {
-                        give(&mut root, first, pixel, &sums);
+                        give(&mut root, first, pixel, &sums, means[pixel]);
                     }
                 }
             } else {
@@ -223,7 +226,7 @@ fn union(
         }
         for (sums, given) in [left, right].into_iter().zip(&mut *given) {
             if sums.is_open(pixel) {
-                give(given, first, pixel, sums);
+                give(given, first, pixel, sums, sums.mean_color(pixel));
             }
         }
         both.close(pixel);
@@ -231,9 +234,9 @@ fn union(
     both
 }
 
-fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums) {
+fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums, mean_color: [f16; 3]) {
     samples.pixels.push((first + pixel) as u32);
-    samples.color.push(sums.mean_color(pixel));
+    samples.color.push(mean_color);
     samples.inverse_depth.push(sums.mean_inverse_depth(pixel));
     if let Some(normal) = sums.mean_normal(pixel) {
         samples.normal.push(normal);
@@ -246,9 +249,50 @@ struct ShortSpans {
     given: Vec<(Span, SpanSamples)>,
     /// `[index in given]`: frames of the batch, and where the halves stand in `given`.
     nodes: Vec<(usize, usize, [usize; 2])>,
+    /// `[index in given]`: range of the pixel that is looked at.
+    ranges: Vec<Range>,
 }
 
 const LEAF: usize = usize::MAX;
+
+/// Smallest and largest color, 8-bit sRGB steps, and behind it smallest and largest inverse depth.
+#[derive(Clone, Copy)]
+struct Range {
+    low: [f32; 4],
+    high: [f32; 4],
+}
+
+impl Range {
+    const NOTHING: Self = Self { low: [f32::INFINITY; 4], high: [f32::NEG_INFINITY; 4] };
+
+    #[inline(always)]
+    fn with(&self, other: &Self) -> Self {
+        let mut both = *self;
+        for i in 0..4 {
+            both.low[i] = if other.low[i] < both.low[i] { other.low[i] } else { both.low[i] };
+            both.high[i] = if other.high[i] > both.high[i] { other.high[i] } else { both.high[i] };
+        }
+        both
+    }
+
+    #[inline(always)]
+    fn has_depth(&self) -> bool {
+        self.low[3] >= 0.0
+    }
+
+    /// The widest of the three channels.
+    #[inline(always)]
+    fn color(&self) -> f32 {
+        let of = |channel: usize| self.high[channel] - self.low[channel];
+        of(0).max(of(1)).max(of(2))
+    }
+
+    #[inline(always)]
+    fn depth_relative(&self) -> f32 {
+        let (farthest, nearest) = (self.low[3], self.high[3]);
+        if nearest > farthest { (nearest - farthest) / nearest } else { 0.0 }
+    }
+}
 
 impl ShortSpans {
     fn new(batch: &Batch<'_>) -> Self {
@@ -265,19 +309,23 @@ impl ShortSpans {
             nodes.push((local(span.start), local(span.end), children));
             next += 1;
         }
-        Self { given: spans.into_iter().map(|span| (span, SpanSamples::default())).collect(), nodes }
+        let ranges = vec![Range::NOTHING; spans.len()];
+        Self { given: spans.into_iter().map(|span| (span, SpanSamples::default())).collect(), nodes, ranges }
     }
 
     /// Gives out the spans over which a pixel that is not static over the batch is.
     fn descend(&mut self, batch: &Batch<'_>, runs: &[FrameRun<'_>], first: usize, pixel: usize) {
         let table = color::steps_table();
-        let mut steps = [[0.0_f32; 3]; BATCH];
-        let mut depth = [0.0_f32; BATCH];
-        for ((run, steps), depth) in runs.iter().zip(&mut steps).zip(&mut depth) {
-            for channel in 0..3 {
-                steps[channel] = table[run.color[3 * pixel + channel].max(0) as usize];
-            }
-            *depth = run.inverse_depth[pixel];
+        // Halves stand behind what they are halves of: from the back, each range is that of two known ones.
+        for (index, &(start, _, children)) in self.nodes.iter().enumerate().rev() {
+            self.ranges[index] = if children[0] == LEAF {
+                let run = &runs[start];
+                let steps = |channel: usize| table[run.color[3 * pixel + channel].max(0) as usize];
+                let value = [steps(0), steps(1), steps(2), run.inverse_depth[pixel]];
+                Range { low: value, high: value }
+            } else {
+                self.ranges[children[0]].with(&self.ranges[children[1]])
+            };
         }
         // The batch itself is known not to be static.
         let mut waiting = [0_usize; 2 * BATCH];
@@ -292,22 +340,23 @@ impl ShortSpans {
             let index = waiting[count];
             let (start, end, children) = self.nodes[index];
             let is_leaf = children[0] == LEAF;
-            let (farthest, nearest) = bounds(&depth[start..end]);
-            let is_static = if is_leaf {
-                farthest >= 0.0
-            } else {
-                let depth_range = if nearest > farthest { (nearest - farthest) / nearest } else { 0.0 };
-                let range = color_range(&steps[start..end]);
-                farthest >= 0.0
-                    && depth_range <= batch.test.granted_depth()
-                    && (range <= batch.test.granted_color()
-                        || range <= batch.test.granted_around(mean(&runs[start..end], pixel)))
-            };
+            let range = &self.ranges[index];
+            let is_static = range.has_depth()
+                && (is_leaf
+                    || range.depth_relative() <= batch.test.granted_depth()
+                        && (range.color() <= batch.test.granted_color()
+                            || range.color() <= batch.test.granted_around(mean(&runs[start..end], pixel))));
             if is_static {
                 let samples = &mut self.given[index].1;
                 samples.pixels.push((first + pixel) as u32);
-                samples.color.push(mean(&runs[start..end], pixel).map(f16::from_f32));
-                samples.inverse_depth.push(mean_depth(&depth[start..end]));
+                if is_leaf {
+                    let color = &runs[start].color[3 * pixel..3 * pixel + 3];
+                    samples.color.push([0, 1, 2].map(|channel| f16::from_bits(color[channel] as u16)));
+                    samples.inverse_depth.push(range.low[3]);
+                } else {
+                    samples.color.push(mean(&runs[start..end], pixel).map(f16::from_f32));
+                    samples.inverse_depth.push(mean_depth(&runs[start..end], pixel, range));
+                }
                 if !runs[start].normal.is_empty() {
                     samples.normal.push(mean_normal(&runs[start..end], pixel));
                 }
@@ -319,21 +368,6 @@ impl ShortSpans {
     }
 }
 
-fn bounds(depth: &[f32]) -> (f32, f32) {
-    depth.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &w| (low.min(w), high.max(w)))
-}
-
-fn color_range(steps: &[[f32; 3]]) -> f32 {
-    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for color in steps {
-        for channel in 0..3 {
-            low[channel] = low[channel].min(color[channel]);
-            high[channel] = high[channel].max(color[channel]);
-        }
-    }
-    (0..3).map(|channel| high[channel] - low[channel]).fold(0.0, f32::max)
-}
-
 fn mean(runs: &[FrameRun<'_>], pixel: usize) -> [f32; 3] {
     [0, 1, 2].map(|channel| {
         let sum: f32 = runs.iter().map(|run| widened(run.color[3 * pixel + channel])).sum();
@@ -341,12 +375,12 @@ fn mean(runs: &[FrameRun<'_>], pixel: usize) -> [f32; 3] {
     })
 }
 
-fn mean_depth(depth: &[f32]) -> f32 {
-    if depth.iter().all(|w| *w == depth[0]) {
-        depth[0]
-    } else {
-        (depth.iter().map(|w| f64::from(*w)).sum::<f64>() / depth.len() as f64) as f32
+fn mean_depth(runs: &[FrameRun<'_>], pixel: usize, range: &Range) -> f32 {
+    if range.low[3] == range.high[3] {
+        return range.low[3];
     }
+    let sum: f64 = runs.iter().map(|run| f64::from(run.inverse_depth[pixel])).sum();
+    (sum / runs.len() as f64) as f32
 }
 
 fn mean_normal(runs: &[FrameRun<'_>], pixel: usize) -> Vec3 {

@@ -32,7 +32,7 @@ pub struct Testimony {
     pub color_difference_steps: f64,
     /// The paper's `r` of the pixel against this camera's: below 1 where the pixel is sampled more densely.
     pub paper_r: f64,
-    /// The same by footprints, which know focal length and resolution.
+    /// The same by footprints, which know focal length and resolution: their longest sides where these decide, else their areas.
     pub footprint_r: f64,
     /// What became of the pixel found there; `None` outside the picture.
     pub verdict: Option<Verdict>,

@@ -11,6 +11,7 @@ use std::ops::Range;
 
 use half::f16;
 
+use super::keys::slot_of;
 use crate::error::{Error, Result};
 use crate::preprocess::{SampleImage, SampleSet, TILE, TILE_SAMPLES, TileDepths};
 use crate::simd::{self, Work};
@@ -33,13 +34,11 @@ pub(super) struct FrameTile<'a> {
     pub(super) origin: (u32, u32),
     /// Index of the camera.
     pub(super) camera: u16,
-    /// Index in [`SampleSet::images`].
-    pub(super) image: u32,
 }
 
 impl<'a> FrameTile<'a> {
     #[inline(always)]
-    fn new(image_index: usize, image: &'a SampleImage, index: usize) -> Self {
+    fn new(image: &'a SampleImage, index: usize) -> Self {
         let tile = &image.tiles[index];
         let mut before = [0; TILE];
         let mut count = 0;
@@ -55,40 +54,13 @@ impl<'a> FrameTile<'a> {
             color: &image.color[samples],
             origin: (u32::from(tile.tile_x) * TILE as u32, u32::from(tile.tile_y) * TILE as u32),
             camera: image.camera as u16,
-            image: image_index as u32,
         }
-    }
-
-    /// Whether there is a sample at a pixel of the tile.
-    #[inline(always)]
-    pub(super) fn holds(&self, column: usize, row: usize) -> bool {
-        self.rows[row] >> column & 1 == 1
     }
 
     /// Samples before a pixel of the tile.
     #[inline(always)]
     pub(super) fn rank(&self, column: usize, row: usize) -> usize {
         self.before[row] as usize + (self.rows[row] & ((1 << column) - 1)).count_ones() as usize
-    }
-
-    /// The three half floats of a sample's color, red lowest.
-    #[inline(always)]
-    pub(super) fn color_bits(&self, nth: usize) -> u64 {
-        bits_of(self.color[nth])
-    }
-
-    /// Inverse depths and colors of the samples at 2×2 pixels, left above, right above, left below, right below; `None` where
-    /// one is missing.
-    #[inline(always)]
-    pub(super) fn quad(&self, column: usize, row: usize) -> Option<([f32; 4], [u64; 4])> {
-        let (above, below) = (self.rows[row] >> column, self.rows[row + 1] >> column);
-        if above & below & 3 != 3 {
-            return None;
-        }
-        let firsts = [self.rank(column, row), self.rank(column, row + 1)];
-        let [a, b] = firsts.map(|first| self.color[first..].first_chunk::<2>());
-        let (a, b) = (a?, b?);
-        Some((self.depths.pairs(firsts)?, [a[0], a[1], b[0], b[1]].map(bits_of)))
     }
 
     /// Asks for the memory of the tile's depths.
@@ -99,17 +71,18 @@ impl<'a> FrameTile<'a> {
         (0..high.len()).step_by(64).for_each(|at| simd::prefetch(high, at));
     }
 
+    /// The three half floats of a color, red lowest.
+    #[inline(always)]
+    pub(super) fn bits_of(color: [f16; 3]) -> u64 {
+        let [red, green, blue] = color.map(|half| u64::from(half.to_bits()));
+        red | green << 16 | blue << 32
+    }
+
     /// The color of a sample, linear.
     #[inline(always)]
     pub(super) fn color(&self, nth: usize) -> [f32; 3] {
         self.color[nth].map(f32_from_f16)
     }
-}
-
-#[inline(always)]
-fn bits_of(color: [f16; 3]) -> u64 {
-    let [red, green, blue] = color.map(|half| u64::from(half.to_bits()));
-    red | green << 16 | blue << 32
 }
 
 /// A half float widened by integer arithmetic alone, so that it is inlined and vectorized; colors are finite.
@@ -155,13 +128,16 @@ pub(super) struct FrameSamples<'a> {
     color_places: Vec<ColorPlace>,
     /// Colors of each image.
     colors: Vec<&'a [[f16; 3]]>,
+    /// The camera of each image.
+    image_cameras: Vec<u16>,
 }
 
-/// Adds the tiles of an image.
+/// Adds the tiles of the `nth` image of the frame.
 struct Numbering<'a, 'b> {
-    index: usize,
+    nth: u32,
     image: &'a SampleImage,
     tiles: &'b mut Vec<FrameTile<'a>>,
+    color_places: &'b mut Vec<ColorPlace>,
 }
 
 impl Work for Numbering<'_, '_> {
@@ -169,8 +145,13 @@ impl Work for Numbering<'_, '_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { index, image, tiles } = self;
-        tiles.extend((0..image.tiles.len()).map(|tile| FrameTile::new(index, image, tile)));
+        let Self { nth, image, tiles, color_places } = self;
+        for (index, tile) in image.tiles.iter().enumerate() {
+            let numbered = FrameTile::new(image, index);
+            let full = if numbered.color.len() == TILE_SAMPLES { FULL } else { 0 };
+            color_places.push(ColorPlace { image: nth | full, nth: tile.first });
+            tiles.push(numbered);
+        }
     }
 }
 
@@ -203,14 +184,12 @@ impl<'a> FrameSamples<'a> {
         let mut color_places = Vec::with_capacity(count);
         for (nth, &index) in images.iter().enumerate() {
             let image = &set.images[index];
-            simd::run(Numbering { index, image, tiles: &mut tiles });
-            color_places.extend(image.tiles.iter().map(|tile| {
-                let full = if tile.rows == [u16::MAX; TILE] { FULL } else { 0 };
-                ColorPlace { image: nth as u32 | full, nth: tile.first }
-            }));
+            let (tiles, color_places) = (&mut tiles, &mut color_places);
+            simd::run(Numbering { nth: nth as u32, image, tiles, color_places });
         }
         let colors = images.iter().map(|&image| set.images[image].color.as_slice()).collect();
-        Ok(Self { set, images, tiles, lasting_images, lasting_tiles, color_places, colors })
+        let image_cameras = images.iter().map(|&image| set.images[image].camera as u16).collect();
+        Ok(Self { set, images, tiles, lasting_images, lasting_tiles, color_places, colors, image_cameras })
     }
 
     /// Numbers of the tiles that hold at all frames.
@@ -226,13 +205,19 @@ impl<'a> FrameSamples<'a> {
     /// Index in [`SampleSet::images`] of the image of a slot.
     #[inline(always)]
     pub(super) fn image_of(&self, slot: u32) -> u32 {
-        self.tiles[(slot >> 8) as usize].image
+        self.images[self.nth_image(slot)] as u32
     }
 
     /// Index of the camera of a slot.
     #[inline(always)]
     pub(super) fn camera_of(&self, slot: u32) -> u16 {
-        self.tiles[(slot >> 8) as usize].camera
+        self.image_cameras[self.nth_image(slot)]
+    }
+
+    /// The image of a slot, as an index in `images`.
+    #[inline(always)]
+    fn nth_image(&self, slot: u32) -> usize {
+        (self.color_places[(slot >> 8) as usize].image & !FULL) as usize
     }
 
     /// The color of the sample at a slot, linear.
@@ -265,9 +250,13 @@ impl<'a> FrameSamples<'a> {
     #[inline(always)]
     pub(super) fn cameras_of(&self, keys: &[u64], cameras: &mut Vec<u16>) {
         cameras.clear();
-        let mut seen = [0_u64; 4];
-        for key in keys.iter().filter(|key| **key != 0) {
-            let camera = self.tiles[(!(*key as u32) >> 8) as usize].camera;
+        let (mut seen, mut last) = ([0_u64; 4], None);
+        for &key in keys.iter().filter(|key| **key != 0) {
+            let tile = slot_of(key) >> 8;
+            if last.replace(tile) == Some(tile) {
+                continue;
+            }
+            let camera = self.camera_of(slot_of(key));
             match seen.get_mut(camera as usize / 64) {
                 Some(word) => *word |= 1 << (camera % 64),
                 // Beyond 256 cameras they are listed one by one.

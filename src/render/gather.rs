@@ -14,8 +14,7 @@ use std::ops::Range;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::frame_samples::FrameSamples;
-use super::gather_points::bilinear;
-use super::lookup::{Lookup, Quad};
+use super::lookup::Lookup;
 use super::project::{Projector, focal};
 use crate::capture::Camera;
 use crate::preprocess::TILE;
@@ -55,19 +54,6 @@ pub(super) struct View {
     pub(super) tolerance: f32,
 }
 
-/// How one camera sees a surface point, as shares of the 2×2 samples around it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sight {
-    /// Shows the surface there.
-    pub(super) agree: f32,
-    /// Shows something behind it: it sees through.
-    pub(super) through: f32,
-    /// Says nothing: hidden by something nearer, or pruned.
-    pub(super) silent: f32,
-    /// By sampling rate and viewing angle.
-    pub(super) weight: f32,
-}
-
 /// Finds colors of surface points among the samples of a frame.
 pub(super) struct Gather<'a> {
     pub(super) lookup: Lookup<'a>,
@@ -78,19 +64,6 @@ pub(super) struct Gather<'a> {
     pub(super) many: f32,
     /// World-space ray of the first pixel's center, and its growth by column and row.
     rays_in_world: [Vec3; 3],
-}
-
-/// A surface point in one camera.
-struct Place {
-    quad: Quad,
-    left: f32,
-    above: f32,
-    along: f32,
-    down: f32,
-    /// Inverse depth there, if it is the surface that the camera sees.
-    expected: f32,
-    /// Distance from the vantage over that from the camera.
-    reciprocal: f32,
 }
 
 impl<'a> Gather<'a> {
@@ -122,39 +95,23 @@ impl<'a> Gather<'a> {
     }
 
     /// Sorts cameras by how much they count for the surface at inverse depth `w` in pixel `(x, y)`, most first.
-    pub(super) fn rank(&self, (x, y): (f32, f32), w: f32, cameras: &mut [u16]) {
-        let weight = |camera: &u16| {
-            let view = &self.views[*camera as usize];
-            let point = view.source_from_target.ray(x, y) + view.source_from_target.origin * w;
-            if point.z > 0.0 { self.weight(view, 1.0 / point.z, (x, y), w) } else { 0.0 }
-        };
-        cameras.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
-    }
-
-    /// Where the surface point lies in a camera; `None` behind it and outside its picture.
     #[inline(always)]
-    fn place(&self, view: &View, x: f32, y: f32, w: f32) -> Option<Place> {
-        let projector = &view.source_from_target;
-        let point = projector.ray(x, y) + projector.origin * w;
-        let reciprocal = 1.0 / point.z;
-        let (u, v) = (point.x * reciprocal - 0.5, point.y * reciprocal - 0.5);
-        let (width, height) = self.lookup.size(view.camera);
-        let inside = point.z > 0.0 && u > -1.0 && v > -1.0 && u < width as f32 && v < height as f32;
-        if !inside {
-            return None;
-        }
-        // Rounded down: both are larger than −1.
-        let (column, row) = ((u + 1.0) as i32 - 1, (v + 1.0) as i32 - 1);
-        let (left, above) = (column as f32, row as f32);
-        Some(Place {
-            quad: self.lookup.quad(view.camera, column, row),
-            left,
-            above,
-            along: u - left,
-            down: v - above,
-            expected: w * reciprocal,
-            reciprocal,
-        })
+    pub(super) fn rank(
+        &self,
+        (x, y): (f32, f32),
+        w: f32,
+        cameras: &mut [u16],
+        weights: &mut Vec<(f32, u16)>,
+    ) {
+        weights.clear();
+        weights.extend(cameras.iter().map(|&camera| {
+            let view = &self.views[camera as usize];
+            let point = view.source_from_target.ray(x, y) + view.source_from_target.origin * w;
+            let weight = if point.z > 0.0 { self.weight(view, 1.0 / point.z, (x, y), w) } else { 0.0 };
+            (weight, camera)
+        }));
+        weights.sort_by(|a, b| b.0.total_cmp(&a.0));
+        cameras.iter_mut().zip(weights).for_each(|(camera, (_, ranked))| *camera = *ranked);
     }
 
     /// How much a camera counts: the squared sampling rate, as far as it is of use, times the cosine between its line of
@@ -167,39 +124,6 @@ impl<'a> Gather<'a> {
         let cosine = ray.dot(sight) / (ray.length_squared() * sight.length_squared()).sqrt();
         let rate = (view.source_from_target.focal_ratio * reciprocal).min(USEFUL_RATE);
         rate * rate * cosine.max(0.01)
-    }
-
-    /// How a camera sees the surface at inverse depth `w`; `None` behind it and outside its picture.
-    ///
-    /// `agree` falls to −1 times its share where the surface that the camera saw lies elsewhere in the vantage, by half a
-    /// pixel and more: there it is another part of the surface, which only happens to be as far away.
-    #[inline(always)]
-    pub(super) fn sight(&self, camera: u16, x: f32, y: f32, w: f32) -> Option<Sight> {
-        let view = &self.views[camera as usize];
-        let place = self.place(view, x, y, w)?;
-        let limit = place.expected * view.tolerance;
-        let mut sight = Sight { weight: self.weight(view, place.reciprocal, (x, y), w), ..Sight::default() };
-        let mut depth = 0.0;
-        for (found, share) in place.quad.depth.into_iter().zip(bilinear(place.along, place.down)) {
-            if found >= 0.0 && (found - place.expected).abs() <= limit {
-                sight.agree += share;
-                depth += share * found;
-            } else if found >= 0.0 && found < place.expected {
-                sight.through += share;
-            } else {
-                sight.silent += share;
-            }
-        }
-        if sight.agree > 0.0 {
-            let projector = &view.target_from_source;
-            let seen = projector.ray(place.left + place.along, place.above + place.down)
-                + projector.origin * (depth / sight.agree);
-            let off = (seen.x / seen.z - x - 0.5).abs().max((seen.y / seen.z - y - 0.5).abs());
-            let doubt = sight.agree * off.min(1.0);
-            sight.agree -= doubt;
-            sight.through += doubt;
-        }
-        Some(sight)
     }
 }
 

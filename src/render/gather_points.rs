@@ -1,45 +1,72 @@
 //! The gather stage's arithmetic: a camera is asked for the colors of all points of a block that want it, sixteen at a time
-//! in vectors; only the samples themselves are looked up one by one. Every point hears its cameras in the same order as if it
+//! in vectors. Every point hears its cameras in the same order as if it
 //! asked alone, so that its color does not depend on its neighbors.
 
 use super::frame_samples::f32_from_f16_bits;
-use super::gather::{BESIDE_EDGE, ENOUGH, EXACT, Gather, MAX_SUBPIXELS, OWN_SHARE, USEFUL_RATE, View};
-use super::project::Projector;
-use super::surface::whole;
+use super::gather::{BESIDE_EDGE, BLOCK, ENOUGH, EXACT, Gather, MAX_SUBPIXELS, OWN_SHARE, USEFUL_RATE, View};
+use super::places::{Places, agrees, bilinear, carried};
+use super::surface::joined;
+use super::window::{LANES, Lanes, Quads, Windows};
 
-/// Points that are worked on together.
-const LANES: usize = 16;
+/// Surface points that a block has at most: two in each pixel.
+const MOST: usize = 2 * BLOCK * BLOCK;
 
-type Lanes = [f32; LANES];
-
-/// A surface point of the vantage.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SurfacePoint {
-    /// Column of the pixel.
-    pub(super) x: f32,
-    /// Row of the pixel.
-    pub(super) y: f32,
-    /// Inverse depth.
-    pub(super) w: f32,
-    /// Camera of the nearest sample.
-    pub(super) sample: u16,
-}
-
-/// What is known of a surface point's color.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Findings {
-    /// Weighted by `weight`.
-    color: [f32; 3],
-    weight: f32,
+/// The surface points of a block that are to be colored, and what is known of their colors so far.
+pub(super) struct SurfacePoints {
+    count: usize,
+    /// Columns of their pixels.
+    x: [f32; MOST],
+    /// Rows of their pixels.
+    y: [f32; MOST],
+    /// Inverse depths.
+    w: [f32; MOST],
+    /// Cameras of the nearest samples.
+    own: [u16; MOST],
+    /// Red, green and blue, weighted by `weight`.
+    color: [[f32; MOST]; 3],
+    weight: [f32; MOST],
     /// Pixels' worth of samples.
-    pixels: f32,
+    known: [f32; MOST],
+    /// Points that want one camera.
+    wanting: Vec<u16>,
 }
 
-impl Findings {
-    /// The color; `own`, that of the nearest sample, stands in where too little is known.
+impl SurfacePoints {
+    pub(super) fn new() -> Self {
+        let zero = [0.0; MOST];
+        Self {
+            count: 0,
+            x: zero,
+            y: zero,
+            w: zero,
+            own: [0; MOST],
+            color: [zero; 3],
+            weight: zero,
+            known: zero,
+            wanting: Vec::with_capacity(MOST),
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Adds the surface at inverse depth `w` in pixel `(x, y)`, shown by a sample of camera `own`.
     #[inline(always)]
-    pub(super) fn color(&self, own: impl FnOnce() -> [f32; 3]) -> [f32; 3] {
-        let (mut sum, mut total) = (self.color, self.weight);
+    pub(super) fn push(&mut self, (x, y): (f32, f32), w: f32, own: u16) {
+        let at = self.count % MOST;
+        self.count = at + 1;
+        self.x[at] = x;
+        self.y[at] = y;
+        self.w[at] = w;
+        self.own[at] = own;
+    }
+
+    /// The color of a point; `own`, that of the nearest sample, stands in where too little is known.
+    #[inline(always)]
+    pub(super) fn color(&self, at: usize, own: impl FnOnce() -> [f32; 3]) -> [f32; 3] {
+        let at = at % MOST;
+        let (mut sum, mut total) = ([0, 1, 2].map(|channel: usize| self.color[channel][at]), self.weight[at]);
         if total < ENOUGH {
             let lack = (ENOUGH - total) * OWN_SHARE + 1e-6;
             let own = own();
@@ -47,6 +74,20 @@ impl Findings {
             total += lack;
         }
         sum.map(|channel| channel / total)
+    }
+
+    /// Lists the points for which `wants` holds, sixteen at a time.
+    #[inline(always)]
+    fn list(&mut self, wants: impl Fn(&Self, usize) -> bool) {
+        self.wanting.clear();
+        for first in (0..self.count).step_by(LANES) {
+            let there = u32::MAX >> (32 - LANES.min(self.count - first));
+            let mut which = there & mask(|i| wants(self, (first + i) % MOST));
+            while which != 0 {
+                self.wanting.push((first as u32 + which.trailing_zeros()) as u16);
+                which &= which - 1;
+            }
+        }
     }
 }
 
@@ -73,119 +114,81 @@ impl Answers {
     const NONE: Self = Self { color: [[0.0; LANES]; 3], weight: [0.0; LANES], known: [0.0; LANES] };
 
     #[inline(always)]
-    fn add(&mut self, other: &Self, factor: &Lanes) {
+    fn add(&mut self, other: &Self, factor: f32) {
         for i in 0..LANES {
-            self.color[0][i] += other.color[0][i] * factor[i];
-            self.color[1][i] += other.color[1][i] * factor[i];
-            self.color[2][i] += other.color[2][i] * factor[i];
-            self.weight[i] += other.weight[i] * factor[i];
-            self.known[i] += other.known[i] * factor[i];
+            self.color[0][i] += other.color[0][i] * factor;
+            self.color[1][i] += other.color[1][i] * factor;
+            self.color[2][i] += other.color[2][i] * factor;
+            self.weight[i] += other.weight[i] * factor;
+            self.known[i] += other.known[i] * factor;
         }
     }
 }
 
-/// The points in one camera.
-struct Places {
-    /// Whether the camera looks there.
-    inside: [bool; LANES],
-    left: Lanes,
-    above: Lanes,
-    along: Lanes,
-    down: Lanes,
-    /// Inverse depth there, if it is the surface that the camera sees.
-    expected: Lanes,
-    /// Distance from the vantage over that from the camera.
-    reciprocal: Lanes,
-}
-
-/// The 2×2 samples around each point.
-struct Quads {
-    depth: [Lanes; 4],
-    /// Three half floats each.
-    color: [[u64; LANES]; 4],
-}
-
-impl Quads {
-    fn new() -> Self {
-        Self { depth: [[0.0; LANES]; 4], color: [[0; LANES]; 4] }
-    }
-
-    /// Red, green and blue of each corner.
-    #[inline(always)]
-    fn colors(&self) -> [[Lanes; 3]; 4] {
-        let mut colors = [[[0.0; LANES]; 3]; 4];
-        for (bits, colors) in self.color.iter().zip(&mut colors) {
-            for i in 0..LANES {
-                colors[0][i] = f32_from_f16_bits(bits[i] as u32 & 0xffff);
-                colors[1][i] = f32_from_f16_bits((bits[i] >> 16) as u32 & 0xffff);
-                colors[2][i] = f32_from_f16_bits((bits[i] >> 32) as u32 & 0xffff);
-            }
+/// Red, green and blue of each corner of quads.
+#[inline(always)]
+fn colors(quads: &Quads) -> [[Lanes; 3]; 4] {
+    let mut colors = [[[0.0; LANES]; 3]; 4];
+    for (bits, colors) in quads.color.iter().zip(&mut colors) {
+        for i in 0..LANES {
+            colors[0][i] = f32_from_f16_bits(bits[i] as u32 & 0xffff);
+            colors[1][i] = f32_from_f16_bits((bits[i] >> 16) as u32 & 0xffff);
+            colors[2][i] = f32_from_f16_bits((bits[i] >> 32) as u32 & 0xffff);
         }
-        colors
     }
+    colors
 }
 
 impl Gather<'_> {
     /// Finds what the samples of `cameras`, of which the best come first, say of the colors of surface points; in a pruned set
     /// a point's own camera is asked before all others. Each camera is asked at once for all points that want it.
     #[inline(always)]
-    pub(super) fn find(
-        &self,
-        points: &[SurfacePoint],
-        cameras: &[u16],
-        found: &mut Vec<Findings>,
-        wanting: &mut Vec<usize>,
-    ) {
-        found.clear();
-        found.resize(points.len(), Findings::default());
-        let all = || points.iter().enumerate();
-        if self.pruned {
+    pub(super) fn find(&self, points: &mut SurfacePoints, cameras: &[u16], windows: &mut Windows) {
+        let count = points.count;
+        points.color.iter_mut().for_each(|channel| channel[..count].fill(0.0));
+        points.weight[..count].fill(0.0);
+        points.known[..count].fill(0.0);
+        let (pruned, many) = (self.pruned, self.many);
+        if pruned {
             for &camera in cameras {
-                wanting.clear();
-                wanting.extend(all().filter(|(_, point)| point.sample == camera).map(|(nth, _)| nth));
-                self.ask(camera, points, wanting, found);
+                points.list(|points, at| points.own[at] == camera);
+                self.ask(camera, points, windows);
             }
         }
         for &camera in cameras {
-            wanting.clear();
-            let wants = |nth: usize, point: &SurfacePoint| {
-                found[nth].pixels < self.many && !(self.pruned && point.sample == camera)
-            };
-            wanting.extend(all().filter(|(nth, point)| wants(*nth, point)).map(|(nth, _)| nth));
-            self.ask(camera, points, wanting, found);
+            points.list(|points, at| (points.known[at] < many) & !(pruned & (points.own[at] == camera)));
+            self.ask(camera, points, windows);
         }
     }
 
-    /// Adds what one camera says of some points.
+    /// Adds what one camera says of the points that want it.
     #[inline(always)]
-    fn ask(&self, camera: u16, points: &[SurfacePoint], wanting: &[usize], found: &mut [Findings]) {
+    fn ask(&self, camera: u16, points: &mut SurfacePoints, windows: &mut Windows) {
         let view = &self.views[camera as usize];
+        let SurfacePoints { x, y, w, color, weight, known, wanting, .. } = points;
         for group in wanting.chunks(LANES) {
-            let zero = [0.0; LANES];
-            let mut asked = Asked { x: zero, y: zero, w: zero, which: (1_u32 << group.len()) - 1 };
-            for (lane, &nth) in group.iter().enumerate() {
-                let point = &points[nth];
-                (asked.x[lane], asked.y[lane], asked.w[lane]) = (point.x, point.y, point.w);
+            // What is missing at the end is a point that is there already, and not asked for.
+            let mut at = [group[0] as usize % MOST; LANES];
+            for (at, nth) in at.iter_mut().zip(group) {
+                *at = *nth as usize % MOST;
             }
-            let answers = self.answers(view, &asked);
-            for (lane, &nth) in group.iter().enumerate() {
-                let known = &mut found[nth];
-                (0..3).for_each(|channel| known.color[channel] += answers.color[channel][lane]);
-                known.weight += answers.weight[lane];
-                known.pixels += answers.known[lane];
+            let which = u32::MAX >> (32 - group.len());
+            let (x, y, w) = (listed(x, &at), listed(y, &at), listed(w, &at));
+            let answers = self.answers(view, &Asked { x, y, w, which }, windows);
+            for (sum, part) in color.iter_mut().zip(&answers.color) {
+                add_listed(sum, &at, group.len(), part);
             }
+            add_listed(weight, &at, group.len(), &answers.weight);
+            add_listed(known, &at, group.len(), &answers.known);
         }
     }
 
     /// What one camera says of sixteen points.
     #[inline(always)]
-    fn answers(&self, view: &View, points: &Asked) -> Answers {
+    fn answers(&self, view: &View, points: &Asked, windows: &mut Windows) -> Answers {
         let mut found = Answers::NONE;
         let places = self.places(view, &points.x, &points.y, &points.w);
-        let asked = points.which & mask(|i| places.inside[i]);
-        if asked == 0 {
-            return found;
-        }
+        let mut left = points.which & places.inside;
         let mut counts = [1.0; LANES];
         for i in 0..LANES {
             let rate = view.source_from_target.focal_ratio * places.reciprocal[i];
@@ -193,71 +196,43 @@ impl Gather<'_> {
             let count = (rate / USEFUL_RATE).ceil().min(MAX_SUBPIXELS);
             counts[i] = if rate <= USEFUL_RATE { 1.0 } else { count };
         }
-        let single = asked & mask(|i| counts[i] == 1.0);
-        if single != 0 {
-            found = self.interpolated(view, &places, (&points.x, &points.y, &points.w), single);
-        }
-        let mut left = asked & !single;
         while left != 0 {
             let count = counts[left.trailing_zeros() as usize % LANES];
             let alike = left & mask(|i| counts[i] == count);
             left &= !alike;
-            self.average(view, points, (alike, count), &mut found);
+            self.average(view, points, (alike, count), windows, &mut found);
         }
         found
     }
 
     /// The mean over `count` times `count` sub-pixels of the points of a mask.
     #[inline(always)]
-    fn average(&self, view: &View, points: &Asked, (asked, count): (u32, f32), found: &mut Answers) {
+    fn average(
+        &self,
+        view: &View,
+        points: &Asked,
+        (asked, count): (u32, f32),
+        windows: &mut Windows,
+        found: &mut Answers,
+    ) {
         let mut sum = Answers::NONE;
         let per_subpixel = 1.0 / count;
         for sub_y in 0..count as usize {
             for sub_x in 0..count as usize {
                 let (mut x, mut y) = (points.x, points.y);
+                let across = (sub_x as f32 + 0.5) * per_subpixel;
+                let down = (sub_y as f32 + 0.5) * per_subpixel;
                 for i in 0..LANES {
-                    x[i] = x[i] + (sub_x as f32 + 0.5) * per_subpixel - 0.5;
-                    y[i] = y[i] + (sub_y as f32 + 0.5) * per_subpixel - 0.5;
+                    x[i] = x[i] + across - 0.5;
+                    y[i] = y[i] + down - 0.5;
                 }
                 let places = self.places(view, &x, &y, &points.w);
-                let asked = asked & mask(|i| places.inside[i]);
-                let part = self.interpolated(view, &places, (&x, &y, &points.w), asked);
-                sum.add(&part, &[1.0; LANES]);
+                let asked = asked & places.inside;
+                let part = self.interpolated(view, &places, (&x, &y, &points.w), asked, windows);
+                sum.add(&part, 1.0);
             }
         }
-        found.add(&sum, &[per_subpixel * per_subpixel; LANES]);
-    }
-
-    /// Where points lie in a camera.
-    #[inline(always)]
-    fn places(&self, view: &View, x: &Lanes, y: &Lanes, w: &Lanes) -> Places {
-        let zero = [0.0; LANES];
-        let mut places = Places {
-            inside: [false; LANES],
-            left: zero,
-            above: zero,
-            along: zero,
-            down: zero,
-            expected: zero,
-            reciprocal: zero,
-        };
-        let (width, height) = self.lookup.size(view.camera);
-        let (width, height) = (width as f32, height as f32);
-        for i in 0..LANES {
-            let point = carried(&view.source_from_target, x[i], y[i], w[i]);
-            let reciprocal = 1.0 / point[2];
-            let (u, v) = (point[0] * reciprocal - 0.5, point[1] * reciprocal - 0.5);
-            // Rounded down: inside, both are larger than −1.
-            let (left, above) = ((u + 1.0).floor() - 1.0, (v + 1.0).floor() - 1.0);
-            places.inside[i] = (point[2] > 0.0) & (u > -1.0) & (v > -1.0) & (u < width) & (v < height);
-            places.left[i] = left;
-            places.above[i] = above;
-            places.along[i] = u - left;
-            places.down[i] = v - above;
-            places.expected[i] = w[i] * reciprocal;
-            places.reciprocal[i] = reciprocal;
-        }
-        places
+        found.add(&sum, per_subpixel * per_subpixel);
     }
 
     /// What a camera's samples say of the points of a mask; nothing of the others.
@@ -268,47 +243,47 @@ impl Gather<'_> {
         places: &Places,
         (x, y, w): (&Lanes, &Lanes, &Lanes),
         asked: u32,
+        windows: &mut Windows,
     ) -> Answers {
-        let mut quads = Quads::new();
-        let (mut columns, mut rows) = ([0_i32; LANES], [0_i32; LANES]);
+        let quads = windows.quads::<true>(&self.lookup, view.camera, &places.corners(), asked);
+        let (mut known, mut depth, mut moved) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
         for i in 0..LANES {
-            columns[i] = whole(places.left[i] + 1.0) as i32 - 1;
-            rows[i] = whole(places.above[i] + 1.0) as i32 - 1;
+            let limit = places.expected[i] * view.tolerance;
+            let shares = bilinear(places.along[i], places.down[i]);
+            // Samples that show the surface there count fully, others not at all; all four do nearly everywhere.
+            let (a, b) = (quads.depth[0][i], quads.depth[1][i]);
+            let (c, d) = (quads.depth[2][i], quads.depth[3][i]);
+            let shown_a = if agrees(a, places.expected[i], limit) { shares[0] } else { 0.0 };
+            let shown_b = if agrees(b, places.expected[i], limit) { shares[1] } else { 0.0 };
+            let shown_c = if agrees(c, places.expected[i], limit) { shares[2] } else { 0.0 };
+            let shown_d = if agrees(d, places.expected[i], limit) { shares[3] } else { 0.0 };
+            known[i] = (shown_a + shown_b) + (shown_c + shown_d);
+            depth[i] = ((shown_a * a + shown_b * b) + (shown_c * c + shown_d * d)) / known[i];
+            // Where the camera agrees with the z-buffer to a small part of the tolerance, correcting moves nothing.
+            let is_exact = (depth[i] - places.expected[i]).abs() <= EXACT * limit;
+            moved[i] = u32::from(!is_exact) << i;
         }
-        let mut left = asked;
-        while left != 0 {
-            let i = left.trailing_zeros() as usize % LANES;
-            left &= left - 1;
-            let (depth, color) = self.lookup.samples(view.camera, columns[i], rows[i]);
-            for corner in 0..4 {
-                quads.depth[corner][i] = depth[corner];
-                quads.color[corner][i] = color[corner];
+        let (mut along, mut down) = (places.along, places.down);
+        let moved = joined(&moved);
+        if moved & asked != 0 {
+            for i in 0..LANES {
+                let (correct_along, correct_down) = corrected(view, places, i, (x[i], y[i]), depth[i]);
+                let moves = moved >> i & 1 == 1;
+                along[i] = if moves { correct_along } else { along[i] };
+                down[i] = if moves { correct_down } else { down[i] };
             }
         }
-        let weights = self.weights(view, &places.reciprocal, (x, y, w));
-        let colors = quads.colors();
+        let weights = self.weights(view, &places.reciprocal, [x, y, w]);
+        let colors = colors(&quads);
         let mut answers = Answers::NONE;
         for i in 0..LANES {
             let expected = places.expected[i];
             let limit = expected * view.tolerance;
             let (a, b) = (quads.depth[0][i], quads.depth[1][i]);
             let (c, d) = (quads.depth[2][i], quads.depth[3][i]);
-            // Samples that show the surface there count fully, others not at all; all four do nearly everywhere.
             let (agrees_a, agrees_b) = (agrees(a, expected, limit), agrees(b, expected, limit));
             let (agrees_c, agrees_d) = (agrees(c, expected, limit), agrees(d, expected, limit));
-            let shares = bilinear(places.along[i], places.down[i]);
-            let shown_a = if agrees_a { shares[0] } else { 0.0 };
-            let shown_b = if agrees_b { shares[1] } else { 0.0 };
-            let shown_c = if agrees_c { shares[2] } else { 0.0 };
-            let shown_d = if agrees_d { shares[3] } else { 0.0 };
-            let known = (shown_a + shown_b) + (shown_c + shown_d);
-            let depth = ((shown_a * a + shown_b * b) + (shown_c * c + shown_d * d)) / known;
-            // Where the camera agrees with the z-buffer to a small part of the tolerance, correcting moves nothing.
-            let is_exact = (depth - expected).abs() <= EXACT * limit;
-            let (along, down) = corrected(view, places, i, (x[i], y[i]), depth);
-            let along = if is_exact { places.along[i] } else { along };
-            let down = if is_exact { places.down[i] } else { down };
-            let shares = bilinear(along, down);
+            let shares = bilinear(along[i], down[i]);
             let part_a = if agrees_a { shares[0] } else { 0.0 };
             let part_b = if agrees_b { shares[1] } else { 0.0 };
             let part_c = if agrees_c { shares[2] } else { 0.0 };
@@ -319,7 +294,7 @@ impl Gather<'_> {
                 | (!agrees_c & (c >= 0.0))
                 | (!agrees_d & (d >= 0.0));
             let weight = weights[i] * if beside { BESIDE_EDGE } else { 1.0 };
-            let counts = (asked >> i & 1 == 1) & (known >= 1e-3);
+            let counts = (asked >> i & 1 == 1) & (known[i] >= 1e-3);
             let red = colors[0][0][i] * part_a
                 + colors[1][0][i] * part_b
                 + colors[2][0][i] * part_c
@@ -340,46 +315,53 @@ impl Gather<'_> {
         }
         answers
     }
+}
 
-    /// How much a camera counts for each of sixteen points.
-    #[inline(always)]
-    fn weights(&self, view: &View, reciprocal: &Lanes, (x, y, w): (&Lanes, &Lanes, &Lanes)) -> Lanes {
-        let mut weights = [0.0; LANES];
-        for i in 0..LANES {
-            weights[i] = self.weight(view, reciprocal[i], (x[i], y[i]), w[i]);
-        }
-        weights
+/// Whether ascending places follow one another.
+#[inline(always)]
+fn is_run(at: &[usize; LANES]) -> bool {
+    at[LANES - 1] == at[0] + LANES - 1
+}
+
+/// Some numbers out of many.
+#[inline(always)]
+fn listed(numbers: &[f32; MOST], at: &[usize; LANES]) -> Lanes {
+    if is_run(at)
+        && let Some(run) = numbers[at[0] % MOST..].first_chunk::<LANES>()
+    {
+        return *run;
     }
+    let mut lanes = [0.0; LANES];
+    for i in 0..LANES {
+        lanes[i] = numbers[at[i] % MOST];
+    }
+    lanes
 }
 
-/// Whether a sample at inverse depth `depth` shows the surface that is expected.
+/// Adds the first `count` of some numbers to others out of many.
 #[inline(always)]
-fn agrees(depth: f32, expected: f32, limit: f32) -> bool {
-    ((depth - expected).abs() <= limit) & (depth >= 0.0)
-}
-
-/// `M·ray + o·w` of a pixel.
-#[inline(always)]
-fn carried(projector: &Projector, x: f32, y: f32, w: f32) -> [f32; 3] {
-    let point = projector.ray(x, y) + projector.origin * w;
-    [point.x, point.y, point.z]
+fn add_listed(sums: &mut [f32; MOST], at: &[usize; LANES], count: usize, parts: &Lanes) {
+    if is_run(at)
+        && let Some(run) = sums[at[0] % MOST..].first_chunk_mut::<LANES>()
+    {
+        for i in 0..LANES {
+            run[i] += parts[i];
+        }
+        return;
+    }
+    for (at, part) in at.iter().zip(parts).take(count) {
+        sums[at % MOST] += part;
+    }
 }
 
 /// A mask of the points for which `holds`.
 #[inline(always)]
 fn mask(holds: impl Fn(usize) -> bool) -> u32 {
-    let mut mask = 0;
+    let mut bits = [0; LANES];
     for i in 0..LANES {
-        mask |= u32::from(holds(i)) << i;
+        bits[i] = u32::from(holds(i)) << i;
     }
-    mask
-}
-
-/// Shares of left above, right above, left below, right below.
-#[inline(always)]
-pub(super) fn bilinear(along: f32, down: f32) -> [f32; 4] {
-    let (back, up) = (1.0 - along, 1.0 - down);
-    [back * up, along * up, back * down, along * down]
+    joined(&bits)
 }
 
 /// Where between the 2×2 samples the pixel's line of sight meets the surface that the camera itself saw, at inverse depth

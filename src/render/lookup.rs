@@ -6,7 +6,6 @@
 
 use std::ops::Range;
 
-use super::dense_tile::MISSING;
 use super::frame_samples::{FrameSamples, FrameTile};
 use crate::capture::Camera;
 use crate::preprocess::TILE;
@@ -20,6 +19,7 @@ struct Cells {
     width: i32,
     height: i32,
     across: usize,
+    down: usize,
     first: usize,
 }
 
@@ -33,23 +33,15 @@ pub(super) struct Lookup<'a> {
     tiles: &'a [FrameTile<'a>],
 }
 
-/// The samples of 2×2 pixels: left above, right above, left below, right below.
-pub(super) struct Quad {
-    /// Inverse depths in the camera; [`MISSING`] where there is no sample.
-    pub(super) depth: [f32; 4],
-    tile: [u32; 4],
-    nth: [u32; 4],
-}
-
 impl<'a> Lookup<'a> {
     /// Over some tiles of the frame.
     pub(super) fn new(frame: &'a FrameSamples<'a>, tiles: Range<usize>) -> Self {
         let mut first = 0;
         let cells_of = |camera: &Camera| {
             let (width, height) = camera.intrinsics.size();
-            let cells =
-                Cells { width: width as i32, height: height as i32, across: width.div_ceil(TILE), first };
-            first += cells.across * height.div_ceil(TILE);
+            let (across, down) = (width.div_ceil(TILE), height.div_ceil(TILE));
+            let cells = Cells { width: width as i32, height: height as i32, across, down, first };
+            first += across * down;
             cells
         };
         let cameras: Vec<Cells> = frame.set.cameras.iter().map(cells_of).collect();
@@ -72,85 +64,25 @@ impl<'a> Lookup<'a> {
         (self.cameras[camera].width, self.cameras[camera].height)
     }
 
-    /// The samples of a camera at columns `x`, `x + 1` and rows `y`, `y + 1`, which may lie outside its picture.
+    /// The tiles of a camera that hold samples in a column and row of its grid of tiles, which may lie outside of it.
     #[inline(always)]
-    pub(super) fn quad(&self, camera: usize, x: i32, y: i32) -> Quad {
+    pub(super) fn tiles_at(
+        &self,
+        camera: usize,
+        column: i32,
+        row: i32,
+    ) -> impl Iterator<Item = &'a FrameTile<'a>> {
         let cells = &self.cameras[camera];
-        let mut quad = Quad { depth: [MISSING; 4], tile: [NONE; 4], nth: [0; 4] };
-        let inside = x >= 0 && y >= 0 && x + 1 < cells.width && y + 1 < cells.height;
-        let (column, row) = ((x & 15) as usize, (y & 15) as usize);
-        if inside && column < TILE - 1 && row < TILE - 1 {
-            let cell = cells.first + (y >> 4) as usize * cells.across + (x >> 4) as usize;
-            let mut at = self.cells[cell];
-            while at != NONE {
-                let tile = &self.tiles[at as usize];
-                let (above, below) = (tile.rows[row] >> column & 3, tile.rows[row + 1] >> column & 3);
-                let (first_above, first_below) = (tile.rank(column, row), tile.rank(column, row + 1));
-                let places = [
-                    (above & 1, first_above),
-                    (above >> 1, first_above + (above & 1) as usize),
-                    (below & 1, first_below),
-                    (below >> 1, first_below + (below & 1) as usize),
-                ];
-                for (corner, (held, nth)) in places.into_iter().enumerate() {
-                    if held == 1 {
-                        quad.set(corner, at, tile, nth);
-                    }
-                }
-                if above & below == 3 {
-                    break;
-                }
-                at = self.next[at as usize];
-            }
-            return quad;
+        let inside =
+            column >= 0 && row >= 0 && (column as usize) < cells.across && (row as usize) < cells.down;
+        let mut at = NONE;
+        if inside {
+            at = self.cells[cells.first + row as usize * cells.across + column as usize];
         }
-        for corner in 0..4 {
-            let (x, y) = (x + (corner & 1), y + (corner >> 1));
-            if x < 0 || y < 0 || x >= cells.width || y >= cells.height {
-                continue;
-            }
-            let (column, row) = ((x & 15) as usize, (y & 15) as usize);
-            let mut at = self.cells[cells.first + (y >> 4) as usize * cells.across + (x >> 4) as usize];
-            while at != NONE {
-                let tile = &self.tiles[at as usize];
-                if tile.holds(column, row) {
-                    quad.set(corner as usize, at, tile, tile.rank(column, row));
-                    break;
-                }
-                at = self.next[at as usize];
-            }
-        }
-        quad
-    }
-
-    /// Inverse depths and colors, three half floats each, of the samples at the pixels that [`Lookup::quad`] looks at.
-    #[inline(always)]
-    pub(super) fn samples(&self, camera: usize, x: i32, y: i32) -> ([f32; 4], [u64; 4]) {
-        let cells = &self.cameras[camera];
-        let inside = x >= 0 && y >= 0 && x + 1 < cells.width && y + 1 < cells.height;
-        let (column, row) = ((x & 15) as usize, (y & 15) as usize);
-        if inside && column < TILE - 1 && row < TILE - 1 {
-            let cell = cells.first + (y >> 4) as usize * cells.across + (x >> 4) as usize;
-            if let Some(tile) = self.tiles.get(self.cells[cell] as usize)
-                && let Some(found) = tile.quad(column, row)
-            {
-                return found;
-            }
-        }
-        let quad = self.quad(camera, x, y);
-        let color = [0, 1, 2, 3].map(|corner: usize| {
-            let tile = self.tiles.get(quad.tile[corner] as usize);
-            tile.map_or(0, |tile| tile.color_bits(quad.nth[corner] as usize))
-        });
-        (quad.depth, color)
-    }
-}
-
-impl Quad {
-    #[inline(always)]
-    fn set(&mut self, corner: usize, at: u32, tile: &FrameTile<'_>, nth: usize) {
-        self.depth[corner] = tile.depths.get(nth);
-        self.tile[corner] = at;
-        self.nth[corner] = nth as u32;
+        std::iter::from_fn(move || {
+            let tile = self.tiles.get(at as usize)?;
+            at = self.next[at as usize];
+            Some(tile)
+        })
     }
 }

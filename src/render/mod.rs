@@ -3,7 +3,7 @@
 //! ```text
 //! SampleSet ─ frame_samples ─▶ tiles of the frame ─ cull ─▶ bands ─ project, footprint ─▶ surface ─▶ keys ─▶ blend ─▶ sums
 //!                                                                                          │                        │
-//!      Picture ◀─ fill ◀─ resolve ◀─ gather ◀─ lookup: back into the cameras ◀─ silhouette ─┴────────────────────────┘
+//!      Picture ◀─ fill ◀─ resolve ◀─ gather ◀─ lookup, window: into cameras ◀─ silhouette ─┴────────────────────────┘
 //! ```
 //!
 //! The *surface* stage finds the nearest sample of every pixel. What follows depends on the kernel: `point` shows that
@@ -18,25 +18,32 @@ pub mod cpu;
 mod cull;
 mod dense_tile;
 mod fill;
+pub mod film;
 mod footprint;
 mod frame_samples;
 mod gather;
+mod gather_block;
 mod gather_points;
 pub mod gpu;
 mod keys;
 mod lookup;
 pub mod pick;
+mod places;
+pub mod png;
 mod project;
 mod resolve;
 mod silhouette;
 mod surface;
 pub mod vantage;
+mod votes;
+mod window;
 
 pub use backend::{Painter, Renderer, Shown};
 pub use cpu::CpuRenderer;
 pub use fill::fill;
 pub use gpu::{AdapterChoice, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 pub use pick::{Picked, pick};
+pub use png::write_png;
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]
@@ -63,11 +70,11 @@ mod tests {
         let vantage = Vantage { camera: demo.home(), frame: 1 };
         for &kernel in Kernel::ALL {
             let settings = RenderSettings { kernel, ..RenderSettings::default() };
-            let [best, portable] = simd::at_best_and_portable(|| {
+            let pictures = simd::at_every_level(|| {
                 CpuRenderer::new().render(&samples, &vantage, &settings, &Job::new()).unwrap().0
             });
-            assert!(best.holes() < best.image.len() as u64 / 2);
-            assert_eq!(best, portable, "{kernel}");
+            assert!(pictures[0].holes() < pictures[0].image.len() as u64 / 2);
+            assert!(pictures.iter().all(|picture| *picture == pictures[0]), "{kernel}");
         }
     }
 }

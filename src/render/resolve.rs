@@ -10,9 +10,9 @@ use super::blend::Sum;
 use super::blocks::Blocks;
 use super::frame_samples::{ColorPlace, FrameSamples, f32_from_f16_bits};
 use super::gather::{BLOCK, Gather};
-use super::gather_points::{Findings, SurfacePoint};
+use super::gather_block::Scratch;
 use super::keys::{inverse_depth_of, slot_of};
-use super::silhouette::{Patch, Pixel, RING, SIDE};
+use super::silhouette::{Patch, RING, SIDE};
 use super::vantage::{NO_IMAGE, Picture};
 use crate::error::Result;
 use crate::job::Job;
@@ -67,10 +67,19 @@ struct Found {
 }
 
 /// Sixteen rows of the three planes of a picture.
-struct Rows<'a> {
-    color: &'a mut [[f32; 3]],
-    inverse_depth: &'a mut [f32],
-    image: &'a mut [u32],
+pub(super) struct Rows<'a> {
+    pub(super) color: &'a mut [[f32; 3]],
+    pub(super) inverse_depth: &'a mut [f32],
+    pub(super) image: &'a mut [u32],
+}
+
+impl Rows<'_> {
+    #[inline(always)]
+    fn set(&mut self, frame: &FrameSamples<'_>, at: usize, key: u64, color: [f32; 3]) {
+        self.color[at] = color;
+        self.inverse_depth[at] = inverse_depth_of(key);
+        self.image[at] = if key == 0 { NO_IMAGE } else { frame.image_of(slot_of(key)) };
+    }
 }
 
 impl Resolve<'_> {
@@ -83,9 +92,12 @@ impl Resolve<'_> {
         let color = picture.color.as_mut_slice().par_chunks_mut(strip);
         let depth = picture.inverse_depth.as_mut_slice().par_chunks_mut(strip);
         let image = picture.image.as_mut_slice().par_chunks_mut(strip);
-        color.zip(depth).zip(image).enumerate().try_for_each(|(row, ((color, inverse_depth), image))| {
+        let strips = color.zip(depth).zip(image).enumerate();
+        let scratch = || Scratch::new(self.frame.set.cameras.len());
+        strips.try_for_each_init(scratch, |scratch, (row, ((color, inverse_depth), image))| {
             self.job.check()?;
-            simd::run(Strip { resolve: self, which, row, rows: Rows { color, inverse_depth, image } });
+            let rows = Rows { color, inverse_depth, image };
+            simd::run(Strip { resolve: self, scratch, which, row, rows });
             Ok(())
         })
     }
@@ -94,6 +106,7 @@ impl Resolve<'_> {
 /// A row of blocks.
 struct Strip<'a> {
     resolve: &'a Resolve<'a>,
+    scratch: &'a mut Scratch,
     which: &'a Blocks,
     row: usize,
     rows: Rows<'a>,
@@ -104,7 +117,6 @@ impl Work for Strip<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        let (mut cameras, mut waiting) = (Vec::new(), Waiting::default());
         let mut found = Found {
             keys: [[0; BLOCK]; BLOCK],
             places: [[ColorPlace::default(); BLOCK]; BLOCK],
@@ -120,7 +132,14 @@ impl Work for Strip<'_> {
             if !has_foreground && let Some(background) = self.resolve.background_picture {
                 self.copy(&block, background);
             } else if let Some(gathers) = self.resolve.gather {
-                self.gather(&block, gathers[usize::from(has_foreground)], (&mut cameras, &mut waiting));
+                let (among, frame) = (usize::from(has_foreground), self.resolve.frame);
+                let patch = self.resolve.patch(&block);
+                self.scratch.gather(
+                    (gathers[among], among),
+                    frame,
+                    &patch,
+                    (&mut self.rows, self.resolve.width),
+                );
             } else if self.resolve.kernel == Kernel::Point && !self.resolve.frame.tiles.is_empty() {
                 self.points(&block, &mut found);
             } else {
@@ -130,9 +149,20 @@ impl Work for Strip<'_> {
     }
 }
 
-struct Block {
-    left: usize,
-    top: usize,
+/// Copies as many as both have. Nearly always they are sixteen, which takes no call and no loop.
+#[inline(always)]
+fn put<T: Copy>(to: &mut [T], from: &[T]) {
+    if let (Some(to), Some(from)) = (to.first_chunk_mut::<BLOCK>(), from.first_chunk::<BLOCK>()) {
+        *to = *from;
+    } else {
+        to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+    }
+}
+
+/// Column and row of the first pixel of a block.
+pub(super) struct Block {
+    pub(super) left: usize,
+    pub(super) top: usize,
 }
 
 impl Resolve<'_> {
@@ -204,13 +234,6 @@ impl Strip<'_> {
         (BLOCK.min(self.resolve.width - block.left), rows)
     }
 
-    #[inline(always)]
-    fn set(&mut self, at: usize, key: u64, color: [f32; 3]) {
-        self.rows.color[at] = color;
-        self.rows.inverse_depth[at] = inverse_depth_of(key);
-        self.rows.image[at] = if key == 0 { NO_IMAGE } else { self.resolve.frame.image_of(slot_of(key)) };
-    }
-
     fn copy(&mut self, block: &Block, from: &Picture) {
         let (columns, rows) = self.extent(block);
         for row in 0..rows {
@@ -232,7 +255,7 @@ impl Strip<'_> {
                 let pixel = (block.top + row) * self.resolve.width + block.left + column;
                 let key = self.resolve.key(pixel);
                 let color = if key == 0 { [0.0; 3] } else { self.resolve.blended(pixel, key) };
-                self.set(row * self.resolve.width + block.left + column, key, color);
+                self.rows.set(self.resolve.frame, row * self.resolve.width + block.left + column, key, color);
             }
         }
     }
@@ -245,8 +268,8 @@ impl Strip<'_> {
         let (columns, rows) = self.extent(block);
         for row in 0..rows {
             let first = (block.top + row) * self.resolve.width + block.left;
-            let keys = &mut found.keys[row][..columns];
-            keys.copy_from_slice(&self.resolve.background.keys[first..first + columns]);
+            let keys = &mut found.keys[row];
+            put(keys, &self.resolve.background.keys[first..first + columns]);
             if let Some(foreground) = self.resolve.foreground {
                 let front = &foreground.keys[first..first + columns];
                 keys.iter_mut().zip(front).for_each(|(key, front)| *key = (*key).max(*front));
@@ -258,7 +281,7 @@ impl Strip<'_> {
             }
             simd::prefetch(self.rows.inverse_depth, at);
             simd::prefetch(self.rows.image, at);
-            for (place, &key) in found.places[row].iter_mut().zip(&*keys) {
+            for (place, &key) in found.places[row].iter_mut().zip(&keys[..columns]) {
                 // A hole looks at the first sample there is, and forgets it.
                 *place = frame.color_place(if key == 0 { 0 } else { slot_of(key) });
                 simd::prefetch(frame.colors(place.image), place.nth as usize);
@@ -299,82 +322,7 @@ impl Strip<'_> {
         for (column, color) in self.rows.color[at..at + columns].iter_mut().enumerate() {
             *color = [planes[0][column & 15], planes[1][column & 15], planes[2][column & 15]];
         }
-        self.rows.inverse_depth[at..at + columns].copy_from_slice(&depths[..columns]);
-        self.rows.image[at..at + columns].copy_from_slice(&images[..columns]);
-    }
-
-    #[inline(always)]
-    fn gather(
-        &mut self,
-        block: &Block,
-        gather: &Gather<'_>,
-        (cameras, waiting): (&mut Vec<u16>, &mut Waiting),
-    ) {
-        let frame = self.resolve.frame;
-        let patch = self.resolve.patch(block);
-        frame.cameras_of(patch.keys.as_flattened(), cameras);
-        let middle = patch.keys.as_flattened()[SIDE * SIDE / 2 + SIDE / 2];
-        let center = ((block.left + BLOCK / 2) as f32, (block.top + BLOCK / 2) as f32);
-        gather.rank(center, inverse_depth_of(middle).max(0.0), cameras);
-        let edges = patch.edges();
-        let (columns, rows) = self.extent(block);
-        waiting.clear();
-        for row in 0..rows {
-            for column in 0..columns {
-                let own = patch.keys[row + RING][column + RING];
-                let pixel = if edges[row] >> column & 1 == 1 {
-                    patch.decide(gather, cameras, column, row)
-                } else if own == 0 {
-                    Pixel::Hole
-                } else {
-                    Pixel::Surface(own)
-                };
-                let (key, layers) = match pixel {
-                    Pixel::Hole => (0, [(0, 0.0); 2]),
-                    Pixel::Surface(key) => (key, [(key, 1.0), (0, 0.0)]),
-                    Pixel::Edge { near, far, share } => {
-                        (if share >= 0.5 { near } else { far }, [(near, share), (far, 1.0 - share)])
-                    }
-                };
-                let at = row * self.resolve.width + block.left + column;
-                self.set(at, key, [0.0; 3]);
-                for (key, share) in layers {
-                    if share > 0.0 {
-                        let place = ((block.left + column) as f32, (block.top + row) as f32);
-                        waiting.push(frame, place, (key, share), at);
-                    }
-                }
-            }
-        }
-        gather.find(&waiting.points, cameras, &mut waiting.found, &mut waiting.wanting);
-        for (found, &(key, share, at)) in waiting.found.iter().zip(&waiting.pixels) {
-            let color = found.color(|| frame.color_of(slot_of(key)));
-            (0..3).for_each(|channel| self.rows.color[at][channel] += share * color[channel]);
-        }
-    }
-}
-
-/// Surface points of a block that wait for their colors.
-#[derive(Default)]
-struct Waiting {
-    points: Vec<SurfacePoint>,
-    /// The key of each, how much it counts in its pixel, and the pixel, as an index in the strip.
-    pixels: Vec<(u64, f32, usize)>,
-    found: Vec<Findings>,
-    /// Points that want one camera.
-    wanting: Vec<usize>,
-}
-
-impl Waiting {
-    fn clear(&mut self) {
-        self.points.clear();
-        self.pixels.clear();
-    }
-
-    #[inline(always)]
-    fn push(&mut self, frame: &FrameSamples<'_>, (x, y): (f32, f32), (key, share): (u64, f32), at: usize) {
-        let sample = frame.camera_of(slot_of(key));
-        self.points.push(SurfacePoint { x, y, w: inverse_depth_of(key), sample });
-        self.pixels.push((key, share, at));
+        put(&mut self.rows.inverse_depth[at..at + columns], &depths);
+        put(&mut self.rows.image[at..at + columns], &images);
     }
 }

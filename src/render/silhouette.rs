@@ -10,16 +10,15 @@
 //! Fusion of Depth Maps*, ICCV 2007. What differs: votes are bilinear shares instead of counts, so that the boundary comes
 //! out finer than a pixel and is painted as a blend.
 
-use super::gather::{BLOCK, Gather};
+use super::gather::BLOCK;
 use super::keys::{CORE, inverse_depth_of, key, nearness, slot_of};
+use super::surface::joined;
+use super::votes::Votes;
 
 /// A pixel is the nearer surface's by `LEAST + SLOPE · s` for a supporting share `s`. Fitted once to how often the nearer
 /// surface was truly there, on a rendered capture: shares understate it, as samples beside an edge agree less exactly.
 const LEAST: f32 = 0.15;
 const SLOPE: f32 = 1.2;
-
-/// Samples beside agreeing ones that say nothing count this much, half for the surface and half against it.
-const SILENCE: f32 = 0.5;
 
 /// A surface is carried on beyond its edge as long as it recedes by no more than this many tolerances a pixel.
 const STEEPEST: f32 = 8.0;
@@ -36,6 +35,55 @@ pub(super) enum Pixel {
     Surface(u64),
     /// A nearer surface over a farther one, and the share of the nearer.
     Edge { near: u64, far: u64, share: f32 },
+}
+
+/// What cameras are asked about a pixel at a step in depth.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Question {
+    /// Nothing.
+    Settled(Pixel),
+    /// Whether two neighbors' nearer surface goes on between them, over `own`; 0 where that is a hole.
+    Crack { own: u64, crack: u64 },
+    /// How much of it is still `own`'s surface and how much the farther one's; 0 where that is a hole.
+    Rim { own: u64, far: u64 },
+}
+
+impl Question {
+    /// The surface that cameras vote on.
+    #[inline(always)]
+    pub(super) fn claim(&self) -> Option<u64> {
+        match *self {
+            Self::Settled(_) => None,
+            Self::Crack { crack, .. } => Some(crack),
+            Self::Rim { own, .. } => Some(own),
+        }
+    }
+
+    /// What stands in the pixel, by the votes on what is claimed.
+    #[inline(always)]
+    pub(super) fn answer(&self, votes: Votes) -> Pixel {
+        let decides = votes.all > FEWEST_VOTES;
+        let share = decides.then(|| (LEAST + SLOPE * votes.agree / votes.all).clamp(0.0, 1.0));
+        match *self {
+            Self::Settled(pixel) => pixel,
+            Self::Crack { own, crack } => {
+                let share = share.unwrap_or(1.0);
+                // What the votes do not carry is no crack: the gap is there.
+                match own {
+                    0 if share < 0.5 => Pixel::Hole,
+                    0 => Pixel::Surface(crack),
+                    far if share < 0.5 => Pixel::Surface(far),
+                    far => Pixel::Edge { near: crack, far, share },
+                }
+            }
+            Self::Rim { own, far } => match share {
+                None => Pixel::Surface(own),
+                Some(share) if far == 0 && share < 0.5 => Pixel::Hole,
+                Some(_) if far == 0 => Pixel::Surface(own),
+                Some(share) => Pixel::Edge { near: own, far, share },
+            },
+        }
+    }
 }
 
 /// Pixels around a block that decisions in it look at.
@@ -66,47 +114,42 @@ impl Patch {
     pub(super) fn edges(&self) -> [u16; BLOCK] {
         let (mut far, mut near) = ([[0.0_f32; BLOCK]; SIDE], [[0.0_f32; BLOCK]; SIDE]);
         for (row, keys) in self.keys.iter().enumerate() {
-            let w = keys.map(inverse_depth_of);
+            let mut w = [0.0_f32; SIDE];
+            for x in 0..SIDE {
+                w[x] = inverse_depth_of(keys[x]);
+            }
             for x in 0..BLOCK {
                 far[row][x] = w[x + 1].min(w[x + 2]).min(w[x + 3]);
                 near[row][x] = w[x + 1].max(w[x + 2]).max(w[x + 3]);
             }
         }
-        std::array::from_fn(|y| {
-            let mut mask = 0;
+        let mut edges = [0; BLOCK];
+        for y in 0..BLOCK {
+            let mut bits = [0_u32; BLOCK];
             for x in 0..BLOCK {
                 let far = far[y + 1][x].min(far[y + 2][x]).min(far[y + 3][x]);
                 let near = near[y + 1][x].max(near[y + 2][x]).max(near[y + 3][x]);
-                mask |= u16::from(far < near * self.surface_ratio) << x;
+                bits[x] = u32::from(far < near * self.surface_ratio) << x;
             }
-            mask
-        })
+            edges[y] = joined(&bits) as u16;
+        }
+        edges
     }
 
-    /// What stands in pixel `(x, y)` of the block, by the votes of `cameras`.
+    /// What is to be decided about pixel `(x, y)` of the block.
     #[inline(always)]
-    pub(super) fn decide(&self, gather: &Gather<'_>, cameras: &[u16], x: usize, y: usize) -> Pixel {
+    pub(super) fn question(&self, x: usize, y: usize) -> Question {
         let own = self.key(x, y, (0, 0));
-        let (own_w, at) = (inverse_depth_of(own), ((self.left + x) as f32, (self.top + y) as f32));
+        let own_w = inverse_depth_of(own);
         if let Some(crack) = self.crack(own_w, x, y) {
-            let share = share(gather, cameras, at, inverse_depth_of(crack)).unwrap_or(1.0);
-            // What the votes do not carry is no crack: the gap is there.
-            return match own {
-                0 if share < 0.5 => Pixel::Hole,
-                0 => Pixel::Surface(crack),
-                far if share < 0.5 => Pixel::Surface(far),
-                far => Pixel::Edge { near: crack, far, share },
-            };
+            return Question::Crack { own, crack };
         }
         if own == 0 {
-            return Pixel::Hole;
+            return Question::Settled(Pixel::Hole);
         }
-        let Some(far) = self.farther(own_w, x, y) else { return Pixel::Surface(own) };
-        match share(gather, cameras, at, own_w) {
-            None => Pixel::Surface(own),
-            Some(share) if far == 0 && share < 0.5 => Pixel::Hole,
-            Some(_) if far == 0 => Pixel::Surface(own),
-            Some(share) => Pixel::Edge { near: own, far, share },
+        match self.farther(own_w, x, y) {
+            None => Question::Settled(Pixel::Surface(own)),
+            Some(far) => Question::Rim { own, far },
         }
     }
 
@@ -156,16 +199,4 @@ impl Patch {
         }
         nearest.map(|(_, key)| key)
     }
-}
-
-/// How much of a pixel belongs to the surface at inverse depth `w`, by the votes of all cameras; `None` without votes.
-fn share(gather: &Gather<'_>, cameras: &[u16], (x, y): (f32, f32), w: f32) -> Option<f32> {
-    let (mut agree, mut all) = (0.0, 0.0);
-    for &camera in cameras {
-        let Some(sight) = gather.sight(camera, x, y, w) else { continue };
-        let silent = if sight.agree > 0.0 { SILENCE * sight.silent } else { 0.0 };
-        agree += sight.weight * (sight.agree + 0.5 * silent);
-        all += sight.weight * (sight.agree + sight.through + silent);
-    }
-    (all > FEWEST_VOTES).then(|| (LEAST + SLOPE * agree / all).clamp(0.0, 1.0))
 }

@@ -259,7 +259,7 @@ impl Splat for Planes {
         let found = footprints(row.projector, projected, w, &slopes);
         // First and last column and row whose centers the footprint covers: always one, at most two unless it is large.
         let mut edges = [[0.0_f32; TILE]; 4];
-        let mut large = 0_u32;
+        let (mut large, mut columns, mut rows) = ([0_u32; TILE], [0_u32; TILE], [0_u32; TILE]);
         for i in 0..TILE {
             let (half_width, half_height) = (found.half_width[i].max(0.5), found.half_height[i].max(0.5));
             let seen = (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
@@ -268,19 +268,22 @@ impl Splat for Planes {
             edges[2][i] = (projected.v[i] - half_height - 0.5).ceil();
             edges[3][i] = (projected.v[i] + half_height - 0.5).floor();
             let wide = (edges[1][i] > edges[0][i] + 1.0) | (edges[3][i] > edges[2][i] + 1.0);
-            large |= u32::from(wide & seen) << i;
+            large[i] = u32::from(wide & seen) << i;
+            columns[i] = u32::from((edges[0][i] != edges[1][i]) & seen) << i;
+            rows[i] = u32::from((edges[2][i] != edges[3][i]) & seen) << i;
         }
+        let (mut large, columns, rows) = (joined(&large), joined(&columns), joined(&rows));
+        // Most footprints cover one column and one row alone.
+        let further = [u32::MAX, columns, rows, columns & rows];
         let mut touched = [0_u32; 4];
-        for corner in 0..4_usize {
+        for corner in (0..4_usize).filter(|corner| further[*corner] != 0) {
             let (columns, rows) = (&edges[corner & 1], &edges[2 + (corner >> 1)]);
             for i in 0..TILE {
                 let (x, y) = (columns[i], rows[i]);
                 let (pixel, inside) = self.0.pixel(x, y, i);
                 let (depth, covered) = depth_at(&found, projected, i, x, y);
-                // Most footprints cover one column and one row alone.
-                let again = ((corner & 1 == 1) & (edges[0][i] == edges[1][i]))
-                    | ((corner >> 1 == 1) & (edges[2][i] == edges[3][i]));
-                let seen = inside & covered & !again & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
+                let is_further = further[corner] >> i & 1 == 1;
+                let seen = inside & covered & is_further & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
                 raised.pixels[corner][i] = pixel;
                 raised.new[corner][i] = if seen { key(nearness(depth, CORE), slots | i as u32) } else { 0 };
                 touched[corner] |= u32::from(seen) << i;
@@ -314,6 +317,16 @@ impl Splat for Planes {
 #[inline(always)]
 pub(super) fn whole(number: f32) -> u32 {
     (number + 8_388_608.0).to_bits() & 0x7f_ffff
+}
+
+/// All bits together.
+#[inline(always)]
+pub(super) fn joined(bits: &[u32; TILE]) -> u32 {
+    let mut all = 0;
+    for i in 0..TILE {
+        all |= bits[i];
+    }
+    all
 }
 
 /// Inverse depth of a sample's plane at the center of pixel `(x, y)`, never negative.

@@ -1,5 +1,7 @@
 //! What goes into a renderer and what comes out.
 
+use rayon::prelude::*;
+
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
@@ -70,7 +72,8 @@ impl Picture {
     /// Pixels that no sample reached, filled or not.
     #[must_use]
     pub fn holes(&self) -> u64 {
-        self.image.as_slice().iter().filter(|image| **image == NO_IMAGE).count() as u64
+        let holes_in = |part: &[u32]| part.iter().map(|image| u32::from(*image == NO_IMAGE)).sum::<u32>();
+        self.image.as_slice().par_chunks(1 << 16).map(|part| u64::from(holes_in(part))).sum()
     }
 }
 

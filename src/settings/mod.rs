@@ -70,7 +70,7 @@ choice! {
 choice! {
     /// How the sampling rate of a pixel is measured.
     pub enum RateModel {
-        /// The footprint where cameras differ in focal length or resolution, the paper's ratio where they are alike.
+        /// The longest side (`stretch`) where cameras differ in focal length or resolution, the paper's ratio where they are alike.
         Auto = "auto",
         /// The paper's r: planar depth over cosine of incidence. Knows nothing of focal length and resolution.
         Paper = "paper",
@@ -155,6 +155,20 @@ choice! {
         Cpu = "cpu",
         /// The graphics adapter, be it a program that stands in for one.
         Gpu = "gpu",
+    }
+}
+
+choice! {
+    /// The widest vector instructions that hot loops may use. No setting: every choice gives the same bits.
+    pub enum Instructions {
+        /// The widest that the processor has.
+        Auto = "auto",
+        /// AVX-512 with byte, word, doubleword and shorter vectors.
+        Avx512 = "avx512",
+        /// AVX2 and what comes with it.
+        Avx2 = "avx2",
+        /// What every processor of the target has.
+        Portable = "portable",
     }
 }
 

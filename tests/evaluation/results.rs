@@ -9,15 +9,13 @@ use overlook::evaluate::truth::Truth;
 use overlook::job::Job;
 use overlook::settings::{CaptureSettings, Kernel, Settings};
 
-/// What `overlook sweep assets/small_capture --set spans.levels=paper --set pruning.rate=stretch --vary render.kernel=gather --out small` measures with
+/// What `overlook sweep assets/small_capture --vary render.kernel=gather --out small` measures with
 /// the kernel `gather` and with the paper's settings, as RESULTS.md shows it.
 fn small_table() -> String {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
     let capture = open(&folder, &CaptureSettings::default()).unwrap();
     let truth = Truth::Views(open_views(&folder.join("novel/transforms.json")).unwrap());
-    let mut settings = Settings::default();
-    settings.set_text("spans.levels=paper").unwrap();
-    settings.set_text("pruning.rate=stretch").unwrap();
+    let settings = Settings::default();
     let mut plan = Plan::grid(&settings, &[], &capture).unwrap();
     plan.trials.retain(|planned| {
         planned.trial.settings.render.kernel == Kernel::Gather || planned.series == Series::Paper

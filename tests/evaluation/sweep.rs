@@ -2,7 +2,7 @@
 
 use overlook::evaluate::sweep::{self, Plan, Point, Series};
 use overlook::job::Job;
-use overlook::settings::{Kernel, Settings};
+use overlook::settings::{Kernel, Precision, Settings};
 
 use crate::scenes::orrery;
 
@@ -59,8 +59,23 @@ fn a_sweep_measures_settings_and_baselines_and_goes_on_where_it_was_cut_short() 
         let beaten = whole
             .iter()
             .any(|other| other.bytes < point.bytes && other.psnr_filled_db > point.psnr_filled_db);
+        assert!(point.is_lossless(), "nothing here asks a store to round");
         assert!(point.psnr_filled_db.is_finite() && point.bytes > 0 && !(point.pareto && beaten));
     }
+    assert!(reference.pareto, "{reference:?}");
+    a_store_that_rounds_beats_only_stores_that_round(reference);
+}
+
+fn a_store_that_rounds_beats_only_stores_that_round(exact: &Point) {
+    let rounding = |precision, bytes| {
+        let mut point = Point { bytes, psnr_filled_db: exact.psnr_filled_db + 0.1, ..exact.clone() };
+        point.settings.store.precision = precision;
+        point
+    };
+    let half = exact.bytes / 2;
+    let mut points = [exact.clone(), rounding(Precision::Bits8, half), rounding(Precision::Bits16, half + 1)];
+    sweep::mark_pareto(&mut points, |point| point.bytes as f64, |point| point.psnr_filled_db);
+    assert_eq!(points.each_ref().map(|point| point.pareto), [true, true, false]);
 }
 
 #[test]

@@ -27,7 +27,7 @@ pub(crate) enum ColorBy {
     Picture,
     /// Which camera's sample is shown.
     Camera,
-    /// Whether the sample lives over all frames or in this one.
+    /// Whether the sample lives over several frames or in this one.
     Span,
     /// How densely samples lie beside the pixels of this view.
     SamplingRate,
@@ -52,7 +52,9 @@ impl ColorBy {
         match self {
             Self::Picture => "The scene as the kept samples show it.",
             Self::Camera => "Each pixel in the color of the camera whose sample it shows.",
-            Self::Span => "Samples stored once for all frames against samples stored for this frame.",
+            Self::Span => {
+                "Samples stored for several frames at once against samples stored for this frame alone."
+            }
             Self::SamplingRate => {
                 "Distance between samples beside distance between pixels here: purple where samples are denser than \
                  pixels, orange where the view is closer than the camera was."

@@ -227,16 +227,20 @@ fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
     let inverse_depth =
         rules.inverse_depth_plane(&png::depth(path, place, camera.intrinsics.size())?, camera);
     // Whole numbers have no one relative error; that of the median depth stands for all.
-    let step_relative = 0.5 * rules.unit_scale as f32 * median_of_hits(&inverse_depth);
+    // A unit is the coarser the nearer; a few stray hits must not speak for all.
+    let step_relative = 0.5 * rules.unit_scale as f32 * quantile_of_hits(&inverse_depth, NEARLY_ALL);
     Ok(DepthPart { inverse_depth, step_relative, name: path.display().to_string() })
 }
 
-/// The median of the finite values above 0, or 0.
-fn median_of_hits(values: &[f32]) -> f32 {
+/// The share of hits that the quantization step of depth in whole units is told for.
+const NEARLY_ALL: f64 = 0.99;
+
+/// What a share of the finite values above 0 stays below, or 0.
+fn quantile_of_hits(values: &[f32], share: f64) -> f32 {
     let mut hits: Vec<f32> =
         values.iter().copied().filter(|value| *value > 0.0 && value.is_finite()).collect();
-    let middle = hits.len() / 2;
-    if hits.is_empty() { 0.0 } else { *hits.select_nth_unstable_by(middle, f32::total_cmp).1 }
+    let rank = (hits.len() as f64 * share) as usize;
+    if hits.is_empty() { 0.0 } else { *hits.select_nth_unstable_by(rank, f32::total_cmp).1 }
 }
 
 fn read_normal_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<[Plane; 3]> {
@@ -295,7 +299,7 @@ impl Planes {
                 // A position errs by a share of its coordinates, which may be larger than its depth.
                 let coordinate_per_depth = xyz
                     .map(|axis| axis.iter().zip(&inverse_depth).map(|(value, w)| value.abs() * w).collect())
-                    .map(|shares: Vec<f32>| median_of_hits(&shares))
+                    .map(|shares: Vec<f32>| quantile_of_hits(&shares, 0.5))
                     .into_iter()
                     .fold(1.0, f32::max);
                 DepthPart {

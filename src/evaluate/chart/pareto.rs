@@ -22,9 +22,10 @@ fn kernel_color(kernel: Kernel) -> &'static str {
     }
 }
 
-fn marker(series: Series) -> Marker {
+fn marker(series: Series, is_lossless: bool) -> Marker {
     match series {
-        Series::Reference | Series::Variation => Marker::Dot,
+        Series::Reference | Series::Variation if is_lossless => Marker::Dot,
+        Series::Reference | Series::Variation => Marker::Ring,
         Series::NoPruning => Marker::Up,
         Series::FirstCamera => Marker::Down,
         Series::FirstCameraAtCount => Marker::Diamond,
@@ -84,7 +85,13 @@ fn panel(svg: &mut Svg, points: &[Point], ((left, right), y): ((f64, f64), &Axis
     svg.text((0.5 * (left + right), BOTTOM + 54.0), Anchor::Middle, (18.0, color::INK), name);
 
     let place = |point: &Point| (x.at(cost(point)), y.at(point.psnr_filled_db));
-    front(svg, points, cost, &place, right);
+    front(svg, points.to_vec(), (cost, &place, right), ROUNDED);
+    front(
+        svg,
+        points.iter().filter(|point| point.is_lossless()).cloned().collect(),
+        (cost, &place, right),
+        EXACT,
+    );
     for point in points {
         let (px, _) = place(point);
         let bar = |sign: f64| y.at(point.psnr_filled_db + sign * point.psnr_filled_db_se);
@@ -94,7 +101,7 @@ fn panel(svg: &mut Svg, points: &[Point], ((left, right), y): ((f64, f64), &Axis
         for point in points.iter().filter(|point| point.series.is_baseline() == wanted) {
             let radius = if wanted { 8.0 } else { 5.0 };
             svg.marker(
-                marker(point.series),
+                marker(point.series, point.is_lossless()),
                 place(point),
                 radius,
                 kernel_color(point.settings.render.kernel),
@@ -108,15 +115,16 @@ fn panel(svg: &mut Svg, points: &[Point], ((left, right), y): ((f64, f64), &Axis
     }
 }
 
+/// Line of the front among lossless stores.
+const EXACT: (&str, &str) = (color::RED, "7 5");
+/// Line of the front where stores may round.
+const ROUNDED: (&str, &str) = (color::FAINT, "2 4");
+
+/// A cost, where a point lies, and how far right the picture goes.
+type Place<'a> = (&'a dyn Fn(&Point) -> f64, &'a dyn Fn(&Point) -> (f64, f64), f64);
+
 /// The staircase along the points that nothing beats.
-fn front(
-    svg: &mut Svg,
-    points: &[Point],
-    cost: &dyn Fn(&Point) -> f64,
-    place: &dyn Fn(&Point) -> (f64, f64),
-    right: f64,
-) {
-    let mut best = points.to_vec();
+fn front(svg: &mut Svg, mut best: Vec<Point>, (cost, place, right): Place<'_>, (line, dashes): (&str, &str)) {
     mark_pareto(&mut best, cost, |point| point.psnr_filled_db);
     best.retain(|point| point.pareto);
     best.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
@@ -131,7 +139,7 @@ fn front(
     if let Some(&(_, last)) = steps.last() {
         steps.push((right, last));
     }
-    svg.path(&steps, (2.2, color::RED), "7 5");
+    svg.path(&steps, (2.2, line), dashes);
 }
 
 fn legend(svg: &mut Svg, points: &[Point]) {
@@ -145,13 +153,15 @@ fn legend(svg: &mut Svg, points: &[Point]) {
             x += 110.0;
         }
     }
-    svg.path(&[(x + 20.0, y - 5.0), (x + 70.0, y - 5.0)], (2.2, color::RED), "7 5");
-    svg.text(
-        (x + 82.0, y),
-        Anchor::Start,
-        (16.0, color::INK),
-        "Pareto front: nothing is both cheaper and closer",
-    );
+    let fronts = [
+        (EXACT, "Pareto front of lossless stores: nothing is both cheaper and closer", 560.0),
+        (ROUNDED, "where stores may round", 220.0),
+    ];
+    for ((line, dashes), words, width) in fronts {
+        svg.path(&[(x + 20.0, y - 5.0), (x + 70.0, y - 5.0)], (2.2, line), dashes);
+        svg.text((x + 82.0, y), Anchor::Start, (16.0, color::INK), words);
+        x += width + 60.0;
+    }
     let (mut x, mut y) = (180.0, y + 40.0);
     svg.text((100.0, y), Anchor::Start, (16.0, color::FAINT), "samples");
     for series in Series::ALL {
@@ -161,11 +171,20 @@ fn legend(svg: &mut Svg, points: &[Point]) {
         if x > 1450.0 {
             (x, y) = (180.0, y + 34.0);
         }
-        svg.marker(marker(series), (x, y - 5.0), if series.is_baseline() { 8.0 } else { 6.0 }, color::INK);
+        svg.marker(
+            marker(series, true),
+            (x, y - 5.0),
+            if series.is_baseline() { 8.0 } else { 6.0 },
+            color::INK,
+        );
         if series == Series::Reference {
             svg.marker(Marker::Ring, (x, y - 5.0), 11.0, color::INK);
         }
         svg.text((x + 18.0, y), Anchor::Start, (16.0, color::INK), series.name());
         x += 340.0;
+    }
+    if points.iter().any(|point| !point.is_lossless()) {
+        svg.marker(Marker::Ring, (x, y - 5.0), 6.0, color::INK);
+        svg.text((x + 18.0, y), Anchor::Start, (16.0, color::INK), "the store rounds");
     }
 }

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::settings::Instructions;
+
 /// The machine and the build, as far as they say so themselves.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Machine {
@@ -13,8 +15,10 @@ pub struct Machine {
     pub os: &'static str,
     /// Threads that the system runs at once for this process.
     pub threads_available: usize,
-    /// Vector instructions that the processor has, whether or not the program uses them; empty where unknown.
+    /// Vector instructions that the processor has, whether or not they are used; empty where unknown.
     pub simd: Vec<&'static str>,
+    /// The vector instructions that the stages were measured with.
+    pub instructions: Instructions,
     /// Whether this is a release build. Times of any other build say nothing about the program.
     pub optimized: bool,
 }
@@ -29,6 +33,7 @@ impl Machine {
             os: std::env::consts::OS,
             threads_available: std::thread::available_parallelism().map_or(1, usize::from),
             simd: simd(),
+            instructions: crate::simd::widest(),
             optimized: !cfg!(debug_assertions),
         }
     }

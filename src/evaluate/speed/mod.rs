@@ -9,7 +9,6 @@
 //! Every stage is measured with one thread and with all. The limits are measured before the stages and again after them, and
 //! all their repeats count together, so that a machine that grows slower or faster meanwhile tilts no share.
 
-pub mod backend;
 pub mod limits;
 pub mod machine;
 pub mod measure;
@@ -22,8 +21,9 @@ use rayon::ThreadPool;
 
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::settings;
-use backend::Backend;
+use crate::render::{AdapterChoice, GpuRenderer};
+use crate::settings::{Backend, Instructions};
+use crate::simd;
 use limits::LimitMeter;
 use machine::Machine;
 use measure::Budget;
@@ -41,8 +41,11 @@ pub struct Options {
     pub threads: usize,
     /// Few repeats on a small scene: to see that everything works.
     pub quick: bool,
-    /// Whether the GPU is measured beside the CPU; see [`Backend::wanted`].
-    pub backend: settings::Backend,
+    /// What paints. The CPU always does; besides, the adapter that is asked for by name, or with `auto` a graphics card where
+    /// there is one.
+    pub backend: Backend,
+    /// The widest vector instructions that the stages may use.
+    pub instructions: Instructions,
     /// Parts of the names of the stages that are measured; all stages where empty.
     pub only: Vec<String>,
 }
@@ -59,6 +62,15 @@ impl Options {
 
     fn budget(&self) -> Budget {
         if self.quick { Budget::QUICK } else { Budget::FULL }
+    }
+
+    fn backends(&self) -> Result<Vec<Backend>> {
+        let has_adapter = match self.backend {
+            Backend::Cpu => false,
+            Backend::Auto => GpuRenderer::new(AdapterChoice::Hardware).is_ok(),
+            Backend::Gpu => GpuRenderer::new(AdapterChoice::Any).map(|_| true)?,
+        };
+        Ok(if has_adapter { vec![Backend::Cpu, Backend::Gpu] } else { vec![Backend::Cpu] })
     }
 
     fn wants(&self, name: &str) -> bool {
@@ -99,9 +111,14 @@ impl Case {
 /// Measures the stages and the machine's limits.
 ///
 /// # Errors
-/// `Invalid` where no stage has the wanted name; `Cancelled`; whatever a stage gives.
+/// `Invalid` where no stage has the wanted name; `Unsupported` where the processor lacks the instructions; `Gpu` where an
+/// adapter is asked for by name and there is none; `Cancelled`; whatever a stage gives.
 pub fn measure(options: &Options, job: &Job) -> Result<SpeedReport> {
-    let backends = Backend::wanted(options.backend)?;
+    simd::limited(options.instructions, || measure_all(options, job))
+}
+
+fn measure_all(options: &Options, job: &Job) -> Result<SpeedReport> {
+    let backends = options.backends()?;
     let cases = wanted_cases(options, &backends)?;
     let scene = Scene::new(options.camera_size(), job)?;
     let bench = Bench { scene: &scene, budget: options.budget(), job };
@@ -183,8 +200,8 @@ mod tests {
 
     fn names(only: &[&str]) -> Vec<String> {
         let only = only.iter().map(|part| (*part).to_owned()).collect();
-        let backend = settings::Backend::Auto;
-        let options = Options { threads: 1, quick: false, backend, only };
+        let instructions = Instructions::Auto;
+        let options = Options { threads: 1, quick: false, backend: Backend::Auto, instructions, only };
         let cases = wanted_cases(&options, &[Backend::Cpu, Backend::Gpu]);
         cases.unwrap().iter().flat_map(Case::names).collect()
     }
@@ -222,7 +239,8 @@ mod tests {
     fn a_cancelled_measurement_gives_no_report() {
         let job = Job::new();
         job.cancel();
-        let options = Options { threads: 1, quick: true, backend: settings::Backend::Cpu, only: Vec::new() };
+        let (backend, instructions) = (Backend::Cpu, Instructions::Auto);
+        let options = Options { threads: 1, quick: true, backend, instructions, only: Vec::new() };
         assert!(matches!(measure(&options, &job), Err(Error::Cancelled)));
     }
 }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::Bench;
-use super::backend::Backend;
 use super::measure::{Times, repeat};
 use super::report::{Bound, Measured};
 use crate::capture::Frame;
@@ -19,7 +18,7 @@ use crate::preprocess::split::{BATCH, Split};
 use crate::preprocess::static_test::StaticTest;
 use crate::preprocess::{Report, Span, Verdict, inspect_frame, pack, scan};
 use crate::render::CpuRenderer;
-use crate::settings::{NormalEstimator, RenderSettings, Settings};
+use crate::settings::{Backend, NormalEstimator, RenderSettings, Settings};
 use crate::store;
 
 /// Bytes of a pixel's color (three half floats) and depth.

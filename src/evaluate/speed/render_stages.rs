@@ -4,14 +4,13 @@
 use std::sync::Arc;
 
 use super::Bench;
-use super::backend::Backend;
 use super::measure::repeat;
 use super::report::{Bound, Measured, Painting};
 use super::scene::{FRAMES, Scene};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::preprocess::SampleSet;
-use crate::render::Vantage;
-use crate::settings::{Kernel, RenderSettings};
+use crate::render::{Renderer, Vantage};
+use crate::settings::{Backend, Kernel, RenderSettings};
 
 /// What is painted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,7 +68,7 @@ impl PaintCase {
         // The CPU goes without saying.
         let backend = match self.backend {
             Backend::Cpu => String::new(),
-            other @ Backend::Gpu => format!("{}/", other.name()),
+            other => format!("{other}/"),
         };
         whats.iter().map(|what| format!("render/{backend}{}/{what}/{width}x{height}", self.kernel)).collect()
     }
@@ -112,18 +111,31 @@ impl PaintCase {
 
     /// Paints one vantage after the other.
     fn paint(&self, bench: &Bench<'_>, round: &Round<'_>) -> Result<Measured> {
-        let settings = RenderSettings { kernel: self.kernel, ..RenderSettings::default() };
-        let mut painter = self.backend.start()?;
+        let settings =
+            RenderSettings { kernel: self.kernel, backend: self.backend, ..RenderSettings::default() };
+        let mut renderer = Renderer::strict(self.backend)?;
         let mut turns = round.vantages.iter().cycle();
         let (mut holes, mut background_reused) = (0, false);
         let times = repeat(bench.budget, bench.job, || {
             let Some(vantage) = turns.next() else { return Ok(None) };
-            let painted = painter.paint(round.set, vantage, &settings, bench.job)?;
-            (holes, background_reused) = (painted.holes, painted.background_reused);
-            Ok(Some(painted))
+            let (picture, stats) = renderer.render(round.set, vantage, &settings, bench.job)?;
+            if let Some(what) = renderer.notice() {
+                return Err(Error::Gpu { what: what.to_owned() });
+            }
+            (holes, background_reused) = (stats.holes, stats.background_reused);
+            // Giving its memory back is not measured.
+            Ok(Some(picture))
         })?;
         let (width, height) = self.size;
         let pixels = f64::from(width) * f64::from(height);
+        let mut foreground = None;
+        if background_reused && let Some(vantage) = round.vantages.first() {
+            let (picture, _) = renderer.render(round.set, vantage, &settings, bench.job)?;
+            let passes = |index: &&u32| {
+                round.set.images.get(**index as usize).is_some_and(|image| image.span.len() == 1)
+            };
+            foreground = Some(picture.image.as_slice().iter().filter(passes).count() as f64 / pixels);
+        }
         Ok(Measured {
             name: round.name.clone(),
             backend: self.backend,
@@ -139,6 +151,7 @@ impl PaintCase {
                 background_reused,
                 fraction_of_same_size_limit: 0.0,
                 speedup_over_full_repaint: None,
+                foreground_of_picture: foreground,
             }),
         })
     }

@@ -2,11 +2,10 @@
 
 use serde::Serialize;
 
-use super::backend::Backend;
 use super::limits::Limit;
 use super::machine::Machine;
 use super::measure::Times;
-use crate::settings::Kernel;
+use crate::settings::{Backend, Kernel};
 
 /// The speed of every stage, beside the limits of the machine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,7 +33,7 @@ pub struct SpeedReport {
 pub struct StageSpeed {
     /// What was done to what, as `render/block/pruned/640x480`.
     pub name: String,
-    /// What did it.
+    /// What did it: `Cpu` or `Gpu`.
     pub backend: Backend,
     /// Threads.
     pub threads: usize,
@@ -94,6 +93,10 @@ pub struct Painting {
     /// How many times faster this is than painting all samples of the same set, with the same threads.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speedup_over_full_repaint: Option<f64>,
+    /// Share of the picture whose nearest sample belongs to the foreground, 0 to 1, where only that is painted: so many of the
+    /// pixels have to be painted again at least.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub foreground_of_picture: Option<f64>,
 }
 
 /// A stage that was measured, before the limits are known.
@@ -203,6 +206,7 @@ mod tests {
             background_reused: false,
             fraction_of_same_size_limit: 0.0,
             speedup_over_full_repaint: None,
+            foreground_of_picture: None,
         }));
         assert_eq!((stage.mpts_per_s, stage.limit_value, stage.fraction_of_limit), (100.0, 500.0, 0.2));
         assert_eq!(stage.painting.unwrap().fraction_of_same_size_limit, 0.5);

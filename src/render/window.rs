@@ -1,0 +1,216 @@
+//! Windows into the cameras' pictures: the tiles that were looked at last, unpacked.
+//!
+//! Neighboring points of the vantage are looked up in the same few tiles of a camera again and again. A tile is unpacked
+//! when the first of them asks for it; sixteen points at a time then read their 2×2 samples from plain arrays.
+//!
+//! ```text
+//! pixel (x, y) of a camera lies at (x mod 64, y mod 64) of its window: 4×4 tiles, each pushing out
+//! the one that lies a whole number of windows away
+//! ```
+
+use super::dense_tile::MISSING;
+use super::frame_samples::FrameTile;
+use super::lookup::Lookup;
+use super::surface::joined;
+use crate::preprocess::{TILE, TILE_SAMPLES};
+
+/// Points that are looked up together.
+pub(super) const LANES: usize = 16;
+
+/// One number for each of them.
+pub(super) type Lanes = [f32; LANES];
+
+/// Tiles along each side of a window.
+const TILES: usize = 4;
+const SIDE: usize = TILES * TILE;
+const AREA: usize = SIDE * SIDE;
+
+/// Stands in a place of a window that holds no tile yet: no camera is so large.
+const NO_CELL: u32 = u32::MAX;
+
+/// The 2×2 samples around each point: left above, right above, left below, right below.
+pub(super) struct Quads {
+    /// Inverse depths in the camera; [`MISSING`] where there is no sample.
+    pub(super) depth: [Lanes; 4],
+    /// Three half floats each, red lowest.
+    pub(super) color: [[u64; LANES]; 4],
+}
+
+/// One camera's window.
+struct Window {
+    depth: [f32; AREA],
+    color: [u64; AREA],
+    /// Which tile of the camera is in each place: `row + 1 << 16 | column + 1`.
+    cells: [u32; TILES * TILES],
+}
+
+/// A window for each camera that was asked for.
+pub(super) struct Windows {
+    cameras: Vec<Option<Box<Window>>>,
+    packed: [f32; TILE_SAMPLES],
+}
+
+impl Windows {
+    /// For so many cameras, nothing unpacked.
+    pub(super) fn new(cameras: usize) -> Self {
+        Self { cameras: std::iter::repeat_with(|| None).take(cameras).collect(), packed: [0.0; TILE_SAMPLES] }
+    }
+
+    /// The samples of a camera at columns `x`, `x + 1` and rows `y`, `y + 1`, from −1 on, for the points of a mask; for
+    /// others anything. Colors only where `COLORS` asks for them.
+    #[inline(always)]
+    pub(super) fn quads<const COLORS: bool>(
+        &mut self,
+        lookup: &Lookup<'_>,
+        camera: usize,
+        [x, y]: &[[i32; LANES]; 2],
+        asked: u32,
+    ) -> Quads {
+        let Self { cameras, packed } = self;
+        let window = cameras[camera].get_or_insert_with(Window::new);
+        let (near, corner, touched) = within((x, y), asked);
+        for row in touched[2]..=touched[3] {
+            for column in touched[0]..=touched[1] {
+                window.unpack(lookup, camera, (corner.0 + column, corner.1 + row), packed);
+            }
+        }
+        let mut quads = window.read::<COLORS>((x, y));
+        // Points that lie too far from the first for the window to hold both have to wait.
+        let mut left = asked & !near;
+        while left != 0 {
+            let i = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            for row in y[i] >> 4..=(y[i] + 1) >> 4 {
+                for column in x[i] >> 4..=(x[i] + 1) >> 4 {
+                    window.unpack(lookup, camera, (column, row), packed);
+                }
+            }
+            for corner in 0..4 {
+                let at = place(x[i] + (corner as i32 & 1), y[i] + (corner as i32 >> 1));
+                quads.depth[corner][i] = window.depth[at];
+                quads.color[corner][i] = window.color[at];
+            }
+        }
+        quads
+    }
+}
+
+/// Where a pixel of a camera lies in its window.
+#[inline(always)]
+fn place(x: i32, y: i32) -> usize {
+    let (column, row) = (x as u32 % SIDE as u32, y as u32 % SIDE as u32);
+    (row * SIDE as u32 + column) as usize % AREA
+}
+
+/// Those points of a mask whose 2×2 samples lie in one window together with the first one's; the tile that the window begins
+/// with; and from there, the first and last columns and rows of tiles that they touch.
+#[inline(always)]
+fn within((x, y): (&[i32; LANES], &[i32; LANES]), which: u32) -> (u32, (i32, i32), [i32; 4]) {
+    let first = which.trailing_zeros() as usize % LANES;
+    let corner = ((x[first] >> 4) - 1, (y[first] >> 4) - 1);
+    let (mut near, mut touched) = ([0_u32; LANES], [[1; LANES]; 4]);
+    for i in 0..LANES {
+        let (left, right) = ((x[i] >> 4) - corner.0, ((x[i] + 1) >> 4) - corner.0);
+        let (above, below) = ((y[i] >> 4) - corner.1, ((y[i] + 1) >> 4) - corner.1);
+        let inside = (left >= 0) & (right < TILES as i32) & (above >= 0) & (below < TILES as i32);
+        let is_near = inside & (which >> i & 1 == 1);
+        near[i] = u32::from(is_near) << i;
+        touched[0][i] = if is_near { left } else { 1 };
+        touched[1][i] = if is_near { right } else { 1 };
+        touched[2][i] = if is_near { above } else { 1 };
+        touched[3][i] = if is_near { below } else { 1 };
+    }
+    let near = joined(&near);
+    let mut ends = [1; 4];
+    for i in 0..LANES {
+        ends[0] = ends[0].min(touched[0][i]);
+        ends[1] = ends[1].max(touched[1][i]);
+        ends[2] = ends[2].min(touched[2][i]);
+        ends[3] = ends[3].max(touched[3][i]);
+    }
+    (near, corner, ends)
+}
+
+impl Window {
+    #[expect(
+        clippy::large_stack_arrays,
+        reason = "48 KiB on their way to the heap, once per camera and thread"
+    )]
+    fn new() -> Box<Self> {
+        Box::new(Self { depth: [MISSING; AREA], color: [0; AREA], cells: [NO_CELL; TILES * TILES] })
+    }
+
+    /// Puts a tile of the camera into its place, where it is not there yet; those beside the picture are empty.
+    #[inline(always)]
+    fn unpack(
+        &mut self,
+        lookup: &Lookup<'_>,
+        camera: usize,
+        (column, row): (i32, i32),
+        packed: &mut [f32; TILE_SAMPLES],
+    ) {
+        let place = (column & (TILES as i32 - 1), row & (TILES as i32 - 1));
+        let slot = (place.1 as usize * TILES + place.0 as usize) % (TILES * TILES);
+        let cell = ((row + 1) as u32) << 16 | (column + 1) as u32;
+        if self.cells[slot] == cell {
+            return;
+        }
+        self.cells[slot] = cell;
+        let corner = (place.1 as usize * SIDE + place.0 as usize) * TILE;
+        let mut tiles = lookup.tiles_at(camera, column, row).peekable();
+        if tiles.peek().is_none_or(|tile| tile.color.len() < TILE_SAMPLES) {
+            for row in 0..TILE {
+                self.depth[corner + row * SIDE..][..TILE].fill(MISSING);
+            }
+        }
+        for tile in tiles {
+            tile.depths.unpack(packed);
+            self.unpack_tile(tile, corner, packed);
+        }
+    }
+
+    #[inline(always)]
+    fn unpack_tile(&mut self, tile: &FrameTile<'_>, corner: usize, packed: &[f32; TILE_SAMPLES]) {
+        let (mut depths, mut colors) = (packed.as_slice(), tile.color);
+        for (row, &mask) in tile.rows.iter().enumerate() {
+            let at = corner + row * SIDE;
+            let count = mask.count_ones() as usize;
+            let (row_depths, rest_of_depths) = depths.split_at(count);
+            let (row_colors, rest_of_colors) = colors.split_at(count);
+            (depths, colors) = (rest_of_depths, rest_of_colors);
+            let (to_depths, to_colors) = (&mut self.depth[at..][..TILE], &mut self.color[at..][..TILE]);
+            if mask == u16::MAX {
+                to_depths.copy_from_slice(row_depths);
+                for (to, color) in to_colors.iter_mut().zip(row_colors) {
+                    *to = FrameTile::bits_of(*color);
+                }
+                continue;
+            }
+            let mut left = mask;
+            for (depth, color) in row_depths.iter().zip(row_colors) {
+                let column = left.trailing_zeros() as usize % TILE;
+                left &= left.wrapping_sub(1);
+                to_depths[column] = *depth;
+                to_colors[column] = FrameTile::bits_of(*color);
+            }
+        }
+    }
+
+    /// Reads the 2×2 samples of all points; those of points that are not in the window are anything.
+    #[inline(always)]
+    fn read<const COLORS: bool>(&self, (x, y): (&[i32; LANES], &[i32; LANES])) -> Quads {
+        let mut quads = Quads { depth: [[0.0; LANES]; 4], color: [[0; LANES]; 4] };
+        for corner in 0..4 {
+            let (right, below) = (corner as i32 & 1, corner as i32 >> 1);
+            for i in 0..LANES {
+                quads.depth[corner][i] = self.depth[place(x[i] + right, y[i] + below)];
+            }
+            if COLORS {
+                for i in 0..LANES {
+                    quads.color[corner][i] = self.color[place(x[i] + right, y[i] + below)];
+                }
+            }
+        }
+        quads
+    }
+}

@@ -1,0 +1,135 @@
+//! `overlook sweep`, `stress` and `tune` as a user calls them: the files they leave, how they go on, and what they refuse.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn overlook(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_overlook")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+/// The command's output, which must be a success.
+fn succeed(folder: &Path, arguments: &[&str]) -> String {
+    let output = overlook(folder, arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The one line that a command which must fail says.
+fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let output = overlook(folder, arguments);
+    assert_eq!(output.status.code(), Some(code), "{}", String::from_utf8_lossy(&output.stdout));
+    String::from_utf8(output.stderr).unwrap()
+}
+
+/// A folder with a small capture called `scene`, truth views beside it.
+fn scene() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let size = ["--cameras", "2", "--frames", "2", "--size", "48x36"];
+    succeed(folder.path(), &[&["demo", "orrery", "--out", "scene"], &size[..]].concat());
+    folder
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn is_picture(path: &Path) {
+    let picture = image::open(path).unwrap();
+    assert!(picture.width() > 400 && picture.height() > 300);
+}
+
+const SWEEP: [&str; 7] =
+    ["sweep", "scene", "--vary", "pruning.depth_tolerance=0.5,2", "--kernel", "block", "--out"];
+
+#[test]
+fn a_sweep_leaves_a_table_a_document_and_a_chart_and_goes_on_from_its_journal() {
+    let folder = scene();
+    let folder = folder.path();
+    let table = succeed(folder, &[&SWEEP[..], &["sweep"]].concat());
+    let document = json(&folder.join("sweep/sweep.json"));
+    assert_eq!(document["truth"], "the capture's own views; 2 frames");
+    let points = document["points"].as_array().unwrap();
+    let labels: Vec<&str> = points.iter().map(|point| point["label"].as_str().unwrap()).collect();
+    for label in ["default", "pruning.depth_tolerance = 0.5", "random, as many samples, block"] {
+        assert!(labels.contains(&label) && table.contains(label), "{label} is not among {labels:?}");
+    }
+    let csv = std::fs::read_to_string(folder.join("sweep/sweep.csv")).unwrap();
+    assert_eq!(csv.lines().count(), points.len() + 1);
+    assert!(csv.lines().next().unwrap().contains("settings.pruning.depth_tolerance"));
+    is_picture(&folder.join("sweep/pareto.png"));
+
+    // A journal that lost its last line measures that point again and nothing else: times of the others stay what they were.
+    let journal = folder.join("sweep/sweep.journal");
+    let text = std::fs::read_to_string(&journal).unwrap();
+    let kept: Vec<&str> = text.lines().collect();
+    std::fs::write(&journal, kept[..kept.len() - 1].join("\n") + "\n").unwrap();
+    succeed(folder, &[&SWEEP[..], &["sweep"]].concat());
+    let times = |document: &Value| -> Vec<Value> {
+        document["points"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|point| point["seconds_preprocess"].clone())
+            .collect()
+    };
+    let (before, after) = (times(&document), times(&json(&folder.join("sweep/sweep.json"))));
+    let changed = before.iter().zip(&after).filter(|(before, after)| before != after).count();
+    assert_eq!((before.len(), after.len()), (points.len(), points.len()));
+    assert!(changed <= 1, "{changed} points were measured again");
+}
+
+#[test]
+fn stress_names_the_point_of_failure_of_every_method() {
+    let folder = scene();
+    let folder = folder.path();
+    let table = succeed(
+        folder,
+        &[
+            "stress",
+            "scene",
+            "--only",
+            "camera pose",
+            "--frames",
+            "1",
+            "--set",
+            "render.kernel=block",
+            "--out",
+            "stress",
+        ],
+    );
+    assert!(table.contains("camera pose, degrees"), "{table}");
+    let document = json(&folder.join("stress/stress.json"));
+    let failures = document["failures"].as_array().unwrap();
+    assert_eq!(failures.len(), 3, "ours, without defenses, the paper's");
+    assert!(document["points"].as_array().unwrap().iter().all(|point| point["disturbance"] == "camera pose"));
+    is_picture(&folder.join("stress/stress.png"));
+    let unknown = fail(folder, &["stress", "scene", "--only", "rain", "--out", "stress"], 2);
+    assert!(unknown.contains("camera pose"), "names what there is: {unknown}");
+}
+
+#[test]
+fn tune_writes_settings_that_preprocess_takes_and_refuses_a_budget_that_cannot_be_kept() {
+    let folder = scene();
+    let folder = folder.path();
+    let tune = ["tune", "scene", "--frames", "1", "--all-cameras", "--journal", "tuning", "--out"];
+    let words = succeed(folder, &[&tune[..], &["tuned.toml"]].concat());
+    assert!(words.contains("Chosen: "), "{words}");
+    let toml = std::fs::read_to_string(folder.join("tuned.toml")).unwrap();
+    assert!(toml.starts_with("# Of "), "the file says why: {toml}");
+    succeed(folder, &["preprocess", "scene", "--settings", "tuned.toml", "--out", "tuned.ovl"]);
+    let refused = fail(folder, &[&tune[..], &["none.toml", "--max-bytes", "10"]].concat(), 1);
+    assert!(refused.contains("10 bytes") && !folder.join("none.toml").exists(), "{refused}");
+}
+
+#[test]
+fn results_that_cannot_be_written_end_the_run_with_the_place() {
+    let folder = scene();
+    let folder = folder.path();
+    std::fs::write(folder.join("taken"), "a file").unwrap();
+    let said = fail(folder, &[&SWEEP[..], &["taken"]].concat(), 1);
+    assert!(said.contains("taken"), "{said}");
+    let missing = fail(folder, &["sweep", "nowhere", "--out", "sweep"], 1);
+    assert!(missing.contains("nowhere"), "{missing}");
+}
