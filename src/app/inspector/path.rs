@@ -117,21 +117,6 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<usize> {
         return Err(Error::invalid("camera path", "it needs two keys at least; add them in the Path view"));
     }
     let mut renderer = Renderer::new();
-<<<<<<< HEAD
-    for picture in 0..pictures {
-        job.check()?;
-        let Some(key) = request.path.at(picture as f32) else { break };
-        let [width, height] = request.size;
-        let frame = key.frame.min(request.samples.frame_count().saturating_sub(1));
-        let vantage = Vantage { camera: key.rig.camera(width, height), frame };
-        let samples = match &request.playback {
-            Some(playback) => playback.seen_from(&vantage.camera, frame, job)?,
-            None => request.samples.clone(),
-        };
-        let (painted, _) = renderer.render(&samples, &vantage, &request.settings, job)?;
-        write_png(&painted, &request.folder.join(format!("{:04}.png", picture + 1)))?;
-        job.advance(1);
-=======
     let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| {
         film::paint(&request.reel, &vantages, &mut renderer, &request.settings, job, take)
     };
@@ -146,7 +131,6 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<usize> {
             paint(&mut |_, picture| encoder.add(picture))?;
             encoder.finish()?;
         }
->>>>>>> main
     }
     Ok(vantages.len())
 }

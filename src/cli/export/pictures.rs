@@ -52,25 +52,7 @@ pub(super) fn paint(
     take: impl FnMut(usize, &Picture) -> Result<()>,
 ) -> Result<()> {
     let mut renderer = Renderer::strict(settings.backend)?;
-<<<<<<< HEAD
-    job.start("Painting", stops.len());
-    for (nth, stop) in stops.iter().enumerate() {
-        job.check()?;
-        let samples = playback.seen_from(&stop.camera, stop.frame, job)?;
-        let vantage = Vantage { camera: stop.camera.clone(), frame: stop.frame };
-        // A frame that cannot be read ahead says so when it is painted.
-        let (painted, _) = rayon::join(
-            || renderer.render(&samples, &vantage, settings, job),
-            || stops.get(nth + 1).map(|next| playback.seen_from(&next.camera, next.frame, job)),
-        );
-        let (picture, _): (Arc<Picture>, _) = painted?;
-        take(stop, &picture)?;
-        job.advance(1);
-    }
-    Ok(())
-=======
     film::paint(&Reel::Disk(playback.clone()), &stops.vantages, &mut renderer, settings, job, take)
->>>>>>> main
 }
 
 /// Arguments of `overlook export pictures`.
