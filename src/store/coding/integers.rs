@@ -110,7 +110,7 @@ impl<'a> BitReader<'a> {
             // To at least 56 bits, without a branch on how many are there; what is above `count` already is put there again.
             self.pending |= u64::from_le_bytes(*eight) << self.count;
             self.rest = &self.rest[(63 - self.count as usize) / 8..];
-            self.count |= 56;
+            self.count |= 0b11_1000;
         } else {
             self.fill_last(bits);
         }

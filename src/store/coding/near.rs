@@ -40,6 +40,7 @@ pub struct Pixels {
 
 impl Default for Pixels {
     /// An empty block.
+    #[expect(clippy::large_stack_arrays, reason = "once a thread, on its way to the heap")]
     fn default() -> Self {
         Self { rows: [0; BLOCK], values: Box::new([[0; CELLS]; NUMBERS]) }
     }
@@ -121,7 +122,7 @@ pub(super) fn activity(residuals: &Cells<u32>, place: Place<'_>) -> usize {
     let sum = 2 * (of(1, W) + of(STRIDE, N)) + of(STRIDE + 1, NW) + of(STRIDE - 1, NE);
     // From here on the length is the largest in any case.
     let four = (4 * sum).min(1 << 20);
-    let mean = four * RECIPROCALS[usize::from(near.0 & (W | N | NW | NE))] >> 32;
+    let mean = (four * RECIPROCALS[usize::from(near.0 & (W | N | NW | NE))]) >> 32;
     if near.first(at).is_none() { ACTIVITIES - 1 } else { bit_length(mean as u32).min(ACTIVITIES - 2) }
 }
 

@@ -69,6 +69,7 @@ pub struct Walker {
 
 impl Default for Walker {
     /// Ready for any block.
+    #[expect(clippy::large_stack_arrays, reason = "once a thread, on its way to the heap")]
     fn default() -> Self {
         Self {
             residuals: Box::new([[0; CELLS]; NUMBERS]),
@@ -124,19 +125,19 @@ impl Walker {
                     continue;
                 }
                 // What the contexts of eight pixels have of other rows, a byte each.
-                let mut others = eight(north >> left) * u64::from(N)
-                    | eight(north << 1 >> left) * u64::from(NW)
-                    | eight(north >> 1 >> left) * u64::from(NE)
-                    | eight(north_2 >> left) * u64::from(NN)
-                    | eight(here >> left) * u64::from(R)
+                let mut others = (eight(north >> left) * u64::from(N))
+                    | (eight(north << 1 >> left) * u64::from(NW))
+                    | (eight(north >> 1 >> left) * u64::from(NE))
+                    | (eight(north_2 >> left) * u64::from(NN))
+                    | (eight(here >> left) * u64::from(R))
                     | eight(here >> 1 >> left) << 7;
                 let mut below = below >> left;
                 // W and WW.
                 let mut west = (row << 2 >> left) as u32;
                 for x in left..shape.width.min(left + 8) {
                     let context = (others & 0xFF) as u32
-                        | (west >> 1 & 1) * u32::from(W)
-                        | (west & 1) * u32::from(WW)
+                        | ((west >> 1 & 1) * u32::from(W))
+                        | ((west & 1) * u32::from(WW))
                         | (below as u32 & 1) << 8
                         | always;
                     let held = coder.held(x % LANES, context as usize, known >> x & 1 == 1);
@@ -253,7 +254,7 @@ impl Walker {
 /// The lowest eight bits, one in each byte.
 #[inline(always)]
 fn eight(bits: u64) -> u64 {
-    let apart = (bits & 0xFF) * 0x0101_0101_0101_0101 & 0x8040_2010_0804_0201;
+    let apart = ((bits & 0xFF) * 0x0101_0101_0101_0101) & 0x8040_2010_0804_0201;
     (apart + 0x7F7F_7F7F_7F7F_7F7F) >> 7 & 0x0101_0101_0101_0101
 }
 
