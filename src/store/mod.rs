@@ -12,6 +12,7 @@ mod blocks;
 mod bytes;
 mod chunks;
 pub mod coding;
+mod decoded;
 mod header;
 pub mod iff;
 mod images;

@@ -16,8 +16,9 @@ use quick_cache::Weighter;
 use quick_cache::sync::Cache;
 use rayon::prelude::*;
 
+use super::decoded::Decoded;
 use super::header::chain;
-use super::reader::{Decoded, Store};
+use super::reader::Store;
 use super::sight::{self, Places};
 use crate::capture::Camera;
 use crate::error::{Error, Result};

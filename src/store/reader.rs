@@ -14,6 +14,7 @@ use super::blocks::Coding;
 use super::bytes::{HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE};
 use super::chunks::{Chunks, REQUIRED, decode_settings, from_iff, in_chunk};
 use super::coding::model::Model;
+use super::decoded::Decoded;
 use super::header::{Head, ImageEntry, chain, decode_head, decode_index};
 use super::iff::{ChunkHeader, ChunkId, FORM_HEADER, FormReader};
 use super::images::{self, BlockEntry, Damage, ImageHead};
@@ -78,31 +79,6 @@ pub struct Store {
     /// What could not be read so far, by image.
     damage: Mutex<BTreeMap<usize, Vec<String>>>,
     blocks_read: AtomicU64,
-}
-
-/// An image as far as it was read, and what of it could not be.
-#[derive(Clone, Debug)]
-pub(super) struct Decoded {
-    pub(super) image: Arc<SampleImage>,
-    /// Where its blocks are; `None` where not even that could be read.
-    pub(super) head: Option<Arc<ImageHead>>,
-    /// For every block of the head, whether it was read.
-    pub(super) read: Vec<bool>,
-    damage: Vec<Damage>,
-}
-
-impl Decoded {
-    /// The blocks at some places (all where `None`) that have not been read.
-    fn missing(&self, places: Option<&Places>) -> Vec<&BlockEntry> {
-        let blocks = self.head.iter().flat_map(|head| &head.blocks).zip(&self.read);
-        let wanted = |block: &BlockEntry| places.is_none_or(|places| places.has(block.place));
-        blocks.filter(|(block, read)| !**read && wanted(block)).map(|(block, _)| block).collect()
-    }
-
-    /// Whether the blocks at some places, or all, have been read.
-    pub(super) fn has(&self, places: Option<&Places>) -> bool {
-        self.missing(places).is_empty()
-    }
 }
 
 impl Store {
