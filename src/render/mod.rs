@@ -3,7 +3,7 @@
 //! ```text
 //! SampleSet ─ frame_samples ─▶ tiles of the frame ─ cull ─▶ bands ─ project, footprint ─▶ surface ─▶ keys ─▶ blend ─▶ sums
 //!                                                                                          │                        │
-//!      Picture ◀─ fill ◀─ resolve ◀─ gather ◀─ lookup: back into the cameras ◀─ silhouette ─┴────────────────────────┘
+//!      Picture ◀─ fill ◀─ resolve ◀─ gather ◀─ lookup, window: into cameras ◀─ silhouette ─┴────────────────────────┘
 //! ```
 //!
 //! The *surface* stage finds the nearest sample of every pixel. What follows depends on the kernel: `point` shows that
