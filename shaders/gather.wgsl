@@ -1,5 +1,5 @@
 // The gather stage: the color of each surface that stands in a pixel, looked up in the cameras.
-// Twins: `Gather::color` in src/render/gather.rs, `Strip::gather` in src/render/resolve.rs.
+// Twins: `Gather::find` in src/render/gather_points.rs, `Scratch::gather` in src/render/gather_block.rs.
 //
 // One workgroup a block of 16×16 pixels, one thread a pixel.
 

@@ -1,5 +1,5 @@
 // The silhouette stage: what stands in pixels at steps in depth, by the votes of all cameras.
-// Twins: src/render/silhouette.rs, `Gather::sight` in src/render/gather.rs.
+// Twins: src/render/silhouette.rs, `Gather::vote` in src/render/votes.rs.
 //
 // One workgroup a block of 16×16 pixels, one thread a pixel.
 

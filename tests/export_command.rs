@@ -144,11 +144,12 @@ fn film(store: &str, path: &str, out: &Path, programs: &Path) -> Output {
 fn a_film_is_handed_to_ffmpeg_picture_by_picture() {
     let (folder, store, path) = scene();
     let out = folder.path().join("film.mp4");
-    let script = "for last; do :; done; printf '%s ' \"$@\" > \"$last.arguments\"; cat > \"$last\"";
-    let output = film(&store, &path, &out, &stand_in(folder.path(), script));
+    let told = folder.path().join("arguments");
+    let script = format!("for last; do :; done; printf '%s ' \"$@\" > {}; cat > \"$last\"", told.display());
+    let output = film(&store, &path, &out, &stand_in(folder.path(), &script));
     assert!(output.status.success(), "{}", said(&output));
     assert_eq!(std::fs::metadata(&out).unwrap().len(), 3 * 31 * 20 * 3);
-    let arguments = std::fs::read_to_string(folder.path().join("film.mp4.arguments")).unwrap();
+    let arguments = std::fs::read_to_string(told).unwrap();
     assert!(arguments.contains("-s 31x20 -r 30 -i -") && arguments.contains("libx264"), "{arguments}");
 }
 
@@ -166,4 +167,7 @@ fn without_ffmpeg_or_with_one_that_fails_one_line_says_so() {
     let output = film(&store, &path, &out, &stand_in(folder.path(), "echo no such codec >&2; exit 3"));
     assert_eq!(output.status.code(), Some(1));
     assert!(said(&output).contains("no such codec") && said(&output).trim().lines().count() == 1);
+    let left = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name());
+    let left: Vec<_> = left.filter(|name| name.to_string_lossy().ends_with(".mp4")).collect();
+    assert!(left.is_empty(), "of a film that failed nothing is left: {left:?}");
 }

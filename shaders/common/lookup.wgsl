@@ -1,4 +1,4 @@
-// Looking samples up by camera and pixel. Twin: src/render/lookup.rs.
+// Looking samples up by camera and pixel. Twins: src/render/lookup.rs, src/render/window.rs.
 //
 //   lookup   cells of all cameras, one per tile: number of the first tile with samples there
 //            entries, two words per tile of the frame: its piece, and the next tile of the same cell

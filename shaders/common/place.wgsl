@@ -1,4 +1,4 @@
-// Carrying a surface point back into the cameras. Twin: `Gather::place` in src/render/gather.rs.
+// Carrying a surface point back into the cameras. Twin: `Gather::places` in src/render/places.rs.
 
 // Sampling rates beyond this many times that of the vantage gain nothing.
 const USEFUL_RATE: f32 = 1.5;

@@ -41,6 +41,14 @@ pub(super) enum Command {
     ResetAll,
     /// Take the settings of a preset, by its place in the list.
     Preset(usize),
+    /// Take the settings of a preset of one's own, by its place in the list.
+    OwnPreset(usize),
+    /// What a new preset is named so far; `None` closes the field.
+    NamePreset(Option<String>),
+    /// Keep the settings on the sliders as a preset of this name.
+    SavePreset(String),
+    /// Forget a preset of one's own.
+    RemovePreset(usize),
     /// Take back the last change of a setting.
     Undo,
     /// Do again what was taken back.

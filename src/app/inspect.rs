@@ -1,16 +1,15 @@
 //! Carries out the commands of the inspector: the pixel, settings as they were, the camera path.
 
-use std::path::PathBuf;
-
 use super::OverlookApp;
 use super::command::Command;
 use super::inspector::charts::{Study, StudyRequest};
-use super::inspector::history::PRESETS;
-use super::inspector::path::{ExportRequest, PathKey};
+use super::inspector::path::{ExportRequest, PathKey, Target};
+use super::inspector::presets::{self, PRESETS};
 use super::inspector::probe::Spot;
 use super::state::NoticeKind;
 use super::views::live_image::Pixels;
 use super::views::{marks, words};
+use crate::render::film::Reel;
 use crate::settings::Settings;
 
 impl OverlookApp {
@@ -33,7 +32,12 @@ impl OverlookApp {
                 }
             }
             Command::ShowPointIn(camera) => self.show_point_in(camera),
-            Command::ClearMeter => state.inspector.meter.clear(),
+            Command::ClearMeter => {
+                if let Some(times) = state.inspector.meter.times() {
+                    log::info!("the window's own work, {times}");
+                }
+                state.inspector.meter.clear();
+            }
             Command::Compare(look) => state.inspector.compare = *look,
             Command::Palette(palette) => state.inspector.palette = palette,
             Command::CheatSheet(open) => state.inspector.cheat_sheet = open,
@@ -153,8 +157,8 @@ impl OverlookApp {
         self.state.timeline.frame = key.frame.min(self.state.frame_count().saturating_sub(1));
     }
 
-    /// Exports the camera path into a folder.
-    pub(super) fn export_path(&mut self, folder: PathBuf) {
+    /// Exports the camera path.
+    pub(super) fn export_path(&mut self, target: Target) {
         let Some(samples) = self.state.whole_samples().cloned() else {
             let text = "The whole capture is not pruned yet; the path is exported once it is.";
             self.state.notify(NoticeKind::Warning, "Nothing to export yet", text);
@@ -168,18 +172,43 @@ impl OverlookApp {
             .map_or([960, 720], |shown| shown.picture.size.map(|side| side as u32));
         let settings = self.state.settings.render.clone();
         let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
-        let request = ExportRequest { path, samples, playback, settings, size, folder };
+        let reel = playback.map_or(Reel::Memory(samples), Reel::Disk);
+        let request = ExportRequest { path, reel, settings, size, target };
         self.lanes.inspector.export.submit(request);
     }
 
-    /// Takes the settings of a preset.
-    pub(super) fn take_preset(&mut self, index: usize) {
-        let Some((_, _, change)) = PRESETS.get(index) else { return };
-        // How frames are read and what paints are matters of the machine.
+    /// Takes, names, saves and removes presets.
+    pub(super) fn apply_to_presets(&mut self, command: Command) {
+        let own = &mut self.state.inspector.presets;
+        match command {
+            Command::Preset(index) => {
+                let mut settings = Settings::default();
+                let Some((_, _, change)) = PRESETS.get(index) else { return };
+                change(&mut settings);
+                self.take_preset(settings);
+            }
+            Command::OwnPreset(index) => {
+                if let Some((_, settings)) = own.get(index).cloned() {
+                    self.take_preset(settings);
+                }
+            }
+            Command::NamePreset(name) => self.state.inspector.naming = name,
+            Command::SavePreset(name) => {
+                self.state.inspector.naming = None;
+                presets::keep(own, name.trim(), &self.state.settings);
+            }
+            Command::RemovePreset(index) if index < own.len() => {
+                own.remove(index);
+            }
+            _ => {}
+        }
+    }
+
+    /// Puts the settings of a preset on. How frames are read and what paints are matters of the machine.
+    fn take_preset(&mut self, preset: Settings) {
         let now = &self.state.settings;
-        let mut settings = Settings { capture: now.capture.clone(), ..Settings::default() };
+        let mut settings = Settings { capture: now.capture.clone(), ..preset };
         settings.render.backend = now.render.backend;
-        change(&mut settings);
         self.change_settings("preset", settings);
     }
 

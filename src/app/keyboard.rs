@@ -75,7 +75,8 @@ pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
         commands.push(Command::CopyArgument);
     }
     let held = held_keys(ctx);
-    let typing = state.typed_path.is_some() || state.inspector.palette.is_some();
+    let inspector = &state.inspector;
+    let typing = state.typed_path.is_some() || inspector.palette.is_some() || inspector.naming.is_some();
     if ctx.egui_wants_keyboard_input() || typing || state.scene.is_none() {
         return;
     }

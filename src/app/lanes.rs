@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::inspector::InspectorLanes;
-use super::inspector::path::write_png;
 use super::message::{Message, Purpose};
+use super::own_thread;
 use super::scene::{Origin, Scene, median_depth};
 use super::state::Inspected;
 use super::views::live_image::{self, LiveKey};
@@ -16,7 +16,7 @@ use crate::capture::{Capture, View, transforms};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{self, CameraInspection, Report, SampleSet, TemporalScan};
-use crate::render::{Picture, Renderer, SharedDevice};
+use crate::render::{Picture, Renderer, SharedDevice, write_png};
 use crate::settings::{CaptureSettings, Settings};
 use crate::store::{self, Playback};
 
@@ -105,9 +105,9 @@ impl Lanes {
     /// # Errors
     /// `Io` where the operating system gives no thread.
     pub(super) fn start(outbox: &Outbox, shared: Option<SharedDevice>) -> Result<Self> {
-        let background = pool("prune", rayon::current_num_threads())?;
+        let background = pool("prune", rayon::current_num_threads(), true)?;
         // A frame that this lane decodes may be awaited by every thread of the shared pool; its own thread finishes it.
-        let decoder = pool("decode", 1)?;
+        let decoder = pool("decode", 1, false)?;
         let measuring = background.clone();
         let progress = outbox.clone();
         let mut renderer = Renderer::sharing(shared);
@@ -151,11 +151,17 @@ impl Lanes {
     }
 }
 
-/// Threads of their own: in the pool that the views share, a picture would wait behind minutes of pruning.
-pub(super) fn pool(name: &'static str, threads: usize) -> Result<Arc<rayon::ThreadPool>> {
+/// Threads of their own: in the pool that the views share, a picture would wait behind minutes of pruning. Where they make
+/// way, the window and its pictures also come before them.
+pub(super) fn pool(name: &'static str, threads: usize, makes_way: bool) -> Result<Arc<rayon::ThreadPool>> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(move |index| format!("{name} {index}"))
+        .start_handler(move |_| {
+            if makes_way {
+                own_thread::make_way();
+            }
+        })
         .build()
         .map(Arc::new)
         .map_err(|error| Error::invalid("thread pool", error.to_string()))
@@ -181,6 +187,11 @@ fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Mes
     if store::Store::is_store(&path)? {
         let playback = Playback::new(store::Store::open(&path)?, store::DEFAULT_CACHE_BYTES);
         return Ok(Message::Opened(Arc::new(Scene::of_store(path, playback, job)?)));
+    }
+    let named_json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    if path.is_file() && !named_json {
+        let what = "is neither a store nor a transforms.json; open one of those, or the folder of a capture";
+        return Err(Error::unsupported(path.display(), what));
     }
     let capture = transforms::open(&path, settings)?;
     let truth = transforms::truth_beside(&path)
@@ -257,7 +268,7 @@ fn file(request: FileRequest, job: &Job) -> Result<Message> {
             Ok(Message::Saved { path, bytes: None })
         }
         FileRequest::SavePicture { path, picture } => {
-            write_png(&picture, &path)?;
+            write_png(&path, &picture)?;
             Ok(Message::Saved { path, bytes: None })
         }
         FileRequest::LoadSettings { path } => {
@@ -291,7 +302,12 @@ fn ask(purpose: Purpose) -> Option<PathBuf> {
             .set_file_name("picture.png")
             .add_filter("PNG", &["png"])
             .save_file(),
-        Purpose::ExportPath => dialog.set_title("Export pictures into a folder").pick_folder(),
+        Purpose::ExportPictures => dialog.set_title("Export pictures into a folder").pick_folder(),
+        Purpose::ExportFilm => dialog
+            .set_title("Export a film")
+            .set_file_name("film.mp4")
+            .add_filter("Film", &["mp4", "mkv", "mov"])
+            .save_file(),
         Purpose::LoadSettings => {
             dialog.set_title("Load settings").add_filter("Settings", &["toml"]).pick_file()
         }

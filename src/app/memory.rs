@@ -25,6 +25,7 @@ pub(super) struct Memory {
     show_cameras: bool,
     layout: String,
     callout: usize,
+    presets: Vec<(String, String)>,
 }
 
 impl Default for Memory {
@@ -37,6 +38,7 @@ impl Default for Memory {
             show_cameras: true,
             layout: String::new(),
             callout: 0,
+            presets: Vec::new(),
         }
     }
 }
@@ -57,6 +59,9 @@ impl Memory {
             show_cameras: state.live.show_cameras,
             layout: dock.to_json(),
             callout: state.inspector.callout,
+            presets: (state.inspector.presets.iter())
+                .map(|(name, settings)| (name.clone(), settings.to_toml()))
+                .collect(),
         }
     }
 
@@ -73,6 +78,9 @@ impl Memory {
         state.timeline.frames_per_second = self.frames_per_second.clamp(1.0, 120.0);
         state.live.show_cameras = self.show_cameras;
         state.inspector.callout = self.callout;
+        state.inspector.presets = (self.presets.into_iter())
+            .filter_map(|(name, text)| Some((name, Settings::from_toml(&text, "preset").ok()?)))
+            .collect();
         Dock::from_json(&self.layout)
     }
 }

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::inspector::compare::{CompareKey, Comparison};
+use super::inspector::compare::CompareKey;
+use super::inspector::difference::Comparison;
 use super::inspector::histograms::Histogram;
 use super::inspector::memory_map::Block;
 use super::inspector::probe::{Probed, Spot};
@@ -33,7 +34,9 @@ pub(super) enum Purpose {
     /// Write the picture of the live view.
     SavePicture,
     /// Write the pictures of the camera path into a folder.
-    ExportPath,
+    ExportPictures,
+    /// Write a film of the camera path.
+    ExportFilm,
 }
 
 /// How accurate the kept samples are where the truth is known.
@@ -81,8 +84,8 @@ pub(super) enum Message {
     Stressed { scene: u64, point: Box<StressPoint> },
     /// A sweep or a stress test is done.
     Studied { scene: u64 },
-    /// The pictures of the camera path are written.
-    Exported { folder: PathBuf, pictures: usize },
+    /// The pictures or the film of the camera path are written.
+    Exported { path: PathBuf, pictures: usize },
     /// Settings were read from a file.
     SettingsLoaded { path: PathBuf, settings: Settings },
     /// A dialog was answered; `None` where it was closed.

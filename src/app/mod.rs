@@ -19,6 +19,7 @@ mod keyboard;
 mod lanes;
 mod memory;
 mod message;
+mod own_thread;
 mod panels;
 mod plan;
 mod receive;
@@ -26,6 +27,7 @@ mod scene;
 mod start;
 mod state;
 mod text;
+mod texture;
 mod theme;
 mod update;
 mod views;
@@ -42,12 +44,14 @@ use crate::render::SharedDevice;
 use crate::settings::Settings;
 use command::Command;
 use dock::Dock;
-pub use inspector::meter::FrameTimes;
+use inspector::meter::Stopwatch;
+pub use inspector::meter::{Figures, FrameTimes};
 use lanes::Lanes;
 use memory::Memory;
 use message::Message;
 use plan::Plan;
-use state::{Busy, LiveLook, NoticeKind, SourceLook, State, Texture, Timeline};
+use state::{Busy, LiveLook, NoticeKind, SourceLook, State, Timeline};
+use texture::Texture;
 use worker::Outbox;
 
 pub use start::run;
@@ -177,6 +181,12 @@ impl OverlookApp {
         self.state.live_shown.as_ref().is_some_and(|shown| matches!(shown.texture, Texture::Painted(_)))
     }
 
+    /// What egui knows the live picture by; `None` while there is none.
+    #[must_use]
+    pub fn live_texture(&self) -> Option<egui::TextureId> {
+        self.state.live_shown.as_ref().map(|shown| shown.texture.id())
+    }
+
     /// Position of the live view in world space; `None` while nothing is open.
     #[must_use]
     pub fn live_position(&self) -> Option<[f64; 3]> {
@@ -287,7 +297,7 @@ impl OverlookApp {
 
 impl eframe::App for OverlookApp {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        let started = Instant::now();
+        let watch = Stopwatch::start();
         while let Ok(message) = self.inbox.try_recv() {
             self.receive(message, ctx);
         }
@@ -306,17 +316,17 @@ impl eframe::App for OverlookApp {
         if ctx.theme() != theme {
             ctx.set_theme(theme);
         }
-        self.state.inspector.meter.logic(started.elapsed());
+        self.state.inspector.meter.logic(watch.spent());
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        let started = Instant::now();
+        let watch = Stopwatch::start();
         keyboard::commands(ui, &self.state, &mut self.commands);
         panels::window_ui(ui, &self.state, &mut self.dock, &mut self.commands);
         if !self.commands.is_empty() {
             ui.ctx().request_repaint();
         }
-        self.state.inspector.meter.ui(started.elapsed());
+        self.state.inspector.meter.ui(watch.spent());
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {

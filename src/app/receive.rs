@@ -7,13 +7,15 @@ use std::time::Duration;
 use egui::{TextureFilter, TextureOptions};
 
 use super::OverlookApp;
-use super::inspector::compare::{Compared, Comparison};
+use super::inspector::compare::Compared;
+use super::inspector::difference::Comparison;
 use super::inspector::probe::{Probed, Spot};
 use super::memory::remember_recent;
 use super::message::{Message, Purpose};
 use super::scene::{Origin, Scene};
-use super::state::{NoticeKind, Shown, Texture, Whole};
+use super::state::{NoticeKind, Shown, Whole};
 use super::text;
+use super::texture::Texture;
 use super::views::live_image::{LivePicture, Pixels};
 use super::views::rig::Rig;
 use crate::error::Error;
@@ -27,30 +29,12 @@ const LIVE: (&str, TextureFilter) = ("live", TextureFilter::Linear);
 
 impl OverlookApp {
     /// The texture that shows a picture of the live view; `None` where nothing draws the window that could.
-    fn live_texture(&mut self, ctx: &egui::Context, picture: &LivePicture) -> Option<Texture> {
-        let replaced = self.state.live_shown.take();
-        let painted = match &picture.pixels {
-            Pixels::OnAdapter(texture) => texture,
-            Pixels::InMemory { image, .. } => {
-                if let (Some(Texture::Painted(id)), Some(window)) =
-                    (replaced.as_ref().map(|shown| &shown.texture), &self.window)
-                {
-                    window.renderer.write().free_texture(id);
-                }
-                return Some(texture(ctx, LIVE, image, replaced));
-            }
-        };
-        let window = self.window.as_ref()?;
-        let view = painted.create_view(&wgpu::TextureViewDescriptor::default());
-        let mut renderer = window.renderer.write();
-        let filter = wgpu::FilterMode::Linear;
-        let id = if let Some(Texture::Painted(id)) = replaced.map(|shown| shown.texture) {
-            renderer.update_egui_texture_from_wgpu_texture(&window.device, &view, filter, id);
-            id
-        } else {
-            renderer.register_native_texture(&window.device, &view, filter)
-        };
-        Some(Texture::Painted(id))
+    fn texture_of(&mut self, ctx: &egui::Context, picture: &LivePicture) -> Option<Texture> {
+        let replaced = self.state.live_shown.take().map(|shown| shown.texture);
+        match &picture.pixels {
+            Pixels::InMemory { image, .. } => Some(Texture::send(ctx, LIVE, image, replaced)),
+            Pixels::OnAdapter(painted) => Some(Texture::painted(self.window.as_ref()?, painted, replaced)),
+        }
     }
 
     /// Takes in one answer.
@@ -79,11 +63,12 @@ impl OverlookApp {
                 self.state.inspected = Some(inspected);
             }
             Message::SourcePainted { key, picture } if Some(key.scene) == current => {
-                let texture = texture(ctx, SOURCE, &picture.image, self.state.source_shown.take());
+                let replaced = self.state.source_shown.take().map(|shown| shown.texture);
+                let texture = Texture::send(ctx, SOURCE, &picture.image, replaced);
                 self.state.source_shown = Some(Shown { key, picture, texture });
             }
             Message::LivePainted { key, picture } if Some(key.scene) == current => {
-                let texture = self.live_texture(ctx, &picture);
+                let texture = self.texture_of(ctx, &picture);
                 self.state.live_shown = texture.map(|texture| Shown { key, picture, texture });
             }
             Message::Measured { scene, settings, accuracy }
@@ -117,8 +102,8 @@ impl OverlookApp {
             Message::Studied { scene } if Some(scene) == current => {
                 self.state.inspector.charts.studying = false;
             }
-            Message::Exported { folder, pictures } => {
-                let text = format!("{pictures} pictures in {}", folder.display());
+            Message::Exported { path, pictures } => {
+                let text = format!("{pictures} pictures in {}", path.display());
                 self.state.notify(NoticeKind::Done, "Exported", text);
             }
             Message::SettingsLoaded { path, settings } => {
@@ -242,26 +227,9 @@ impl OverlookApp {
             "Live view" => "Could not render this view",
             "File" => "Could not save or load",
             "Study" => "Could not measure",
-            "Export" => "Could not export the pictures",
+            "Export" => "Could not export the camera path",
             other => other,
         };
         self.state.notify(NoticeKind::Error, title, error.to_string());
-    }
-}
-
-/// Uploads a picture: into the texture of the one it replaces, where there is one.
-fn texture<K, P>(
-    ctx: &egui::Context,
-    (name, magnification): (&str, TextureFilter),
-    image: &Arc<egui::ColorImage>,
-    replaced: Option<Shown<K, P>>,
-) -> Texture {
-    let options = TextureOptions { magnification, minification: TextureFilter::Linear, ..Default::default() };
-    match replaced.map(|shown| shown.texture) {
-        Some(Texture::Sent(mut texture)) => {
-            texture.set(image.clone(), options);
-            Texture::Sent(texture)
-        }
-        Some(Texture::Painted(_)) | None => Texture::Sent(ctx.load_texture(name, image.clone(), options)),
     }
 }

@@ -7,6 +7,7 @@ use std::time::Instant;
 use super::inspector::Inspector;
 use super::message::{Accuracy, Purpose};
 use super::scene::{Content, Scene};
+use super::texture::Texture;
 use super::views::live_image::{ColorBy, LiveKey, LivePicture};
 use super::views::rig::Rig;
 use super::views::source_image::{Overlay, SourceKey, SourcePicture};
@@ -135,24 +136,6 @@ pub(super) struct Shown<K, P> {
     pub picture: Arc<P>,
     /// The picture on the graphics card.
     pub texture: Texture,
-}
-
-/// A texture that a view shows.
-pub(super) enum Texture {
-    /// Sent through egui.
-    Sent(egui::TextureHandle),
-    /// Written by the renderer, on the window's own device.
-    Painted(egui::TextureId),
-}
-
-impl Texture {
-    /// What egui knows it by.
-    pub(super) fn id(&self) -> egui::TextureId {
-        match self {
-            Self::Sent(handle) => handle.id(),
-            Self::Painted(id) => *id,
-        }
-    }
 }
 
 /// What the window knows.

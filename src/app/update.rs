@@ -6,6 +6,7 @@ use std::time::Instant;
 use super::OverlookApp;
 use super::command::Command;
 use super::dock::Dock;
+use super::inspector::path::Target;
 use super::lanes::{FileRequest, OpenRequest};
 use super::message::Purpose;
 use super::scene::Content;
@@ -47,7 +48,11 @@ impl OverlookApp {
                 }
             }
             Command::ResetAll => self.change_settings("all", Settings::default()),
-            Command::Preset(index) => self.take_preset(index),
+            Command::Preset(_)
+            | Command::OwnPreset(_)
+            | Command::NamePreset(_)
+            | Command::SavePreset(_)
+            | Command::RemovePreset(_) => self.apply_to_presets(command),
             Command::Undo | Command::Redo | Command::SwitchSettings => self.apply_to_history(&command),
             Command::Rerun => {
                 self.state.stopped = false;
@@ -149,7 +154,8 @@ impl OverlookApp {
             Purpose::SaveStore => format!("{}.ovl", self.state.scene.as_ref().map_or("capture", |s| &s.name)),
             Purpose::SaveSettings => "settings.toml".to_owned(),
             Purpose::SavePicture => "picture.png".to_owned(),
-            Purpose::ExportPath => "pictures".to_owned(),
+            Purpose::ExportPictures => "pictures".to_owned(),
+            Purpose::ExportFilm => "film.mp4".to_owned(),
             _ => String::new(),
         };
         self.state.typed_path = Some(TypedPath { purpose, text, reason });
@@ -174,7 +180,11 @@ impl OverlookApp {
                     None => self.tell_of_motion(),
                 }
             }
-            Purpose::ExportPath => self.export_path(path),
+            Purpose::ExportPictures => self.export_path(Target::Pictures(path)),
+            Purpose::ExportFilm => {
+                let rate = f64::from(self.state.timeline.frames_per_second);
+                self.export_path(Target::Film(path, rate));
+            }
         }
     }
 
@@ -237,7 +247,10 @@ impl OverlookApp {
 
     fn escape(&mut self) {
         let inspector = &mut self.state.inspector;
-        let was_open = inspector.palette.take().is_some() | inspector.cheat_sheet | inspector.asks_to_close;
+        let was_open = inspector.palette.take().is_some()
+            | inspector.naming.take().is_some()
+            | inspector.cheat_sheet
+            | inspector.asks_to_close;
         (inspector.cheat_sheet, inspector.asks_to_close) = (false, false);
         if was_open || self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
             return;

@@ -2,12 +2,9 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use image::{ImageFormat, Rgba, RgbaImage};
-
 use crate::capture::exr_write;
-use crate::color::srgb8_from_linear;
 use crate::error::{Error, Result};
-use crate::render::{NO_IMAGE, Picture};
+use crate::render::{NO_IMAGE, Picture, write_png};
 
 /// Where a view's picture goes: its own name below the output folder, once with each extension.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -53,21 +50,8 @@ impl PicturePaths {
         }
         let coverage = picture.image.map(|image| if *image == NO_IMAGE { 0.0 } else { 1.0 });
         exr_write::write_picture(&self.exr, &picture.color, &coverage, &picture.inverse_depth)?;
-        png_of(picture).save_with_format(&self.png, ImageFormat::Png).map_err(|error| match error {
-            image::ImageError::IoError(error) => Error::io(&self.png, error),
-            error => Error::invalid(self.png.display(), error.to_string()),
-        })
+        write_png(&self.png, picture)
     }
-}
-
-fn png_of(picture: &Picture) -> RgbaImage {
-    let (width, height) = picture.color.size();
-    RgbaImage::from_fn(width as u32, height as u32, |x, y| {
-        let pixel = (x as usize, y as usize);
-        let [r, g, b] = picture.color[pixel].map(srgb8_from_linear);
-        let shown = picture.image[pixel] != NO_IMAGE || picture.inverse_depth[pixel] >= 0.0;
-        Rgba([r, g, b, if shown { 255 } else { 0 }])
-    })
 }
 
 #[cfg(test)]
@@ -90,17 +74,5 @@ mod tests {
             let error = PicturePaths::below(Path::new("out"), path).unwrap_err().to_string();
             assert!(error.contains("output folder"), "{error}");
         }
-    }
-
-    #[test]
-    fn holes_are_transparent_until_they_are_filled() {
-        let picture = Picture {
-            color: crate::grid::Grid::filled(3, 1, [1.0, 0.0, 0.25]),
-            inverse_depth: crate::grid::Grid::from_vec(3, 1, vec![1.0, -1.0, 0.0]),
-            image: crate::grid::Grid::from_vec(3, 1, vec![0, NO_IMAGE, NO_IMAGE]),
-        };
-        let png = png_of(&picture);
-        assert_eq!([0, 1, 2].map(|x| png[(x, 0)].0[3]), [255, 0, 255]);
-        assert_eq!(png[(0, 0)].0, [255, 0, 137, 255]);
     }
 }

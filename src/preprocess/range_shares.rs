@@ -101,6 +101,17 @@ impl RangeShares {
         self.within_depth += other.within_depth;
     }
 
+    /// Ranges of color (8-bit sRGB steps) from a lower end to an upper one, and how many pixels have such a range. What has
+    /// no range at all comes first, from 0 to 0.
+    pub fn color_bins(&self) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
+        ends(&self.color, COLOR_OCTAVES)
+    }
+
+    /// The same for relative ranges of depth.
+    pub fn depth_bins(&self) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
+        ends(&self.depth, DEPTH_OCTAVES)
+    }
+
     /// What the counts tell.
     #[must_use]
     pub fn facts(&self, test: &StaticTest) -> RangeFacts {
@@ -128,6 +139,12 @@ fn bin(range: f32, octaves: f32, bins: usize) -> usize {
     let quarter = QUARTERS.iter().filter(|from| mantissa >= **from).count() as i32;
     let position = (octave * BINS_PER_OCTAVE as i32 + quarter).max(0);
     (1 + position as usize).min(bins - 1)
+}
+
+fn ends(bins: &[u64], octaves: f32) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
+    let end = move |bin: usize| (bin as f32 / BINS_PER_OCTAVE - octaves).exp2();
+    let ends = move |bin: usize| if bin == 0 { [0.0; 2] } else { [end(bin - 1), end(bin)] };
+    bins.iter().enumerate().map(move |(bin, count)| (ends(bin), *count))
 }
 
 /// Mantissas of 2^¼, 2^½ and 2^¾, where the second, third and fourth bin of an octave begin.
@@ -187,6 +204,8 @@ mod tests {
         let facts = shares.facts(&test);
         let expected = settings.color_tolerance / 10.0;
         assert!((facts.within_color_tolerance - expected).abs() < 2e-3, "{facts:?}");
+        let median = shares.color_bins().find(|([low, high], _)| (*low..*high).contains(&5.0)).unwrap();
+        assert!(median.1 > 50 && shares.color_bins().map(|(_, count)| count).sum::<u64>() == 1000);
         // A bin is a quarter of an octave wide.
         assert!((5.0..5.0 * 1.2).contains(&facts.color_percentiles_steps[0]), "{facts:?}");
         assert_eq!(facts.depth_percentiles_relative, [0.0; 5]);

@@ -3,7 +3,7 @@
 //! ```text
 //! SampleSet ─ frame_samples ─▶ tiles of the frame ─ cull ─▶ bands ─ project, footprint ─▶ surface ─▶ keys ─▶ blend ─▶ sums
 //!                                                                                          │                        │
-//!      Picture ◀─ fill ◀─ resolve ◀─ gather ◀─ lookup: back into the cameras ◀─ silhouette ─┴────────────────────────┘
+//!      Picture ◀─ fill ◀─ resolve ◀─ gather ◀─ lookup, window: into cameras ◀─ silhouette ─┴────────────────────────┘
 //! ```
 //!
 //! The *surface* stage finds the nearest sample of every pixel. What follows depends on the kernel: `point` shows that
@@ -18,6 +18,7 @@ pub mod cpu;
 mod cull;
 mod dense_tile;
 mod fill;
+pub mod film;
 mod footprint;
 mod frame_samples;
 mod gather;
@@ -28,6 +29,7 @@ mod keys;
 mod lookup;
 pub mod pick;
 mod places;
+pub mod png;
 mod project;
 mod resolve;
 mod silhouette;
@@ -41,6 +43,7 @@ pub use cpu::CpuRenderer;
 pub use fill::fill;
 pub use gpu::{AdapterChoice, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 pub use pick::{Picked, pick};
+pub use png::write_png;
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]

@@ -6,17 +6,14 @@ use std::sync::Arc;
 
 use super::super::scene::{Content, Scene};
 use super::super::state::method_of;
-use super::super::theme::Tokens;
-use super::super::views::colormap::sequential;
-use super::compare_look::{Place, Side};
+use super::compare_look::{Measure, Place, Side};
+use super::difference::{self, Comparison};
 use crate::capture::{Capture, Frame};
-use crate::color::{srgb8_from_linear, steps_from_linear};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{self, SampleSet, TemporalScan};
-use crate::render::{NO_IMAGE, Picture, Renderer, Vantage};
+use crate::render::{Renderer, Vantage};
 use crate::settings::{Backend, Kernel, PruningMethod, Settings, SpanLevels};
-use egui::ColorImage;
 
 /// What a comparison is made from; an equal key gives an equal comparison.
 #[derive(Clone)]
@@ -35,7 +32,9 @@ pub(crate) struct CompareKey {
     pub scan: Option<Arc<TemporalScan>>,
     /// The settings on the sliders, A and B.
     pub settings: [Settings; 3],
-    /// The difference that the map's upper end stands for, 8-bit steps; `None` to fit it.
+    /// What the map of their difference shows.
+    pub measure: Measure,
+    /// The difference that the map's upper end stands for, in the unit of the measure; `None` to fit it.
     pub range: Option<f32>,
     /// Dark or light, as holes use a color of the theme.
     pub dark: bool,
@@ -52,6 +51,7 @@ impl PartialEq for CompareKey {
             && self.settings[0] == other.settings[0]
             && (!uses(Side::A) || self.settings[1] == other.settings[1])
             && (!uses(Side::B) || self.settings[2] == other.settings[2])
+            && self.measure == other.measure
             && self.range == other.range
             && self.dark == other.dark
             && self.vantage.frame == other.vantage.frame
@@ -65,28 +65,6 @@ pub(crate) struct Compared {
     pub comparison: Comparison,
     /// Left, right and difference on the graphics card.
     pub textures: [egui::TextureHandle; 3],
-}
-
-/// Two pictures and what tells them apart.
-pub(crate) struct Comparison {
-    /// The two sides, of one size.
-    pub images: [Arc<ColorImage>; 2],
-    /// Where and how much they differ.
-    pub difference: Arc<ColorImage>,
-    /// The difference that the map's upper end stands for, 8-bit steps.
-    pub range: f32,
-    /// Peak signal-to-noise ratio of one side against the other where both have something; infinite where equal.
-    pub psnr_db: f64,
-    /// Mean difference of a channel there, 8-bit steps.
-    pub mean_steps: f64,
-    /// Share of pixels that only one side has something for.
-    pub one_sided: f64,
-}
-
-/// One side as displayed colors (0 to 255 a channel); `None` where there is nothing.
-struct Painted {
-    size: [usize; 2],
-    pixels: Vec<Option<[u8; 3]>>,
 }
 
 /// Samples made for comparisons: the last few are kept.
@@ -119,7 +97,7 @@ impl Comparer {
         let left = self.side(key, key.sides[0], &vantage, truth.as_deref(), job)?;
         job.check()?;
         let right = self.side(key, key.sides[1], &vantage, truth.as_deref(), job)?;
-        Ok(compared(&left, &right, key))
+        Comparison::new([left, right], key.measure, key.range, key.dark)
     }
 
     fn side(
@@ -129,7 +107,7 @@ impl Comparer {
         vantage: &Vantage,
         truth: Option<&Frame>,
         job: &Job,
-    ) -> Result<Painted> {
+    ) -> Result<difference::Side> {
         if side == Side::Truth {
             let frame = truth.ok_or_else(|| {
                 Error::invalid(
@@ -137,7 +115,7 @@ impl Comparer {
                     "The truth is known at truth vantages and hold-out cameras only: choose one in the last list above.",
                 )
             })?;
-            return Ok(of_frame(frame));
+            return Ok(difference::of_frame(frame));
         }
         let mut settings = match side {
             Side::A => key.settings[1].clone(),
@@ -175,7 +153,7 @@ impl Comparer {
         {
             return Err(Error::invalid("comparison", notice));
         }
-        Ok(of_picture(&picture))
+        Ok(difference::of_picture(&picture))
     }
 
     fn samples(
@@ -251,77 +229,5 @@ fn place(key: &CompareKey) -> Result<(Vantage, Option<Arc<Frame>>)> {
             let load = view.truth.as_ref().map(|load| load()).transpose()?;
             Ok((Vantage { camera: view.camera.clone(), frame }, load.map(Arc::new)))
         }
-    }
-}
-
-fn of_frame(frame: &Frame) -> Painted {
-    let pixels = frame
-        .color
-        .as_slice()
-        .iter()
-        .map(|color| Some(color.map(|c| steps_from_linear(c).clamp(0.0, 255.0).round() as u8)));
-    let (width, height) = frame.color.size();
-    Painted { size: [width, height], pixels: pixels.collect() }
-}
-
-fn of_picture(picture: &Picture) -> Painted {
-    let (width, height) = picture.color.size();
-    let pixels = picture.color.as_slice().iter().zip(picture.image.as_slice());
-    let pixels = pixels.zip(picture.inverse_depth.as_slice()).map(|((color, image), inverse_depth)| {
-        let something = *image != NO_IMAGE || *inverse_depth >= 0.0;
-        something.then(|| color.map(srgb8_from_linear))
-    });
-    Painted { size: [width, height], pixels: pixels.collect() }
-}
-
-/// Share of pixels that may differ by more than a fitted range.
-const BEYOND: f32 = 0.01;
-
-fn compared(left: &Painted, right: &Painted, key: &CompareKey) -> Comparison {
-    let tokens = Tokens::of(key.dark);
-    let image = |side: &Painted| {
-        let pixels = side
-            .pixels
-            .iter()
-            .map(|pixel| pixel.map_or(tokens.hole, |[r, g, b]| egui::Color32::from_rgb(r, g, b)));
-        Arc::new(ColorImage::new(side.size, pixels.collect()))
-    };
-    let apart: Vec<Option<f32>> = left
-        .pixels
-        .iter()
-        .zip(&right.pixels)
-        .map(|(a, b)| match (a, b) {
-            (Some(a), Some(b)) => Some((0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0).into()),
-            _ => None,
-        })
-        .collect();
-    let mut sorted: Vec<f32> = apart.iter().flatten().copied().collect();
-    sorted.sort_unstable_by(f32::total_cmp);
-    let fitted = sorted.get((sorted.len() as f32 * (1.0 - BEYOND)) as usize).copied().unwrap_or(1.0).max(1.0);
-    let range = key.range.unwrap_or(fitted);
-    let map = apart.iter().map(|apart| apart.map_or(tokens.hole, |apart| sequential(apart / range)));
-    let (mut squares, mut sum, mut count, mut lonely) = (0.0, 0.0, 0_u64, 0_u64);
-    for (a, b) in left.pixels.iter().zip(&right.pixels) {
-        match (a, b) {
-            (Some(a), Some(b)) => {
-                for c in 0..3 {
-                    let difference = f64::from(a[c].abs_diff(b[c]));
-                    squares += difference * difference;
-                    sum += difference;
-                    count += 1;
-                }
-            }
-            (None, None) => {}
-            _ => lonely += 1,
-        }
-    }
-    let count = count.max(1) as f64;
-    Comparison {
-        images: [image(left), image(right)],
-        difference: Arc::new(ColorImage::new(left.size, map.collect())),
-        range,
-        psnr_db: 10.0 * (255.0 * 255.0 * count / squares).log10(),
-        mean_steps: sum / count,
-        one_sided: lonely as f64 / left.pixels.len().max(1) as f64,
     }
 }

@@ -76,6 +76,35 @@ impl Mode {
     ];
 }
 
+/// What the map of a difference shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub(crate) enum Measure {
+    /// The largest difference of a channel, 8-bit steps.
+    #[default]
+    Steps,
+    /// By how much the right side is brighter (or darker), 8-bit steps of luma.
+    Brightness,
+    /// The difference that a person sees who flips between the two, 0 to 1.
+    Flip,
+}
+
+impl Measure {
+    /// Every measure: name and what it shows.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+        (Self::Steps, "Steps", "The largest difference of a color channel, in 8-bit steps."),
+        (
+            Self::Brightness,
+            "Brighter",
+            "Where the right side is brighter (orange) or darker (purple), in 8-bit steps of luma.",
+        ),
+        (
+            Self::Flip,
+            "FLIP",
+            "What a person sees who flips between the two, from 0 to 1 (LDR-FLIP, 67 pixels per degree).",
+        ),
+    ];
+}
+
 /// How the comparison looks.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CompareLook {
@@ -91,6 +120,8 @@ pub(crate) struct CompareLook {
     pub zoom: f32,
     /// The picture's point in the middle of the view, as shares of its size.
     pub center: egui::Vec2,
+    /// What the map of their difference shows.
+    pub measure: Measure,
     /// See [`super::compare::CompareKey::range`].
     pub range: Option<f32>,
 }
@@ -104,6 +135,7 @@ impl Default for CompareLook {
             wipe: 0.5,
             zoom: 1.0,
             center: egui::Vec2::splat(0.5),
+            measure: Measure::Steps,
             range: None,
         }
     }

@@ -168,49 +168,74 @@ pub(crate) fn histograms(
             of_pairs(&|pair| near(pair) && facing(pair), &|pair| pair.color_difference_steps),
         ),
     ];
-    // The tree of spans keeps no ranges of single pixels.
-    if let Some(scan) = scan.filter(|scan| scan.cameras.iter().any(|camera| camera.ranges.is_some())) {
+    if let Some(scan) = scan {
         let granted = granted_range_sigmas(scan.frames);
-        let ranges = ranges(scan, settings);
+        let [color, depth] = ranges(scan, settings);
         found.push(Histogram::new(
             "spans.color_tolerance",
             "pixels, by the range of their color over all frames",
             color_noise.map(|noise| noise * granted),
-            ranges.iter().map(|(color, _, passes)| (*color, *passes)).collect(),
+            color,
         ));
         found.push(Histogram::new(
             "spans.depth_tolerance",
             "pixels, by the range of their depth over all frames",
             depth_noise.map(|noise| noise * granted),
-            ranges.iter().map(|(_, depth, passes)| (*depth, *passes)).collect(),
+            depth,
         ));
     }
     found.into_iter().flatten().collect()
 }
 
-/// Range of color, range of depth and whether it is static, for pixels spread over all cameras.
-fn ranges(scan: &TemporalScan, settings: &Settings) -> Vec<(f32, f32, bool)> {
-    let known: Vec<(&Ranges, StaticTest)> = (0..scan.cameras.len())
-        .filter_map(|index| {
-            let ranges = scan.cameras[index].ranges.as_ref()?;
-            Some((ranges, scan.static_test(index, &settings.spans)))
-        })
-        .collect();
-    let pixels: usize = known.iter().map(|(ranges, _)| ranges.color_steps.len()).sum();
-    let stride = pixels.div_ceil(AT_MOST).max(1);
-    let mut found = Vec::new();
-    for (ranges, test) in known {
-        let is_static = ranges.static_pixels(&settings.spans, &test);
-        let values = ranges.color_steps.as_slice().iter().zip(ranges.depth_relative.as_slice());
-        found.extend(
-            values
-                .zip(is_static)
-                .step_by(stride)
-                .filter(|((color, _), _)| color.is_finite())
-                .map(|((color, depth), is_static)| (*color, *depth, is_static)),
-        );
+/// A range, and whether it is granted.
+type Granted = (f32, bool);
+
+/// Ranges over all frames of color and of depth, each with whether it is granted, for pixels spread over all cameras.
+fn ranges(scan: &TemporalScan, settings: &Settings) -> [Vec<Granted>; 2] {
+    let [mut color, mut depth] = [Vec::new(), Vec::new()];
+    let tests = (0..scan.cameras.len()).map(|index| scan.static_test(index, &settings.spans));
+    for (camera, test) in scan.cameras.iter().zip(tests) {
+        let room = AT_MOST / scan.cameras.len();
+        if let Some(ranges) = &camera.ranges {
+            let (color_of, depth_of) = of_pixels(ranges, &test, settings, room);
+            color.extend(color_of);
+            depth.extend(depth_of);
+        } else if let Some(shares) = &camera.shares {
+            let within = |granted: f32| move |range: f32| (range, range <= granted);
+            color.extend(spread(shares.color_bins(), room).map(within(test.granted_color())));
+            depth.extend(spread(shares.depth_bins(), room).map(within(test.granted_depth())));
+        }
     }
-    found
+    [color, depth]
+}
+
+/// Of the paper's two lengths, the ranges of single pixels are known.
+fn of_pixels(
+    ranges: &Ranges,
+    test: &StaticTest,
+    settings: &Settings,
+    room: usize,
+) -> (Vec<Granted>, Vec<Granted>) {
+    let is_static = ranges.static_pixels(&settings.spans, test);
+    let stride = ranges.color_steps.len().div_ceil(room.max(1)).max(1);
+    let values = ranges.color_steps.as_slice().iter().zip(ranges.depth_relative.as_slice());
+    let values = values.zip(is_static).step_by(stride).filter(|((color, _), _)| color.is_finite());
+    values.map(|((color, depth), is_static)| ((*color, is_static), (*depth, is_static))).unzip()
+}
+
+/// Of the tree of spans, counts between two ends are known: as many values, scaled down to about `room` of them, and spread
+/// evenly in the logarithm.
+fn spread(bins: impl Iterator<Item = ([f32; 2], u64)>, room: usize) -> impl Iterator<Item = f32> {
+    let bins: Vec<_> = bins.collect();
+    let total = bins.iter().map(|(_, count)| count).sum::<u64>().max(1);
+    let scale = (room as f64 / total as f64).min(1.0);
+    bins.into_iter().flat_map(move |([low, high], count)| {
+        let values = (count as f64 * scale).round() as u32;
+        (0..values).map(move |nth| {
+            let share = (f64::from(nth) + 0.5) / f64::from(values);
+            if low > 0.0 { low * (high / low).powf(share as f32) } else { high * share as f32 }
+        })
+    })
 }
 
 #[cfg(test)]
@@ -231,6 +256,16 @@ mod tests {
                 assert!((again - position).abs() < 0.01, "{path}: {position} {again}");
             }
         }
+    }
+
+    #[test]
+    fn counts_are_spread_between_their_ends() {
+        let bins = [([0.0, 0.0], 50), ([1.0, 2.0], 100), ([2.0, 4.0], 50)];
+        let values: Vec<f32> = spread(bins.into_iter(), 100).collect();
+        assert_eq!(values.len(), 100);
+        assert_eq!(values.iter().filter(|value| **value == 0.0).count(), 25);
+        assert_eq!(values.iter().filter(|value| (1.0..2.0).contains(*value)).count(), 50);
+        assert!(values.is_sorted());
     }
 
     #[test]

@@ -1,8 +1,8 @@
-//! Settings as they were: undo and redo, two settings side by side, and settings to start from.
+//! Settings as they were: undo and redo, and two settings side by side.
 
 use std::time::{Duration, Instant};
 
-use crate::settings::{Kernel, MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
+use crate::settings::Settings;
 
 /// Changes of one setting that follow each other faster than this are one change: a slider in motion.
 const ONE_CHANGE: Duration = Duration::from_millis(700);
@@ -89,49 +89,6 @@ impl History {
     }
 }
 
-/// Settings to start from.
-type Preset = (&'static str, &'static str, fn(&mut Settings));
-
-/// Settings to start from: name, what they are for, and what they change of the defaults.
-pub(crate) const PRESETS: [Preset; 6] = [
-    ("Balanced", "The defaults.", |_| {}),
-    (
-        "As in the paper",
-        "Background or foreground, the printed r, no help at seams and silhouettes, 2×2 blending.",
-        |settings| {
-            settings.spans.levels = SpanLevels::Paper;
-            settings.pruning.rate = RateModel::Paper;
-            settings.pruning.overlap = false;
-            settings.pruning.mixed_pixels = MixedPixels::Keep;
-            settings.render.kernel = Kernel::Block;
-        },
-    ),
-    ("Careful", "Drops only what agrees closely in depth, normal and color.", |settings| {
-        settings.pruning.depth_tolerance = 0.5;
-        settings.pruning.normal_tolerance = 15.0;
-        settings.pruning.color_tolerance = 10.0;
-        settings.spans.color_tolerance = 1.0;
-    }),
-    ("Bold", "Drops all that is nearly said elsewhere: small files.", |settings| {
-        settings.pruning.depth_tolerance = 2.5;
-        settings.pruning.normal_tolerance = 50.0;
-        settings.pruning.color_tolerance = 64.0;
-        settings.spans.color_tolerance = 8.0;
-        settings.pruning.overlap = false;
-    }),
-    ("First camera wins", "What a layered depth image keeps, whatever the sampling rate.", |settings| {
-        settings.pruning.method = PruningMethod::FirstCamera;
-    }),
-    (
-        "Keep everything",
-        "No pruning, over time or between cameras: what the rest is measured against.",
-        |settings| {
-            settings.pruning.method = PruningMethod::Off;
-            settings.spans.levels = SpanLevels::Off;
-        },
-    ),
-];
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -164,21 +121,5 @@ mod tests {
             (history.of(Slot::A, &with(1.0)), history.of(Slot::B, &with(1.0))),
             (&with(1.0), &with(2.0))
         );
-    }
-
-    #[test]
-    fn every_preset_is_valid_and_different() {
-        let all: Vec<Settings> = PRESETS
-            .iter()
-            .map(|(name, _, change)| {
-                let mut settings = Settings::default();
-                change(&mut settings);
-                settings.validate(name).unwrap();
-                settings
-            })
-            .collect();
-        for (i, a) in all.iter().enumerate() {
-            assert!(all[i + 1..].iter().all(|b| a != b), "{}", PRESETS[i].0);
-        }
     }
 }

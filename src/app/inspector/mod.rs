@@ -3,11 +3,13 @@
 pub(crate) mod charts;
 pub(crate) mod compare;
 pub(crate) mod compare_look;
+pub(crate) mod difference;
 pub(crate) mod histograms;
 pub(crate) mod history;
 pub(crate) mod memory_map;
 pub(crate) mod meter;
 pub(crate) mod path;
+pub(crate) mod presets;
 pub(crate) mod probe;
 mod thumbs;
 
@@ -34,6 +36,7 @@ use history::{History, Slot};
 use memory_map::Block;
 use meter::Meter;
 use path::{CameraPath, ExportRequest};
+use presets::OwnPreset;
 use probe::{ProbeKey, Probed, Spot};
 
 /// Entries the log keeps.
@@ -73,6 +76,10 @@ pub(crate) struct Inspector {
     pub histograms: Vec<Histogram>,
     /// Settings as they were.
     pub history: History,
+    /// Settings of one's own to start from.
+    pub presets: Vec<OwnPreset>,
+    /// What a new preset is named so far, while it is named.
+    pub naming: Option<String>,
     /// How the comparison looks.
     pub compare: CompareLook,
     /// The comparison that is shown.
@@ -153,7 +160,7 @@ impl InspectorLanes {
         let mut comparer = Comparer::default();
         let studying = outbox.clone();
         // Threads of their own: the pictures on screen must not wait for minutes of measuring.
-        let threads = pool("study", rayon::current_num_threads())?;
+        let threads = pool("study", rayon::current_num_threads(), true)?;
         Ok(Self {
             probe: Lane::start("Pixel argument", Supersede::Never, outbox.clone(), |key: ProbeKey, _| {
                 let probed = probe::probe(&key).map(Arc::new);
@@ -204,7 +211,7 @@ impl InspectorLanes {
                 outbox.clone(),
                 |request: ExportRequest, job| {
                     let pictures = path::export(&request, job)?;
-                    Ok(Message::Exported { folder: request.folder, pictures })
+                    Ok(Message::Exported { path: request.target.path().to_path_buf(), pictures })
                 },
             )?,
             thumbs: Lane::start(
@@ -265,6 +272,7 @@ impl InspectorPlan {
             samples: shown.key.samples.clone(),
             scan: state.scan.clone(),
             settings: [now.clone(), history.of(Slot::A, now).clone(), history.of(Slot::B, now).clone()],
+            measure: look.measure,
             range: look.range,
             dark: state.dark,
         });

@@ -1,21 +1,16 @@
-//! A camera path: keys that are set by standing somewhere, played in the live view and exported as a sequence of pictures.
+//! A camera path: keys that are set by standing somewhere, played in the live view and exported as pictures or as a film.
 //!
-//! Between keys positions follow a Catmull-Rom curve (Catmull and Rom 1974) through the keys, and directions turn evenly
-//! (spherical linear interpolation, Shoemake 1985). Time runs evenly from one key's frame to the next one's.
+//! Between keys the camera moves as [`film::pose_at`] says; every leg takes as many pictures, and time runs evenly from one
+//! key's frame to the next one's.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-
-use glam::{DAffine3, DQuat, DVec3};
 
 use super::super::views::rig::Rig;
-use crate::color::srgb8_from_linear;
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::SampleSet;
-use crate::render::{Picture, Renderer, Vantage};
+use crate::render::film::{self, Encoder, Reel};
+use crate::render::{Picture, Renderer, Vantage, write_png};
 use crate::settings::RenderSettings;
-use crate::store::Playback;
 
 /// A place on the path.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,101 +50,95 @@ impl CameraPath {
     /// Where the view stands at a picture, and which frame it shows; `None` without keys.
     pub(crate) fn at(&self, picture: f32) -> Option<PathKey> {
         let last = self.keys.len().checked_sub(1)?;
-        let place = (picture / self.pictures_per_leg as f32).clamp(0.0, last as f32);
-        let leg = (place as usize).min(last.saturating_sub(1));
-        let share = f64::from(place - leg as f32);
-        let key = |index: i64| &self.keys[index.clamp(0, last as i64) as usize];
-        let leg = leg as i64;
-        let (from, to) = (key(leg), key(leg + 1));
-        let position = |key: &PathKey| key.rig.world_from_camera.translation;
-        let translation = catmull_rom(
-            [position(key(leg - 1)), position(from), position(to), position(key(leg + 2))],
-            share,
-        );
-        let turn = |key: &PathKey| DQuat::from_mat3(&key.rig.world_from_camera.matrix3);
-        let rotation = turn(from).slerp(turn(to), share);
+        let time = f64::from(picture / self.pictures_per_leg as f32).clamp(0.0, last as f64);
+        let timed = self.keys.iter().enumerate().map(|(index, key)| film::PathKey {
+            time: index as f64,
+            world_from_camera: key.rig.world_from_camera,
+        });
+        let world_from_camera = film::pose_at(&timed.collect::<Vec<_>>(), time)?;
+        let leg = (time as usize).min(last.saturating_sub(1));
+        let share = time - leg as f64;
+        let (from, to) = (&self.keys[leg], &self.keys[(leg + 1).min(last)]);
+        let between = |from: f64, to: f64| from + (to - from) * share;
         let mut rig = from.rig.clone();
-        rig.world_from_camera = DAffine3::from_rotation_translation(rotation.normalize(), translation);
-        rig.pivot_distance += (to.rig.pivot_distance - from.rig.pivot_distance) * share;
-        let frame = from.frame as f64 + (to.frame as f64 - from.frame as f64) * share;
-        Some(PathKey { rig, frame: frame.round() as usize })
+        rig.world_from_camera = world_from_camera;
+        rig.pivot_distance = between(from.rig.pivot_distance, to.rig.pivot_distance);
+        Some(PathKey { rig, frame: between(from.frame as f64, to.frame as f64).round() as usize })
+    }
+
+    /// Every picture's vantage, for pictures of `width` by `height` pixels of a scene of `frames` frames.
+    fn vantages(&self, [width, height]: [u32; 2], frames: usize) -> Vec<Vantage> {
+        let keys = (0..self.pictures()).filter_map(|picture| self.at(picture as f32));
+        let last = frames.saturating_sub(1);
+        keys.map(|key| Vantage { camera: key.rig.camera(width, height), frame: key.frame.min(last) })
+            .collect()
     }
 }
 
-fn catmull_rom([before, from, to, after]: [DVec3; 4], share: f64) -> DVec3 {
-    let (s, s2, s3) = (share, share * share, share * share * share);
-    0.5 * (2.0 * from
-        + (to - before) * s
-        + (2.0 * before - 5.0 * from + 4.0 * to - after) * s2
-        + (3.0 * from - before - 3.0 * to + after) * s3)
+/// What a camera path is exported as.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Target {
+    /// A folder that receives `0001.png`, `0002.png`, …
+    Pictures(PathBuf),
+    /// A film, and how many pictures it shows a second.
+    Film(PathBuf, f64),
+}
+
+impl Target {
+    /// The folder or file.
+    pub(crate) fn path(&self) -> &Path {
+        match self {
+            Self::Pictures(path) | Self::Film(path, _) => path,
+        }
+    }
 }
 
 /// What is exported.
 pub(crate) struct ExportRequest {
     /// The path.
     pub path: CameraPath,
-    /// What is painted; of a store played from disk, what there is to play.
-    pub samples: Arc<SampleSet>,
-    /// Where the samples come from, frame by frame, if not from memory.
-    pub playback: Option<Arc<Playback>>,
+    /// What is painted.
+    pub reel: Reel,
     /// How.
     pub settings: RenderSettings,
     /// Columns and rows of the pictures.
     pub size: [u32; 2],
-    /// The folder that receives `0001.png`, `0002.png`, …
-    pub folder: PathBuf,
+    /// As what.
+    pub target: Target,
 }
 
 /// Paints and writes all pictures; gives their number.
 ///
 /// # Errors
-/// `Invalid` without a path, `Io` where the folder cannot be written, whatever rendering gives, and `Cancelled`.
+/// `Invalid` without a path, `Io` where nothing can be written there, whatever rendering and ffmpeg give, and `Cancelled`.
 pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<usize> {
-    let pictures = request.path.pictures();
-    if pictures == 0 {
+    let vantages = request.path.vantages(request.size, request.reel.frame_count());
+    if vantages.is_empty() {
         return Err(Error::invalid("camera path", "it needs two keys at least; add them in the Path view"));
     }
-    std::fs::create_dir_all(&request.folder).map_err(|error| Error::io(&request.folder, error))?;
-    job.start("Exporting pictures", pictures);
     let mut renderer = Renderer::new();
-    for picture in 0..pictures {
-        job.check()?;
-        let Some(key) = request.path.at(picture as f32) else { break };
-        let [width, height] = request.size;
-        let frame = key.frame.min(request.samples.frame_count().saturating_sub(1));
-        let vantage = Vantage { camera: key.rig.camera(width, height), frame };
-        let samples = match &request.playback {
-            Some(playback) => playback.at(frame, job)?,
-            None => request.samples.clone(),
-        };
-        let (painted, _) = renderer.render(&samples, &vantage, &request.settings, job)?;
-        write_png(&painted, &request.folder.join(format!("{:04}.png", picture + 1)))?;
-        job.advance(1);
+    let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| {
+        film::paint(&request.reel, &vantages, &mut renderer, &request.settings, job, take)
+    };
+    match &request.target {
+        Target::Pictures(folder) => {
+            std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+            paint(&mut |nth, picture| write_png(&folder.join(format!("{:04}.png", nth + 1)), picture))?;
+        }
+        Target::Film(path, frames_per_second) => {
+            let size = request.size.map(|side| side as usize);
+            let mut encoder = Encoder::start(path, size, *frames_per_second)?;
+            paint(&mut |_, picture| encoder.add(picture))?;
+            encoder.finish()?;
+        }
     }
-    Ok(pictures)
-}
-
-/// Writes a picture as 8-bit sRGB; holes are transparent.
-///
-/// # Errors
-/// `Io` where the file cannot be written.
-pub(crate) fn write_png(picture: &Picture, path: &Path) -> Result<()> {
-    let (width, height) = picture.color.size();
-    let pixels = picture.color.as_slice().iter().zip(picture.inverse_depth.as_slice());
-    let bytes: Vec<u8> = pixels
-        .flat_map(|(color, inverse_depth)| {
-            let [r, g, b] = color.map(srgb8_from_linear);
-            [r, g, b, if *inverse_depth < 0.0 { 0 } else { 255 }]
-        })
-        .collect();
-    image::save_buffer(path, &bytes, width as u32, height as u32, image::ColorType::Rgba8)
-        .map_err(|error| Error::io(path, std::io::Error::other(error)))
+    Ok(vantages.len())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::views::rig::Rig;
+    use glam::DVec3;
 
     fn path(positions: &[DVec3]) -> CameraPath {
         let keys = positions.iter().enumerate().map(|(index, position)| {

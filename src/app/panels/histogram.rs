@@ -60,10 +60,7 @@ pub(super) fn histogram_ui(
         }
     }
     let help = match histogram {
-        None => {
-            "Nothing is counted here yet, or with the tree of spans: the line can be dragged all the same."
-                .to_owned()
-        }
+        None => "Nothing is counted here yet: the line can be dragged all the same.".to_owned(),
         Some(histogram) => format!(
             "{} {} at this frame: {within} within the line, {beyond} beyond. Blue passes all rules, orange does not{}. Drag \
              the line.",

@@ -1,12 +1,11 @@
 //! What happened, in order; and what the window's own work takes.
 
-use egui::{Align2, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use egui::{Align2, Rect, RichText, ScrollArea, Sense, Ui, pos2};
 use egui_material_icons::icons::ICON_NOTES;
 
 use super::super::command::Command;
-use super::super::inspector::meter::BUDGET_MS;
+use super::super::inspector::meter::{BUDGET_MS, Figures};
 use super::super::state::{NoticeKind, State};
-use super::super::text;
 use super::super::theme::Tokens;
 use super::empty_ui;
 
@@ -46,21 +45,31 @@ pub(super) fn meter_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) 
     let tokens = Tokens::in_ui(ui);
     let Some(times) = state.inspector.meter.times() else { return };
     ui.horizontal(|ui| {
-        let ms = |value: f32| text::significant(f64::from(value));
-        let words = format!(
-            "The window's own work: median {} ms, 99 of 100 within {} ms, longest {} ms; {} of {} frames over {BUDGET_MS} ms",
-            ms(times.median_ms),
-            ms(times.percentile_99_ms),
-            ms(times.longest_ms),
-            times.over_budget,
-            times.frames
-        );
-        ui.label(RichText::new(words)).on_hover_text(
-            "Time that the thread which draws spends in logic() and ui(); painting by the graphics driver comes after it.",
-        );
         if ui.button("Start over").clicked() {
             commands.push(Command::ClearMeter);
         }
+        ui.vertical(|ui| {
+            ui.spacing_mut().item_spacing.y = 2.0;
+            let line = |ui: &mut Ui, what: &str, figures: &Figures, help: &str| {
+                let words = RichText::new(format!("{what}: {figures}")).small();
+                ui.add(egui::Label::new(words).truncate()).on_hover_text(help);
+            };
+            line(
+                ui,
+                "Time passed",
+                &times.wall,
+                "Time that passes in logic() and ui() on the thread that draws; painting by the graphics driver comes after \
+                 it.",
+            );
+            if let Some(cpu) = &times.cpu {
+                line(
+                    ui,
+                    "Processor time",
+                    cpu,
+                    "The part of it in which a processor worked for this thread; in the rest others held the processors.",
+                );
+            }
+        });
     });
     let size = ui.available_size();
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
@@ -78,16 +87,18 @@ pub(super) fn meter_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) 
         font,
         tokens.warning,
     );
-    let step = (rect.width() / times.frames.max(1) as f32).min(4.0);
-    for (index, ms) in state.inspector.meter.frames_ms().enumerate() {
+    // The latest frames, as many as bars of two points have room for.
+    let step = 2.0;
+    let bars = (rect.width() / step) as usize;
+    let first = times.wall.frames.saturating_sub(bars);
+    for (index, ms) in state.inspector.meter.wall_ms().skip(first).enumerate() {
         let left = rect.left() + index as f32 * step;
         let top = (rect.bottom() - ms * scale).max(rect.top());
         let color = if ms > BUDGET_MS { tokens.error } else { tokens.accent };
         painter.rect_filled(
-            Rect::from_min_max(pos2(left, top), pos2(left + step.max(1.0), rect.bottom())),
+            Rect::from_min_max(pos2(left, top), pos2(left + step, rect.bottom())),
             0.0,
             color,
         );
     }
-    ui.add_space(vec2(0.0, 0.0).y);
 }

@@ -8,6 +8,7 @@ mod palette;
 mod parts;
 mod path_field;
 mod path_view;
+mod presets;
 mod report;
 mod settings_ui;
 mod status;
@@ -55,6 +56,7 @@ pub(super) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
         });
     notices::notices_ui(ui.ctx(), state, commands);
     path_field::path_field_ui(ui.ctx(), state, commands);
+    presets::naming_ui(ui.ctx(), state, commands);
     welcome::callouts_ui(ui.ctx(), state, commands);
     palette::palette_ui(ui.ctx(), state, commands);
     palette::cheat_sheet_ui(ui.ctx(), state, commands);

@@ -4,7 +4,8 @@ use egui::{Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 use super::super::command::Command;
 use super::super::dock::View;
-use super::super::inspector::history::PRESETS;
+use super::super::inspector::charts::Study;
+use super::super::inspector::presets::PRESETS;
 use super::super::keyboard;
 use super::super::message::Purpose;
 use super::super::state::State;
@@ -125,8 +126,11 @@ fn entries(state: &State) -> Vec<Entry> {
         ("Save store", "Ctrl+S", Command::AskPath(Purpose::SaveStore)),
         ("Save settings", "", Command::AskPath(Purpose::SaveSettings)),
         ("Load settings", "", Command::AskPath(Purpose::LoadSettings)),
+        ("Keep settings as a preset", "", Command::NamePreset(Some(String::new()))),
         ("Save picture", "", Command::AskPath(Purpose::SavePicture)),
         ("Copy picture", "", Command::CopyPicture),
+        ("Export pictures of the camera path", "", Command::AskPath(Purpose::ExportPictures)),
+        ("Export a film of the camera path", "", Command::AskPath(Purpose::ExportFilm)),
         ("Copy argument for the pixel", "Ctrl+Shift+C", Command::CopyArgument),
         ("Undo", "Ctrl+Z", Command::Undo),
         ("Redo", "Ctrl+Y", Command::Redo),
@@ -137,11 +141,15 @@ fn entries(state: &State) -> Vec<Entry> {
         ("Frame the kept pixel", "F", Command::FramePoint),
         ("Add key to the camera path", "K", Command::AddKey),
         ("Rerun", "", Command::Rerun),
+        ("Run a sweep", "", Command::Study(Study::Sweep)),
+        ("Run a stress test", "", Command::Study(Study::Stress)),
+        ("Count frame times anew", "", Command::ClearMeter),
         ("Cancel", "Esc", Command::Cancel),
         ("Light theme", "", Command::Dark(false)),
         ("Dark theme", "", Command::Dark(true)),
         ("Reset layout", "", Command::ResetLayout),
         ("Show the keys", "?", Command::CheatSheet(true)),
+        ("Skip the introduction", "", Command::Callout(super::CALLOUTS)),
     ] {
         add(name.to_owned(), keys, command);
     }
@@ -156,6 +164,9 @@ fn entries(state: &State) -> Vec<Entry> {
     }
     for (index, (name, ..)) in PRESETS.iter().enumerate() {
         add(format!("Preset: {name}"), "", Command::Preset(index));
+    }
+    for (index, (name, _)) in state.inspector.presets.iter().enumerate() {
+        add(format!("Preset: {name}"), "", Command::OwnPreset(index));
     }
     for (name, _) in SCENES {
         add(format!("Demo: {name}"), "", Command::OpenDemo((*name).to_owned()));

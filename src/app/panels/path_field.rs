@@ -15,7 +15,8 @@ pub(super) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut V
         Purpose::SaveStore => ("Save the store", "Save"),
         Purpose::SaveSettings => ("Save the settings", "Save"),
         Purpose::SavePicture => ("Save the picture", "Save"),
-        Purpose::ExportPath => ("Export pictures into a folder", "Export"),
+        Purpose::ExportPictures => ("Export pictures into a folder", "Export"),
+        Purpose::ExportFilm => ("Export a film", "Export"),
         Purpose::LoadSettings => ("Load settings", "Load"),
     };
     let modal = Modal::new(Id::unique("path field")).show(ctx, |ui| {

@@ -9,6 +9,26 @@ use super::super::state::State;
 use super::super::theme::{Tokens, space};
 use super::{empty_ui, icon_button};
 
+/// What the path can become.
+fn export_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+    let menu = ui.menu_button("Export…", |ui| {
+        for (name, help, command) in [
+            ("Pictures…", PICTURES, Command::AskPath(Purpose::ExportPictures)),
+            ("Pictures to path…", PICTURES, Command::TypePath(Purpose::ExportPictures)),
+            ("Film…", FILM, Command::AskPath(Purpose::ExportFilm)),
+            ("Film to path…", FILM, Command::TypePath(Purpose::ExportFilm)),
+        ] {
+            if ui.button(name).on_hover_text(help).clicked() {
+                commands.push(command);
+            }
+        }
+    });
+    menu.response.on_disabled_hover_text("A path needs two keys at least.");
+}
+
+const PICTURES: &str = "A folder of numbered PNG pictures, as large as the live view shows them.";
+const FILM: &str = "A film at the frame rate of the timeline, through the ffmpeg on this machine.";
+
 /// The view.
 pub(super) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let path = &state.inspector.path;
@@ -40,14 +60,7 @@ pub(super) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             commands.push(Command::PicturesPerLeg(pictures));
         }
         ui.add_space(space::MEDIUM);
-        let export = ui.add_enabled(ready, egui::Button::new("Export pictures…"));
-        if export.on_disabled_hover_text("A path needs two keys at least.").clicked() {
-            commands.push(Command::AskPath(Purpose::ExportPath));
-        }
-        let typed = ui.add_enabled(ready, egui::Button::new("Export to path…"));
-        if typed.clicked() {
-            commands.push(Command::TypePath(Purpose::ExportPath));
-        }
+        ui.add_enabled_ui(ready, |ui| export_menu_ui(ui, commands));
         ui.label(RichText::new(format!("{} pictures", path.pictures())).color(tokens.text_weak));
     });
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {

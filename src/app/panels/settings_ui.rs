@@ -5,11 +5,11 @@ use egui_material_icons::icons::{ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 
 use super::super::command::Command;
 use super::super::inspector::histograms::CUT;
-use super::super::inspector::history::{PRESETS, Slot};
+use super::super::inspector::history::Slot;
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
-use super::{choice_ui, histogram, icon_button};
+use super::{choice_ui, histogram, icon_button, presets};
 use crate::settings::{Field, Kind, Settings};
 
 /// Sections in the order of the panel: id, heading, whether it is open at first.
@@ -83,15 +83,7 @@ fn history_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 commands.push(Command::SwitchSettings);
             }
         }
-        let presets: Vec<_> = std::iter::once((usize::MAX, "Presets…".to_owned(), String::new()))
-            .chain(PRESETS.iter().enumerate().map(|(index, (name, help, _))| {
-                (index, (*name).to_owned(), (*help).to_owned())
-            }))
-            .collect();
-        let width = ui.available_width() - space::MEDIUM;
-        if let Some(index) = choice_ui(ui, "Presets", usize::MAX, &presets, width) {
-            commands.push(Command::Preset(index));
-        }
+        presets::menu_ui(ui, state, commands);
     });
     ui.add_space(space::SMALL);
 }

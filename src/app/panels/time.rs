@@ -49,6 +49,10 @@ pub(super) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let top = rect.top() + row as f32 * height;
         let total: u64 = spans.iter().map(|span| span.samples).sum();
         let name = if *length == 1 { "1 frame".to_owned() } else { format!("{length} frames") };
+        let row_rect = Rect::from_min_max(pos2(rect.left(), top), pos2(rect.right(), top + height));
+        let words = format!("Samples stored for {name}: {}", text::count(total));
+        ui.interact(row_rect, response.id.with(length), Sense::hover())
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
         let text = format!("{name}  {}", text::count(total));
         painter.text(
             pos2(rect.left(), top + height / 2.0),

@@ -10,6 +10,12 @@ use super::super::theme::{Tokens, figure_style};
 /// Height of a figure with its name.
 const FIGURE: f32 = 38.0;
 
+/// Between a figure and its note.
+const GAP: f32 = 6.0;
+
+/// Between a note and the next figure.
+const MARGIN: f32 = 14.0;
+
 struct Figure {
     name: &'static str,
     value: String,
@@ -22,10 +28,10 @@ struct Figure {
 /// The strip.
 pub(super) fn totals_ui(ui: &mut Ui, state: &State) {
     let figures = figures(state);
-    let width = ui.available_width() / figures.len() as f32;
+    let widths = widths(ui, &figures);
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
-        for figure in &figures {
+        for (figure, width) in figures.iter().zip(widths) {
             ui.allocate_ui_with_layout(egui::vec2(width, FIGURE), Layout::top_down(Align::Min), |ui| {
                 figure_ui(ui, figure, state.is_stale());
             });
@@ -33,12 +39,33 @@ pub(super) fn totals_ui(ui: &mut Ui, state: &State) {
     });
 }
 
+/// Equal widths where everything fits into them; else each figure gets what it needs, and what is left is shared out.
+fn widths(ui: &Ui, figures: &[Figure]) -> Vec<f32> {
+    let styles = (figure_style().resolve(ui.style()), egui::TextStyle::Small.resolve(ui.style()));
+    let width_of = |text: &str, font: &egui::FontId| {
+        ui.painter().layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::PLACEHOLDER).size().x
+    };
+    let needed: Vec<f32> = figures
+        .iter()
+        .map(|figure| {
+            let line = width_of(&figure.value, &styles.0) + GAP + width_of(&figure.note, &styles.1);
+            line.max(width_of(figure.name, &styles.1)) + MARGIN
+        })
+        .collect();
+    let equal = ui.available_width() / figures.len() as f32;
+    if needed.iter().all(|needed| *needed <= equal) {
+        return vec![equal; figures.len()];
+    }
+    let spare = (ui.available_width() - needed.iter().sum::<f32>()) / figures.len() as f32;
+    needed.into_iter().map(|needed| needed + spare).collect()
+}
+
 fn figure_ui(ui: &mut Ui, figure: &Figure, stale: bool) {
     let tokens = Tokens::in_ui(ui);
     let stale = stale && figure.of_whole;
     ui.set_min_width(ui.available_width());
-    ui.set_max_width(ui.available_width() - 8.0);
-    ui.spacing_mut().item_spacing = egui::vec2(6.0, 1.0);
+    ui.set_max_width(ui.available_width() - MARGIN);
+    ui.spacing_mut().item_spacing = egui::vec2(GAP, 1.0);
     let name = RichText::new(figure.name).small().color(tokens.text_weak);
     let note = if stale { "out of date" } else { &figure.note };
     let color = if stale { tokens.text_weak } else { tokens.text };

@@ -12,7 +12,7 @@ use super::super::panels::{choice_ui, empty_ui};
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
-use super::colormap;
+use super::{axis_marks, colormap};
 use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::Point;
 
@@ -57,7 +57,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
     let mut front: Vec<[f64; 2]> = on_front.map(place).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let current = charts.sweep.iter().find(|point| point.settings == state.settings).map(place);
-    let plot = plot("tradeoff", along, up);
+    let plot = plot("tradeoff", along, up, &tokens);
     let shown = plot.show(ui, |plot_ui| {
         plot_ui.line(Line::new("best lossless for its size", front).color(tokens.text_weak).width(1.0));
         for (index, (name, places)) in series.into_iter().enumerate() {
@@ -99,7 +99,7 @@ fn shape(index: usize) -> MarkerShape {
         [index % 5]
 }
 
-fn plot<'a>(id: &'static str, along: Quantity, up: Quantity) -> Plot<'a> {
+fn plot<'a>(id: &'static str, along: Quantity, up: Quantity, tokens: &Tokens) -> Plot<'a> {
     let axis = |quantity: Quantity| {
         move |mark: egui_plot::GridMark, _: &std::ops::RangeInclusive<f64>| {
             let value = if quantity.is_log() { 10_f64.powf(mark.value) } else { mark.value };
@@ -116,6 +116,9 @@ fn plot<'a>(id: &'static str, along: Quantity, up: Quantity) -> Plot<'a> {
         .y_axis_label(up.name())
         .x_axis_formatter(axis(along))
         .y_axis_formatter(axis(up))
+        .x_grid_spacer(move |grid| axis_marks::marks(grid.bounds, along.is_log()))
+        .y_grid_spacer(move |grid| axis_marks::marks(grid.bounds, up.is_log()))
+        .grid_color(tokens.border)
         .allow_scroll(false)
         .set_margin_fraction(egui::vec2(0.06, 0.08))
 }
@@ -191,6 +194,9 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comman
         .legend(Legend::default())
         .x_axis_label(format!("{} ({unit})", text::words(chosen)))
         .y_axis_label("PSNR, dB")
+        .x_grid_spacer(|grid| axis_marks::marks(grid.bounds, false))
+        .y_grid_spacer(|grid| axis_marks::marks(grid.bounds, false))
+        .grid_color(Tokens::in_ui(ui).border)
         .allow_scroll(false);
     let shown = plot.show(ui, |plot_ui| {
         for (index, (method, places)) in methods.into_iter().enumerate() {

@@ -5,12 +5,14 @@ use egui_material_icons::icons::{ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
 use super::super::command::Command;
 use super::super::inspector::compare::Compared;
-use super::super::inspector::compare_look::{CompareLook, Mode, Place, Side};
+use super::super::inspector::compare_look::{CompareLook, Measure, Mode, Place, Side};
+use super::super::inspector::difference::Comparison;
 use super::super::panels::{choice_ui, empty_ui, icon_button, segments_ui};
 use super::super::scene::Content;
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
+use super::colormap::{diverging, sequential};
 use super::legend;
 
 /// Height of the lines below the picture.
@@ -18,6 +20,9 @@ const FOOTER: f32 = 48.0;
 
 /// Width of a list of sides.
 const SIDES: f32 = 106.0;
+
+/// Width of the color bar.
+const BAR: f32 = 150.0;
 
 /// The view.
 pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -30,11 +35,13 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Com
         ui.scope_builder(egui::UiBuilder::new().max_rect(canvas), |ui| {
             empty_ui(ui, ICON_COMPARE, "These two cannot be compared here", trouble, |_| {});
         });
-    } else {
-        canvas_ui(ui, canvas, state, &mut look);
     }
+    let pointed = match &state.inspector.compare_trouble {
+        Some(_) => None,
+        None => canvas_ui(ui, canvas, state, &mut look),
+    };
     ui.allocate_rect(canvas, Sense::hover());
-    footer_ui(ui, state, &mut look);
+    footer_ui(ui, state, &mut look, pointed);
     if look != *before {
         commands.push(Command::Compare(Box::new(look)));
     }
@@ -58,6 +65,13 @@ fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
         if let Some(place) = choice_ui(ui, "From", look.place, &places(state), SIDES) {
             look.place = place;
         }
+        if look.mode == Mode::Difference {
+            let measures = Measure::ALL.map(|(measure, name, help)| (measure, name, help));
+            if let Some(measure) = segments_ui(ui, "Difference in", look.measure, measures) {
+                // A locked range is one of the other unit.
+                (look.measure, look.range) = (measure, None);
+            }
+        }
     });
 }
 
@@ -78,7 +92,8 @@ fn places(state: &State) -> Vec<(Place, String, String)> {
     places
 }
 
-fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) {
+/// The two pictures; gives the pixel under the pointer.
+fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -> Option<[usize; 2]> {
     let tokens = Tokens::in_ui(ui);
     let response = ui.interact(canvas, ui.scope_id().with("comparison"), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Comparison"));
@@ -86,7 +101,7 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) {
     painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.canvas);
     let Some(compared) = &state.inspector.compared else {
         egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
-        return;
+        return None;
     };
     let size = Vec2::from(compared.comparison.images[0].size.map(|side| side as f32));
     let scale = (canvas.width() / size.x).min(canvas.height() / size.y) * look.zoom;
@@ -114,6 +129,9 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) {
         Mode::Difference => plate(left, Align2::LEFT_TOP, "Difference"),
     }
     move_ui(ui, &response, canvas, picture, look);
+    let at = response.hover_pos().filter(|at| picture.contains(*at))?;
+    let at = (at - picture.min) / picture.size() * size;
+    Some([at.x as usize, at.y as usize])
 }
 
 fn draw(
@@ -176,15 +194,14 @@ fn move_ui(ui: &Ui, response: &egui::Response, canvas: Rect, picture: Rect, look
     }
 }
 
-fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
+fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option<[usize; 2]>) {
     let tokens = Tokens::in_ui(ui);
     let compared = state.inspector.compared.as_ref().filter(|_| state.inspector.compare_trouble.is_none());
     let Some(compared) = compared else { return };
     let comparison = &compared.comparison;
     ui.horizontal(|ui| {
         if look.mode == Mode::Difference {
-            let range = text::significant(f64::from(comparison.range));
-            legend::bar(ui, "0", &format!("{range} 8-bit steps"), 150.0);
+            bar_ui(ui, comparison);
             let locked = look.range.is_some();
             let (icon, name) =
                 if locked { (ICON_LOCK, "Fit the range") } else { (ICON_LOCK_OPEN, "Lock the range") };
@@ -202,16 +219,52 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
             ui.label(RichText::new(hint).small().color(tokens.text_weak));
         }
     });
+    let words = pointed.and_then(|at| about_pixel(comparison, at)).unwrap_or_else(|| figures(comparison));
+    ui.add(egui::Label::new(RichText::new(words).small().color(tokens.text)).truncate());
+}
+
+/// What the colors of the map stand for.
+fn bar_ui(ui: &mut Ui, comparison: &Comparison) {
+    let range = text::significant(f64::from(comparison.range));
+    match comparison.measure {
+        Measure::Steps => legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR, sequential),
+        Measure::Brightness => legend::bar(
+            ui,
+            &format!("darker −{range}"),
+            &format!("+{range} brighter, 8-bit steps"),
+            BAR,
+            |position| diverging(position * 2.0 - 1.0),
+        ),
+        Measure::Flip => legend::bar(ui, "FLIP 0", &range, BAR, sequential),
+    }
+}
+
+/// The pixel under the pointer on both sides; `None` outside.
+fn about_pixel(comparison: &Comparison, [x, y]: [usize; 2]) -> Option<String> {
+    let color = |side: usize| {
+        let pixel = comparison.sides[side].get(x, y)?;
+        Some(pixel.map_or_else(|| "nothing".to_owned(), |[r, g, b]| format!("{r} {g} {b}")))
+    };
+    let apart = match comparison.apart.get(x, y)? {
+        Some(apart) if comparison.measure == Measure::Flip => format!("FLIP {apart:.3}"),
+        Some(apart) if comparison.measure == Measure::Brightness => format!("{apart:+.1} steps"),
+        Some(apart) => format!("{apart:.0} steps apart"),
+        None => "nothing to compare".to_owned(),
+    };
+    Some(format!("Pixel {x}, {y} · left {} · right {} · {apart}", color(0)?, color(1)?))
+}
+
+/// The whole comparison in figures.
+fn figures(comparison: &Comparison) -> String {
     let psnr = if comparison.psnr_db.is_infinite() {
         "equal where both show something".to_owned()
     } else {
         format!(
-            "{:.1} dB apart, {} steps on average",
+            "{:.1} dB apart, {} {}on average",
             comparison.psnr_db,
-            text::significant(comparison.mean_steps)
+            text::significant(comparison.mean),
+            if comparison.measure == Measure::Flip { "FLIP " } else { "steps " }
         )
     };
-    let words =
-        format!("{psnr}; {:.1} % of pixels are shown by one side alone", 100.0 * comparison.one_sided);
-    ui.add(egui::Label::new(RichText::new(words).small().color(tokens.text)).truncate());
+    format!("{psnr}; {:.1} % of pixels are shown by one side alone", 100.0 * comparison.one_sided)
 }

@@ -91,7 +91,7 @@ pub(super) fn live_legend_ui(ui: &mut Ui, state: &State) {
                 swatches_ui(ui, &entries, HOLE_WIDTH);
             }
             ColorBy::Span => {
-                swatch_ui(ui, tokens.static_over_time, "stored once");
+                swatch_ui(ui, tokens.static_over_time, "several frames");
                 swatch_ui(ui, tokens.moving, "this frame only");
             }
             ColorBy::SamplingRate => ratio_ui(ui, "denser than pixels", "coarser"),
@@ -172,21 +172,18 @@ fn swatches_ui(ui: &mut Ui, entries: &[(Color32, String)], reserved: f32) {
     }
 }
 
-/// The sequential color bar, `width` wide, between the names of its ends.
-pub(super) fn bar(ui: &mut Ui, low: &str, high: &str, width: f32) {
+/// A color bar, `width` wide, between the names of its ends.
+pub(super) fn bar(ui: &mut Ui, low: &str, high: &str, width: f32, color: impl Fn(f32) -> Color32) {
     ui.label(RichText::new(low).small());
-    let (rect, _) = ui.allocate_exact_size(vec2(width, 10.0), Sense::hover());
-    gradient(ui.painter(), rect, sequential);
-    ui.label(RichText::new(high).small());
-}
-
-/// A color bar between the names of its ends.
-fn bar_ui(ui: &mut Ui, low: &str, high: &str, color: impl Fn(f32) -> Color32) {
-    ui.label(RichText::new(low).small());
-    let width = (ui.available_width() - 96.0).clamp(60.0, 180.0);
     let (rect, _) = ui.allocate_exact_size(vec2(width, 10.0), Sense::hover());
     gradient(ui.painter(), rect, color);
     ui.label(RichText::new(high).small());
+}
+
+/// A color bar as wide as the line has room for.
+fn bar_ui(ui: &mut Ui, low: &str, high: &str, color: impl Fn(f32) -> Color32) {
+    let width = (ui.available_width() - 150.0).clamp(60.0, 180.0);
+    bar(ui, low, high, width, color);
 }
 
 /// The diverging bar, with the ratios that its ends and middle stand for.

@@ -1,5 +1,6 @@
 //! The pictures, and what is drawn over them and said about them.
 
+mod axis_marks;
 pub(super) mod cameras_view;
 pub(super) mod chart_view;
 pub(super) mod colormap;

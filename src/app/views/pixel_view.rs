@@ -16,6 +16,10 @@ use crate::preprocess::registration::Outcome;
 /// Width of the summary beside the table.
 const SUMMARY: f32 = 292.0;
 
+/// Width that the table needs at its full size, and the size of its letters where there is less.
+const TABLE: f32 = 612.0;
+const NARROW: f32 = 11.0;
+
 /// Columns of the table: heading and what it means.
 const COLUMNS: [(&str, &str); 9] = [
     ("Camera", "Click a name to see the point there."),
@@ -46,7 +50,7 @@ pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comma
         return;
     };
     let area = ui.available_rect_before_wrap();
-    let left = Rect::from_min_size(area.min, vec2(SUMMARY.min(area.width() * 0.45), area.height()));
+    let left = Rect::from_min_size(area.min, vec2(SUMMARY.min(area.width() * 0.3), area.height()));
     let right = Rect::from_min_max(pos2(left.right() + space::LARGE, area.top()), area.max);
     ui.scope_builder(egui::UiBuilder::new().max_rect(left).id_salt("summary"), |ui| {
         ScrollArea::vertical()
@@ -160,9 +164,16 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &Scene, probed: &Probed, commands
         );
         return;
     }
-    ui.spacing_mut().interact_size.y = 18.0;
+    let narrow = ui.available_width() < TABLE;
+    let (spacing, row) = if narrow { (vec2(7.0, 1.0), 16.0) } else { (vec2(14.0, 3.0), 18.0) };
+    ui.spacing_mut().interact_size.y = row;
     ui.spacing_mut().button_padding.y = 0.0;
-    Grid::new("testimonies").striped(true).spacing(vec2(14.0, 3.0)).min_row_height(18.0).show(ui, |ui| {
+    if narrow {
+        for font in ui.style_mut().text_styles.values_mut() {
+            font.size = font.size.min(NARROW);
+        }
+    }
+    Grid::new("testimonies").striped(true).spacing(spacing).min_row_height(row).show(ui, |ui| {
         for (name, help) in COLUMNS {
             ui.label(RichText::new(name).small().color(tokens.text_weak)).on_hover_text(help);
         }

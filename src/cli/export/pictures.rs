@@ -8,10 +8,11 @@ use clap::Args;
 use super::super::picture::PicturePaths;
 use super::super::render::PaintingArgs;
 use super::super::{Failure, SettingsArgs, output, progress};
-use super::path::{self, Stop};
+use super::path::{self, Stops};
 use crate::error::Result;
 use crate::job::Job;
-use crate::render::{Picture, Renderer, Vantage};
+use crate::render::film::{self, Reel};
+use crate::render::{Picture, Renderer};
 use crate::settings::{RenderSettings, Settings};
 use crate::store::Playback;
 
@@ -20,7 +21,7 @@ use crate::store::Playback;
 pub(super) struct FilmArgs {
     /// The store.
     pub(super) store: PathBuf,
-    /// The camera path: a manifest of views, one place at a time; between them the camera moves evenly.
+    /// The camera path: a manifest of views, one place at a time; between them the camera moves smoothly.
     #[arg(long, value_name = "TRANSFORMS")]
     path: PathBuf,
     #[command(flatten)]
@@ -31,7 +32,7 @@ pub(super) struct FilmArgs {
 
 impl FilmArgs {
     /// The stops of the path and the settings to paint with.
-    pub(super) fn plan(&self, playback: &Playback) -> Result<(Vec<Stop>, RenderSettings), Failure> {
+    pub(super) fn plan(&self, playback: &Playback) -> Result<(Stops, RenderSettings), Failure> {
         let info = playback.store().info();
         let mut settings: Settings = self.settings.over(info.settings.clone())?;
         self.painting.apply(&mut settings.render);
@@ -39,34 +40,19 @@ impl FilmArgs {
     }
 }
 
-/// Paints every stop in order and hands the pictures on; the next frame is read from disk while one is painted.
+/// Paints every stop in order and hands the pictures on, with their place in the film.
 ///
 /// # Errors
 /// Whatever painting and `take` give, and `Cancelled`.
 pub(super) fn paint(
-    playback: &Playback,
-    stops: &[Stop],
+    playback: &Arc<Playback>,
+    stops: &Stops,
     settings: &RenderSettings,
     job: &Job,
-    mut take: impl FnMut(&Stop, &Picture) -> Result<()>,
+    take: impl FnMut(usize, &Picture) -> Result<()>,
 ) -> Result<()> {
     let mut renderer = Renderer::strict(settings.backend)?;
-    job.start("Painting", stops.len());
-    for (nth, stop) in stops.iter().enumerate() {
-        job.check()?;
-        let samples = playback.at(stop.frame, job)?;
-        let vantage = Vantage { camera: stop.camera.clone(), frame: stop.frame };
-        let ahead = stops.get(nth + 1).map_or(0..0, |next| next.frame..next.frame + 1);
-        // A frame that cannot be read ahead says so when it is painted.
-        let (painted, _) = rayon::join(
-            || renderer.render(&samples, &vantage, settings, job),
-            || playback.read_ahead(ahead, job),
-        );
-        let (picture, _): (Arc<Picture>, _) = painted?;
-        take(stop, &picture)?;
-        job.advance(1);
-    }
-    Ok(())
+    film::paint(&Reel::Disk(playback.clone()), &stops.vantages, &mut renderer, settings, job, take)
 }
 
 /// Arguments of `overlook export pictures`.
@@ -81,14 +67,18 @@ pub(super) struct PicturesArgs {
 
 impl PicturesArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let playback = super::open(&self.film.store)?;
+        let playback = Arc::new(super::open(&self.film.store)?);
         let (stops, settings) = self.film.plan(&playback)?;
         progress::watched(|job| {
-            paint(&playback, &stops, &settings, job, |stop, picture| {
-                PicturePaths::below(&self.out, &format!("{:04}", stop.number))?.write(picture)
+            paint(&playback, &stops, &settings, job, |nth, picture| {
+                PicturePaths::below(&self.out, &format!("{:04}", stops.numbers[nth]))?.write(picture)
             })
         })?;
         output::warn(&playback.store().damage());
-        output::print(&format!("Wrote {} pictures (EXR and PNG) to {}", stops.len(), self.out.display()))
+        output::print(&format!(
+            "Wrote {} pictures (EXR and PNG) to {}",
+            stops.numbers.len(),
+            self.out.display()
+        ))
     }
 }

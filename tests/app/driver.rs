@@ -1,7 +1,7 @@
 //! Drives the window off screen: no display needed, a software Vulkan adapter is enough.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
-#![allow(dead_code, reason = "every test drives the window its own way")]
 
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui_kittest::kittest::Queryable;
@@ -14,6 +14,14 @@ const PATIENCE: Duration = Duration::from_mins(3);
 
 /// A window with a harness around it.
 pub(crate) type Window = Harness<'static, OverlookApp>;
+
+/// Size of the window unless a test is about another.
+pub(crate) const SIZE: [f32; 2] = [1280.0, 800.0];
+
+/// A small recording of a built-in scene, quick to trace and to prune.
+pub(crate) fn small_demo() -> Start {
+    demo(3, 4, (96, 72))
+}
 
 /// A recording of the orrery.
 pub(crate) fn demo(cameras: usize, frames: usize, size: (u32, u32)) -> Start {
@@ -31,6 +39,30 @@ pub(crate) fn open(start: Start, size: [f32; 2]) -> Window {
     let builder: HarnessBuilder<OverlookApp> =
         Harness::builder().with_size(size).with_os(egui::os::OperatingSystem::Nix).with_render_cursor(false);
     builder.build_eframe(move |cc| OverlookApp::new(&cc.egui_ctx, None, None, start).unwrap())
+}
+
+/// Whether some label on screen holds `text`.
+pub(crate) fn shows(window: &Window, text: &str) -> bool {
+    window.query_all_by_label_contains(text).next().is_some()
+}
+
+/// A file or folder that is dropped on the window.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+/// Drops a file or folder on the window; the next step takes it in.
+pub(crate) fn drop_on(window: &mut Window, path: &Path) {
+    window.input_mut().dropped_files.push(Arc::new(Dropped(path.to_path_buf())));
 }
 
 /// Steps the window until `condition` holds.
@@ -99,7 +131,7 @@ pub(crate) fn choose(window: &mut Window, row: &str, choice: &str) {
 }
 
 /// Types a path into the path field that a menu entry opens, and takes it.
-pub(crate) fn type_path(window: &mut Window, menu: &str, entry: &str, path: &std::path::Path, take: &str) {
+pub(crate) fn type_path(window: &mut Window, menu: &str, entry: &str, path: &Path, take: &str) {
     click(window, menu);
     click(window, entry);
     window.get_by_label("Path").replace_selected_text_accesskit("");

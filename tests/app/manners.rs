@@ -1,22 +1,10 @@
 //! How the window behaves beside its work: it explains itself, asks before it closes, and does anything by name.
 
-mod app_driver;
-
-use app_driver::{Window, click, demo, drag, open, open_view, settle, type_path, wait};
+use super::driver::{SIZE, Window, click, drag, open, open_view, settle, shows, small_demo, type_path, wait};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use overlook::app::{OverlookApp, Start};
-
-const SIZE: [f32; 2] = [1280.0, 800.0];
-
-fn small_demo() -> Start {
-    demo(3, 4, (96, 72))
-}
-
-fn shows(window: &Window, text: &str) -> bool {
-    window.query_all_by_label_contains(text).next().is_some()
-}
+use overlook::app::OverlookApp;
 
 #[derive(Default)]
 struct Storage(std::collections::HashMap<String, String>);
@@ -38,7 +26,7 @@ impl eframe::Storage for Storage {
 }
 
 #[test]
-fn a_first_run_explains_itself_in_three_callouts_and_only_once() {
+fn a_first_run_explains_itself_and_the_next_one_remembers_layout_and_presets() {
     let storage = std::sync::Arc::new(std::sync::Mutex::new(Storage::default()));
     let start = |storage: std::sync::Arc<std::sync::Mutex<Storage>>| -> Window {
         Harness::builder().with_size(SIZE).with_os(egui::os::OperatingSystem::Nix).build_eframe(move |cc| {
@@ -52,10 +40,19 @@ fn a_first_run_explains_itself_in_three_callouts_and_only_once() {
         click(&mut window, "Next callout");
     }
     assert!(window.query_by_label("Next callout").is_none());
+    click(&mut window, "Presets");
+    click(&mut window, "Keep these settings…");
+    window.get_by_label("Name of the preset").type_text("remembered");
+    window.run_steps(3);
+    click(&mut window, "Keep this preset");
+    open_view(&mut window, "Meter");
     eframe::App::save(window.state_mut(), &mut *storage.lock().unwrap());
     let mut again = start(storage);
     settle(&mut again);
     assert!(again.query_by_label("Next callout").is_none());
+    assert!(shows(&again, "Frame times"), "the layout is as it was");
+    click(&mut again, "Presets");
+    assert!(again.query_by_label("remembered").is_some());
 }
 
 #[test]
@@ -88,7 +85,7 @@ fn the_palette_does_anything_by_its_name() {
     window.key_press(Key::Enter);
     window.run_steps(3);
     assert!(shows(&window, "Frame times") && window.query_by_label("Command").is_none());
-    assert!(window.state().frame_times().unwrap().frames > 3);
+    assert!(window.state().frame_times().unwrap().wall.frames > 3);
     click(&mut window, "Commands");
     window.get_by_label("Command").type_text("pruning.method off");
     window.run_steps(3);
@@ -135,17 +132,24 @@ fn a_camera_path_is_set_played_and_exported() {
         at.iter().zip(end).all(|(a, b)| (a - b).abs() < 1e-6)
     });
     settle(&mut window);
-    type_path_button(&mut window, "Export to path…", &pictures);
+    export_to(&mut window, "Pictures to path…", &pictures);
     wait(&mut window, "the pictures", |window| {
         window.state().notices().iter().any(|notice| notice.starts_with("Exported"))
     });
     assert_eq!(std::fs::read_dir(&pictures).unwrap().count(), 49);
     let first = image::open(pictures.join("0001.png")).unwrap();
     assert!(first.width() > 20);
+    let film = folder.path().join("no/such/folder/film.mp4");
+    export_to(&mut window, "Film to path…", &film);
+    wait(&mut window, "what went wrong", |window| {
+        window.state().notices().iter().any(|notice| notice.starts_with("Could not export the camera path"))
+    });
+    assert!(!film.exists());
 }
 
-fn type_path_button(window: &mut Window, button: &str, path: &std::path::Path) {
-    click(window, button);
+fn export_to(window: &mut Window, form: &str, path: &std::path::Path) {
+    click(window, "Export…");
+    click(window, form);
     window.get_by_label("Path").replace_selected_text_accesskit("");
     window.run_steps(2);
     window.get_by_label("Path").set_text_value_accesskit(&path.display().to_string());

@@ -1,21 +1,10 @@
 //! The inspector, driven as a person does: pixels are argued about, views dock, numbers can be read.
 
-mod app_driver;
-
-use app_driver::{Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, wait};
+use super::driver::{
+    SIZE, Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, shows, small_demo, wait,
+};
 use egui::{Key, vec2};
 use egui_kittest::kittest::Queryable;
-use overlook::app::Start;
-
-const SIZE: [f32; 2] = [1280.0, 800.0];
-
-fn small_demo() -> Start {
-    demo(3, 4, (96, 72))
-}
-
-fn shows(window: &Window, text: &str) -> bool {
-    window.query_all_by_label_contains(text).next().is_some()
-}
 
 #[test]
 fn a_pixel_clicked_in_the_source_is_argued_about_by_every_camera() {
@@ -156,13 +145,61 @@ fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
     assert!(shows(&window, "8-bit steps"));
     click(&mut window, "Lock the range");
     assert!(window.query_by_label("Fit the range").is_some());
+    for (measure, bar) in [("Brighter", "brighter, 8-bit steps"), ("FLIP", "FLIP 0")] {
+        choose(&mut window, "Difference in", measure);
+        settle(&mut window);
+        assert!(shows(&window, bar) && window.query_by_label("Lock the range").is_some(), "{measure}");
+    }
+    window.hover_at(window.get_by_label("Comparison").rect().center());
+    window.run_steps(3);
+    assert!(shows(&window, "· left ") && shows(&window, "· right "), "the pixel under the pointer");
     pick(&mut window, "Left side", "Truth");
     wait(&mut window, "the trouble", |window| shows(window, "These two cannot be compared here"));
     pick(&mut window, "From", "Hold-out left");
     wait(&mut window, "the comparison", |window| !shows(window, "These two cannot be compared here"));
-    assert!(shows(&window, "dB apart"));
     settle(&mut window);
+    window.hover_at(egui::pos2(5.0, 5.0));
+    window.run_steps(3);
+    assert!(shows(&window, "FLIP on average"));
     assert!(window.state().notices().is_empty());
+}
+
+#[test]
+fn settings_are_kept_under_a_name_put_on_again_and_forgotten() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    pick(&mut window, "Presets", "Bold");
+    let bold = window.state().settings().clone();
+    click(&mut window, "Presets");
+    click(&mut window, "Keep these settings…");
+    window.get_by_label("Name of the preset").type_text("my own");
+    window.run_steps(3);
+    click(&mut window, "Keep this preset");
+    pick(&mut window, "Presets", "Balanced");
+    assert_ne!(window.state().settings(), &bold);
+    pick(&mut window, "Presets", "my own");
+    assert_eq!(window.state().settings(), &bold);
+    click(&mut window, "Presets");
+    click(&mut window, "Forget preset my own");
+    assert!(window.query_by_label("my own").is_none());
+    window.key_press(Key::Escape);
+    settle(&mut window);
+}
+
+#[test]
+fn the_span_map_shows_every_level_of_the_tree_and_takes_to_its_frames() {
+    let mut window = open(demo(2, 8, (48, 36)), SIZE);
+    settle(&mut window);
+    open_view(&mut window, "Time");
+    let spans = &window.state().report().unwrap().0.spans;
+    let lengths: std::collections::BTreeSet<usize> = spans.iter().map(|span| span.span.len()).collect();
+    assert!(lengths.len() > 2, "{lengths:?}");
+    for length in lengths {
+        let row = if length == 1 { "1 frame".to_owned() } else { format!("{length} frames") };
+        assert!(shows(&window, &format!("Samples stored for {row}")), "{row}");
+    }
+    drag(&mut window, "Span map", vec2(0.95, 0.5), vec2(2.0, 0.0));
+    assert_eq!(window.state().frame(), 7);
 }
 
 #[test]

@@ -1,9 +1,7 @@
 //! Pictures of the window. With `OVERLOOK_UPDATE_SCREENSHOTS=1` they are written to `screenshots/`; otherwise smaller
 //! ones are drawn and checked to hold something.
 
-mod app_driver;
-
-use app_driver::{
+use super::driver::{
     Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, type_path, wait,
 };
 use egui_kittest::kittest::Queryable;

@@ -1,23 +1,13 @@
 //! Drives the whole window as a person does, off screen: open, look, turn thresholds, cancel, save, open again, fail.
 
-mod app_driver;
+use super::driver::{
+    SIZE, Window, choose, click, demo, drag, drop_on, open, pick, settle, shows, small_demo, type_path, wait,
+};
+use std::path::Path;
 
-use app_driver::{Window, choose, click, demo, drag, open, pick, settle, type_path, wait};
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 use overlook::app::Start;
-
-const SIZE: [f32; 2] = [1280.0, 800.0];
-
-/// A small recording of a built-in scene, quick to trace and to prune.
-fn small_demo() -> Start {
-    demo(3, 4, (96, 72))
-}
-
-/// Whether some label on screen holds `text`.
-fn shows(window: &Window, text: &str) -> bool {
-    window.query_all_by_label_contains(text).next().is_some()
-}
 
 #[test]
 fn a_demo_opens_and_both_views_show_it() {
@@ -209,29 +199,62 @@ fn one_camera_and_one_frame_are_enough() {
     assert!(window.state().notices().is_empty());
 }
 
-#[derive(Debug)]
-struct Dropped(std::path::PathBuf);
-
-impl egui::DroppedFile for Dropped {
-    fn path(&self) -> &std::path::Path {
-        &self.0
+#[test]
+fn whatever_is_dropped_is_opened_or_the_message_says_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let capture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let [empty, text, missing, broken, bare] =
+        ["empty", "notes.txt", "gone.ovl", "broken", "bare"].map(|name| folder.path().join(name));
+    std::fs::create_dir(&empty).unwrap();
+    std::fs::write(&text, "not a capture").unwrap();
+    std::fs::create_dir(&bare).unwrap();
+    std::fs::copy(capture.join("transforms.json"), bare.join("transforms.json")).unwrap();
+    copy_folder(&capture, &broken);
+    let picture = first_picture(&broken);
+    let whole = std::fs::read(&picture).unwrap();
+    std::fs::write(&picture, &whole[..whole.len() / 2]).unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    for (path, named, advice) in [
+        (&missing, "gone.ovl", "check the path"),
+        (&empty, "empty", "a capture is a folder that holds a transforms.json"),
+        (&text, "notes.txt", "open one of those, or the folder of a capture"),
+        (&bare, "cam", ";"),
+        (&broken, "cam", ";"),
+    ] {
+        drop_on(&mut window, path);
+        wait(&mut window, named, |window| !window.state().notices().is_empty());
+        let message = window.state().notices().pop().unwrap();
+        assert!(message.starts_with("Could not") && message.contains(named), "{message}");
+        assert!(message.contains(advice) && !message.contains("os error"), "{message}");
+        window.key_press(Key::Escape);
+        window.run_steps(3);
+        assert!(window.state().notices().is_empty());
     }
+    assert_eq!(window.state().scene_name(), Some("orrery"), "what was open stays open");
+    drop_on(&mut window, &capture);
+    wait(&mut window, "the capture", |window| window.state().scene_name() == Some("small_capture"));
+}
 
-    fn bytes(&self) -> Result<Vec<u8>, String> {
-        std::fs::read(&self.0).map_err(|error| error.to_string())
+fn copy_folder(from: &Path, to: &Path) {
+    std::fs::create_dir(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap().path();
+        let target = to.join(entry.file_name().unwrap());
+        if entry.is_dir() {
+            copy_folder(&entry, &target);
+        } else {
+            std::fs::copy(&entry, &target).unwrap();
+        }
     }
 }
 
-#[test]
-fn a_folder_dropped_on_the_window_is_opened() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(small_demo(), SIZE);
-    settle(&mut window);
-    let dropped = std::sync::Arc::new(Dropped(folder.path().to_path_buf()));
-    window.input_mut().dropped_files.push(dropped);
-    wait(&mut window, "the message", |window| !window.state().notices().is_empty());
-    let message = window.state().notices().remove(0);
-    assert!(message.contains(&folder.path().display().to_string()), "{message}");
+/// The picture that a capture shows first.
+fn first_picture(capture: &Path) -> std::path::PathBuf {
+    let mut pictures: Vec<_> =
+        std::fs::read_dir(capture.join("cam0")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    pictures.sort();
+    pictures.remove(0)
 }
 
 #[test]

@@ -1,9 +1,6 @@
 //! The program itself in a real window, on a display of the test's own: clicked, typed at, looked at, and closed.
 //!
 //! Needs Xvfb and xdotool; where they are missing the test says so and checks nothing.
-#![cfg(target_os = "linux")]
-
-mod app_driver;
 
 use std::io::Read;
 use std::path::Path;
@@ -11,6 +8,8 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use egui_kittest::kittest::Queryable;
+
+use super::driver::{SIZE, open, settle};
 
 /// Ends its process when the test does, however it does.
 struct Guard(Child);
@@ -87,7 +86,7 @@ fn can_drive_a_window() -> bool {
     missing.is_none()
 }
 
-/// The program on a display of its own, with the keyboard, at its first picture.
+/// The program on a display of its own, with the keyboard.
 fn start_program(display: &str, folder: &Path, arguments: &[&Path]) -> Guard {
     let program = Command::new(env!("CARGO_BIN_EXE_overlook"))
         .args(arguments)
@@ -106,14 +105,17 @@ fn start_program(display: &str, folder: &Path, arguments: &[&Path]) -> Guard {
     let id = id.lines().next().unwrap().to_owned();
     // Without a window manager nothing gives the window the keyboard.
     wait_for("the keyboard", || xdotool(display, &["windowfocus", "--sync", &id]));
-    wait_for("the first picture", || (colors_on(display, folder) > 2000).then_some(()));
     program
+}
+
+fn wait_for_pictures(display: &str, folder: &Path) {
+    wait_for("the first picture", || (colors_on(display, folder) > 2000).then_some(()));
 }
 
 /// Where the widget of this name lies in the window: the same layout, off screen.
 fn place_of(name: &str, capture: &Path, share_x: f32) -> [String; 2] {
-    let mut window = app_driver::open(overlook::app::Start::Path(capture.to_path_buf()), [1280.0, 800.0]);
-    app_driver::settle(&mut window);
+    let mut window = open(overlook::app::Start::Path(capture.to_path_buf()), SIZE);
+    settle(&mut window);
     let rect = window.get_by_label(name).rect();
     [rect.left() + rect.width() * share_x, rect.center().y].map(|place| format!("{place:.0}"))
 }
@@ -146,6 +148,7 @@ fn the_program_opens_a_window_that_answers_and_closes() {
     let folder = tempfile::tempdir().unwrap();
     let (_server, display) = start_display();
     let mut program = start_program(&display, folder.path(), &[]);
+    wait_for_pictures(&display, folder.path());
     for keys in ["period", "period", "comma", "2", "space", "space", "w"] {
         xdotool(&display, &["key", keys]).unwrap();
     }
@@ -169,6 +172,7 @@ fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
     let path = store.to_str().unwrap();
     let (_server, display) = start_display();
     let program = start_program(&display, folder.path(), &[&capture]);
+    wait_for_pictures(&display, folder.path());
 
     // The line on the depth tolerance's histogram; the rerun that this starts is cancelled, and the next one runs through.
     let line = place_of("Pruning depth tolerance on its histogram", &capture, 0.6);
@@ -199,5 +203,120 @@ fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
     wait_for("the store in place of the capture", || {
         (colors_in_source_view(&display, folder.path()) < 20).then_some(())
     });
+    quit(&display, program);
+}
+
+/// Does something by its name, through the command palette.
+fn say(display: &str, words: &str) {
+    let pause = || std::thread::sleep(Duration::from_millis(700));
+    xdotool(display, &["key", "ctrl+p"]).unwrap();
+    pause();
+    xdotool(display, &["type", "--delay", "15", words]).unwrap();
+    pause();
+    xdotool(display, &["key", "Return"]).unwrap();
+    pause();
+}
+
+/// Types a path into the field that comes up where there is no dialog.
+fn answer(display: &str, path: &Path) {
+    std::thread::sleep(Duration::from_secs(1));
+    xdotool(display, &["key", "ctrl+a"]).unwrap();
+    xdotool(display, &["type", "--delay", "15", path.to_str().unwrap()]).unwrap();
+    xdotool(display, &["key", "Return"]).unwrap();
+    std::thread::sleep(Duration::from_secs(1));
+}
+
+/// Keeps a picture of a step, where somebody wants to see them.
+fn keep_picture(display: &str, name: &str) {
+    if let Some(folder) = std::env::var_os("OVERLOOK_WALK_PICTURES") {
+        let file = Path::new(&folder).join(format!("{name}.png"));
+        let taken =
+            Command::new("import").args(["-window", "root"]).arg(&file).env("DISPLAY", display).status();
+        assert!(taken.unwrap().success());
+    }
+}
+
+/// A stand-in for ffmpeg that keeps the pictures as they come.
+fn write_stand_in_for_ffmpeg(folder: &Path) {
+    use std::os::unix::fs::PermissionsExt;
+    let program = folder.join("ffmpeg");
+    std::fs::write(&program, "#!/bin/sh\nfor last; do :; done\nexec /bin/cat > \"$last\"\n").unwrap();
+    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+#[test]
+#[ignore = "walks for a minute: cargo test --test app -- --ignored; OVERLOOK_WALK_PICTURES=FOLDER keeps a picture of each step"]
+fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
+    if !can_drive_a_window() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let capture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    write_stand_in_for_ffmpeg(folder.path());
+    let [pixel, line] = [("Source picture", 0.5), ("Pruning depth tolerance on its histogram", 0.6)]
+        .map(|(name, share)| place_of(name, &capture, share));
+    let (_server, display) = start_display();
+    let program = start_program(&display, folder.path(), &[]);
+
+    say(&display, "skip the introduction");
+    say(&display, "open path");
+    answer(&display, &capture);
+    std::thread::sleep(Duration::from_secs(2));
+    wait_for_pictures(&display, folder.path());
+    std::thread::sleep(Duration::from_secs(2));
+    keep_picture(&display, "1_open");
+    say(&display, "source shows: who won");
+    keep_picture(&display, "2_who_won");
+    xdotool(&display, &["mousemove", &pixel[0], &pixel[1], "click", "1"]).unwrap();
+    xdotool(&display, &["key", "ctrl+shift+c"]).unwrap();
+    std::thread::sleep(Duration::from_secs(1));
+    keep_picture(&display, "3_pixel");
+    say(&display, "open view: cameras");
+    xdotool(&display, &["key", "f"]).unwrap();
+    std::thread::sleep(Duration::from_secs(1));
+    keep_picture(&display, "4_cameras");
+    drag(&display, [line[0].as_str(), line[1].as_str()], "20");
+    keep_picture(&display, "5_threshold");
+    xdotool(&display, &["key", "ctrl+z", "ctrl+y"]).unwrap();
+    say(&display, "set render.kernel to block");
+    keep_picture(&display, "6_history");
+    say(&display, "open view: compare");
+    std::thread::sleep(Duration::from_secs(3));
+    keep_picture(&display, "7_compare");
+    say(&display, "open view: time");
+    keep_picture(&display, "8_time");
+    say(&display, "open view: memory");
+    keep_picture(&display, "8_memory");
+    say(&display, "open view: speed and accuracy");
+    say(&display, "run a sweep");
+    std::thread::sleep(Duration::from_secs(4));
+    keep_picture(&display, "9_sweep");
+    say(&display, "cancel");
+
+    let [store, settings, film] = ["tuned.ovl", "tuned.toml", "film.mp4"].map(at);
+    wait_for("the store", || {
+        xdotool(&display, &["key", "ctrl+s"]).unwrap();
+        answer(&display, &store);
+        store.exists().then_some(())
+    });
+    say(&display, "save settings");
+    answer(&display, &settings);
+    say(&display, "open view: live view");
+    xdotool(&display, &["key", "k"]).unwrap();
+    drag(&display, ["700", "300"], "40");
+    xdotool(&display, &["key", "period", "k"]).unwrap();
+    say(&display, "open view: camera path");
+    keep_picture(&display, "10_path");
+    say(&display, "export a film");
+    answer(&display, &film);
+    wait_for("the film", || film.exists().then_some(()));
+    keep_picture(&display, "10_film");
+
+    let (samples, _) = overlook::store::read(&store, &overlook::job::Job::new()).unwrap();
+    let tuned = overlook::settings::Settings::load(&settings).unwrap();
+    assert!(tuned.pruning.depth_tolerance > 1.2, "{}", tuned.pruning.depth_tolerance);
+    assert_eq!((samples.name.as_str(), &samples.settings.pruning), ("small_capture", &tuned.pruning));
+    assert_eq!(tuned.render.kernel, overlook::settings::Kernel::Block);
     quit(&display, program);
 }

@@ -1,8 +1,6 @@
 //! Ten thousand events nobody would make on purpose: the window neither panics nor hangs.
 
-mod app_driver;
-
-use app_driver::{demo, open, settle};
+use super::driver::{SIZE, demo, drop_on, open, settle};
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, TouchPhase, pos2, vec2};
 
 const EVENTS: usize = 10_000;
@@ -74,19 +72,6 @@ const KEYS: [Key; 34] = [
 const MODIFIERS: [Modifiers; 5] =
     [Modifiers::NONE, Modifiers::NONE, Modifiers::SHIFT, Modifiers::COMMAND, Modifiers::ALT];
 
-#[derive(Debug)]
-struct Dropped(std::path::PathBuf);
-
-impl egui::DroppedFile for Dropped {
-    fn path(&self) -> &std::path::Path {
-        &self.0
-    }
-
-    fn bytes(&self) -> Result<Vec<u8>, String> {
-        Err("nothing there".to_owned())
-    }
-}
-
 struct Hand {
     numbers: Numbers,
     at: Pos2,
@@ -144,8 +129,8 @@ fn ten_thousand_random_events_neither_panic_nor_hang() {
     let bad = folder.path().join("bad.ovl");
     std::fs::write(&bad, b"FORM\0\0\0\x08OVLK\xff\xff").unwrap();
     // What the hand happens to save or export must not land among the sources.
-    std::env::set_current_dir(folder.path()).unwrap();
-    let mut window = open(demo(2, 3, (48, 36)), [1280.0, 800.0]);
+    std::env::set_current_dir(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    let mut window = open(demo(2, 3, (48, 36)), SIZE);
     settle(&mut window);
     let mut hand = Hand {
         numbers: Numbers(0x5eed_0f0e_41ec_0deb),
@@ -166,7 +151,7 @@ fn ten_thousand_random_events_neither_panic_nor_hang() {
             1 => {
                 let path =
                     hand.numbers.one_of(&[bad.as_path(), folder.path(), "/no/such".as_ref()]).to_path_buf();
-                window.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path)));
+                drop_on(&mut window, &path);
             }
             _ => {}
         }

@@ -1,0 +1,80 @@
+//! Settings to start from: those that come along, one's own, and a field to name new ones.
+
+use egui::{Button, Id, Key, Modal, RichText, TextEdit, Ui};
+use egui_material_icons::icons::ICON_DELETE;
+
+use super::super::command::Command;
+use super::super::inspector::presets::PRESETS;
+use super::super::state::State;
+use super::super::theme::{Tokens, space};
+use super::icon_button;
+
+/// The menu, as wide as there is room.
+pub(super) fn menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let button = Button::new("Presets…").min_size(egui::vec2(ui.available_width() - space::MEDIUM, 0.0));
+    let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        ui.set_min_width(220.0);
+        for (index, (name, help, _)) in PRESETS.iter().enumerate() {
+            if ui.button(*name).on_hover_text(*help).clicked() {
+                commands.push(Command::Preset(index));
+            }
+        }
+        ui.separator();
+        ui.label(RichText::new("Your own").small().color(Tokens::in_ui(ui).text_weak));
+        for (index, (name, _)) in state.inspector.presets.iter().enumerate() {
+            ui.horizontal(|ui| {
+                if ui.button(name).clicked() {
+                    commands.push(Command::OwnPreset(index));
+                    ui.close();
+                }
+                let forget = format!("Forget preset {name}");
+                if icon_button(ui, ICON_DELETE, &forget, &forget).clicked() {
+                    commands.push(Command::RemovePreset(index));
+                }
+            });
+        }
+        if ui.button("Keep these settings…").on_hover_text("Keeps them under a name, for next time").clicked()
+        {
+            commands.push(Command::NamePreset(Some(String::new())));
+        }
+    });
+    response.accessible_name("Presets");
+}
+
+/// The field for a name, while a new preset is named.
+pub(super) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+    let Some(name) = &state.inspector.naming else { return };
+    let modal = Modal::new(Id::unique("naming a preset")).show(ctx, |ui| {
+        ui.set_width(360.0);
+        ui.heading("Keep these settings");
+        let taken = state.inspector.presets.iter().any(|(known, _)| known == name.trim());
+        let words =
+            if taken { "This name is taken: its settings will be replaced." } else { "Under which name?" };
+        ui.label(RichText::new(words).color(Tokens::in_ui(ui).text_weak));
+        ui.add_space(space::MEDIUM);
+        let mut text = name.clone();
+        let field = TextEdit::singleline(&mut text).desired_width(f32::INFINITY).margin(egui::vec2(8.0, 6.0));
+        let field = ui.add(field).accessible_name("Name of the preset");
+        let named = !text.trim().is_empty();
+        if field.changed() {
+            commands.push(Command::NamePreset(Some(text.clone())));
+        }
+        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        if ui.memory(|memory| memory.focused().is_none()) {
+            field.request_focus();
+        }
+        ui.add_space(space::MEDIUM);
+        ui.horizontal(|ui| {
+            let keep = ui.add_enabled(named, Button::new("Keep")).accessible_name("Keep this preset");
+            if (keep.clicked() || entered) && named {
+                commands.push(Command::SavePreset(text));
+            }
+            if ui.button("Close").clicked() {
+                commands.push(Command::NamePreset(None));
+            }
+        });
+    });
+    if modal.should_close() {
+        commands.push(Command::NamePreset(None));
+    }
+}

@@ -1,0 +1,63 @@
+//! Round values along an axis of a chart: a handful, on logarithmic axes too.
+
+use egui_plot::GridMark;
+
+/// Marks that are aimed at.
+const MARKS: f64 = 6.0;
+
+/// Beyond this ratio of its ends a logarithmic axis is marked at 1, 2 and 5 of every power of ten.
+const WIDE: f64 = 8.0;
+
+/// Marks between `low` and `high`, which for a logarithmic axis are decimal logarithms.
+pub(super) fn marks((low, high): (f64, f64), log: bool) -> Vec<GridMark> {
+    // All of them equally strong.
+    let step_size = (high - low) / MARKS;
+    if !(step_size.is_finite() && step_size > 0.0) {
+        return Vec::new();
+    }
+    let values = if !log {
+        round_values(low, high)
+    } else if 10_f64.powf(high - low) < WIDE {
+        let values = round_values(10_f64.powf(low), 10_f64.powf(high)).into_iter();
+        values.filter(|value| *value > 0.0).map(f64::log10).collect()
+    } else {
+        let decades = low.floor() as i32..=high.ceil() as i32;
+        let whole = high - low > MARKS / 2.0;
+        let factors: &[f64] = if whole { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        decades
+            .flat_map(|decade| factors.iter().map(move |factor| f64::from(decade) + factor.log10()))
+            .collect()
+    };
+    let inside = values.into_iter().filter(|value| (low..=high).contains(value));
+    inside.map(|value| GridMark { value, step_size }).collect()
+}
+
+/// Multiples of 1, 2 or 5 times a power of ten.
+fn round_values(low: f64, high: f64) -> Vec<f64> {
+    let raw = (high - low) / MARKS;
+    let power = 10_f64.powf(raw.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|step| *step >= raw);
+    let step = step.unwrap_or(10.0 * power);
+    let first = (low / step).ceil();
+    let values = (0..2 * MARKS as u32).map(|nth| (first + f64::from(nth)) * step);
+    values.take_while(|value| *value <= high).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn values(low: f64, high: f64, log: bool) -> Vec<f64> {
+        let value = |mark: GridMark| if log { 10_f64.powf(mark.value) } else { mark.value };
+        marks((low, high), log).into_iter().map(|mark| (value(mark) * 1e6).round() / 1e6).collect()
+    }
+
+    #[test]
+    fn axes_are_marked_at_round_values() {
+        assert_eq!(values(22.4, 28.1, false), [23.0, 24.0, 25.0, 26.0, 27.0, 28.0]);
+        assert_eq!(values(3.1_f64.log10(), 4.2_f64.log10(), true), [3.2, 3.4, 3.6, 3.8, 4.0, 4.2]);
+        assert_eq!(values(0.9_f64.log10(), 60_f64.log10(), true), [1.0, 2.0, 5.0, 10.0, 20.0, 50.0]);
+        assert_eq!(values(0.0, 4.0, true), [1.0, 10.0, 100.0, 1000.0, 10000.0]);
+        assert_eq!(marks((1.0, 1.0), false), []);
+    }
+}

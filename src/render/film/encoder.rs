@@ -1,0 +1,104 @@
+//! A film file, written by the ffmpeg on this machine.
+
+use std::io::{ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, Command, Stdio};
+
+use super::super::Picture;
+use crate::color::srgb8_from_linear;
+use crate::error::{Error, Result};
+
+/// A running ffmpeg that is given one picture after another. The film takes its name once it is whole: dropped before
+/// [`Encoder::finish`], nothing is left of it, and what had that name before stays.
+pub struct Encoder {
+    ffmpeg: Child,
+    pipe: Option<ChildStdin>,
+    /// What is written until it is whole.
+    unfinished: tempfile::TempPath,
+    out: PathBuf,
+}
+
+impl Encoder {
+    /// Starts ffmpeg on a film of `width` by `height` pixels; its format is that which `out` is named after, as in `film.mp4`.
+    ///
+    /// # Errors
+    /// `Unsupported` where there is no ffmpeg, `Io` where it cannot be started or the folder cannot be written.
+    pub fn start(out: &Path, [width, height]: [usize; 2], frames_per_second: f64) -> Result<Self> {
+        let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let extension = out.extension().map_or("mp4".into(), |extension| extension.to_string_lossy());
+        let suffix = format!(".{extension}");
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".overlook-").suffix(&suffix);
+        // A temporary file is private by default; this one becomes the film.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let file = builder.tempfile_in(folder).map_err(|error| Error::io(out, error))?;
+        let unfinished = file.into_temp_path();
+        let mut command = Command::new("ffmpeg");
+        command.args(["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"]);
+        command.args(["-s", &format!("{width}x{height}"), "-r", &frames_per_second.to_string(), "-i", "-"]);
+        // Players want 4:2:0, which wants even sides.
+        command.args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-crf", "16"]);
+        command.args(["-pix_fmt", "yuv420p", "-movflags", "+faststart"]).arg(&unfinished);
+        command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
+        let mut ffmpeg = command.spawn().map_err(|error| match error.kind() {
+            ErrorKind::NotFound => Error::unsupported(
+                out.display(),
+                "there is no ffmpeg on this machine's PATH to write a film with; install it, or export pictures instead",
+            ),
+            _ => Error::io("ffmpeg", error),
+        })?;
+        let pipe = ffmpeg.stdin.take();
+        Ok(Self { ffmpeg, pipe, unfinished, out: out.to_path_buf() })
+    }
+
+    /// Adds a picture of the size that was named at the start. Holes are black.
+    ///
+    /// # Errors
+    /// `Invalid` with what ffmpeg said, where it failed.
+    pub fn add(&mut self, picture: &Picture) -> Result<()> {
+        let bytes: Vec<u8> =
+            picture.color.as_slice().iter().flatten().map(|channel| srgb8_from_linear(*channel)).collect();
+        let written = self.pipe.as_mut().map(|pipe| pipe.write_all(&bytes));
+        if matches!(written, Some(Ok(()))) {
+            return Ok(());
+        }
+        // It went away: what it has to say stands on its stderr.
+        self.pipe = None;
+        let said = self.said().err().unwrap_or_else(|| "it takes no more pictures".to_owned());
+        Err(self.failed(&said))
+    }
+
+    /// Waits until the film is whole.
+    ///
+    /// # Errors
+    /// `Invalid` with what ffmpeg said, where it failed; `Io` where the film cannot take its name.
+    pub fn finish(mut self) -> Result<()> {
+        self.pipe = None;
+        let said = self.said();
+        said.map_err(|what| self.failed(&what))?;
+        std::fs::rename(&self.unfinished, &self.out).map_err(|error| Error::io(&self.out, error))
+    }
+
+    /// Waits for ffmpeg; what it said where it failed.
+    fn said(&mut self) -> std::result::Result<(), String> {
+        let mut said = String::new();
+        if let Some(stderr) = &mut self.ffmpeg.stderr {
+            let _ = stderr.read_to_string(&mut said);
+        }
+        let status = self.ffmpeg.wait().map_err(|error| error.to_string())?;
+        if status.success() { Ok(()) } else { Err(format!("{status}: {}", said.trim().replace('\n', "; "))) }
+    }
+
+    fn failed(&self, what: &str) -> Error {
+        Error::invalid(self.out.display(), format!("ffmpeg failed: {what}"))
+    }
+}
+
+impl Drop for Encoder {
+    fn drop(&mut self) {
+        // Of a film that is whole there is no process left to end.
+        let _ = self.ffmpeg.kill();
+        let _ = self.ffmpeg.wait();
+    }
+}

@@ -1,0 +1,75 @@
+//! Films: pictures along a camera path, painted in order, and handed to files or to ffmpeg.
+
+mod encoder;
+mod path;
+
+use std::sync::Arc;
+
+use super::{Picture, Renderer, Vantage};
+use crate::error::Result;
+use crate::job::Job;
+use crate::preprocess::SampleSet;
+use crate::settings::RenderSettings;
+use crate::store::Playback;
+
+pub use encoder::Encoder;
+pub use path::{PathKey, pose_at};
+
+/// Where the samples of a film come from.
+#[derive(Clone)]
+pub enum Reel {
+    /// All in memory.
+    Memory(Arc<SampleSet>),
+    /// From a store, frame by frame.
+    Disk(Arc<Playback>),
+}
+
+impl Reel {
+    /// Frames there are.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        match self {
+            Self::Memory(samples) => samples.frame_count(),
+            Self::Disk(playback) => playback.outline().frame_count(),
+        }
+    }
+
+    fn seen_from(&self, vantage: &Vantage, job: &Job) -> Result<Arc<SampleSet>> {
+        match self {
+            Self::Memory(samples) => Ok(samples.clone()),
+            Self::Disk(playback) => playback.seen_from(&vantage.camera, vantage.frame, job),
+        }
+    }
+}
+
+/// Paints every vantage in order and hands the pictures on, with their place in the list; the next frame is read from disk
+/// while one is painted.
+///
+/// # Errors
+/// Whatever reading, painting and `take` give, and `Cancelled`.
+pub fn paint(
+    reel: &Reel,
+    vantages: &[Vantage],
+    renderer: &mut Renderer,
+    settings: &RenderSettings,
+    job: &Job,
+    mut take: impl FnMut(usize, &Picture) -> Result<()>,
+) -> Result<()> {
+    job.start("Painting", vantages.len());
+    for (nth, vantage) in vantages.iter().enumerate() {
+        job.check()?;
+        let samples = reel.seen_from(vantage, job)?;
+        // A frame that cannot be read ahead says so when it is painted.
+        let ahead = || match (reel, vantages.get(nth + 1)) {
+            (Reel::Disk(playback), Some(next)) => {
+                playback.read_ahead_from(&next.camera, next.frame..next.frame + 1, job)
+            }
+            _ => Ok(()),
+        };
+        let (painted, _) = rayon::join(|| renderer.render(&samples, vantage, settings, job), ahead);
+        let (picture, _): (Arc<Picture>, _) = painted?;
+        take(nth, &picture)?;
+        job.advance(1);
+    }
+    Ok(())
+}

@@ -1,0 +1,84 @@
+//! A window that wgpu draws shows the GPU's pictures without copying them while they follow each other, and shows the same.
+
+use std::path::Path;
+use std::time::Duration;
+
+use super::driver::{SIZE, Window, click, drop_on, pick, settle, small_demo, wait};
+use eframe::egui_wgpu::RenderState;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use overlook::app::OverlookApp;
+use overlook::render::gpu::device_descriptor;
+
+/// A window drawn by wgpu, with the device that [`overlook::app::run`] asks for, and what draws it.
+fn open() -> (Window, RenderState) {
+    let (sender, receiver) = std::sync::mpsc::sync_channel(1);
+    let mut setup = egui_kittest::wgpu::default_wgpu_setup();
+    if let eframe::egui_wgpu::WgpuSetup::CreateNew(setup) = &mut setup {
+        setup.device_descriptor = std::sync::Arc::new(device_descriptor);
+    }
+    let window = Harness::builder()
+        .with_size(SIZE)
+        .with_os(egui::os::OperatingSystem::Nix)
+        .with_render_cursor(false)
+        .wgpu_setup(setup)
+        .build_eframe(move |cc| {
+            let drawing = cc.wgpu_render_state.clone().unwrap();
+            sender.send(drawing.clone()).unwrap();
+            OverlookApp::new(&cc.egui_ctx, None, Some(&drawing), small_demo()).unwrap()
+        });
+    (window, receiver.recv().unwrap())
+}
+
+/// The pixels of the live picture.
+fn live_picture(window: &mut Window) -> image::RgbaImage {
+    let area = window.get_by_label("Live picture").rect();
+    let whole = window.render().unwrap();
+    let [x, y, width, height] = [area.min.x, area.min.y, area.width(), area.height()].map(|side| side as u32);
+    image::imageops::crop_imm(&whole, x, y, width, height).to_image()
+}
+
+/// Has the GPU paint, and steps until a picture in motion is shown.
+fn set_in_motion(window: &mut Window) {
+    window.get_by_label("Render backend").scroll_to_me();
+    window.run_steps(3);
+    pick(window, "Render backend", "Gpu");
+    settle(window);
+    assert!(!window.state().live_is_on_device(), "a still picture can be asked about");
+    click(window, "Step forward");
+    wait(window, "a picture in motion", |window| window.state().live_is_on_device());
+}
+
+#[test]
+fn pictures_in_motion_stay_on_the_device_and_show_what_the_still_picture_shows() {
+    let (mut window, _) = open();
+    settle(&mut window);
+    assert!(!window.state().live_is_on_device(), "the CPU paints");
+    set_in_motion(&mut window);
+    let moving = live_picture(&mut window);
+    std::thread::sleep(Duration::from_millis(250));
+    settle(&mut window);
+    assert!(!window.state().live_is_on_device(), "the picture came to rest");
+    let still = live_picture(&mut window);
+    let colors: std::collections::HashSet<_> = still.pixels().map(|pixel| pixel.0).collect();
+    assert!(colors.len() > 100, "the picture shows {} colors", colors.len());
+    let unlike = moving
+        .pixels()
+        .zip(still.pixels())
+        .filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 2));
+    assert_eq!(unlike.count(), 0);
+}
+
+#[test]
+fn a_scene_opened_in_motion_leaves_no_texture_behind() {
+    let (mut window, drawing) = open();
+    settle(&mut window);
+    set_in_motion(&mut window);
+    let moving = window.state().live_texture().unwrap();
+    assert!(drawing.renderer.read().texture(&moving).is_some());
+    let capture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    window.get_by_label("Play").click();
+    drop_on(&mut window, &capture);
+    wait(&mut window, "the other scene", |window| window.state().scene_name() == Some("small_capture"));
+    assert!(drawing.renderer.read().texture(&moving).is_none());
+}

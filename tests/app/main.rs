@@ -1,0 +1,12 @@
+//! The window, driven as a person does: off screen by the names of its widgets, and on a display of the tests' own.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
+
+mod device;
+mod driver;
+mod inspector;
+mod manners;
+mod random;
+#[cfg(target_os = "linux")]
+mod real_window;
+mod screenshots;
+mod whole_window;
