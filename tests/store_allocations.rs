@@ -12,7 +12,7 @@ use cap::Cap;
 use half::f16;
 use overlook::job::Job;
 use overlook::preprocess::DepthPlane;
-use overlook::store::{self, Store};
+use overlook::store::{self, Playback, Store};
 
 use builder::{moving_set, small_report, small_set};
 
@@ -20,16 +20,21 @@ use builder::{moving_set, small_report, small_set};
 static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
 
 /// Bytes that reading may allocate for each byte of the file: see the last paragraph of FORMAT.md.
-const PER_BYTE: usize = 8192;
+const PER_BYTE: usize = 3000;
 
-/// Tables and the working memory of the threads, whatever the file.
+/// Tables and the working memory of the threads, whatever the file: see there too.
 const FIXED: usize = 16 << 20;
 
 /// Reads all that can be read.
 fn read(bytes: &[u8]) -> bool {
     let Ok(store) = Store::over(Path::new("fuzzed.ovl"), Box::new(bytes.to_vec())) else { return false };
     let _ = store.head(0);
-    store.read_all(&Job::new()).is_ok()
+    let whole = store.read_all(&Job::new()).is_ok();
+    let playback = Playback::new(store, 0);
+    if let Some(camera) = playback.outline().cameras.first().cloned() {
+        let _ = playback.seen_from(&camera, 0, &Job::new());
+    }
+    whole
 }
 
 /// Makes every checksum right, as far as chunks can be followed.

@@ -121,7 +121,7 @@ fn paint(
         job.check()?;
         // A frame that the store does not have is told by whoever paints, from the first.
         let frame = frames.binary_search(&view.frame_number).unwrap_or(0);
-        let samples = playback.at(frame, job)?;
+        let samples = playback.seen_from(&view.camera, frame, job)?;
         let painted = render_view(&mut renderer, &samples, view, settings, job)?;
         paths.write(&painted.picture)?;
         scores.add(view, painted);

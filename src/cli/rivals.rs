@@ -2,7 +2,7 @@
 //!
 //! ZIP-compressed EXR with half-float color and 32-bit depth, what captures come as; and video with motion between frames, made by
 //! the ffmpeg on this machine where there is one: color in 8-bit sRGB as lossless H.264, inverse depth in 16 bits, scaled to each camera's
-//! nearest point, as FFV1.
+//! nearest point, as FFV1. The same bytes, each frame xor the one before, through the zstd on this machine are what two lines of code get.
 
 use std::io::Write;
 use std::path::Path;
@@ -26,11 +26,43 @@ const LARGEST: f32 = 65_535.0;
 pub(super) fn measure(capture: &Capture, job: &Job) -> Result<Rivals> {
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
     let zip_exr = zip_exr(capture, folder.path(), job)?;
-    let mut rivals = Rivals { zip_exr, video_color: None, video_depth: None };
-    let found = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status();
-    if found.is_ok_and(|status| status.success()) {
-        let (color, depth) = video(capture, folder.path(), job)?;
-        (rivals.video_color, rivals.video_depth) = (Some(color), Some(depth));
+    let mut rivals = Rivals { zip_exr, ..Rivals::default() };
+    let is_there = |program: &str, argument: &str| {
+        let found = Command::new(program).arg(argument).stdout(Stdio::null()).stderr(Stdio::null()).status();
+        found.is_ok_and(|status| status.success())
+    };
+    let size = |name: &str| size_of(&folder.path().join(name));
+    for (camera, named) in capture.cameras.iter().enumerate() {
+        let size_of_picture = named.intrinsics.size();
+        if is_there("ffmpeg", "-version") {
+            let [color, depth] = ["color.mkv", "depth.mkv"].map(|name| folder.path().join(name));
+            let mut color = start(&color, "rgb24", size_of_picture, &["-c:v", "libx264rgb", "-qp", "0"])?;
+            let ffv1 = ["-c:v", "ffv1", "-level", "3", "-coder", "2"];
+            let mut depth = start(&depth, "gray16le", size_of_picture, &ffv1)?;
+            displayed(capture, camera, job, |rgb, gray| {
+                feed(&mut color, rgb)?;
+                feed(&mut depth, gray)
+            })?;
+            finish(color)?;
+            finish(depth)?;
+            *rivals.video_color.get_or_insert(0) += size("color.mkv")?;
+            *rivals.video_depth.get_or_insert(0) += size("depth.mkv")?;
+        }
+        if is_there("zstd", "--version") {
+            let mut zstd = Command::new("zstd");
+            zstd.args(["-3", "-q", "-f", "-o"]).arg(folder.path().join("xor.zst"));
+            let mut zstd = spawn(zstd)?;
+            let mut before = Vec::new();
+            displayed(capture, camera, job, |rgb, gray| {
+                let frame = [rgb, gray].concat();
+                before.resize(frame.len(), 0);
+                let change: Vec<u8> = frame.iter().zip(&before).map(|(now, before)| now ^ before).collect();
+                before = frame;
+                feed(&mut zstd, &change)
+            })?;
+            finish(zstd)?;
+            *rivals.xor_zstd.get_or_insert(0) += size("xor.zst")?;
+        }
     }
     Ok(rivals)
 }
@@ -56,67 +88,62 @@ fn zip_exr(capture: &Capture, folder: &Path, job: &Job) -> Result<u64> {
     sizes.sum()
 }
 
-fn video(capture: &Capture, folder: &Path, job: &Job) -> Result<(u64, u64)> {
-    let (cameras, frames) = (capture.cameras.len(), capture.frame_count());
-    job.start("Measuring video", cameras * frames);
-    let (mut color_bytes, mut depth_bytes) = (0, 0);
-    for camera in 0..cameras {
-        let mut nearest = f32::MIN_POSITIVE;
-        for frame in 0..frames {
-            job.check()?;
-            let frame = capture.frame(camera, frame)?;
-            nearest = frame.inverse_depth.as_slice().iter().copied().fold(nearest, f32::max);
-        }
-        let size = capture.cameras[camera].intrinsics.size();
-        let (color_path, depth_path) = (folder.join("color.mkv"), folder.join("depth.mkv"));
-        let mut color = start(&color_path, "rgb24", size, &["-c:v", "libx264rgb", "-qp", "0"])?;
-        let mut depth =
-            start(&depth_path, "gray16le", size, &["-c:v", "ffv1", "-level", "3", "-coder", "2"])?;
-        for frame in 0..frames {
-            job.check()?;
-            let frame = capture.frame(camera, frame)?;
-            let rgb: Vec<u8> = frame
-                .color
-                .as_slice()
-                .iter()
-                .flatten()
-                .map(|channel| srgb8_from_linear(channel.to_f32()))
-                .collect();
-            let levels = frame.inverse_depth.as_slice().iter();
-            let gray: Vec<u8> = levels
-                .flat_map(|depth| ((depth.max(0.0) / nearest * LARGEST).round() as u16).to_le_bytes())
-                .collect();
-            feed(&mut color, &rgb)?;
-            feed(&mut depth, &gray)?;
-            job.advance(1);
-        }
-        finish(color)?;
-        finish(depth)?;
-        color_bytes += size_of(&color_path)?;
-        depth_bytes += size_of(&depth_path)?;
+/// Hands on every frame of a camera: 8-bit sRGB colors, and inverse depths in 16 bits, of which the camera's largest is the largest.
+fn displayed(
+    capture: &Capture,
+    camera: usize,
+    job: &Job,
+    mut take: impl FnMut(&[u8], &[u8]) -> Result<()>,
+) -> Result<()> {
+    let frames = capture.frame_count();
+    job.start("Measuring other forms", 2 * frames);
+    let mut nearest = f32::MIN_POSITIVE;
+    for frame in 0..frames {
+        job.check()?;
+        let frame = capture.frame(camera, frame)?;
+        nearest = frame.inverse_depth.as_slice().iter().copied().fold(nearest, f32::max);
+        job.advance(1);
     }
-    Ok((color_bytes, depth_bytes))
+    for frame in 0..frames {
+        job.check()?;
+        let frame = capture.frame(camera, frame)?;
+        let channels = frame.color.as_slice().iter().flatten();
+        let rgb: Vec<u8> = channels.map(|channel| srgb8_from_linear(channel.to_f32())).collect();
+        let levels = frame.inverse_depth.as_slice().iter();
+        let gray: Vec<u8> = levels
+            .flat_map(|depth| ((depth.max(0.0) / nearest * LARGEST).round() as u16).to_le_bytes())
+            .collect();
+        take(&rgb, &gray)?;
+        job.advance(1);
+    }
+    Ok(())
 }
 
 fn start(path: &Path, format: &str, (width, height): (usize, usize), codec: &[&str]) -> Result<Child> {
     let mut command = Command::new("ffmpeg");
     command.args(["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", format]);
     command.args(["-s", &format!("{width}x{height}"), "-i", "-"]).args(codec).arg(path);
-    command.stdin(Stdio::piped()).stdout(Stdio::null());
-    command.spawn().map_err(|error| Error::io("ffmpeg", error))
+    spawn(command)
 }
 
-fn feed(ffmpeg: &mut Child, bytes: &[u8]) -> Result<()> {
-    match &mut ffmpeg.stdin {
-        Some(pipe) => pipe.write_all(bytes).map_err(|error| Error::io("ffmpeg", error)),
-        None => Err(Error::invalid("ffmpeg", "takes no pictures")),
+/// Starts a program that reads from us.
+fn spawn(mut command: Command) -> Result<Child> {
+    command.stdin(Stdio::piped()).stdout(Stdio::null());
+    let name = command.get_program().to_owned();
+    command.spawn().map_err(|error| Error::io(name, error))
+}
+
+fn feed(program: &mut Child, bytes: &[u8]) -> Result<()> {
+    match &mut program.stdin {
+        Some(pipe) => pipe.write_all(bytes).map_err(|error| Error::io("ffmpeg or zstd", error)),
+        None => Err(Error::invalid("ffmpeg or zstd", "takes no pictures")),
     }
 }
 
-fn finish(mut ffmpeg: Child) -> Result<()> {
-    drop(ffmpeg.stdin.take());
-    let status = ffmpeg.wait().map_err(|error| Error::io("ffmpeg", error))?;
-    if status.success() { Ok(()) } else { Err(Error::invalid("ffmpeg", format!("failed: {status}"))) }
+fn finish(mut program: Child) -> Result<()> {
+    drop(program.stdin.take());
+    let status = program.wait().map_err(|error| Error::io("ffmpeg or zstd", error))?;
+    if status.success() { Ok(()) } else { Err(Error::invalid("ffmpeg or zstd", format!("failed: {status}"))) }
 }
 
 /// Reads every file of a capture once more and sums them up; `None` where it does not come from files.

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::output;
 use crate::preprocess::report::STATIC_RULE;
-use crate::store::StoreInfo;
+use crate::store::{PlaneBytes, StoreInfo};
 
 /// Bytes of a raw pixel: 8-bit color and 32-bit depth.
 const RAW_PIXEL: u64 = 3 + 4;
@@ -30,6 +30,10 @@ pub(super) struct Sizes {
     zip_exr: Option<u64>,
     /// Lossless video, color and depth, where preprocessing measured it.
     lossless_video: Option<u64>,
+    /// Each frame xor the one before, by zstd, where preprocessing measured it.
+    xor_zstd: Option<u64>,
+    /// The images in the store, by what they hold.
+    planes: Option<PlaneBytes>,
     ratios: Ratios,
 }
 
@@ -39,6 +43,7 @@ struct Ratios {
     raw: f64,
     zip_exr: Option<f64>,
     lossless_video: Option<f64>,
+    xor_zstd: Option<f64>,
     /// Bytes of the store for every input pixel.
     bytes_per_pixel: f64,
 }
@@ -50,6 +55,7 @@ impl Sizes {
         let rivals = info.provenance.rivals;
         let zip_exr = rivals.map(|rivals| rivals.zip_exr);
         let lossless_video = rivals.and_then(|rivals| Some(rivals.video_color? + rivals.video_depth?));
+        let xor_zstd = rivals.and_then(|rivals| rivals.xor_zstd);
         let store = info.bytes;
         let share = |of: u64| store as f64 / of.max(1) as f64;
         Self {
@@ -61,10 +67,13 @@ impl Sizes {
             store,
             zip_exr,
             lossless_video,
+            xor_zstd,
+            planes: info.provenance.planes,
             ratios: Ratios {
                 raw: share(report.bytes_raw),
                 zip_exr: zip_exr.map(share),
                 lossless_video: lossless_video.map(share),
+                xor_zstd: xor_zstd.map(share),
                 bytes_per_pixel: share(report.samples_in),
             },
         }
@@ -79,8 +88,16 @@ impl Sizes {
             ("without redundancy between cameras", Some(self.after_pruning)),
             ("in memory", Some(self.memory)),
             ("in the store", Some(self.store)),
+            ("  of that, which pixels hold a sample", self.planes.map(|planes| planes.mask)),
+            ("  of that, depth", self.planes.map(|planes| planes.depth)),
+            (
+                "  of that, green, red and blue",
+                self.planes.map(|planes| planes.green + planes.red + planes.blue),
+            ),
+            ("  of that, normals", self.planes.map(|planes| planes.normals).filter(|bytes| *bytes > 0)),
             ("as ZIP EXR", self.zip_exr),
             ("as lossless video", self.lossless_video),
+            ("as differences of frames, by zstd", self.xor_zstd),
         ] {
             if let Some(bytes) = bytes {
                 let _ = writeln!(text, "  {:>12}  {:>7} of raw  {name}", output::bytes(bytes), of_raw(bytes));

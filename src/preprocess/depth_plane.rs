@@ -117,21 +117,35 @@ impl DepthPlane {
         plane
     }
 
-    fn push_tile(&mut self, depths: &[f32]) {
+    /// Appends the depths of a tile's samples, in their order.
+    pub(crate) fn push_tile(&mut self, depths: &[f32]) {
         let bits = || depths.iter().map(|depth| depth.to_bits());
-        let tile = DepthTile {
-            farthest: bits().min().unwrap_or(0),
-            nearest: bits().max().unwrap_or(0),
-            first_high: self.high.len() as u32,
-        };
-        for distance in bits().map(|bits| bits - tile.farthest) {
-            self.low.push(distance as u16);
-            self.high.push((distance >> 16) as u8);
-            if tile.is_wide() {
-                self.high.push((distance >> 24) as u8);
-            }
+        let farthest = bits().min().unwrap_or(0);
+        let tile =
+            DepthTile { farthest, nearest: bits().max().unwrap_or(0), first_high: self.high.len() as u32 };
+        self.low.extend(bits().map(|bits| (bits - farthest) as u16));
+        if tile.is_wide() {
+            self.high.extend(bits().flat_map(|bits| (((bits - farthest) >> 16) as u16).to_le_bytes()));
+        } else {
+            self.high.extend(bits().map(|bits| ((bits - farthest) >> 16) as u8));
         }
         self.tiles.push(tile);
+    }
+
+    /// Appends a tile as another plane has it.
+    pub(crate) fn push_packed(&mut self, tile: &TileDepths<'_>) {
+        self.tiles.push(DepthTile { first_high: self.high.len() as u32, ..tile.place });
+        self.low.extend_from_slice(tile.low);
+        self.high.extend_from_slice(tile.high);
+    }
+
+    /// A plane with room for so many tiles and depths.
+    pub(crate) fn with_capacity(tiles: usize, depths: usize) -> Self {
+        Self {
+            tiles: Vec::with_capacity(tiles),
+            low: Vec::with_capacity(depths),
+            high: Vec::with_capacity(depths),
+        }
     }
 
     /// Depths in the plane.

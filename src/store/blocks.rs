@@ -4,9 +4,11 @@ use half::f16;
 
 use super::coding::coders::{Counter, ModelReader, ModelWriter, PlainReader, PlainWriter};
 use super::coding::model::{Counts, Model};
-use super::coding::walk::{BLOCK, Coder, Pixels, Shape, Walker, cell};
+use super::coding::near::{BLOCK, Pixels, cell};
+use super::coding::walk::{Coder, Shape, Walker};
 use super::palette::Palette;
-use crate::preprocess::{DepthPlane, OctNormal, SampleImage, SampleTile, Span, TILE, TILE_SAMPLES};
+use crate::preprocess::{DepthPlane, OctNormal, SampleImage, SampleTile, TILE, TILE_SAMPLES};
+use crate::simd;
 
 /// Tiles across a block, and down.
 pub(super) const TILES: usize = BLOCK / TILE;
@@ -121,10 +123,10 @@ impl Coding<'_> {
             let mut nth = 0;
             for (row, &mask) in tile.rows.iter().enumerate() {
                 let (left, y) = (inside % TILES * TILE, inside / TILES * TILE + row);
+                pixels.rows[y] |= u64::from(mask) << left;
                 for column in columns(mask) {
                     let at = cell(left + column, y);
                     let sample = tile.first as usize + nth;
-                    pixels.present[at] = true;
                     let [red, green, blue] = image.color[sample].map(|half| self.palette.rank(half));
                     let depth = (depths[nth].to_bits() >> self.depth_shift) as i32;
                     let normal = image.normal.as_ref().map_or([0; 2], |normals| normals[sample].0);
@@ -187,7 +189,10 @@ impl Coding<'_> {
     /// The samples that `code` stands for.
     ///
     /// # Errors
-    /// Says what is wrong with the code.
+    /// The samples that a block's code stands for.
+    ///
+    /// # Errors
+    /// Says what is wrong with it.
     pub(super) fn decode(
         &self,
         place: (u16, u16),
@@ -208,9 +213,8 @@ impl Coding<'_> {
                 walker.walk(&mut reader, &shape, pixels, reference);
                 reader.is_whole()
             } else {
-                let mut reader = ModelReader::new(self.model, code).ok_or("its code is cut short")?;
-                walker.walk(&mut reader, &shape, pixels, reference);
-                reader.is_whole()
+                let reader = ModelReader::new(self.model, code).ok_or("its code is cut short")?;
+                simd::run(Decoding { reader, walker, shape: &shape, pixels, reference })
             };
             if !whole {
                 return Err("its code does not end where it should".to_owned());
@@ -221,48 +225,72 @@ impl Coding<'_> {
 
     /// Takes the samples of a block from where a walk left them.
     fn gather(&self, place: (u16, u16), tiles: u16, pixels: &Pixels) -> Result<BlockSamples, String> {
-        let mut samples = BlockSamples::default();
+        let count = pixels.rows.iter().map(|row| row.count_ones() as usize).sum();
+        let mut samples = BlockSamples::with_capacity(tiles.count_ones() as usize, count, self.normals);
+        let mut depths = [0.0; TILE_SAMPLES];
         for inside in (0..TILES * TILES).filter(|inside| tiles >> inside & 1 == 1) {
             let (left, top) = (inside % TILES * TILE, inside / TILES * TILE);
-            let mut tile = SampleTile {
+            let rows = std::array::from_fn(|row| (pixels.rows[top + row] >> left) as u16);
+            let tile = SampleTile {
                 tile_x: place.0 * TILES as u16 + (inside % TILES) as u16,
                 tile_y: place.1 * TILES as u16 + (inside / TILES) as u16,
                 first: samples.color.len() as u32,
-                rows: [0; TILE],
+                rows,
             };
-            for row in 0..TILE {
+            if tile.rows == [0; TILE] {
+                return Err("a tile is empty".to_owned());
+            }
+            let mut nth = 0;
+            let mut largest = 0;
+            for (row, &mask) in rows.iter().enumerate() {
                 let start = cell(left, top + row);
-                for column in 0..TILE {
+                for column in columns(mask) {
                     let at = start + column;
-                    if !pixels.present[at] {
-                        continue;
-                    }
-                    tile.rows[row] |= 1 << column;
                     let color = [2, 1, 3].map(|number: usize| self.palette.color(pixels.values[number][at]));
                     let [Some(red), Some(green), Some(blue)] = color else {
                         return Err("a color is not in the palette".to_owned());
                     };
-                    let bits = u64::from(pixels.values[0][at] as u32) << self.depth_shift;
-                    if bits > u64::from(LARGEST_DEPTH) {
-                        return Err("an inverse depth is negative or not finite".to_owned());
-                    }
                     samples.color.push([red, green, blue]);
-                    samples.inverse_depth.push(f32::from_bits(bits as u32));
-                    if self.normals {
+                    let bits = u64::from(pixels.values[0][at] as u32) << self.depth_shift;
+                    largest = bits.max(largest);
+                    depths[nth] = f32::from_bits(bits as u32);
+                    nth += 1;
+                    if let Some(normals) = &mut samples.normal {
                         let normal = [4, 5].map(|number: usize| i8::try_from(pixels.values[number][at]));
                         let [Ok(x), Ok(y)] = normal else {
                             return Err("a normal is out of range".to_owned());
                         };
-                        samples.normal.push(OctNormal([x, y]));
+                        normals.push(OctNormal([x, y]));
                     }
                 }
             }
-            if tile.rows == [0; TILE] {
-                return Err("a tile is empty".to_owned());
+            if largest > u64::from(LARGEST_DEPTH) {
+                return Err("an inverse depth is negative or not finite".to_owned());
             }
+            samples.depth.push_tile(&depths[..nth]);
             samples.tiles.push(tile);
         }
         Ok(samples)
+    }
+}
+
+/// Reading one block's code, the store's hottest loop.
+struct Decoding<'a> {
+    reader: ModelReader<'a>,
+    walker: &'a mut Walker,
+    shape: &'a Shape,
+    pixels: &'a mut Pixels,
+    reference: Option<&'a Pixels>,
+}
+
+impl simd::Work for Decoding<'_> {
+    /// Whether the code was whole.
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(mut self) -> bool {
+        self.walker.walk(&mut self.reader, self.shape, self.pixels, self.reference);
+        self.reader.is_whole()
     }
 }
 
@@ -277,34 +305,58 @@ fn columns(mut mask: u16) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The samples of one block; `first` of its tiles counts from 0.
-#[derive(Default)]
+/// The samples of one block, or of several put together; `first` of its tiles counts from 0.
+#[derive(Clone, Debug, Default)]
 pub(super) struct BlockSamples {
     pub(super) tiles: Vec<SampleTile>,
     pub(super) color: Vec<[f16; 3]>,
-    inverse_depth: Vec<f32>,
-    normal: Vec<OctNormal>,
+    pub(super) depth: DepthPlane,
+    normal: Option<Vec<OctNormal>>,
 }
 
-/// Puts blocks together, tiles in their order.
-pub(super) fn assemble(camera: u32, span: Span, normals: bool, blocks: &[BlockSamples]) -> SampleImage {
-    let mut order: Vec<(&SampleTile, &BlockSamples)> =
-        blocks.iter().flat_map(|block| block.tiles.iter().map(move |tile| (tile, block))).collect();
-    order.sort_unstable_by_key(|(tile, _)| (tile.tile_y, tile.tile_x));
-    let count = blocks.iter().map(|block| block.color.len()).sum();
-    let mut tiles = Vec::with_capacity(order.len());
-    let mut color = Vec::with_capacity(count);
-    let mut inverse_depth = Vec::with_capacity(count);
-    let mut normal = Vec::with_capacity(if normals { count } else { 0 });
-    for (tile, block) in order {
-        let samples = tile.first as usize..tile.first as usize + tile.count();
-        tiles.push(SampleTile { first: color.len() as u32, ..*tile });
-        color.extend_from_slice(&block.color[samples.clone()]);
-        inverse_depth.extend_from_slice(&block.inverse_depth[samples.clone()]);
-        if normals {
-            normal.extend_from_slice(&block.normal[samples]);
+impl BlockSamples {
+    fn with_capacity(tiles: usize, samples: usize, normals: bool) -> Self {
+        Self {
+            tiles: Vec::with_capacity(tiles),
+            color: Vec::with_capacity(samples),
+            depth: DepthPlane::with_capacity(tiles, samples),
+            normal: normals.then(|| Vec::with_capacity(samples)),
         }
     }
-    let depth = DepthPlane::pack(&tiles, &inverse_depth);
-    SampleImage { camera, span, tiles, color, depth, normal: normals.then_some(normal) }
+
+    /// Bits of the smallest and the largest inverse depth.
+    pub(super) fn depth_bounds(&self) -> (u32, u32) {
+        self.depth.tiles().iter().fold((u32::MAX, 0), |(farthest, nearest), tile| {
+            (farthest.min(tile.farthest), nearest.max(tile.nearest))
+        })
+    }
+}
+
+/// Puts blocks together, tiles in their order, with those that an image of the same camera and span has already.
+pub(super) fn assemble(image: &SampleImage, normals: bool, blocks: &[BlockSamples]) -> SampleImage {
+    /// The tiles, colors, depths and normals that a tile is taken from.
+    type Planes<'a> = (&'a [SampleTile], &'a [[f16; 3]], &'a DepthPlane, Option<&'a [OctNormal]>);
+    let of_image: Planes<'_> = (&image.tiles, &image.color, &image.depth, image.normal.as_deref());
+    let of_blocks = blocks.iter().map(|block| {
+        let BlockSamples { tiles, color, depth, normal } = block;
+        (tiles.as_slice(), color.as_slice(), depth, normal.as_deref())
+    });
+    let parts = std::iter::once(of_image).chain(of_blocks);
+    let mut order: Vec<(&SampleTile, usize, Planes<'_>)> = parts
+        .flat_map(|part| part.0.iter().enumerate().map(move |(index, tile)| (tile, index, part)))
+        .collect();
+    order.sort_unstable_by_key(|(tile, ..)| (tile.tile_y, tile.tile_x));
+    let count = image.len() + blocks.iter().map(|block| block.color.len()).sum::<usize>();
+    let mut all = BlockSamples::with_capacity(order.len(), count, normals);
+    for (tile, index, (_, color, depth, normal)) in order {
+        let samples = tile.first as usize..tile.first as usize + tile.count();
+        all.tiles.push(SampleTile { first: all.color.len() as u32, ..*tile });
+        all.color.extend_from_slice(&color[samples.clone()]);
+        all.depth.push_packed(&depth.tile(index, tile.first, samples.len()));
+        if let (Some(all), Some(normal)) = (&mut all.normal, normal) {
+            all.extend_from_slice(&normal[samples]);
+        }
+    }
+    let BlockSamples { tiles, color, depth, normal } = all;
+    SampleImage { camera: image.camera, span: image.span, tiles, color, depth, normal }
 }

@@ -8,7 +8,7 @@ use crate::preprocess::{SampleImage, SampleSet, Span};
 use super::bytes::{ByteReader, push_text};
 
 /// Version of the format. Another major version cannot be read; a minor one only adds chunks that may be skipped.
-pub const VERSION: (u16, u16) = (2, 0);
+pub const VERSION: (u16, u16) = (3, 0);
 
 /// Longest side of a picture, so that tiles can be counted in 16 bits.
 const MAX_SIDE: u32 = 1 << 20;

@@ -12,9 +12,10 @@ use rayon::prelude::*;
 use super::blocks::{BlockSamples, Coding, assemble, blocks_of, find, summary};
 use super::bytes::{ByteReader, IMAGE};
 use super::coding::model::Counts;
-use super::coding::walk::BLOCK;
+use super::coding::near::BLOCK;
+use super::iff::agree;
 use crate::capture::Camera;
-use crate::preprocess::{SampleImage, Span, TILE};
+use crate::preprocess::{SampleImage, TILE};
 
 const HAS_NORMALS: u8 = 1;
 const IS_PLAIN: u8 = 2;
@@ -40,7 +41,7 @@ pub struct BlockEntry {
     pub(super) start: usize,
     /// Bytes of the code.
     pub(super) length: usize,
-    checksum: u32,
+    checksum: [u8; 4],
 }
 
 /// What the payload of an image says before its samples.
@@ -172,8 +173,10 @@ fn head_checksum(head: &[u8]) -> u32 {
 /// # Errors
 /// Says what is wrong.
 pub(super) fn decode_head(head: &[u8], length: usize, camera: &Camera) -> Result<ImageHead, String> {
-    let Some((checked, stated)) = head.split_last_chunk() else { return Err("it is cut short".to_owned()) };
-    if u32::from_be_bytes(*stated) != head_checksum(checked) {
+    let Some((checked, stated)) = head.split_last_chunk::<4>() else {
+        return Err("it is cut short".to_owned());
+    };
+    if !agree(stated, head_checksum(checked)) {
         return Err("its head is damaged".to_owned());
     }
     let mut reader = ByteReader::new(checked);
@@ -192,7 +195,7 @@ pub(super) fn decode_head(head: &[u8], length: usize, camera: &Camera) -> Result
         }
         let (tiles, samples) = (reader.u16()?, u32::from(reader.u16()?) + 1);
         let bounds = [reader.u16()?, reader.u16()?].map(|half| f32::from_bits(u32::from(half) << 16));
-        let (code_length, checksum) = (reader.u32()? as usize, reader.u32()?);
+        let (code_length, checksum) = (reader.u32()? as usize, reader.u32()?.to_be_bytes());
         blocks.push(BlockEntry {
             place: ((place % across) as u16, (place / across) as u16),
             tiles,
@@ -220,16 +223,15 @@ pub(super) fn decode_head(head: &[u8], length: usize, camera: &Camera) -> Result
 /// The image that another is predicted from, and its blocks that could not be read.
 pub(super) type Reference<'a> = (&'a SampleImage, &'a [Damage]);
 
-/// Reads those blocks of an image for which `wanted` holds. `code` gives the code of a block.
+/// Reads some blocks of an image and adds them to what was read before. `code` gives the code of a block.
 ///
 /// Blocks that are damaged, or whose reference is, are left out and told.
 pub(super) fn decode<'a>(
-    (camera_index, span): (u32, Span),
-    head: &ImageHead,
+    (image, head): (&SampleImage, &ImageHead),
     reference: Option<Reference>,
     coding: &Coding,
     code: impl Fn(&BlockEntry) -> Result<&'a [u8], String> + Sync,
-    wanted: impl Fn(&BlockEntry) -> bool,
+    blocks: &[&BlockEntry],
 ) -> (SampleImage, Vec<Damage>) {
     let before = reference.map(|(image, damage)| (image, blocks_of(image), damage));
     let read = |block: &BlockEntry| -> Result<BlockSamples, String> {
@@ -241,16 +243,17 @@ pub(super) fn decode<'a>(
             None => None,
         };
         let code = code(block)?;
-        if crc32fast::hash(code) != block.checksum {
+        if !agree(&block.checksum, crc32fast::hash(code)) {
             return Err("its bytes are damaged".to_owned());
         }
         let samples = coding.decode(block.place, block.tiles, code, before)?;
-        if samples.color.len() != block.samples as usize {
-            return Err("it does not hold as many samples as its image says".to_owned());
+        let (farthest, nearest) = samples.depth_bounds();
+        let (least, most) = (block.inverse_depth.0.to_bits(), block.inverse_depth.1.to_bits());
+        if samples.color.len() != block.samples as usize || farthest < least || nearest > most {
+            return Err("it does not hold what its image says".to_owned());
         }
         Ok(samples)
     };
-    let blocks: Vec<&BlockEntry> = head.blocks.iter().filter(|block| wanted(block)).collect();
     let read: Vec<_> =
         blocks.par_iter().with_min_len(BLOCKS_PER_TASK).map(|block| (block.place, read(block))).collect();
     let mut damage = Vec::new();
@@ -261,5 +264,5 @@ pub(super) fn decode<'a>(
             Err(what) => damage.push((place, what)),
         }
     }
-    (assemble(camera_index, span, head.normals, &samples), damage)
+    (assemble(image, head.normals, &samples), damage)
 }

@@ -50,10 +50,12 @@ impl Used {
 }
 
 /// The list, and the rank of every half that is in it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Palette {
     /// Codes, ascending.
     codes: Vec<u16>,
+    /// The halves they stand for.
+    halves: Vec<f16>,
     /// Rank of the entry that stands for a code, from the first entry's code to the last's.
     ranks: Vec<u16>,
 }
@@ -103,7 +105,8 @@ impl Palette {
             }));
         }
         ranks.push((codes.len() - 1) as u16);
-        Self { codes, ranks }
+        let halves = codes.iter().map(|code| half_of(*code)).collect();
+        Self { codes, halves, ranks }
     }
 
     /// Colors in the list.
@@ -121,7 +124,7 @@ impl Palette {
     /// The color of a rank, or `None` where there is none.
     #[inline(always)]
     pub(super) fn color(&self, rank: i32) -> Option<f16> {
-        self.codes.get(usize::try_from(rank).ok()?).map(|code| half_of(*code))
+        self.halves.get(usize::try_from(rank).ok()?).copied()
     }
 
     /// As FORMAT.md describes `PALT`: runs of neighboring halves.

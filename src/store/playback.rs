@@ -6,7 +6,8 @@
 //! ```
 //!
 //! The set of a frame has every image of the store in its place, those of other frames without samples. Images that two frames
-//! share are the very same in both sets, so that what a renderer keeps of a background stays good.
+//! share are the very same in both sets, so that what a renderer keeps of a background stays good. Asked for what a vantage needs
+//! ([`Playback::seen_from`]), an image holds the blocks that any vantage has needed so far; others are decoded when they are asked for.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -15,8 +16,11 @@ use quick_cache::Weighter;
 use quick_cache::sync::Cache;
 use rayon::prelude::*;
 
+use super::decoded::Decoded;
 use super::header::chain;
-use super::reader::{Decoded, Store};
+use super::reader::Store;
+use super::sight::{self, Places};
+use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::SampleSet;
@@ -26,7 +30,8 @@ struct BytesWeighter;
 
 impl Weighter<usize, Arc<Decoded>> for BytesWeighter {
     fn weight(&self, _index: &usize, decoded: &Arc<Decoded>) -> u64 {
-        decoded.image.bytes() as u64 + 1
+        let blocks = decoded.head.as_ref().map_or(0, |head| size_of_val(head.blocks.as_slice()));
+        (decoded.image.bytes() + blocks) as u64 + 1
     }
 }
 
@@ -75,15 +80,57 @@ impl Playback {
     /// # Errors
     /// `Invalid` where there is no such frame, `Io`, `Cancelled`.
     pub fn at(&self, frame: usize, job: &Job) -> Result<Arc<SampleSet>> {
-        let frames = self.outline.frame_count();
-        if frame >= frames {
-            return Err(Error::invalid(
-                &self.outline.name,
-                format!("there is no frame {frame}; there are {frames}"),
-            ));
-        }
-        let path = self.path(frame);
-        let decoded: Result<Vec<_>> = path.par_iter().map(|&index| self.image(index, job)).collect();
+        let path = self.checked_path(frame)?;
+        self.set(path, |_| None, job)
+    }
+
+    /// The samples at a frame that painting it from a vantage needs: the picture is the same as with all. Blocks of 64×64 pixels that it
+    /// does not need stay undecoded, unless they were decoded before.
+    ///
+    /// # Errors
+    /// As [`Playback::at`].
+    pub fn seen_from(&self, vantage: &Camera, frame: usize, job: &Job) -> Result<Arc<SampleSet>> {
+        let path = self.checked_path(frame)?;
+        let places = self.needed(vantage, &path, job)?;
+        self.set(path, |camera| places.get(camera), job)
+    }
+
+    /// For each camera, the blocks of some images that a vantage needs.
+    fn needed(&self, vantage: &Camera, path: &[usize], job: &Job) -> Result<Vec<Places>> {
+        let images = &self.store.info().images;
+        let cameras = &self.outline.cameras;
+        let heads: Result<Vec<_>> = path
+            .iter()
+            .map(|&index| {
+                job.check()?;
+                let camera = images[index].camera as usize;
+                if let Some(decoded) = self.cache.get(&index) {
+                    return Ok((camera, decoded));
+                }
+                // At no place: the head alone is read.
+                let decoded = Arc::new(self.store.decode(index, None, None, Some(&Places::default()))?);
+                self.cache.insert(index, decoded.clone());
+                Ok((camera, decoded))
+            })
+            .collect();
+        let heads = heads?;
+        let blocks = heads.iter().flat_map(|(camera, decoded)| {
+            let blocks = decoded.head.iter().flat_map(|head| &head.blocks);
+            blocks.map(|block| (*camera, block))
+        });
+        Ok(sight::needed(vantage, cameras, blocks))
+    }
+
+    /// The outline with some images in it, read at those places of their cameras, or all.
+    fn set<'a>(
+        &self,
+        path: Vec<usize>,
+        places: impl Fn(usize) -> Option<&'a Places> + Sync,
+        job: &Job,
+    ) -> Result<Arc<SampleSet>> {
+        let camera = |index: usize| self.store.info().images[index].camera as usize;
+        let decoded: Result<Vec<_>> =
+            path.par_iter().map(|&index| self.image(index, places(camera(index)), job)).collect();
         let mut set = (*self.outline).clone();
         for (index, decoded) in path.into_iter().zip(decoded?) {
             set.images[index] = decoded.image.clone();
@@ -97,7 +144,18 @@ impl Playback {
     /// As [`Playback::at`].
     pub fn read_ahead(&self, frames: Range<usize>, job: &Job) -> Result<()> {
         for frame in frames.start..frames.end.min(self.outline.frame_count()) {
-            self.path(frame).par_iter().try_for_each(|&index| self.image(index, job).map(|_| ()))?;
+            self.path(frame).par_iter().try_for_each(|&index| self.image(index, None, job).map(|_| ()))?;
+        }
+        Ok(())
+    }
+
+    /// As [`Playback::read_ahead`], of those frames only what painting from a vantage needs.
+    ///
+    /// # Errors
+    /// As [`Playback::at`].
+    pub fn read_ahead_from(&self, vantage: &Camera, frames: Range<usize>, job: &Job) -> Result<()> {
+        for frame in frames.start..frames.end.min(self.outline.frame_count()) {
+            self.seen_from(vantage, frame, job)?;
         }
         Ok(())
     }
@@ -108,20 +166,33 @@ impl Playback {
         images.filter(|(_, image)| image.span.contains(frame)).map(|(index, _)| index).collect()
     }
 
-    /// An image from the cache, or decoded from the nearest of its references that is there.
-    fn image(&self, index: usize, job: &Job) -> Result<Arc<Decoded>> {
+    fn checked_path(&self, frame: usize) -> Result<Vec<usize>> {
+        let frames = self.outline.frame_count();
+        if frame >= frames {
+            return Err(Error::invalid(
+                &self.outline.name,
+                format!("there is no frame {frame}; there are {frames}"),
+            ));
+        }
+        Ok(self.path(frame))
+    }
+
+    /// An image with its blocks at some places, or all: from the cache, or decoded from the nearest of its references that is there.
+    fn image(&self, index: usize, places: Option<&Places>, job: &Job) -> Result<Arc<Decoded>> {
         let mut missing = Vec::new();
         let mut before = None;
         for index in chain(&self.store.info().images, index).unwrap_or_default() {
-            before = self.cache.get(&index);
-            if before.is_some() {
+            let cached = self.cache.get(&index);
+            if cached.as_ref().is_some_and(|cached| cached.has(places)) {
+                before = cached;
                 break;
             }
-            missing.push(index);
+            missing.push((index, cached));
         }
-        for index in missing.into_iter().rev() {
+        for (index, cached) in missing.into_iter().rev() {
             job.check()?;
-            let decoded = Arc::new(self.store.decode(index, before.as_deref())?);
+            let decoded = self.store.decode(index, cached.as_deref(), before.as_deref(), places)?;
+            let decoded = Arc::new(decoded);
             self.cache.insert(index, decoded.clone());
             before = Some(decoded);
         }

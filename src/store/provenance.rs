@@ -12,6 +12,41 @@ pub struct Provenance {
     pub inputs: Option<InputFiles>,
     /// What the same pictures take in other forms.
     pub rivals: Option<Rivals>,
+    /// What each plane of the samples takes in the store, bytes; the writer says it, where samples are not coded plainly.
+    pub planes: Option<PlaneBytes>,
+}
+
+/// Bytes of the store, by what they hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PlaneBytes {
+    /// Which pixels hold a sample.
+    pub mask: u64,
+    /// Inverse depth.
+    pub depth: u64,
+    /// Green, coded before red and blue.
+    pub green: u64,
+    /// Red.
+    pub red: u64,
+    /// Blue.
+    pub blue: u64,
+    /// Normals.
+    pub normals: u64,
+}
+
+impl PlaneBytes {
+    /// From the bits of the seven planes in their order.
+    pub(super) fn of_bits(bits: [f64; 7]) -> Self {
+        let [mask, depth, green, red, blue, normal_x, normal_y] = bits;
+        let bytes = |bits: f64| (bits / 8.0).round() as u64;
+        Self {
+            mask: bytes(mask),
+            depth: bytes(depth),
+            green: bytes(green),
+            red: bytes(red),
+            blue: bytes(blue),
+            normals: bytes(normal_x + normal_y),
+        }
+    }
 }
 
 impl Default for Provenance {
@@ -20,6 +55,7 @@ impl Default for Provenance {
             program: concat!("overlook ", env!("CARGO_PKG_VERSION")).to_owned(),
             inputs: None,
             rivals: None,
+            planes: None,
         }
     }
 }
@@ -37,6 +73,7 @@ pub struct InputFiles {
 
 /// Bytes that the input pictures take in other lossless forms, all cameras and frames together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Rivals {
     /// EXR with half-float color and 32-bit depth, ZIP.
     pub zip_exr: u64,
@@ -44,4 +81,6 @@ pub struct Rivals {
     pub video_color: Option<u64>,
     /// Inverse depth in 16 bits as FFV1, where there was an ffmpeg.
     pub video_depth: Option<u64>,
+    /// Color in 8-bit sRGB and inverse depth in 16 bits, each frame xor the one before, by zstd at level 3, where there was a zstd.
+    pub xor_zstd: Option<u64>,
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
@@ -13,11 +14,13 @@ use super::blocks::Coding;
 use super::bytes::{HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE};
 use super::chunks::{Chunks, REQUIRED, decode_settings, from_iff, in_chunk};
 use super::coding::model::Model;
+use super::decoded::Decoded;
 use super::header::{Head, ImageEntry, chain, decode_head, decode_index};
 use super::iff::{ChunkHeader, ChunkId, FORM_HEADER, FormReader};
 use super::images::{self, BlockEntry, Damage, ImageHead};
 use super::palette::Palette;
 use super::provenance::Provenance;
+use super::sight::Places;
 use super::source::ReadAt;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
@@ -75,15 +78,7 @@ pub struct Store {
     form: FormReader<Box<dyn ReadAt>>,
     /// What could not be read so far, by image.
     damage: Mutex<BTreeMap<usize, Vec<String>>>,
-}
-
-/// An image and what of it could not be read.
-#[derive(Clone, Debug)]
-pub(super) struct Decoded {
-    pub(super) image: Arc<SampleImage>,
-    damage: Vec<Damage>,
-    /// Whether nothing of it could be read, its blocks' places included.
-    lost: bool,
+    blocks_read: AtomicU64,
 }
 
 impl Store {
@@ -144,13 +139,27 @@ impl Store {
             images,
             bytes: form.size(),
         };
-        Ok(Self { path: path.to_path_buf(), info, model, palette, form, damage: Mutex::default() })
+        Ok(Self {
+            path: path.to_path_buf(),
+            info,
+            model,
+            palette,
+            form,
+            damage: Mutex::default(),
+            blocks_read: AtomicU64::new(0),
+        })
     }
 
     /// What the store says of itself.
     #[must_use]
     pub fn info(&self) -> &StoreInfo {
         &self.info
+    }
+
+    /// Blocks of 64×64 pixels that were decoded so far.
+    #[must_use]
+    pub fn blocks_read(&self) -> u64 {
+        self.blocks_read.load(Relaxed)
     }
 
     /// What could not be read of the images so far, one line each.
@@ -172,48 +181,80 @@ impl Store {
         })?;
         let mut before = None;
         for index in chain.into_iter().rev() {
-            before = Some(self.decode(index, before.as_ref())?);
+            before = Some(self.decode(index, None, before.as_ref(), None)?);
         }
         let image = before.map(|decoded| Arc::unwrap_or_clone(decoded.image));
         image.ok_or_else(|| self.damaged(index, "there is no image"))
     }
 
-    /// Reads an image, given the one it is predicted from.
+    /// Reads the blocks of an image at some places, or all, given what was read `so_far` and the image it is predicted from, of
+    /// which the same places were read.
     ///
     /// # Errors
     /// `Io`.
-    pub(super) fn decode(&self, index: usize, before: Option<&Decoded>) -> Result<Decoded> {
-        match self.try_decode(index, before) {
+    pub(super) fn decode(
+        &self,
+        index: usize,
+        so_far: Option<&Decoded>,
+        before: Option<&Decoded>,
+        places: Option<&Places>,
+    ) -> Result<Decoded> {
+        let decoded = match so_far {
+            Some(so_far) => Ok(so_far.clone()),
+            None => self.begin(index),
+        };
+        match decoded.and_then(|decoded| self.go_on(index, decoded, before, places)) {
             Err(Error::Invalid { what, .. }) => {
                 self.tell(index, vec![format!("{}: nothing of it can be shown", self.damaged(index, &what))]);
-                Ok(Decoded { image: Arc::new(self.placeholder(index)), damage: Vec::new(), lost: true })
+                let image = Arc::new(self.placeholder(index));
+                Ok(Decoded { image, head: None, read: Vec::new(), damage: Vec::new() })
             }
             decoded => decoded,
         }
     }
 
-    fn try_decode(&self, index: usize, before: Option<&Decoded>) -> Result<Decoded> {
-        let entry = &self.info.images[index];
-        let chunk = self.chunk(index)?;
-        let payload = self.bytes(&chunk, 0..chunk.length)?;
-        let head = self.head_of(index, &payload[..entry.head as usize])?;
-        if before.is_some_and(|before| before.lost) {
+    /// An image of which only the head was read.
+    fn begin(&self, index: usize) -> Result<Decoded> {
+        let head = self.head(index)?;
+        Ok(Decoded {
+            image: Arc::new(self.placeholder(index)),
+            read: vec![false; head.blocks.len()],
+            head: Some(Arc::new(head)),
+            damage: Vec::new(),
+        })
+    }
+
+    fn go_on(
+        &self,
+        index: usize,
+        mut decoded: Decoded,
+        before: Option<&Decoded>,
+        places: Option<&Places>,
+    ) -> Result<Decoded> {
+        let Some(head) = decoded.head.clone() else { return Ok(decoded) };
+        let missing = decoded.missing(places);
+        let (Some(first), Some(last)) = (missing.first(), missing.last()) else { return Ok(decoded) };
+        if before.is_some_and(|before| before.head.is_none()) {
             return Err(self.damaged(index, "the image it is predicted from is lost"));
         }
-        let reference = before.map(|before| (&*before.image, before.damage.as_slice()));
+        let from = first.start;
+        let range = from as u64..(last.start + last.length) as u64;
+        let codes = self.bytes(&self.chunk(index)?, range)?;
         let code = |block: &BlockEntry| {
-            payload
-                .get(block.start..)
-                .and_then(|rest| rest.get(..block.length))
-                .ok_or("it is cut short".to_owned())
+            let code = codes.get(block.start - from..).and_then(|rest| rest.get(..block.length));
+            code.ok_or("it is cut short".to_owned())
         };
-        let coding = self.coding(entry, &head);
-        let (image, damage) =
-            images::decode((entry.camera, entry.span), &head, reference, &coding, code, |_| true);
-        images::check(&image, &self.info.cameras, self.info.frame_numbers.len())
-            .map_err(|what| self.damaged(index, &what))?;
-        self.tell(index, damage.iter().map(|damage| self.damaged_block(index, damage)).collect());
-        Ok(Decoded { image: Arc::new(image), damage, lost: false })
+        let reference = before.map(|before| (&*before.image, before.damage.as_slice()));
+        let coding = self.coding(&self.info.images[index], &head);
+        let (image, damage) = images::decode((&decoded.image, &head), reference, &coding, code, &missing);
+        debug_assert_eq!(images::check(&image, &self.info.cameras, self.info.frame_numbers.len()), Ok(()));
+        self.blocks_read.fetch_add(missing.len() as u64, Relaxed);
+        decoded.image = Arc::new(image);
+        decoded.damage.extend(damage);
+        let wanted = |block: &BlockEntry| places.is_none_or(|places| places.has(block.place));
+        head.blocks.iter().zip(&mut decoded.read).for_each(|(block, read)| *read |= wanted(block));
+        self.tell(index, decoded.damage.iter().map(|damage| self.damaged_block(index, damage)).collect());
+        Ok(decoded)
     }
 
     fn coding(&self, entry: &ImageEntry, head: &ImageHead) -> Coding<'_> {
@@ -383,7 +424,7 @@ impl Store {
                 job.check()?;
                 let before =
                     self.info.images[index].reference.and_then(|before| decoded[before as usize].as_ref());
-                let image = self.decode(index, before)?;
+                let image = self.decode(index, None, before, None)?;
                 job.advance(1);
                 Ok(image)
             });

@@ -18,7 +18,7 @@ use super::coding::model::{Counts, Model};
 use super::header::{ImageEntry, choose_references, encode_head, encode_index};
 use super::iff::{ChunkId, FormWriter, IffError};
 use super::palette::{Palette, Used};
-use super::provenance::Provenance;
+use super::provenance::{PlaneBytes, Provenance};
 use super::{images, precision};
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -95,9 +95,13 @@ pub fn write_to(
     let iff = |error| from_iff(path, error);
     let head = encode_head(samples).map_err(invalid)?;
     let report = encode_report(report).map_err(invalid)?;
-    let provenance = serde_json::to_vec(&extras.provenance).map_err(|error| invalid(error.to_string()))?;
     job.start("Writing the store", 2 * samples.images.len());
     let prepared = Prepared::of(samples, path, job)?;
+
+    let is_plain = samples.settings.store.coding == settings::Coding::Plain;
+    let planes = (!is_plain).then_some(prepared.planes);
+    let provenance = Provenance { planes, ..extras.provenance.clone() };
+    let provenance = serde_json::to_vec(&provenance).map_err(|error| invalid(error.to_string()))?;
 
     let mut form = FormWriter::new(target, STORE).map_err(iff)?;
     form.chunk(HEAD, &head).map_err(iff)?;
@@ -162,6 +166,7 @@ struct Prepared {
     references: Vec<Option<u32>>,
     palette: Palette,
     model: Model,
+    planes: PlaneBytes,
 }
 
 impl Prepared {
@@ -198,6 +203,7 @@ impl Prepared {
             images,
             palette,
             model: Model::fit(&Counts::default()).map_err(|what| Error::invalid(path.display(), what))?,
+            planes: PlaneBytes::default(),
         };
         let counted =
             (0..prepared.images.len()).into_par_iter().try_fold(Counts::default, |mut counts, index| {
@@ -215,6 +221,7 @@ impl Prepared {
         let counted =
             counted.try_reduce(Counts::default, |counts, more| Ok::<_, Error>(counts.plus(&more)))?;
         prepared.model = Model::fit(&counted).map_err(|what| Error::invalid(path.display(), what))?;
+        prepared.planes = PlaneBytes::of_bits(prepared.model.bits(&counted));
         Ok(prepared)
     }
 

@@ -115,7 +115,7 @@ impl Store {
             }
         }
         let mut head = Bytes(chunks[&b"HEAD"[..]]);
-        assert_eq!((head.number(2), head.number(2)), (2, 0));
+        assert_eq!((head.number(2), head.number(2)), (3, 0));
         head.text();
         head.take(24);
         let cameras: Vec<_> = (0..head.number(4))
@@ -237,9 +237,9 @@ impl ImageDecoder<'_> {
         let mut bytes = Bytes(code);
         let count = bytes.number(2) as usize;
         let mut words = Bytes(bytes.take(2 * count));
-        let x = words.number(4) as u32;
+        let states = [0; 4].map(|_| words.number(4) as u32);
         let bits = Bits { bytes: bytes.0, position: 0 };
-        let mut numbers = Numbers { model: self.model, x, words, bits };
+        let mut numbers = Numbers { model: self.model, states, words, bits };
 
         let mut held = Vec::new();
         for &(x, y) in pixels {
@@ -250,7 +250,7 @@ impl ImageDecoder<'_> {
                 let set = |dx, dy| usize::from(reference.contains_key(&(x + dx, y + dy)));
                 context += 64 * set(0, 0) + 128 * set(1, 0) + 256 * set(0, 1) + 512;
             }
-            if numbers.take(0, context) != 0 {
+            if numbers.take(x as usize % 4, 0, context) != 0 {
                 held.push((x, y));
             }
         }
@@ -314,13 +314,14 @@ impl ImageDecoder<'_> {
                     context = 8 * context + bits.min(14) / 2;
                     prediction = prediction.wrapping_add(signed(residuals[1]));
                 }
-                residuals[plane] = numbers.take(plane + 1, context);
+                let state = if plane < 4 { plane } else { 0 };
+                residuals[plane] = numbers.take(state, plane + 1, context);
                 values[plane] = prediction.wrapping_add(signed(residuals[plane]));
             }
             block.insert((x, y), values);
             coded.insert((x, y), residuals);
         }
-        assert!(numbers.words.0.is_empty() && numbers.x == 1 << 16);
+        assert!(numbers.words.0.is_empty() && numbers.states == [1 << 16; 4]);
         assert_eq!(numbers.bits.position.div_ceil(8), numbers.bits.bytes.len());
         block
     }
@@ -367,23 +368,24 @@ impl Bits<'_> {
 
 struct Numbers<'a> {
     model: &'a Model,
-    x: u32,
+    states: [u32; 4],
     words: Bytes<'a>,
     bits: Bits<'a>,
 }
 
 impl Numbers<'_> {
-    fn take(&mut self, plane: usize, context: usize) -> u32 {
-        let slot = self.x % 4096;
+    fn take(&mut self, state: usize, plane: usize, context: usize) -> u32 {
+        let x = &mut self.states[state];
+        let slot = *x % 4096;
         let (mut token, mut start) = (0, 0);
         let table = &self.model[plane][context];
         while slot >= start + table[token] {
             start += table[token];
             token += 1;
         }
-        self.x = table[token] * (self.x / 4096) + slot - start;
-        if self.x < 1 << 16 {
-            self.x = self.x << 16 | self.words.number(2) as u32;
+        *x = table[token] * (*x / 4096) + slot - start;
+        if *x < 1 << 16 {
+            *x = *x << 16 | self.words.number(2) as u32;
         }
         if token < 16 {
             return token as u32;

@@ -104,7 +104,7 @@ const STRIPE: usize = 6;
 
 /// The right picture.
 pub(crate) struct LivePicture {
-    /// What was painted: of a store played from disk, the samples of this frame alone.
+    /// What was painted: of a store played from disk, the samples of this frame alone, and of these what the vantage needs.
     pub samples: Arc<SampleSet>,
     /// Columns and rows.
     pub size: [usize; 2],
@@ -149,12 +149,15 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
     let next = key.vantage.frame + 1;
     let samples = match &key.playback {
         None => key.samples.clone(),
-        Some(playback) => playback.at(key.vantage.frame, job)?,
+        Some(playback) => playback.seen_from(&key.vantage.camera, key.vantage.frame, job)?,
     };
     let (shown, _) = rayon::join(
         || shown(renderer, &samples, key, job),
         // What cannot be read ahead says so when it is shown.
-        || key.playback.as_ref().map(|playback| playback.read_ahead(next..next + FRAMES_AHEAD, job)),
+        || {
+            let ahead = next..next + FRAMES_AHEAD;
+            key.playback.as_ref().map(|playback| playback.read_ahead_from(&key.vantage.camera, ahead, job))
+        },
     );
     let (size, pixels, stats) = match shown? {
         (Shown::OnAdapter(texture), stats) => {

@@ -217,7 +217,13 @@ mod tests {
         }
         assert_eq!(
             names(&["store/", "preprocess/pack"]),
-            ["preprocess/pack", "store/write", "store/read", "store/decode-foreground"]
+            [
+                "preprocess/pack",
+                "store/write",
+                "store/read",
+                "store/decode-foreground",
+                "store/first-picture"
+            ]
         );
     }
 

@@ -17,7 +17,8 @@ use crate::preprocess::pruning::{self, Rig};
 use crate::preprocess::split::{BATCH, Split};
 use crate::preprocess::static_test::StaticTest;
 use crate::preprocess::{Report, Span, Verdict, inspect_frame, pack, scan};
-use crate::settings::{Backend, NormalEstimator, Settings};
+use crate::render::CpuRenderer;
+use crate::settings::{Backend, NormalEstimator, RenderSettings, Settings};
 use crate::store;
 
 /// Bytes of a pixel's color (three half floats) and depth.
@@ -45,6 +46,8 @@ pub(super) enum PreprocessCase {
     StoreRead,
     /// The foreground of one frame from such a file: what playback does.
     StoreDecode,
+    /// Opening such a file and painting its first frame: the blocks that the picture needs, decoded and painted.
+    StoreFirstPicture,
 }
 
 /// Frames that the temporal split is measured on.
@@ -60,6 +63,7 @@ pub(super) fn cases() -> Vec<PreprocessCase> {
         PreprocessCase::StoreWrite,
         PreprocessCase::StoreRead,
         PreprocessCase::StoreDecode,
+        PreprocessCase::StoreFirstPicture,
     ];
     [PreprocessCase::Scan, PreprocessCase::Split].into_iter().chain(normals).chain(others).collect()
 }
@@ -77,6 +81,7 @@ impl PreprocessCase {
             Self::StoreWrite => "store/write".to_owned(),
             Self::StoreRead => "store/read".to_owned(),
             Self::StoreDecode => "store/decode-foreground".to_owned(),
+            Self::StoreFirstPicture => "store/first-picture".to_owned(),
         }
     }
 
@@ -107,6 +112,7 @@ impl PreprocessCase {
             Self::StoreRead => (read_store(bench)?, pruned.sample_count(), pruned.bytes()),
             // What the frame stands for: all its pixels, 8-bit color and 32-bit depth.
             Self::StoreDecode => (decode_foreground(bench)?, one_frame, one_frame * (3 + DEPTH_BYTES)),
+            Self::StoreFirstPicture => (first_picture(bench)?, pruned.sample_count(), pruned.bytes()),
         };
         Ok(Measured {
             name: self.name(),
@@ -232,4 +238,17 @@ fn read_store(bench: &Bench<'_>) -> Result<Times> {
     let path = folder.path().join("speed.ovl");
     store::write(&path, &bench.scene.pruned, &Report::default(), bench.job)?;
     repeat(bench.budget, bench.job, || store::read(&path, bench.job))
+}
+
+fn first_picture(bench: &Bench<'_>) -> Result<Times> {
+    let folder = folder()?;
+    let path = folder.path().join("speed.ovl");
+    store::write(&path, &bench.scene.pruned, &Report::default(), bench.job)?;
+    let size = bench.scene.capture.cameras[0].intrinsics;
+    let [vantage, _] = bench.scene.vantages((size.width, size.height), 0);
+    repeat(bench.budget, bench.job, || {
+        let playback = store::Playback::new(store::Store::open(&path)?, store::DEFAULT_CACHE_BYTES);
+        let samples = playback.seen_from(&vantage.camera, vantage.frame, bench.job)?;
+        CpuRenderer::new().render(&samples, &vantage, &RenderSettings::default(), bench.job)
+    })
 }

@@ -34,10 +34,10 @@ impl Reel {
         }
     }
 
-    fn at(&self, frame: usize, job: &Job) -> Result<Arc<SampleSet>> {
+    fn seen_from(&self, vantage: &Vantage, job: &Job) -> Result<Arc<SampleSet>> {
         match self {
             Self::Memory(samples) => Ok(samples.clone()),
-            Self::Disk(playback) => playback.at(frame, job),
+            Self::Disk(playback) => playback.seen_from(&vantage.camera, vantage.frame, job),
         }
     }
 }
@@ -58,10 +58,12 @@ pub fn paint(
     job.start("Painting", vantages.len());
     for (nth, vantage) in vantages.iter().enumerate() {
         job.check()?;
-        let samples = reel.at(vantage.frame, job)?;
+        let samples = reel.seen_from(vantage, job)?;
         // A frame that cannot be read ahead says so when it is painted.
         let ahead = || match (reel, vantages.get(nth + 1)) {
-            (Reel::Disk(playback), Some(next)) => playback.read_ahead(next.frame..next.frame + 1, job),
+            (Reel::Disk(playback), Some(next)) => {
+                playback.read_ahead_from(&next.camera, next.frame..next.frame + 1, job)
+            }
             _ => Ok(()),
         };
         let (painted, _) = rayon::join(|| renderer.render(&samples, vantage, settings, job), ahead);

@@ -1,7 +1,7 @@
 //! What a walk over a block is done for: counting tokens, writing them, reading them. Each is a [`Coder`].
 
 use super::integers::{BitReader, BitWriter, join, split};
-use super::model::{Counts, Model, Plane};
+use super::model::{Counts, MASK_CONTEXTS, MaskSplits, Model, Plane};
 use super::rans::{Decoder, Encoder};
 use super::walk::Coder;
 
@@ -9,6 +9,11 @@ use super::walk::Coder;
 pub struct Counter<'a>(pub &'a mut Counts);
 
 impl Coder for Counter<'_> {
+    fn held(&mut self, _: usize, context: usize, value: bool) -> bool {
+        self.0.add(Plane::Mask, context, u32::from(value));
+        value
+    }
+
     fn code(&mut self, plane: Plane, context: usize, value: u32) -> u32 {
         self.0.add(plane, context, value);
         value
@@ -22,7 +27,8 @@ impl Coder for Counter<'_> {
 /// ```
 pub struct ModelWriter<'a> {
     model: &'a Model,
-    tokens: Vec<(Plane, u16, u8)>,
+    /// The coder's state that each token changes, where its slots begin and how many it has.
+    tokens: Vec<(u8, u16, u16)>,
     bits: BitWriter,
 }
 
@@ -33,12 +39,17 @@ impl<'a> ModelWriter<'a> {
         Self { model, tokens: Vec::new(), bits: BitWriter::default() }
     }
 
+    fn push(&mut self, lane: usize, (plane, context): (Plane, usize), token: usize) {
+        let (start, frequency) = self.model.table(plane, context).range(token);
+        self.tokens.push((lane as u8, start as u16, frequency as u16));
+    }
+
     /// The block's code.
     #[must_use]
     pub fn finish(self) -> Vec<u8> {
         let mut encoder = Encoder::default();
-        for (plane, context, token) in self.tokens.into_iter().rev() {
-            encoder.push(self.model.table(plane, context as usize), token as usize);
+        for (lane, start, frequency) in self.tokens.into_iter().rev() {
+            encoder.push(usize::from(lane), (u32::from(start), u32::from(frequency)));
         }
         let words = encoder.finish();
         let mut code = Vec::from((words.len() as u16).to_be_bytes());
@@ -49,9 +60,14 @@ impl<'a> ModelWriter<'a> {
 }
 
 impl Coder for ModelWriter<'_> {
+    fn held(&mut self, lane: usize, context: usize, value: bool) -> bool {
+        self.push(lane, (Plane::Mask, context), usize::from(value));
+        value
+    }
+
     fn code(&mut self, plane: Plane, context: usize, value: u32) -> u32 {
         let (token, bits) = split(value);
-        self.tokens.push((plane, context as u16, token as u8));
+        self.push(plane.lane(), (plane, context), token);
         self.bits.push(value, bits);
         value
     }
@@ -60,6 +76,7 @@ impl Coder for ModelWriter<'_> {
 /// Reads what [`ModelWriter`] wrote.
 pub struct ModelReader<'a> {
     model: &'a Model,
+    mask: &'a MaskSplits,
     tokens: Decoder<'a>,
     bits: BitReader<'a>,
 }
@@ -70,7 +87,8 @@ impl<'a> ModelReader<'a> {
     pub fn new(model: &'a Model, code: &'a [u8]) -> Option<Self> {
         let (count, rest) = code.split_first_chunk()?;
         let (words, bits) = rest.split_at_checked(2 * usize::from(u16::from_be_bytes(*count)))?;
-        Some(Self { model, tokens: Decoder::new(words.as_chunks().0), bits: BitReader::new(bits) })
+        let tokens = Decoder::new(words.as_chunks().0);
+        Some(Self { model, mask: model.mask(), tokens, bits: BitReader::new(bits) })
     }
 
     /// Whether all of the code was read, and made sense.
@@ -82,10 +100,15 @@ impl<'a> ModelReader<'a> {
 
 impl Coder for ModelReader<'_> {
     #[inline(always)]
+    fn held(&mut self, lane: usize, context: usize, _: bool) -> bool {
+        self.tokens.next_of_two(lane, self.mask[context % MASK_CONTEXTS])
+    }
+
+    #[inline(always)]
     fn code(&mut self, plane: Plane, context: usize, _: u32) -> u32 {
-        let token = self.tokens.next(self.model.table(plane, context));
+        let token = self.tokens.next(plane.lane(), self.model.table(plane, context));
         let (base, bits) = join(token);
-        if bits == 0 { base } else { base | self.bits.next(bits) }
+        base | self.bits.next(bits)
     }
 }
 
@@ -114,6 +137,11 @@ impl PlainWriter {
 impl Coder for PlainWriter {
     const PREDICTS: bool = false;
 
+    fn held(&mut self, _: usize, _: usize, value: bool) -> bool {
+        self.0.push(u32::from(value), plain_bits(Plane::Mask));
+        value
+    }
+
     fn code(&mut self, plane: Plane, _: usize, value: u32) -> u32 {
         self.0.push(value, plain_bits(plane));
         value
@@ -139,6 +167,10 @@ impl<'a> PlainReader<'a> {
 
 impl Coder for PlainReader<'_> {
     const PREDICTS: bool = false;
+
+    fn held(&mut self, _: usize, _: usize, _: bool) -> bool {
+        self.0.next(plain_bits(Plane::Mask)) != 0
+    }
 
     fn code(&mut self, plane: Plane, _: usize, _: u32) -> u32 {
         let value = self.0.next(plain_bits(plane));

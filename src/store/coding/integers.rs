@@ -39,11 +39,21 @@ pub fn split(value: u32) -> (usize, u32) {
 #[inline(always)]
 #[must_use]
 pub fn join(token: usize) -> (u32, u32) {
-    if token < 16 {
-        return (token as u32, 0);
-    }
-    let (leading, two) = ((token as u32 - 16) / 4 + 4, token as u32 & 3);
-    ((4 | two) << (leading - 2), leading - 2)
+    const JOINED: [(u32, u32); 128] = {
+        let mut joined = [(0, 0); 128];
+        let mut token = 0;
+        while token < 128 {
+            joined[token as usize] = if token < 16 {
+                (token, 0)
+            } else {
+                let leading = (token - 16) / 4 + 4;
+                ((4 | token & 3) << (leading - 2), leading - 2)
+            };
+            token += 1;
+        }
+        joined
+    };
+    JOINED[token & 127]
 }
 
 /// Bits one after another, the lowest of a byte first.
@@ -81,6 +91,7 @@ impl BitWriter {
 pub struct BitReader<'a> {
     rest: &'a [u8],
     pending: u64,
+    /// Bits pending that count: at most 63.
     count: u32,
     starved: bool,
 }
@@ -95,29 +106,43 @@ impl<'a> BitReader<'a> {
     /// The next `bits`, at most 32.
     #[inline(always)]
     pub fn next(&mut self, bits: u32) -> u32 {
-        if self.count < bits {
-            self.fill();
+        if let Some(eight) = self.rest.first_chunk::<8>() {
+            // To at least 56 bits, without a branch on how many are there; what is above `count` already is put there again.
+            self.pending |= u64::from_le_bytes(*eight) << self.count;
+            self.rest = &self.rest[(63 - self.count as usize) / 8..];
+            self.count |= 0b11_1000;
+        } else {
+            self.fill_last(bits);
         }
         let value = self.pending & ((1_u64 << bits) - 1);
         self.pending >>= bits;
-        self.starved |= self.count < bits;
-        self.count = self.count.saturating_sub(bits);
+        self.count -= bits;
         value as u32
     }
 
-    fn fill(&mut self) {
-        while self.count <= 56
+    /// Takes the last few bytes one by one.
+    #[cold]
+    #[inline(never)]
+    fn fill_last(&mut self, bits: u32) {
+        // What stands above `count` has not been counted.
+        self.pending &= (1 << self.count) - 1;
+        while self.count < 56
             && let Some((&byte, rest)) = self.rest.split_first()
         {
             self.pending |= u64::from(byte) << self.count;
             self.count += 8;
             self.rest = rest;
         }
+        if self.count < bits {
+            self.starved = true;
+            self.count = 63;
+        }
     }
 
     /// Whether everything was read, and nothing beyond it.
     #[must_use]
     pub fn is_whole(&self) -> bool {
+        // Bytes that are left may have been looked at beforehand.
         !self.starved && self.rest.is_empty() && self.count < 8 && self.pending == 0
     }
 }

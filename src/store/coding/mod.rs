@@ -7,5 +7,6 @@
 pub mod coders;
 pub mod integers;
 pub mod model;
+pub mod near;
 pub mod rans;
 pub mod walk;

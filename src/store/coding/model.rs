@@ -4,7 +4,7 @@
 //! are, and each is read without any other. Contexts are numbered so that neighbors resemble each other; those that are not
 //! worth a table of their own share one.
 
-use super::integers::split;
+use super::integers::{join, split};
 use super::rans::{SCALE, TOKENS, Table};
 use crate::store::bytes::{ByteReader, push_varint};
 
@@ -44,6 +44,22 @@ impl Plane {
             Self::Green => 6 * ACTIVITIES,
             Self::Red | Self::Blue => 6 * ACTIVITIES * 8,
             Self::NormalX | Self::NormalY => 3 * ACTIVITIES,
+        }
+    }
+
+    /// Tokens that the plane has at most: a pixel holds a sample or does not.
+    const fn tokens(self) -> usize {
+        if matches!(self, Self::Mask) { 2 } else { TOKENS }
+    }
+
+    /// Which of the coder's states the plane's tokens change, but for the mask's: of a sample, each color has one of its own.
+    #[must_use]
+    pub const fn lane(self) -> usize {
+        match self {
+            Self::Mask | Self::Depth | Self::NormalX | Self::NormalY => 0,
+            Self::Green => 1,
+            Self::Red => 2,
+            Self::Blue => 3,
         }
     }
 }
@@ -86,17 +102,44 @@ struct PlaneModel {
     tables: Vec<Table>,
 }
 
+/// Contexts of the mask.
+pub const MASK_CONTEXTS: usize = Plane::Mask.contexts();
+
+/// Per context of the mask, the slot from which on a pixel holds a sample.
+pub type MaskSplits = [u16; MASK_CONTEXTS];
+
 /// The tables of every plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Model([PlaneModel; 7]);
+pub struct Model {
+    planes: [PlaneModel; 7],
+    /// What the mask's tables say, in little room: most tokens are the mask's.
+    mask: Box<MaskSplits>,
+}
 
 impl Model {
     /// The table of a context.
     #[inline(always)]
     #[must_use]
     pub fn table(&self, plane: Plane, context: usize) -> &Table {
-        let model = &self.0[plane as usize];
+        let model = &self.planes[plane as usize];
         &model.tables[model.table_of[context] as usize]
+    }
+
+    /// See [`MaskSplits`].
+    #[must_use]
+    pub fn mask(&self) -> &MaskSplits {
+        &self.mask
+    }
+
+    /// From the planes in their order.
+    fn of(planes: Vec<PlaneModel>) -> Result<Self, String> {
+        let planes: [PlaneModel; 7] = planes.try_into().map_err(|_| "planes are missing")?;
+        let mut mask = Box::new([0; MASK_CONTEXTS]);
+        let model = &planes[Plane::Mask as usize];
+        for (split, &table) in mask.iter_mut().zip(&model.table_of) {
+            *split = model.tables[table as usize].frequency(0) as u16;
+        }
+        Ok(Self { planes, mask })
     }
 
     /// Tables with which what was counted is coded shortly.
@@ -113,14 +156,31 @@ impl Model {
             }
             models.push(model);
         }
-        models.try_into().map(Self).map_err(|_| "planes are missing".to_owned())
+        Self::of(models)
+    }
+
+    /// Bits that what was counted takes by these tables, plane by plane.
+    #[must_use]
+    pub fn bits(&self, counts: &Counts) -> [f64; 7] {
+        Plane::ALL.map(|plane| {
+            let contexts = counts.0[plane as usize].iter().enumerate();
+            let tokens = contexts.flat_map(|(context, histogram)| {
+                let table = self.table(plane, context);
+                let seen = histogram.iter().enumerate().filter(|(_, count)| **count > 0);
+                seen.map(move |(token, count)| {
+                    let entropy = f64::from(SCALE).log2() - f64::from(table.frequency(token).max(1)).log2();
+                    f64::from(*count) * (entropy + f64::from(join(token).1))
+                })
+            });
+            tokens.sum()
+        })
     }
 
     /// As FORMAT.md describes `MODL`.
     #[must_use]
     pub fn encode(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
-        for plane in &self.0 {
+        for plane in &self.planes {
             push_varint(&mut bytes, plane.tables.len() as u64);
             for (index, table) in plane.tables.iter().enumerate() {
                 push_varint(
@@ -164,7 +224,7 @@ impl Model {
                     return Err("tables for more contexts than there are".to_owned());
                 }
                 model.table_of.resize(model.table_of.len() + length as usize, index as u16);
-                model.tables.push(decode_table(&mut reader)?);
+                model.tables.push(decode_table(&mut reader, plane.tokens())?);
             }
             if model.table_of.len() < plane.contexts() {
                 return Err("a context without a table".to_owned());
@@ -172,13 +232,13 @@ impl Model {
             models.push(model);
         }
         reader.finish()?;
-        models.try_into().map(Self).map_err(|_| "planes are missing".to_owned())
+        Self::of(models)
     }
 }
 
-fn decode_table(reader: &mut ByteReader) -> Result<Table, String> {
+fn decode_table(reader: &mut ByteReader, tokens: usize) -> Result<Table, String> {
     let listed = reader.varint()?;
-    if listed > TOKENS as u64 {
+    if listed > tokens as u64 {
         return Err(format!("a table of {listed} tokens"));
     }
     let mut frequencies = Vec::with_capacity(TOKENS);
@@ -204,6 +264,9 @@ type Histogram = [u32; TOKENS];
 /// Bytes that a token costs in a stored table, about.
 const BYTES_PER_TOKEN: f64 = 1.4;
 
+/// Bytes that a table must save beyond its own: fewer tables decode faster, since they stay in the processor's cache.
+const BYTES_WORTH_A_TABLE: f64 = 30.0;
+
 /// What coding a histogram's tokens with a table of their own costs, table included, bits.
 fn cost(histogram: &Histogram) -> f64 {
     let total: f64 = histogram.iter().map(|count| f64::from(*count)).sum();
@@ -212,7 +275,7 @@ fn cost(histogram: &Histogram) -> f64 {
     }
     let used = histogram.iter().filter(|count| **count > 0);
     let tokens: f64 = used.clone().map(|count| f64::from(*count) * (total / f64::from(*count)).log2()).sum();
-    tokens + 8.0 * (2.0 + BYTES_PER_TOKEN * used.count() as f64)
+    tokens + 8.0 * (2.0 + BYTES_WORTH_A_TABLE + BYTES_PER_TOKEN * used.count() as f64)
 }
 
 fn sum(a: &Histogram, b: &Histogram) -> Histogram {
@@ -325,7 +388,7 @@ mod tests {
         }
         let model = Model::fit(&counts).unwrap();
         assert_ne!(model.table(Plane::Depth, 3), model.table(Plane::Depth, 4));
-        assert_eq!(model.0[Plane::Green as usize].tables.len(), 1);
+        assert_eq!(model.planes[Plane::Green as usize].tables.len(), 1);
     }
 
     #[test]

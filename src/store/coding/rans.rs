@@ -1,8 +1,9 @@
 //! Entropy coding with fixed frequencies: range asymmetric numeral systems.
 //!
 //! Source: Duda, *Asymmetric numeral systems: entropy coding combining speed of Huffman coding with compression rate of
-//! arithmetic coding*, 2013, in the word-wise form of Giesen, *Interleaved entropy coders*, 2014. A state `x` of 32 bits is
-//! always at least 2¹⁶; a token of frequency `f` (of 4096) that begins at `b` is coded by
+//! arithmetic coding*, 2013, in the word-wise form of Giesen, *Interleaved entropy coders*, 2014: four states share one row of
+//! words, so that a token need not wait for the one before it. A state `x` of 32 bits is always at least 2¹⁶; a token of frequency
+//! `f` (of 4096) that begins at `b` is coded by
 //!
 //! ```text
 //! encode   while x ≥ f · 2²⁰: put out x mod 2¹⁶, x ← x / 2¹⁶          x ← (x / f) · 4096 + b + x mod f
@@ -25,15 +26,21 @@ pub const TOKENS: usize = 128;
 /// The smallest state, and the one that encoding begins with.
 const LOWEST: u32 = 1 << 16;
 
+/// States that take turns.
+pub const LANES: usize = 4;
+
 /// Slots that one entry of [`Table::first`] stands for.
-const COARSE_BITS: u32 = 6;
+const COARSE_BITS: u32 = 4;
+
+/// Entries of [`Table::starts`]: more than there are tokens, so that none that fits into a byte lies beyond.
+const STARTS: usize = 258;
 
 /// Frequencies of the tokens in one context.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Table {
-    /// Where the slots of each token begin; one more than there are tokens.
-    starts: [u16; TOKENS + 1],
-    /// The token of every 64th slot: where to begin to look.
+    /// Where the slots of each token begin; all that follow the last token are [`SCALE`].
+    starts: [u16; STARTS],
+    /// The token of every 16th slot: where to begin to look.
     first: [u8; (SCALE >> COARSE_BITS) as usize],
 }
 
@@ -47,7 +54,7 @@ impl Table {
         if sum != SCALE || frequencies.len() > TOKENS {
             return Err(format!("frequencies add up to {sum}, not {SCALE}"));
         }
-        let mut starts = [SCALE as u16; TOKENS + 1];
+        let mut starts = [SCALE as u16; STARTS];
         let mut start = 0;
         for (token, frequency) in frequencies.iter().enumerate() {
             starts[token] = start;
@@ -66,7 +73,8 @@ impl Table {
 
     /// Where a token's slots begin, and how many it has.
     #[inline(always)]
-    fn range(&self, token: usize) -> (u32, u32) {
+    #[must_use]
+    pub fn range(&self, token: usize) -> (u32, u32) {
         let start = u32::from(self.starts[token]);
         (start, u32::from(self.starts[token + 1]) - start)
     }
@@ -80,7 +88,7 @@ impl Table {
 
 /// Codes tokens in reverse: the last one first.
 pub struct Encoder {
-    state: u32,
+    states: [u32; LANES],
     /// Last word first.
     words: Vec<u16>,
 }
@@ -88,26 +96,29 @@ pub struct Encoder {
 impl Default for Encoder {
     /// An encoder before its first token.
     fn default() -> Self {
-        Self { state: LOWEST, words: Vec::new() }
+        Self { states: [LOWEST; LANES], words: Vec::new() }
     }
 }
 
 impl Encoder {
-    /// Codes the token that stands before all those coded so far. Its frequency must not be 0.
-    pub fn push(&mut self, table: &Table, token: usize) {
-        let (start, frequency) = table.range(token);
+    /// Codes the token that stands before all those coded so far, given where its slots begin and how many it has, which must not
+    /// be none.
+    pub fn push(&mut self, lane: usize, (start, frequency): (u32, u32)) {
         debug_assert!(frequency > 0, "a token that cannot be coded");
-        if u64::from(self.state) >= u64::from(frequency) << (32 - SCALE_BITS) {
-            self.words.push(self.state as u16);
-            self.state >>= 16;
+        let state = &mut self.states[lane];
+        if u64::from(*state) >= u64::from(frequency) << (32 - SCALE_BITS) {
+            self.words.push(*state as u16);
+            *state >>= 16;
         }
-        self.state = ((self.state / frequency) << SCALE_BITS) + start + self.state % frequency;
+        *state = ((*state / frequency) << SCALE_BITS) + start + *state % frequency;
     }
 
     /// The words in the order a [`Decoder`] reads them.
     #[must_use]
     pub fn finish(mut self) -> Vec<u16> {
-        self.words.extend([self.state as u16, (self.state >> 16) as u16]);
+        for state in self.states.into_iter().rev() {
+            self.words.extend([state as u16, (state >> 16) as u16]);
+        }
         self.words.reverse();
         self.words
     }
@@ -115,55 +126,63 @@ impl Encoder {
 
 /// Decodes tokens, first to last. Damaged code gives wrong tokens, never a panic; [`Decoder::is_whole`] tells.
 pub struct Decoder<'a> {
-    state: u32,
+    states: [u32; LANES],
     /// Big-endian words.
     words: &'a [[u8; 2]],
-    /// Whether more words were asked for than there are.
-    starved: bool,
+    /// Words read; more than there are where the code is cut short.
+    position: usize,
 }
 
 impl<'a> Decoder<'a> {
     /// Over all of `words`, big-endian.
     #[must_use]
     pub fn new(words: &'a [[u8; 2]]) -> Self {
-        let mut decoder = Self { state: 0, words, starved: false };
-        let high = decoder.word();
-        decoder.state = high << 16 | decoder.word();
-        decoder
-    }
-
-    #[inline(always)]
-    fn word(&mut self) -> u32 {
-        if let Some((word, rest)) = self.words.split_first() {
-            self.words = rest;
-            u32::from(u16::from_be_bytes(*word))
-        } else {
-            self.starved = true;
-            0
-        }
+        let word = |nth: usize| words.get(nth).map_or(0, |word| u32::from(u16::from_be_bytes(*word)));
+        let states = std::array::from_fn(|lane| word(2 * lane) << 16 | word(2 * lane + 1));
+        Self { states, words, position: 2 * LANES }
     }
 
     /// The next token.
     #[inline(always)]
-    pub fn next(&mut self, table: &Table) -> usize {
-        let slot = self.state & (SCALE - 1);
+    pub fn next(&mut self, lane: usize, table: &Table) -> usize {
+        let before = self.states[lane];
+        let slot = before & (SCALE - 1);
         let mut token = table.first[(slot >> COARSE_BITS) as usize] as usize;
+        // Mostly one step at most: no branch for that one.
+        token += usize::from(u32::from(table.starts[token + 1]) <= slot);
         while u32::from(table.starts[token + 1]) <= slot {
             token += 1;
         }
         let (start, frequency) = table.range(token);
-        // A damaged state may be anything: products below 2^12 · 2^20 cannot overflow.
-        self.state = frequency * (self.state >> SCALE_BITS) + slot - start;
-        if self.state < LOWEST {
-            self.state = self.state << 16 | self.word();
-        }
+        self.advance(lane, frequency * (before >> SCALE_BITS) + slot - start);
         token
+    }
+
+    /// The next token where there are two: whether it is the second, whose slots begin at `split`.
+    #[inline(always)]
+    pub fn next_of_two(&mut self, lane: usize, split: u16) -> bool {
+        let (before, split) = (self.states[lane], u32::from(split));
+        let slot = before & (SCALE - 1);
+        let second = slot >= split;
+        let (start, frequency) = if second { (split, SCALE - split) } else { (0, split) };
+        self.advance(lane, frequency * (before >> SCALE_BITS) + slot - start);
+        second
+    }
+
+    /// Takes a word where the state has become too small. A damaged state may be anything: products below 2¹² · 2²⁰ do not overflow.
+    #[inline(always)]
+    fn advance(&mut self, lane: usize, state: u32) {
+        // A branch would be mispredicted as often as not.
+        let short = state < LOWEST;
+        let word = self.words.get(self.position).map_or(0, |word| u32::from(u16::from_be_bytes(*word)));
+        self.states[lane] = if short { state << 16 | word } else { state };
+        self.position += usize::from(short);
     }
 
     /// Whether the code ended exactly where the encoder began.
     #[must_use]
     pub fn is_whole(&self) -> bool {
-        !self.starved && self.words.is_empty() && self.state == LOWEST
+        self.position == self.words.len() && self.states == [LOWEST; LANES]
     }
 }
 
@@ -189,13 +208,18 @@ mod tests {
             let coded: Vec<(usize, usize)> =
                 tokens.iter().map(|&t| match t % 3 { 0 => (0, t / 3 % 2), 1 => (1, 2), _ => (2, t) }).collect();
             let mut encoder = Encoder::default();
-            for &(table, token) in coded.iter().rev() {
-                encoder.push(&tables[table], token);
+            for (nth, &(table, token)) in coded.iter().enumerate().rev() {
+                encoder.push(nth % LANES, tables[table].range(token));
             }
             let words = words(encoder);
             let mut decoder = Decoder::new(&words);
-            for &(table, token) in &coded {
-                prop_assert_eq!(decoder.next(&tables[table]), token);
+            for (nth, &(table, token)) in coded.iter().enumerate() {
+                if table == 0 {
+                    let second = decoder.next_of_two(nth % LANES, tables[0].range(1).0 as u16);
+                    prop_assert_eq!(usize::from(second), token);
+                } else {
+                    prop_assert_eq!(decoder.next(nth % LANES, &tables[table]), token);
+                }
             }
             prop_assert!(decoder.is_whole());
         }
@@ -205,9 +229,9 @@ mod tests {
             let tables = tables();
             let mut decoder = Decoder::new(&words);
             for nth in 0..200 {
-                decoder.next(&tables[nth % 3]);
+                decoder.next(nth % LANES, &tables[nth % 3]);
             }
-            prop_assert!(!decoder.is_whole() || words.len() > 1);
+            prop_assert!(!decoder.is_whole() || words.len() >= 2 * LANES);
         }
     }
 
@@ -215,9 +239,9 @@ mod tests {
     fn a_likely_token_takes_next_to_nothing() {
         let [skewed, certain, _] = tables();
         let mut encoder = Encoder::default();
-        (0..4000).for_each(|_| encoder.push(&skewed, 1));
-        (0..4000).for_each(|_| encoder.push(&certain, 2));
-        assert_eq!(encoder.finish().len(), 2);
+        (0..4000).for_each(|_| encoder.push(1, skewed.range(1)));
+        (0..4000).for_each(|_| encoder.push(1, certain.range(2)));
+        assert_eq!(encoder.finish().len(), 2 * LANES);
     }
 
     #[test]

@@ -15,46 +15,11 @@
 
 use super::integers::{unzigzag, zigzag};
 use super::model::{ACTIVITIES, Plane};
-
-/// Columns and rows of a block: four tiles.
-pub const BLOCK: usize = 64;
-
-/// Numbers a sample has at most: depth, green, red, blue, and two of the normal.
-pub const NUMBERS: usize = 6;
-
-/// Columns to the left of a block and rows above it that never hold a sample, so that no neighbor needs a check.
-const MARGIN: usize = 2;
-const STRIDE: usize = BLOCK + MARGIN + 1;
-const CELLS: usize = (BLOCK + MARGIN + 1) * STRIDE;
-
-/// Where a pixel of a block stands in its arrays.
-#[inline(always)]
-#[must_use]
-pub const fn cell(x: usize, y: usize) -> usize {
-    (y + MARGIN) * STRIDE + x + MARGIN
-}
-
-/// What a block of pixels holds.
-pub struct Pixels {
-    /// Whether there is a sample, by [`cell`].
-    pub present: Vec<bool>,
-    /// Per number (depth, green, red, blue, normal), by [`cell`]: depth as shifted bits, color as a rank, normal as it is.
-    pub values: [Vec<i32>; NUMBERS],
-}
-
-impl Default for Pixels {
-    /// An empty block.
-    fn default() -> Self {
-        Self { present: vec![false; CELLS], values: std::array::from_fn(|_| vec![0; CELLS]) }
-    }
-}
-
-impl Pixels {
-    /// Forgets every sample.
-    pub fn clear(&mut self) {
-        self.present.fill(false);
-    }
-}
+use super::near::{
+    AROUND, BLOCK, CELLS, Cells, N, NE, NN, NUMBERS, NW, Near, Pixels, Place, R, STRIDE, W, WW, activity,
+    bit_length, cell, median_prediction, plane_prediction,
+};
+use super::rans::LANES;
 
 /// What is known of a block before its samples.
 #[derive(Clone, Copy, Debug)]
@@ -78,64 +43,45 @@ pub trait Coder {
     /// Whether numbers are predicted; without, they come as they are.
     const PREDICTS: bool = true;
 
+    /// Codes whether a pixel holds a sample, or ignores `value` and decodes it. `lane` is the coder's state that does it.
+    fn held(&mut self, lane: usize, context: usize, value: bool) -> bool;
+
     /// Codes `value`, or ignores it and decodes one.
     fn code(&mut self, plane: Plane, context: usize, value: u32) -> u32;
+}
+
+/// A pixel that holds a sample.
+#[derive(Clone, Copy, Default)]
+struct Held {
+    at: u16,
+    near: Near,
 }
 
 /// Walks over a block. Reused from block to block.
 pub struct Walker {
     /// Zigzag residuals of each number, by [`cell`].
-    residuals: [Vec<u32>; NUMBERS],
-    /// Whether the depth equalled the reference's, by [`cell`].
-    as_before: Vec<bool>,
-    /// Cells that hold a sample, in order.
-    cells: Vec<usize>,
-}
-
-/// The cells around one that hold a sample.
-#[derive(Clone, Copy)]
-struct Neighbors {
-    w: Option<usize>,
-    n: Option<usize>,
-    nw: Option<usize>,
-    ne: Option<usize>,
-    ww: Option<usize>,
-    nn: Option<usize>,
-}
-
-impl Neighbors {
-    #[inline(always)]
-    fn of(present: &[bool], at: usize) -> Self {
-        let held = |cell: usize| present[cell].then_some(cell);
-        Self {
-            w: held(at - 1),
-            n: held(at - STRIDE),
-            nw: held(at - STRIDE - 1),
-            ne: held(at - STRIDE + 1),
-            ww: held(at - 2),
-            nn: held(at - 2 * STRIDE),
-        }
-    }
-
-    #[inline(always)]
-    fn any(self) -> Option<usize> {
-        self.w.or(self.n).or(self.nw).or(self.ne)
-    }
+    residuals: Box<[Cells<u32>; NUMBERS]>,
+    /// 1 where the depth equalled the reference's, by [`cell`].
+    as_before: Box<Cells<u8>>,
+    /// Pixels that hold a sample, in order.
+    held: Box<[Held; BLOCK * BLOCK]>,
 }
 
 impl Default for Walker {
     /// Ready for any block.
+    #[expect(clippy::large_stack_arrays, reason = "once a thread, on its way to the heap")]
     fn default() -> Self {
         Self {
-            residuals: std::array::from_fn(|_| vec![0; CELLS]),
-            as_before: vec![false; CELLS],
-            cells: Vec::with_capacity(BLOCK * BLOCK),
+            residuals: Box::new([[0; CELLS]; NUMBERS]),
+            as_before: Box::new([0; CELLS]),
+            held: Box::new([Held::default(); BLOCK * BLOCK]),
         }
     }
 }
 
 impl Walker {
     /// Hands every number of `pixels` to `coder` and takes what it gives back.
+    #[inline(always)]
     pub fn walk<C: Coder>(
         &mut self,
         coder: &mut C,
@@ -143,128 +89,173 @@ impl Walker {
         pixels: &mut Pixels,
         reference: Option<&Pixels>,
     ) {
-        self.mask(coder, shape, &mut pixels.present, reference.map(|reference| reference.present.as_slice()));
-        for nth in 0..self.cells.len() {
-            let at = self.cells[nth];
-            let near = Neighbors::of(&pixels.present, at);
-            let before = reference.filter(|reference| reference.present[at]);
-            self.depth(coder, shape.depth_shift, &mut pixels.values[0], near, (at, before));
-            self.color(coder, shape.colors, &mut pixels.values, near, (at, before));
-            if shape.normals {
-                self.normal(coder, &mut pixels.values, near, (at, before));
+        let count = self.mask(coder, shape, &mut pixels.rows, reference.map(|reference| &reference.rows));
+        for nth in 0..count.min(BLOCK * BLOCK) {
+            let Held { at, near } = self.held[nth];
+            let at = usize::from(at);
+            let before = reference.filter(|_| near.has(R));
+            // Compiled twice: within a surface everything is there, and nothing needs to be asked.
+            if near.has(AROUND) && before.is_none() {
+                self.sample(coder, shape, &mut pixels.values, Place { at, near: Near(AROUND), before: None });
+            } else {
+                self.sample(coder, shape, &mut pixels.values, Place { at, near, before });
             }
         }
     }
 
+    /// Which pixels hold a sample; gives how many.
+    #[inline(always)]
     fn mask<C: Coder>(
         &mut self,
         coder: &mut C,
         shape: &Shape,
-        present: &mut [bool],
-        reference: Option<&[bool]>,
-    ) {
-        self.cells.clear();
-        for y in 0..shape.height {
-            for tile_x in 0..shape.width.div_ceil(16) {
-                if shape.tiles >> (y / 16 * 4 + tile_x) & 1 == 0 {
+        rows: &mut [u64; BLOCK],
+        reference: Option<&[u64; BLOCK]>,
+    ) -> usize {
+        let mut count = 0;
+        for y in 0..shape.height.min(BLOCK) {
+            let above = |by: usize| y.checked_sub(by).map_or(0, |y| rows[y]);
+            let (north, north_2) = (above(1), above(2));
+            let (here, below) =
+                reference.map_or((0, 0), |rows| (rows[y], rows.get(y + 1).copied().unwrap_or(0)));
+            let always = u32::from(reference.is_some()) << 9;
+            let (known, mut row) = (rows[y], 0_u64);
+            for left in (0..shape.width).step_by(8) {
+                if shape.tiles >> (y / 16 * 4 + left / 16) & 1 == 0 {
                     continue;
                 }
-                for x in tile_x * 16..shape.width.min(tile_x * 16 + 16) {
-                    let at = cell(x, y);
-                    let held = |cell: usize| usize::from(present[cell]);
-                    let mut context = held(at - 1)
-                        | held(at - STRIDE) << 1
-                        | held(at - STRIDE - 1) << 2
-                        | held(at - STRIDE + 1) << 3
-                        | held(at - 2) << 4
-                        | held(at - 2 * STRIDE) << 5;
-                    if let Some(reference) = reference {
-                        let held = |cell: usize| usize::from(reference[cell]);
-                        context |= held(at) << 6 | held(at + 1) << 7 | held(at + STRIDE) << 8 | 1 << 9;
-                    }
-                    present[at] = coder.code(Plane::Mask, context, u32::from(present[at])) != 0;
-                    if present[at] {
-                        self.cells.push(at);
-                    }
+                // What the contexts of eight pixels have of other rows, a byte each.
+                let mut others = (eight(north >> left) * u64::from(N))
+                    | (eight(north << 1 >> left) * u64::from(NW))
+                    | (eight(north >> 1 >> left) * u64::from(NE))
+                    | (eight(north_2 >> left) * u64::from(NN))
+                    | (eight(here >> left) * u64::from(R))
+                    | eight(here >> 1 >> left) << 7;
+                let mut below = below >> left;
+                // W and WW.
+                let mut west = (row << 2 >> left) as u32;
+                for x in left..shape.width.min(left + 8) {
+                    let context = (others & 0xFF) as u32
+                        | ((west >> 1 & 1) * u32::from(W))
+                        | ((west & 1) * u32::from(WW))
+                        | (below as u32 & 1) << 8
+                        | always;
+                    let held = coder.held(x % LANES, context as usize, known >> x & 1 == 1);
+                    (others, below) = (others >> 8, below >> 1);
+                    west = west >> 1 | u32::from(held) << 1;
+                    row |= u64::from(held) << x;
+                    // Written in any case and counted if it is one: no branch.
+                    self.held[count % (BLOCK * BLOCK)] =
+                        Held { at: cell(x, y) as u16, near: Near(context as u8 & (AROUND | R)) };
+                    count += usize::from(held);
                 }
             }
+            rows[y] = row;
+        }
+        count
+    }
+
+    #[inline(always)]
+    fn sample<C: Coder>(
+        &mut self,
+        coder: &mut C,
+        shape: &Shape,
+        values: &mut [Cells<i32>; NUMBERS],
+        place: Place<'_>,
+    ) {
+        // Every pixel's cell does; said here so that no access below is checked.
+        if !(cell(0, 0)..CELLS).contains(&place.at) {
+            return;
+        }
+        self.depth(coder, shape.depth_shift, &mut values[0], place);
+        let green = self.channel(coder, (1, Plane::Green), (shape.colors, 0), values, place);
+        self.channel(coder, (2, Plane::Red), (shape.colors, green), values, place);
+        self.channel(coder, (3, Plane::Blue), (shape.colors, green), values, place);
+        if shape.normals {
+            self.coordinate(coder, (4, Plane::NormalX), values, place);
+            self.coordinate(coder, (5, Plane::NormalY), values, place);
         }
     }
 
     #[inline(always)]
-    fn depth<C: Coder>(
-        &mut self,
-        coder: &mut C,
-        shift: u32,
-        depths: &mut [i32],
-        near: Neighbors,
-        (at, before): (usize, Option<&Pixels>),
-    ) {
-        let (spatial, kind) = plane_prediction(depths, shift, near);
+    fn depth<C: Coder>(&mut self, coder: &mut C, shift: u32, depths: &mut Cells<i32>, place: Place<'_>) {
+        let Place { at, near, before } = place;
         let before = before.map(|before| before.values[0][at]);
         let (prediction, kind) = match before {
-            None => (spatial, kind),
+            None => plane_prediction(depths, shift, place),
             Some(before) => {
-                let known = usize::from(near.w.is_some()) + usize::from(near.n.is_some());
-                let resting = near.w.is_some_and(|w| self.as_before[w]);
-                let resting = usize::from(resting) + usize::from(near.n.is_some_and(|n| self.as_before[n]));
-                if known == 0 || resting > 0 { (before, 4 + resting) } else { (spatial, 7 + kind) }
+                let rests = |back: usize, pixel| u32::from(self.as_before[at - back]) & near.count(pixel);
+                let resting = rests(1, W) + rests(STRIDE, N);
+                if near.0 & (W | N) == 0 || resting > 0 {
+                    (before, 4 + resting as usize)
+                } else {
+                    let (spatial, kind) = plane_prediction(depths, shift, place);
+                    (spatial, 7 + kind)
+                }
             }
         };
-        let context = kind * ACTIVITIES + activity(&self.residuals[0], near);
+        let context = kind * ACTIVITIES + activity(&self.residuals[0], place);
         code_number(coder, (Plane::Depth, context), prediction, &mut depths[at], &mut self.residuals[0][at]);
-        self.as_before[at] = before == Some(depths[at]);
+        self.as_before[at] = u8::from(before == Some(depths[at]));
+    }
+
+    /// Codes a color, given by what green was mispredicted; gives by what this one was.
+    #[inline(always)]
+    fn channel<C: Coder>(
+        &mut self,
+        coder: &mut C,
+        (number, plane): (usize, Plane),
+        (colors, green): (usize, i32),
+        values: &mut [Cells<i32>; NUMBERS],
+        place: Place<'_>,
+    ) -> i32 {
+        let Place { at, near, before } = place;
+        let channel = &mut values[number];
+        let kind = if near.has(W | N) {
+            0
+        } else if near.first(at).is_some() {
+            1
+        } else {
+            2
+        };
+        let (prediction, kind) = match before {
+            Some(before) => (before.values[number][at], kind + 3),
+            None => (median_prediction(channel, place, colors), kind),
+        };
+        let mut context = kind * ACTIVITIES + activity(&self.residuals[number], place);
+        if number > 1 {
+            context = context * 8 + bit_length(zigzag(green)).min(14) / 2;
+        }
+        let residual = &mut self.residuals[number][at];
+        code_number(coder, (plane, context), prediction.wrapping_add(green), &mut channel[at], residual);
+        unzigzag(*residual)
     }
 
     #[inline(always)]
-    fn color<C: Coder>(
+    fn coordinate<C: Coder>(
         &mut self,
         coder: &mut C,
-        colors: usize,
-        values: &mut [Vec<i32>; NUMBERS],
-        near: Neighbors,
-        (at, before): (usize, Option<&Pixels>),
+        (number, plane): (usize, Plane),
+        values: &mut [Cells<i32>; NUMBERS],
+        place: Place<'_>,
     ) {
-        let mut green_residual = 0;
-        for (number, plane) in [(1, Plane::Green), (2, Plane::Red), (3, Plane::Blue)] {
-            let channel = &mut values[number];
-            let (spatial, kind) = median_prediction(channel, near, colors);
-            let (prediction, kind) = match before {
-                Some(before) => (before.values[number][at], kind + 3),
-                None => (spatial, kind),
-            };
-            let mut context = kind * ACTIVITIES + activity(&self.residuals[number], near);
-            if number > 1 {
-                context = context * 8 + bit_length(zigzag(green_residual)).min(14) / 2;
-            }
-            let prediction = prediction.wrapping_add(green_residual);
-            let residual = &mut self.residuals[number][at];
-            code_number(coder, (plane, context), prediction, &mut channel[at], residual);
-            if number == 1 {
-                green_residual = unzigzag(*residual);
-            }
-        }
+        let Place { at, near, before } = place;
+        let axis = &mut values[number];
+        let (prediction, kind) = match (before, near.first(at)) {
+            (Some(before), _) => (before.values[number][at], 2),
+            (None, Some(neighbor)) => (axis[neighbor % CELLS], 1),
+            (None, None) => (0, 0),
+        };
+        let context = kind * ACTIVITIES + activity(&self.residuals[number], place);
+        code_number(coder, (plane, context), prediction, &mut axis[at], &mut self.residuals[number][at]);
     }
+}
 
-    #[inline(always)]
-    fn normal<C: Coder>(
-        &mut self,
-        coder: &mut C,
-        values: &mut [Vec<i32>; NUMBERS],
-        near: Neighbors,
-        (at, before): (usize, Option<&Pixels>),
-    ) {
-        for (number, plane) in [(4, Plane::NormalX), (5, Plane::NormalY)] {
-            let axis = &mut values[number];
-            let (prediction, kind) = match (before, near.any()) {
-                (Some(before), _) => (before.values[number][at], 2),
-                (None, Some(neighbor)) => (axis[neighbor], 1),
-                (None, None) => (0, 0),
-            };
-            let context = kind * ACTIVITIES + activity(&self.residuals[number], near);
-            code_number(coder, (plane, context), prediction, &mut axis[at], &mut self.residuals[number][at]);
-        }
-    }
+/// The lowest eight bits, one in each byte.
+#[inline(always)]
+fn eight(bits: u64) -> u64 {
+    let apart = ((bits & 0xFF) * 0x0101_0101_0101_0101) & 0x8040_2010_0804_0201;
+    (apart + 0x7F7F_7F7F_7F7F_7F7F) >> 7 & 0x0101_0101_0101_0101
 }
 
 #[inline(always)]
@@ -280,91 +271,5 @@ fn code_number<C: Coder>(
         *value = prediction.wrapping_add(unzigzag(*residual));
     } else {
         *value = coder.code(plane, 0, *value as u32) as i32;
-    }
-}
-
-#[inline(always)]
-fn bit_length(value: u32) -> usize {
-    (32 - value.leading_zeros()) as usize
-}
-
-/// How badly the neighbors were predicted: the length of four times the mean of their residuals, nearer ones twice.
-#[inline(always)]
-fn activity(residuals: &[u32], near: Neighbors) -> usize {
-    let (mut sum, mut weight) = (0_u64, 0);
-    for (neighbor, of) in [(near.w, 2), (near.n, 2), (near.nw, 1), (near.ne, 1)] {
-        if let Some(neighbor) = neighbor {
-            sum += of * u64::from(residuals[neighbor]);
-            weight += of;
-        }
-    }
-    let four = sum * 4;
-    let mean = match weight {
-        0 => return ACTIVITIES - 1,
-        1 => four,
-        2 => four / 2,
-        3 => four / 3,
-        4 => four / 4,
-        5 => four / 5,
-        _ => four / 6,
-    };
-    ((u64::BITS - mean.leading_zeros()) as usize).min(ACTIVITIES - 2)
-}
-
-/// Bits of an inverse depth of 1/8 per unit of length: what is predicted where nothing is known.
-const NO_DEPTH: i32 = 0x3E00_0000;
-
-/// The depth at a pixel if its neighbors lie on one plane, and from how much that was concluded: 3 a plane, 2 a neighbor, 1 nothing.
-#[inline(always)]
-fn plane_prediction(depths: &[i32], shift: u32, near: Neighbors) -> (i32, usize) {
-    let depth = |cell: usize| f64::from(f32::from_bits((depths[cell] as u32) << shift));
-    let mut planes = [0.0; 4];
-    let mut count = 0;
-    let mut add = |plane: f64| {
-        planes[count] = plane;
-        count += 1;
-    };
-    if let (Some(w), Some(n), Some(nw)) = (near.w, near.n, near.nw) {
-        add(depth(w) + depth(n) - depth(nw));
-    }
-    if let (Some(w), Some(ww)) = (near.w, near.ww) {
-        add(2.0 * depth(w) - depth(ww));
-    }
-    if let (Some(n), Some(nn)) = (near.n, near.nn) {
-        add(2.0 * depth(n) - depth(nn));
-    }
-    if let (Some(w), Some(n), Some(ne)) = (near.w, near.n, near.ne) {
-        add(depth(w) + depth(ne) - depth(n));
-    }
-    if count == 0 {
-        return near.any().map_or((NO_DEPTH >> shift, 1), |neighbor| (depths[neighbor], 2));
-    }
-    let planes = &mut planes[..count];
-    planes.sort_unstable_by(f64::total_cmp);
-    let median = f64::midpoint(planes[(count - 1) / 2], planes[count / 2]);
-    let bits = (median as f32).max(0.0).to_bits();
-    // Rounded to the numbers that the store has.
-    let half = if shift == 0 { 0 } else { 1 << (shift - 1) };
-    ((bits.wrapping_add(half) >> shift) as i32, 3)
-}
-
-/// The color at a pixel from its neighbors, and from how much that was concluded: 0 two or three of them, 1 one, 2 none.
-#[inline(always)]
-fn median_prediction(channel: &[i32], near: Neighbors, colors: usize) -> (i32, usize) {
-    match (near.w, near.n, near.nw) {
-        (Some(w), Some(n), Some(nw)) => {
-            let (w, n, nw) = (channel[w], channel[n], channel[nw]);
-            let (low, high) = (w.min(n), w.max(n));
-            let prediction = if nw >= high {
-                low
-            } else if nw <= low {
-                high
-            } else {
-                w.wrapping_add(n).wrapping_sub(nw)
-            };
-            (prediction, 0)
-        }
-        (Some(w), Some(n), None) => (i32::midpoint(channel[w], channel[n]), 0),
-        _ => near.any().map_or((colors as i32 / 2, 2), |neighbor| (channel[neighbor], 1)),
     }
 }
