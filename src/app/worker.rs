@@ -241,6 +241,39 @@ mod tests {
     }
 
     #[test]
+    fn of_a_dragged_sliders_requests_the_last_is_answered_last_and_none_before_it_comes_late() {
+        const REQUESTS: u32 = 40;
+        let (lane, receiver) = lane(Supersede::Alternate, |number, job| {
+            for _ in 0..10 {
+                job.check()?;
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            Ok(saved(number))
+        });
+        let mut answers = Vec::new();
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                for number in 1..=REQUESTS {
+                    lane.submit(number);
+                    std::thread::sleep(Duration::from_millis(2));
+                }
+            });
+            while answers.last() != Some(&REQUESTS) {
+                match received(&receiver) {
+                    Message::Saved { bytes: Some(number), .. } => answers.push(number as u32),
+                    Message::Failed { error: Error::Cancelled, .. } => {}
+                    _ => panic!("neither an answer nor an abandoned request"),
+                }
+            }
+        });
+        assert!(answers.is_sorted_by(|a, b| a < b), "{answers:?}");
+        while !lane.is_idle() {
+            std::thread::yield_now();
+        }
+        assert!(receiver.try_recv().is_err(), "something came after the last answer");
+    }
+
+    #[test]
     fn a_panic_becomes_a_message_and_the_lane_goes_on() {
         let (lane, receiver) = lane(Supersede::Never, |number, _| {
             assert!(number != 1, "on purpose");

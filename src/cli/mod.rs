@@ -47,7 +47,7 @@ Examples:
   overlook verify scene.ovl                                 whether all of a store can be read
   overlook bench                                            speed of each stage beside the limits of this machine
 
-Exit codes: 0 success, 1 bad input (one line on stderr says what, where and what to do), 2 bad usage.";
+Exit codes: 0 success, 1 bad input (one line on stderr says what, where and what to do), 2 bad usage, 130 stopped by Ctrl-C.";
 
 /// See, prune and explore animated scenes recorded as color and depth by several static cameras.
 ///
@@ -163,7 +163,11 @@ pub fn run(open_window: OpenWindow) -> ExitCode {
         }
         Err(Failure::Work(error)) => {
             eprintln!("overlook: {}", error.to_string().replace('\n', " "));
-            ExitCode::FAILURE
+            if matches!(error, Error::Cancelled) {
+                ExitCode::from(progress::STOPPED)
+            } else {
+                ExitCode::FAILURE
+            }
         }
     }
 }

@@ -1,7 +1,8 @@
-//! Progress bars on stderr.
+//! Progress bars on stderr, and the end of work that is stopped from outside.
 
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, Once, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -20,9 +21,49 @@ impl Drop for SetOnDrop<'_> {
     }
 }
 
-/// Does `work` under a progress bar, where stderr is a terminal that can show one.
+/// What a shell expects of a program that was stopped.
+pub(super) const STOPPED: u8 = 130;
+
+/// The work under way.
+static CURRENT: Mutex<Option<Arc<Job>>> = Mutex::new(None);
+
+fn set_current(job: Option<Arc<Job>>) -> Option<Arc<Job>> {
+    let mut current = CURRENT.lock().unwrap_or_else(PoisonError::into_inner);
+    std::mem::replace(&mut *current, job)
+}
+
+/// Lets Ctrl-C (and on Unix SIGTERM and SIGHUP) cancel the work under way, which then cleans up behind it; a second one ends
+/// the program at once.
+fn stop_when_told() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let handler = || {
+            let current = CURRENT.lock().unwrap_or_else(PoisonError::into_inner);
+            match current.as_ref().filter(|job| !job.is_cancelled()) {
+                Some(job) => job.cancel(),
+                None => std::process::exit(i32::from(STOPPED)),
+            }
+        };
+        if let Err(error) = ctrlc::set_handler(handler) {
+            log::warn!("Ctrl-C will end the program at once: {error}");
+        }
+    });
+}
+
+/// The work before, current again once this is dropped.
+struct Restore(Option<Arc<Job>>);
+
+impl Drop for Restore {
+    fn drop(&mut self) {
+        set_current(self.0.take());
+    }
+}
+
+/// Does `work` under a progress bar, where stderr is a terminal that can show one. Ctrl-C cancels its job.
 pub(super) fn watched<T>(work: impl FnOnce(&Job) -> T) -> T {
-    let job = Job::new();
+    stop_when_told();
+    let job = Arc::new(Job::new());
+    let _restore = Restore(set_current(Some(job.clone())));
     if !std::io::stderr().is_terminal() {
         return work(&job);
     }
