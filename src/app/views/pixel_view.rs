@@ -31,7 +31,11 @@ const COLUMNS: [(&str, &str); 9] = [
         "r",
         "The paper's r, planar depth over cosine of incidence, of this pixel beside that camera's: below 1 this pixel is denser.",
     ),
-    ("Area", "The same with focal length and resolution: surface area of this pixel beside that camera's."),
+    (
+        "Rate",
+        "The same with focal length and resolution, this pixel's longest side on the surface beside that camera's; its area where \
+         longest sides do not decide.",
+    ),
     ("Color", "Largest difference of a color channel, in 8-bit steps."),
     ("There", "What became of that camera's own pixel."),
 ];
