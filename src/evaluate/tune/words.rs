@@ -52,10 +52,16 @@ fn changes(before: &Settings, after: &Settings) -> Vec<String> {
     let changed: Vec<String> = Settings::fields()
         .filter_map(|field| {
             let (old, new) = (before.get(field.path)?, after.get(field.path)?);
-            (old != new).then(|| format!("{} = {new} instead of {old}.", field.path))
+            (old != new)
+                .then(|| format!("{} = {} instead of {}.", field.path, shortest(&new), shortest(&old)))
         })
         .collect();
     if changed.is_empty() { vec!["No setting needs to change.".to_owned()] } else { changed }
+}
+
+/// Settings are single floats: their shortest form, not that of the double beside it.
+fn shortest(value: &toml::Value) -> String {
+    value.as_float().map_or_else(|| value.to_string(), |number| (number as f32).to_string())
 }
 
 fn over_time(point: &Point, frames: usize) -> String {
