@@ -5,7 +5,7 @@
 //! nearest point, as FFV1. The same bytes, each frame xor the one before, through the zstd on this machine are what two lines of code get.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ use crate::store::{InputFiles, Rivals};
 /// Largest number of a 16-bit pixel.
 const LARGEST: f32 = 65_535.0;
 
-/// Measures all rivals; those that need an ffmpeg are `None` where there is none.
+/// Measures all rivals; those that need an ffmpeg or a zstd are `None` where there is none.
 ///
 /// # Errors
 /// Whatever decoding the capture gives, `Io`, `Cancelled`.
@@ -27,44 +27,35 @@ pub(super) fn measure(capture: &Capture, job: &Job) -> Result<Rivals> {
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
     let zip_exr = zip_exr(capture, folder.path(), job)?;
     let mut rivals = Rivals { zip_exr, ..Rivals::default() };
-    let is_there = |program: &str, argument: &str| {
-        let found = Command::new(program).arg(argument).stdout(Stdio::null()).stderr(Stdio::null()).status();
-        found.is_ok_and(|status| status.success())
-    };
-    let size = |name: &str| size_of(&folder.path().join(name));
+    let (ffmpeg, zstd) = (is_there("ffmpeg", "-version"), is_there("zstd", "--version"));
+    if !ffmpeg && !zstd {
+        return Ok(rivals);
+    }
+    job.start("Measuring other forms", 2 * capture.cameras.len() * capture.frame_count());
     for (camera, named) in capture.cameras.iter().enumerate() {
-        let size_of_picture = named.intrinsics.size();
-        if is_there("ffmpeg", "-version") {
-            let [color, depth] = ["color.mkv", "depth.mkv"].map(|name| folder.path().join(name));
-            let mut color = start(&color, "rgb24", size_of_picture, &["-c:v", "libx264rgb", "-qp", "0"])?;
-            let ffv1 = ["-c:v", "ffv1", "-level", "3", "-coder", "2"];
-            let mut depth = start(&depth, "gray16le", size_of_picture, &ffv1)?;
-            displayed(capture, camera, job, |rgb, gray| {
-                feed(&mut color, rgb)?;
-                feed(&mut depth, gray)
-            })?;
-            finish(color)?;
-            finish(depth)?;
-            *rivals.video_color.get_or_insert(0) += size("color.mkv")?;
-            *rivals.video_depth.get_or_insert(0) += size("depth.mkv")?;
+        let mut video = ffmpeg.then(|| Video::start(folder.path(), named.intrinsics.size())).transpose()?;
+        let mut changes = zstd.then(|| Changes::start(folder.path())).transpose()?;
+        displayed(capture, camera, job, |rgb, gray| {
+            if let Some(video) = &mut video {
+                video.color.feed(rgb)?;
+                video.depth.feed(gray)?;
+            }
+            changes.as_mut().map_or(Ok(()), |changes| changes.feed([rgb, gray].concat()))
+        })?;
+        if let Some(Video { color, depth }) = video {
+            *rivals.video_color.get_or_insert(0) += color.finish()?;
+            *rivals.video_depth.get_or_insert(0) += depth.finish()?;
         }
-        if is_there("zstd", "--version") {
-            let mut zstd = Command::new("zstd");
-            zstd.args(["-3", "-q", "-f", "-o"]).arg(folder.path().join("xor.zst"));
-            let mut zstd = spawn(zstd)?;
-            let mut before = Vec::new();
-            displayed(capture, camera, job, |rgb, gray| {
-                let frame = [rgb, gray].concat();
-                before.resize(frame.len(), 0);
-                let change: Vec<u8> = frame.iter().zip(&before).map(|(now, before)| now ^ before).collect();
-                before = frame;
-                feed(&mut zstd, &change)
-            })?;
-            finish(zstd)?;
-            *rivals.xor_zstd.get_or_insert(0) += size("xor.zst")?;
+        if let Some(changes) = changes {
+            *rivals.xor_zstd.get_or_insert(0) += changes.zstd.finish()?;
         }
     }
     Ok(rivals)
+}
+
+fn is_there(program: &str, argument: &str) -> bool {
+    let found = Command::new(program).arg(argument).stdout(Stdio::null()).stderr(Stdio::null()).status();
+    found.is_ok_and(|status| status.success())
 }
 
 fn size_of(path: &Path) -> Result<u64> {
@@ -96,7 +87,6 @@ fn displayed(
     mut take: impl FnMut(&[u8], &[u8]) -> Result<()>,
 ) -> Result<()> {
     let frames = capture.frame_count();
-    job.start("Measuring other forms", 2 * frames);
     let mut nearest = f32::MIN_POSITIVE;
     for frame in 0..frames {
         job.check()?;
@@ -119,31 +109,78 @@ fn displayed(
     Ok(())
 }
 
-fn start(path: &Path, format: &str, (width, height): (usize, usize), codec: &[&str]) -> Result<Child> {
-    let mut command = Command::new("ffmpeg");
-    command.args(["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", format]);
-    command.args(["-s", &format!("{width}x{height}"), "-i", "-"]).args(codec).arg(path);
-    spawn(command)
+/// A program that reads from us and writes a file.
+struct Program {
+    name: &'static str,
+    child: Child,
+    out: PathBuf,
 }
 
-/// Starts a program that reads from us.
-fn spawn(mut command: Command) -> Result<Child> {
-    command.stdin(Stdio::piped()).stdout(Stdio::null());
-    let name = command.get_program().to_owned();
-    command.spawn().map_err(|error| Error::io(name, error))
-}
+impl Program {
+    fn start(name: &'static str, arguments: &[&str], out: PathBuf) -> Result<Self> {
+        let mut command = Command::new(name);
+        command.args(arguments).arg(&out).stdin(Stdio::piped()).stdout(Stdio::null());
+        let child = command.spawn().map_err(|error| Error::io(name, error))?;
+        Ok(Self { name, child, out })
+    }
 
-fn feed(program: &mut Child, bytes: &[u8]) -> Result<()> {
-    match &mut program.stdin {
-        Some(pipe) => pipe.write_all(bytes).map_err(|error| Error::io("ffmpeg or zstd", error)),
-        None => Err(Error::invalid("ffmpeg or zstd", "takes no pictures")),
+    fn feed(&mut self, bytes: &[u8]) -> Result<()> {
+        match &mut self.child.stdin {
+            Some(pipe) => pipe.write_all(bytes).map_err(|error| Error::io(self.name, error)),
+            None => Err(Error::invalid(self.name, "takes no pictures")),
+        }
+    }
+
+    /// Bytes of the file, once it is whole.
+    fn finish(mut self) -> Result<u64> {
+        drop(self.child.stdin.take());
+        let status = self.child.wait().map_err(|error| Error::io(self.name, error))?;
+        if status.success() {
+            size_of(&self.out)
+        } else {
+            Err(Error::invalid(self.name, format!("failed: {status}")))
+        }
     }
 }
 
-fn finish(mut program: Child) -> Result<()> {
-    drop(program.stdin.take());
-    let status = program.wait().map_err(|error| Error::io("ffmpeg or zstd", error))?;
-    if status.success() { Ok(()) } else { Err(Error::invalid("ffmpeg or zstd", format!("failed: {status}"))) }
+/// Color and depth of a camera as lossless video.
+struct Video {
+    color: Program,
+    depth: Program,
+}
+
+impl Video {
+    fn start(folder: &Path, (width, height): (usize, usize)) -> Result<Self> {
+        let size = format!("{width}x{height}");
+        let start = |name: &str, format: &str, codec: &[&str]| {
+            let input = ["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", format, "-s", &size, "-i", "-"];
+            Program::start("ffmpeg", &[&input, codec].concat(), folder.join(name))
+        };
+        Ok(Self {
+            color: start("color.mkv", "rgb24", &["-c:v", "libx264rgb", "-qp", "0"])?,
+            depth: start("depth.mkv", "gray16le", &["-c:v", "ffv1", "-level", "3", "-coder", "2"])?,
+        })
+    }
+}
+
+/// Each frame of a camera xor the one before, through zstd.
+struct Changes {
+    zstd: Program,
+    before: Vec<u8>,
+}
+
+impl Changes {
+    fn start(folder: &Path) -> Result<Self> {
+        let zstd = Program::start("zstd", &["-3", "-q", "-f", "-o"], folder.join("xor.zst"))?;
+        Ok(Self { zstd, before: Vec::new() })
+    }
+
+    fn feed(&mut self, frame: Vec<u8>) -> Result<()> {
+        self.before.resize(frame.len(), 0);
+        let change: Vec<u8> = frame.iter().zip(&self.before).map(|(now, before)| now ^ before).collect();
+        self.before = frame;
+        self.zstd.feed(&change)
+    }
 }
 
 /// Reads every file of a capture once more and sums them up; `None` where it does not come from files.

@@ -237,24 +237,6 @@ impl Registration {
         self.compare(source, target, &block, &carried, limits, [1]).outcome(0)
     }
 
-    /// The pixel of the target that shows the same surface point as the sample at `(x, y)` of the source, if any.
-    #[inline(always)]
-    pub(super) fn same(
-        &self,
-        source: &Layer,
-        target: &Layer,
-        (x, y): (usize, usize),
-        limits: &SameSurface,
-    ) -> Option<u32> {
-        let block = Block::<1>::new(source, x, y, 1);
-        let carried = self.carry(&block, target.width);
-        if carried.bits[0] & IN_VIEW == 0 {
-            return None;
-        }
-        let answers = self.compare(source, target, &block, &carried, limits, [1]);
-        answers.is_same(0).then(|| answers.pixel[0])
-    }
-
     /// Carries the samples of a block.
     #[inline(always)]
     pub(super) fn carry<const N: usize>(&self, block: &Block<N>, target_width: usize) -> Carried<N> {

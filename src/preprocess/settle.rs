@@ -4,6 +4,7 @@ use super::Rule;
 use super::Verdict;
 use super::layer::Level;
 use super::pruning::{Band, DROPPED, KEPT, Pass, UNDECIDED};
+use super::registration::Outcome;
 use crate::simd::{self, Work};
 
 /// Statuses of witnesses are fetched so many samples ahead.
@@ -82,7 +83,7 @@ impl Pass<'_> {
                 continue;
             }
             let registration = self.rig.registration(camera, other);
-            let Some(found) = registration.same(layer, target, (x, y), &self.limits) else { continue };
+            let Outcome::Same(found) = registration.test(layer, target, x, y, &self.limits) else { continue };
             let found_rank = target.ranks[found as usize].rank;
             let own_level = target.level[found as usize] == self.decide;
             // What is dropped by now is still a candidate; it will be passed over.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use image::{ImageFormat, Rgba, RgbaImage};
 
-use super::vantage::{NO_IMAGE, Picture};
+use super::vantage::Picture;
 use crate::color::srgb8_from_linear;
 use crate::error::{Error, Result};
 
@@ -24,13 +24,13 @@ fn png_of(picture: &Picture) -> RgbaImage {
     RgbaImage::from_fn(width as u32, height as u32, |x, y| {
         let pixel = (x as usize, y as usize);
         let [r, g, b] = picture.color[pixel].map(srgb8_from_linear);
-        let shown = picture.image[pixel] != NO_IMAGE || picture.inverse_depth[pixel] >= 0.0;
-        Rgba([r, g, b, if shown { 255 } else { 0 }])
+        Rgba([r, g, b, if picture.shows(pixel) { 255 } else { 0 }])
     })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::vantage::NO_IMAGE;
     use super::*;
     use crate::grid::Grid;
 

@@ -69,6 +69,12 @@ impl Picture {
         }
     }
 
+    /// Whether a pixel shows anything: a sample, or what a hole was filled with.
+    #[must_use]
+    pub fn shows(&self, pixel: (usize, usize)) -> bool {
+        self.image[pixel] != NO_IMAGE || self.inverse_depth[pixel] >= 0.0
+    }
+
     /// Pixels that no sample reached, filled or not.
     #[must_use]
     pub fn holes(&self) -> u64 {

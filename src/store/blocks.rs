@@ -189,10 +189,7 @@ impl Coding<'_> {
     /// The samples that `code` stands for.
     ///
     /// # Errors
-    /// The samples that a block's code stands for.
-    ///
-    /// # Errors
-    /// Says what is wrong with it.
+    /// Says what is wrong with the code.
     pub(super) fn decode(
         &self,
         place: (u16, u16),

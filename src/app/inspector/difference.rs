@@ -12,7 +12,7 @@ use crate::color::{linear_from_srgb, srgb8_from_linear, steps_from_linear};
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
 use crate::grid::Grid;
-use crate::render::{NO_IMAGE, Picture};
+use crate::render::Picture;
 
 /// Share of pixels that may differ by more than a fitted range.
 const BEYOND: f32 = 0.01;
@@ -28,8 +28,7 @@ pub(crate) fn of_frame(frame: &Frame) -> Side {
 /// What was painted, as displayed.
 pub(crate) fn of_picture(picture: &Picture) -> Side {
     Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
-        let something = picture.image[(x, y)] != NO_IMAGE || picture.inverse_depth[(x, y)] >= 0.0;
-        something.then(|| picture.color[(x, y)].map(srgb8_from_linear))
+        picture.shows((x, y)).then(|| picture.color[(x, y)].map(srgb8_from_linear))
     })
 }
 

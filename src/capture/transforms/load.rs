@@ -226,8 +226,8 @@ fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
     let rules = files.png_depth_rules();
     let inverse_depth =
         rules.inverse_depth_plane(&png::depth(path, place, camera.intrinsics.size())?, camera);
-    // Whole numbers have no one relative error; that of the median depth stands for all.
-    // A unit is the coarser the nearer; a few stray hits must not speak for all.
+    // Whole numbers have no one relative error: a unit is the coarser the nearer. That of nearly the nearest depth stands for
+    // all, as a few stray hits must not.
     let step_relative = 0.5 * rules.unit_scale as f32 * quantile_of_hits(&inverse_depth, NEARLY_ALL);
     Ok(DepthPart { inverse_depth, step_relative, name: path.display().to_string() })
 }
