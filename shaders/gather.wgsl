@@ -14,6 +14,8 @@ const MANY: f32 = 1.99;
 const MANY_PRUNED: f32 = 0.99;
 // Depths that differ by less than this part of the tolerance are taken as equal.
 const EXACT: f32 = 0.005;
+// A sub-pixel is at most this many samples wide.
+const SUBPIXEL_WIDTH: f32 = 2.5;
 // Sub-pixels along each side of a pixel that is interpolated in a picture of higher sampling rate, at most.
 const MAX_SUBPIXELS: f32 = 4.0;
 
@@ -83,7 +85,7 @@ fn answer(camera: u32, at: vec2<f32>, w: f32) -> Answer {
     // Where the picture is coarser than the camera's: the mean over sub-pixels, or fine detail would alias. One sub-pixel is
     // the pixel itself.
     let rate = views[camera].source_from_target.focal_ratio * place.reciprocal;
-    let count = clamp(ceil(rate / USEFUL_RATE), 1.0, MAX_SUBPIXELS);
+    let count = clamp(ceil(rate / SUBPIXEL_WIDTH), 1.0, MAX_SUBPIXELS);
     let per_subpixel = 1.0 / count;
     for (var nth = 0u; nth < u32(count * count); nth++) {
         let sub = vec2<f32>(f32(nth % u32(count)), f32(nth / u32(count)));

@@ -71,6 +71,14 @@ impl<'a> FrameTile<'a> {
         (0..high.len()).step_by(64).for_each(|at| simd::prefetch(high, at));
     }
 
+    /// Asks for the memory of everything that is read from the tile.
+    #[inline(always)]
+    pub(super) fn fetch_ahead(&self) {
+        self.fetch_depths_ahead();
+        // Ten colors to a cache line.
+        (0..self.color.len()).step_by(10).for_each(|at| simd::prefetch(self.color, at));
+    }
+
     /// The three half floats of a color, red lowest.
     #[inline(always)]
     pub(super) fn bits_of(color: [f16; 3]) -> u64 {
@@ -128,8 +136,8 @@ pub(super) struct FrameSamples<'a> {
     color_places: Vec<ColorPlace>,
     /// Colors of each image.
     colors: Vec<&'a [[f16; 3]]>,
-    /// The camera of each image.
-    image_cameras: Vec<u16>,
+    /// The camera of each tile: two bytes, so that all of them fit in the smallest cache.
+    tile_cameras: Vec<u16>,
 }
 
 /// Adds the tiles of the `nth` image of the frame.
@@ -188,8 +196,8 @@ impl<'a> FrameSamples<'a> {
             simd::run(Numbering { nth: nth as u32, image, tiles, color_places });
         }
         let colors = images.iter().map(|&image| set.images[image].color.as_slice()).collect();
-        let image_cameras = images.iter().map(|&image| set.images[image].camera as u16).collect();
-        Ok(Self { set, images, tiles, lasting_images, lasting_tiles, color_places, colors, image_cameras })
+        let tile_cameras = tiles.iter().map(|tile: &FrameTile<'_>| tile.camera).collect();
+        Ok(Self { set, images, tiles, lasting_images, lasting_tiles, color_places, colors, tile_cameras })
     }
 
     /// Numbers of the tiles that hold at all frames.
@@ -211,7 +219,7 @@ impl<'a> FrameSamples<'a> {
     /// Index of the camera of a slot.
     #[inline(always)]
     pub(super) fn camera_of(&self, slot: u32) -> u16 {
-        self.image_cameras[self.nth_image(slot)]
+        self.tile_cameras[(slot >> 8) as usize]
     }
 
     /// The image of a slot, as an index in `images`.
@@ -250,27 +258,18 @@ impl<'a> FrameSamples<'a> {
     #[inline(always)]
     pub(super) fn cameras_of(&self, keys: &[u64], cameras: &mut Vec<u16>) {
         cameras.clear();
-        let (mut seen, mut last) = ([0_u64; 4], None);
-        for &key in keys.iter().filter(|key| **key != 0) {
-            let tile = slot_of(key) >> 8;
-            if last.replace(tile) == Some(tile) {
-                continue;
-            }
-            let camera = self.camera_of(slot_of(key));
-            match seen.get_mut(camera as usize / 64) {
-                Some(word) => *word |= 1 << (camera % 64),
-                // Beyond 256 cameras they are listed one by one.
-                None if !cameras.contains(&camera) => cameras.push(camera),
-                None => {}
-            }
+        let shown = keys.iter().filter(|key| **key != 0).map(|key| self.camera_of(slot_of(*key)));
+        if self.set.cameras.len() > 64 {
+            cameras.extend(shown);
+            cameras.sort_unstable();
+            cameras.dedup();
+            return;
         }
-        for (index, mut word) in seen.into_iter().enumerate() {
-            while word != 0 {
-                cameras.push(index as u16 * 64 + word.trailing_zeros() as u16);
-                word &= word - 1;
-            }
+        let mut seen = shown.fold(0_u64, |seen, camera| seen | 1 << (camera % 64));
+        while seen != 0 {
+            cameras.push(seen.trailing_zeros() as u16);
+            seen &= seen - 1;
         }
-        cameras.sort_unstable();
     }
 
     /// Samples in some tiles.

@@ -11,6 +11,9 @@ use super::vantage::NO_IMAGE;
 use super::votes::{Points, Votes};
 use super::window::Windows;
 
+/// Most points ask no more cameras than these.
+const ASKED_OFTEN: usize = 3;
+
 /// What gathering a block needs for a while, and keeps for the next.
 pub(super) struct Scratch {
     /// Among the lasting samples, and among all.
@@ -22,18 +25,6 @@ pub(super) struct Scratch {
     claims: Points,
     votes: Vec<Votes>,
     points: SurfacePoints,
-    /// Where the points go.
-    layers: Vec<Layer>,
-}
-
-/// A surface point's place in the picture.
-#[derive(Clone, Copy)]
-struct Layer {
-    key: u64,
-    /// How much it counts in its pixel.
-    share: f32,
-    /// The pixel, as an index in the strip.
-    at: u32,
 }
 
 impl Scratch {
@@ -47,7 +38,6 @@ impl Scratch {
             claims: Points::default(),
             votes: Vec::new(),
             points: SurfacePoints::new(),
-            layers: Vec::new(),
         }
     }
 
@@ -63,8 +53,9 @@ impl Scratch {
         frame.cameras_of(patch.keys.as_flattened(), &mut self.cameras);
         let middle = patch.keys.as_flattened()[SIDE * SIDE / 2 + SIDE / 2];
         let center = ((patch.left + BLOCK / 2) as f32, (patch.top + BLOCK / 2) as f32);
-        let weights = &mut self.weights;
-        gather.rank(center, inverse_depth_of(middle).max(0.0), &mut self.cameras, weights);
+        let (weights, w) = (&mut self.weights, inverse_depth_of(middle).max(0.0));
+        gather.rank(center, w, &mut self.cameras, weights);
+        self.fetch_ahead((gather, among), (patch.left, patch.top), w);
         let extent = (BLOCK.min(width - patch.left), rows.image.len() / width);
         let mut edges = patch.edges();
         for edges in &mut edges {
@@ -74,10 +65,24 @@ impl Scratch {
         gather.vote(&self.claims, &self.cameras, &mut self.windows[among], &mut self.votes);
         self.settle(frame, patch, (&edges, extent), (rows, width));
         gather.find(&mut self.points, &self.cameras, &mut self.windows[among]);
-        for (nth, &Layer { key, share, at }) in self.layers.iter().enumerate() {
+        for nth in 0..self.points.count() {
+            let (key, share, pixel) = self.points.layer(nth);
             let color = self.points.color(nth, || frame.color_of(slot_of(key)));
-            let sum = &mut rows.color[at as usize];
+            let sum = &mut rows.color[pixel as usize];
             (0..3).for_each(|channel| sum[channel] += share * color[channel]);
+        }
+    }
+
+    /// Asks for what the next block will read of the cameras that count most for this one, at inverse depth `w`.
+    #[inline(always)]
+    fn fetch_ahead(&self, (gather, among): (&Gather<'_>, usize), (left, top): (usize, usize), w: f32) {
+        let right = (left + 2 * BLOCK) as f32;
+        for &camera in self.cameras.iter().take(ASKED_OFTEN) {
+            for y in [top, top + BLOCK] {
+                if let Some(pixel) = gather.pixel_in(camera, (right, y as f32), w) {
+                    self.windows[among].fetch_ahead(&gather.lookup, camera as usize, pixel);
+                }
+            }
         }
     }
 
@@ -112,12 +117,24 @@ impl Scratch {
     ) {
         let (mut questions, mut votes) = (self.questions.iter(), self.votes.iter());
         self.points.clear();
-        self.layers.clear();
         for row in 0..extent.1 {
             let start = row * width + patch.left;
             let depths = &mut rows.inverse_depth[start..start + extent.0];
             let images = &mut rows.image[start..start + extent.0];
             rows.color[start..start + extent.0].fill([0.0; 3]);
+            let first = (patch.left as f32, (patch.top + row) as f32);
+            if edges[row] == 0
+                && let Some(keys) = patch.keys[row + RING][RING..].first_chunk::<BLOCK>()
+                && let Some(depths) = depths.first_chunk_mut::<BLOCK>()
+                && keys.iter().all(|key| *key != 0)
+            {
+                let mut cameras = [0; BLOCK];
+                for ((key, camera), image) in keys.iter().zip(&mut cameras).zip(images) {
+                    (*camera, *image) = (frame.camera_of(slot_of(*key)), frame.image_of(slot_of(*key)));
+                }
+                self.points.push_row(keys, first, (start as u32, &cameras), depths);
+                continue;
+            }
             for column in 0..extent.0 {
                 let mut key = patch.keys[row + RING][column + RING];
                 let place = ((patch.left + column) as f32, (patch.top + row) as f32);
@@ -128,8 +145,7 @@ impl Scratch {
                     let pixel = question.answer(votes.unwrap_or_default());
                     let mut push = |key, share| {
                         if share > 0.0 {
-                            self.points.push(place, inverse_depth_of(key), frame.camera_of(slot_of(key)));
-                            self.layers.push(Layer { key, share, at });
+                            self.points.push(key, place, (at, share), frame.camera_of(slot_of(key)));
                         }
                     };
                     key = match pixel {
@@ -145,8 +161,7 @@ impl Scratch {
                         }
                     };
                 } else if key != 0 {
-                    self.points.push(place, inverse_depth_of(key), frame.camera_of(slot_of(key)));
-                    self.layers.push(Layer { key, share: 1.0, at });
+                    self.points.push(key, place, (at, 1.0), frame.camera_of(slot_of(key)));
                 }
                 depths[column] = inverse_depth_of(key);
                 images[column] = if key == 0 { NO_IMAGE } else { frame.image_of(slot_of(key)) };

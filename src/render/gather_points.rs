@@ -3,10 +3,16 @@
 //! asked alone, so that its color does not depend on its neighbors.
 
 use super::frame_samples::f32_from_f16_bits;
-use super::gather::{BESIDE_EDGE, BLOCK, ENOUGH, EXACT, Gather, MAX_SUBPIXELS, OWN_SHARE, USEFUL_RATE, View};
+use super::gather::{
+    BESIDE_EDGE, BLOCK, ENOUGH, EXACT, Gather, MAX_SUBPIXELS, OWN_SHARE, SUBPIXEL_WIDTH, View,
+};
+use super::keys::inverse_depth_of;
 use super::places::{Places, agrees, bilinear, carried};
 use super::surface::joined;
 use super::window::{LANES, Lanes, Quads, Windows};
+
+/// A camera that shows less of the surface than this share knows nothing of it.
+const LEAST_KNOWN: f32 = 1e-3;
 
 /// Surface points that a block has at most: two in each pixel.
 const MOST: usize = 2 * BLOCK * BLOCK;
@@ -20,8 +26,14 @@ pub(super) struct SurfacePoints {
     y: [f32; MOST],
     /// Inverse depths.
     w: [f32; MOST],
-    /// Cameras of the nearest samples.
+    /// Keys of the nearest samples.
+    key: [u64; MOST],
+    /// Their cameras.
     own: [u16; MOST],
+    /// How much each counts in its pixel.
+    share: [f32; MOST],
+    /// The pixels, as indices in the strip.
+    pixel: [u32; MOST],
     /// Red, green and blue, weighted by `weight`.
     color: [[f32; MOST]; 3],
     weight: [f32; MOST],
@@ -39,7 +51,10 @@ impl SurfacePoints {
             x: zero,
             y: zero,
             w: zero,
+            key: [0; MOST],
             own: [0; MOST],
+            share: zero,
+            pixel: [0; MOST],
             color: [zero; 3],
             weight: zero,
             known: zero,
@@ -51,15 +66,61 @@ impl SurfacePoints {
         self.count = 0;
     }
 
-    /// Adds the surface at inverse depth `w` in pixel `(x, y)`, shown by a sample of camera `own`.
+    /// Adds the surface of a key, a sample of camera `own`, in pixel `(x, y)` of the picture: at `pixel` in the strip it counts
+    /// `share`.
     #[inline(always)]
-    pub(super) fn push(&mut self, (x, y): (f32, f32), w: f32, own: u16) {
+    pub(super) fn push(&mut self, key: u64, (x, y): (f32, f32), (pixel, share): (u32, f32), own: u16) {
         let at = self.count % MOST;
         self.count = at + 1;
         self.x[at] = x;
         self.y[at] = y;
-        self.w[at] = w;
+        self.w[at] = inverse_depth_of(key);
+        self.key[at] = key;
         self.own[at] = own;
+        self.share[at] = share;
+        self.pixel[at] = pixel;
+    }
+
+    /// Adds the surfaces of a row of pixels from `(x, y)` on, `pixel` in the strip, each alone in its pixel. Sets their inverse
+    /// depths.
+    #[inline(always)]
+    pub(super) fn push_row(
+        &mut self,
+        keys: &[u64; BLOCK],
+        (x, y): (f32, f32),
+        (pixel, cameras): (u32, &[u16; BLOCK]),
+        depths: &mut [f32; BLOCK],
+    ) {
+        let at = self.count.min(MOST - BLOCK);
+        self.count = at + BLOCK;
+        for i in 0..BLOCK {
+            depths[i] = inverse_depth_of(keys[i]);
+        }
+        let (mut columns, mut pixels) = ([0.0; BLOCK], [0; BLOCK]);
+        for i in 0..BLOCK {
+            columns[i] = x + i as f32;
+            pixels[i] = pixel + i as u32;
+        }
+        self.x[at..at + BLOCK].copy_from_slice(&columns);
+        self.y[at..at + BLOCK].fill(y);
+        self.w[at..at + BLOCK].copy_from_slice(depths);
+        self.key[at..at + BLOCK].copy_from_slice(keys);
+        self.own[at..at + BLOCK].copy_from_slice(cameras);
+        self.share[at..at + BLOCK].fill(1.0);
+        self.pixel[at..at + BLOCK].copy_from_slice(&pixels);
+    }
+
+    /// How many there are.
+    #[inline(always)]
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Key, share and pixel of a point.
+    #[inline(always)]
+    pub(super) fn layer(&self, at: usize) -> (u64, f32, u32) {
+        let at = at % MOST;
+        (self.key[at], self.share[at], self.pixel[at])
     }
 
     /// The color of a point; `own`, that of the nearest sample, stands in where too little is known.
@@ -193,8 +254,13 @@ impl Gather<'_> {
         for i in 0..LANES {
             let rate = view.source_from_target.focal_ratio * places.reciprocal[i];
             // The picture is coarser than the camera's: the mean over sub-pixels, or fine detail would alias.
-            let count = (rate / USEFUL_RATE).ceil().min(MAX_SUBPIXELS);
-            counts[i] = if rate <= USEFUL_RATE { 1.0 } else { count };
+            let count = (rate / SUBPIXEL_WIDTH).ceil().min(MAX_SUBPIXELS);
+            counts[i] = if rate <= SUBPIXEL_WIDTH { 1.0 } else { count };
+        }
+        let whole = left & mask(|i| counts[i] == 1.0);
+        if whole != 0 {
+            found = self.interpolated(view, &places, (&points.x, &points.y, &points.w), whole, windows);
+            left &= !whole;
         }
         while left != 0 {
             let count = counts[left.trailing_zeros() as usize % LANES];
@@ -263,6 +329,9 @@ impl Gather<'_> {
             let is_exact = (depth[i] - places.expected[i]).abs() <= EXACT * limit;
             moved[i] = u32::from(!is_exact) << i;
         }
+        if asked & mask(|i| known[i] >= LEAST_KNOWN) == 0 {
+            return Answers::NONE;
+        }
         let (mut along, mut down) = (places.along, places.down);
         let moved = joined(&moved);
         if moved & asked != 0 {
@@ -294,7 +363,7 @@ impl Gather<'_> {
                 | (!agrees_c & (c >= 0.0))
                 | (!agrees_d & (d >= 0.0));
             let weight = weights[i] * if beside { BESIDE_EDGE } else { 1.0 };
-            let counts = (asked >> i & 1 == 1) & (known[i] >= 1e-3);
+            let counts = (asked >> i & 1 == 1) & (known[i] >= LEAST_KNOWN);
             let red = colors[0][0][i] * part_a
                 + colors[1][0][i] * part_b
                 + colors[2][0][i] * part_c

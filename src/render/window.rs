@@ -56,6 +56,18 @@ impl Windows {
         Self { cameras: std::iter::repeat_with(|| None).take(cameras).collect(), packed: [0.0; TILE_SAMPLES] }
     }
 
+    /// Asks for the memory of the tile around a pixel of a camera, where it is not unpacked yet.
+    #[inline(always)]
+    pub(super) fn fetch_ahead(&self, lookup: &Lookup<'_>, camera: usize, (x, y): (i32, i32)) {
+        let (column, row) = (x >> 4, y >> 4);
+        let is_there = self.cameras[camera]
+            .as_ref()
+            .is_some_and(|window| window.cells[slot(column, row)] == cell(column, row));
+        if !is_there {
+            lookup.tiles_at(camera, column, row).for_each(FrameTile::fetch_ahead);
+        }
+    }
+
     /// The samples of a camera at columns `x`, `x + 1` and rows `y`, `y + 1`, from −1 on, for the points of a mask; for
     /// others anything. Colors only where `COLORS` asks for them.
     #[inline(always)]
@@ -100,6 +112,19 @@ impl Windows {
 fn place(x: i32, y: i32) -> usize {
     let (column, row) = (x as u32 % SIDE as u32, y as u32 % SIDE as u32);
     (row * SIDE as u32 + column) as usize % AREA
+}
+
+/// Which place of a window holds a tile of a camera.
+#[inline(always)]
+fn slot(column: i32, row: i32) -> usize {
+    let (column, row) = (column & (TILES as i32 - 1), row & (TILES as i32 - 1));
+    (row as usize * TILES + column as usize) % (TILES * TILES)
+}
+
+/// A tile of a camera in one number.
+#[inline(always)]
+fn cell(column: i32, row: i32) -> u32 {
+    ((row + 1) as u32) << 16 | (column + 1) as u32
 }
 
 /// Those points of a mask whose 2×2 samples lie in one window together with the first one's; the tile that the window begins
@@ -149,14 +174,12 @@ impl Window {
         (column, row): (i32, i32),
         packed: &mut [f32; TILE_SAMPLES],
     ) {
-        let place = (column & (TILES as i32 - 1), row & (TILES as i32 - 1));
-        let slot = (place.1 as usize * TILES + place.0 as usize) % (TILES * TILES);
-        let cell = ((row + 1) as u32) << 16 | (column + 1) as u32;
+        let (slot, cell) = (slot(column, row), cell(column, row));
         if self.cells[slot] == cell {
             return;
         }
         self.cells[slot] = cell;
-        let corner = (place.1 as usize * SIDE + place.0 as usize) * TILE;
+        let corner = (slot / TILES * SIDE + slot % TILES) * TILE;
         let mut tiles = lookup.tiles_at(camera, column, row).peekable();
         if tiles.peek().is_none_or(|tile| tile.color.len() < TILE_SAMPLES) {
             for row in 0..TILE {
@@ -199,18 +222,34 @@ impl Window {
     /// Reads the 2×2 samples of all points; those of points that are not in the window are anything.
     #[inline(always)]
     fn read<const COLORS: bool>(&self, (x, y): (&[i32; LANES], &[i32; LANES])) -> Quads {
-        let mut quads = Quads { depth: [[0.0; LANES]; 4], color: [[0; LANES]; 4] };
-        for corner in 0..4 {
-            let (right, below) = (corner as i32 & 1, corner as i32 >> 1);
+        // One corner after the other, not in a loop: that would be turned into reading the four corners of one point after
+        // another, and scattering them.
+        let (depth_a, color_a) = self.read_corner::<COLORS>((x, y), (0, 0));
+        let (depth_b, color_b) = self.read_corner::<COLORS>((x, y), (1, 0));
+        let (depth_c, color_c) = self.read_corner::<COLORS>((x, y), (0, 1));
+        let (depth_d, color_d) = self.read_corner::<COLORS>((x, y), (1, 1));
+        Quads { depth: [depth_a, depth_b, depth_c, depth_d], color: [color_a, color_b, color_c, color_d] }
+    }
+
+    /// Reads the samples of all points that lie `right` and `below` of their first.
+    #[inline(always)]
+    fn read_corner<const COLORS: bool>(
+        &self,
+        (x, y): (&[i32; LANES], &[i32; LANES]),
+        (right, below): (i32, i32),
+    ) -> (Lanes, [u64; LANES]) {
+        let (mut at, mut depth, mut color) = ([0_u32; LANES], [0.0; LANES], [0; LANES]);
+        for i in 0..LANES {
+            at[i] = place(x[i] + right, y[i] + below) as u32;
+        }
+        for i in 0..LANES {
+            depth[i] = self.depth[at[i] as usize % AREA];
+        }
+        if COLORS {
             for i in 0..LANES {
-                quads.depth[corner][i] = self.depth[place(x[i] + right, y[i] + below)];
-            }
-            if COLORS {
-                for i in 0..LANES {
-                    quads.color[corner][i] = self.color[place(x[i] + right, y[i] + below)];
-                }
+                color[i] = self.color[at[i] as usize % AREA];
             }
         }
-        quads
+        (depth, color)
     }
 }
