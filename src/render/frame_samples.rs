@@ -95,7 +95,7 @@ impl<'a> FrameTile<'a> {
 
 /// A half float widened by integer arithmetic alone, so that it is inlined and vectorized; colors are finite.
 #[inline(always)]
-fn f32_from_f16(value: f16) -> f32 {
+pub(super) fn f32_from_f16(value: f16) -> f32 {
     f32_from_f16_bits(u32::from(value.to_bits()))
 }
 

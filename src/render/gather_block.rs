@@ -3,10 +3,10 @@
 
 use super::frame_samples::FrameSamples;
 use super::gather::{BLOCK, Gather};
-use super::gather_points::SurfacePoints;
 use super::keys::{inverse_depth_of, slot_of};
 use super::resolve::Rows;
 use super::silhouette::{Patch, Pixel, Question, RING, SIDE};
+use super::surface_points::SurfacePoints;
 use super::vantage::NO_IMAGE;
 use super::votes::{Points, Votes};
 use super::window::Windows;

@@ -1,156 +1,16 @@
 //! The gather stage's arithmetic: a camera is asked for the colors of all points of a block that want it, sixteen at a time
-//! in vectors. Every point hears its cameras in the same order as if it
-//! asked alone, so that its color does not depend on its neighbors.
+//! in vectors. Every point hears its cameras in the same order as if it asked alone, so that its color does not depend on its
+//! neighbors.
 
 use super::frame_samples::f32_from_f16_bits;
-use super::gather::{
-    BESIDE_EDGE, BLOCK, ENOUGH, EXACT, Gather, MAX_SUBPIXELS, OWN_SHARE, SUBPIXEL_WIDTH, View,
-};
-use super::keys::inverse_depth_of;
+use super::gather::{BESIDE_EDGE, EXACT, Gather, MAX_SUBPIXELS, SUBPIXEL_WIDTH, View};
 use super::places::{Places, agrees, bilinear, carried};
 use super::surface::joined;
+use super::surface_points::{MOST, SurfacePoints, mask};
 use super::window::{LANES, Lanes, Quads, Windows};
 
 /// A camera that shows less of the surface than this share knows nothing of it.
 const LEAST_KNOWN: f32 = 1e-3;
-
-/// Surface points that a block has at most: two in each pixel.
-const MOST: usize = 2 * BLOCK * BLOCK;
-
-/// The surface points of a block that are to be colored, and what is known of their colors so far.
-pub(super) struct SurfacePoints {
-    count: usize,
-    /// Columns of their pixels.
-    x: [f32; MOST],
-    /// Rows of their pixels.
-    y: [f32; MOST],
-    /// Inverse depths.
-    w: [f32; MOST],
-    /// Keys of the nearest samples.
-    key: [u64; MOST],
-    /// Their cameras.
-    own: [u16; MOST],
-    /// How much each counts in its pixel.
-    share: [f32; MOST],
-    /// The pixels, as indices in the strip.
-    pixel: [u32; MOST],
-    /// Red, green and blue, weighted by `weight`.
-    color: [[f32; MOST]; 3],
-    weight: [f32; MOST],
-    /// Pixels' worth of samples.
-    known: [f32; MOST],
-    /// Points that want one camera.
-    wanting: Vec<u16>,
-}
-
-impl SurfacePoints {
-    pub(super) fn new() -> Self {
-        let zero = [0.0; MOST];
-        Self {
-            count: 0,
-            x: zero,
-            y: zero,
-            w: zero,
-            key: [0; MOST],
-            own: [0; MOST],
-            share: zero,
-            pixel: [0; MOST],
-            color: [zero; 3],
-            weight: zero,
-            known: zero,
-            wanting: Vec::with_capacity(MOST),
-        }
-    }
-
-    pub(super) fn clear(&mut self) {
-        self.count = 0;
-    }
-
-    /// Adds the surface of a key, a sample of camera `own`, in pixel `(x, y)` of the picture: at `pixel` in the strip it counts
-    /// `share`.
-    #[inline(always)]
-    pub(super) fn push(&mut self, key: u64, (x, y): (f32, f32), (pixel, share): (u32, f32), own: u16) {
-        let at = self.count % MOST;
-        self.count = at + 1;
-        self.x[at] = x;
-        self.y[at] = y;
-        self.w[at] = inverse_depth_of(key);
-        self.key[at] = key;
-        self.own[at] = own;
-        self.share[at] = share;
-        self.pixel[at] = pixel;
-    }
-
-    /// Adds the surfaces of a row of pixels from `(x, y)` on, `pixel` in the strip, each alone in its pixel. Sets their inverse
-    /// depths.
-    #[inline(always)]
-    pub(super) fn push_row(
-        &mut self,
-        keys: &[u64; BLOCK],
-        (x, y): (f32, f32),
-        (pixel, cameras): (u32, &[u16; BLOCK]),
-        depths: &mut [f32; BLOCK],
-    ) {
-        let at = self.count.min(MOST - BLOCK);
-        self.count = at + BLOCK;
-        for i in 0..BLOCK {
-            depths[i] = inverse_depth_of(keys[i]);
-        }
-        let (mut columns, mut pixels) = ([0.0; BLOCK], [0; BLOCK]);
-        for i in 0..BLOCK {
-            columns[i] = x + i as f32;
-            pixels[i] = pixel + i as u32;
-        }
-        self.x[at..at + BLOCK].copy_from_slice(&columns);
-        self.y[at..at + BLOCK].fill(y);
-        self.w[at..at + BLOCK].copy_from_slice(depths);
-        self.key[at..at + BLOCK].copy_from_slice(keys);
-        self.own[at..at + BLOCK].copy_from_slice(cameras);
-        self.share[at..at + BLOCK].fill(1.0);
-        self.pixel[at..at + BLOCK].copy_from_slice(&pixels);
-    }
-
-    /// How many there are.
-    #[inline(always)]
-    pub(super) fn count(&self) -> usize {
-        self.count
-    }
-
-    /// Key, share and pixel of a point.
-    #[inline(always)]
-    pub(super) fn layer(&self, at: usize) -> (u64, f32, u32) {
-        let at = at % MOST;
-        (self.key[at], self.share[at], self.pixel[at])
-    }
-
-    /// The color of a point; `own`, that of the nearest sample, stands in where too little is known.
-    #[inline(always)]
-    pub(super) fn color(&self, at: usize, own: impl FnOnce() -> [f32; 3]) -> [f32; 3] {
-        let at = at % MOST;
-        let (mut sum, mut total) = ([0, 1, 2].map(|channel: usize| self.color[channel][at]), self.weight[at]);
-        if total < ENOUGH {
-            let lack = (ENOUGH - total) * OWN_SHARE + 1e-6;
-            let own = own();
-            (0..3).for_each(|channel| sum[channel] += own[channel] * lack);
-            total += lack;
-        }
-        sum.map(|channel| channel / total)
-    }
-
-    /// Lists the points for which `wants` holds, sixteen at a time.
-    #[inline(always)]
-    fn list(&mut self, wants: impl Fn(&Self, usize) -> bool) {
-        self.wanting.clear();
-        for first in (0..self.count).step_by(LANES) {
-            let there = u32::MAX >> (32 - LANES.min(self.count - first));
-            let mut which = there & mask(|i| wants(self, (first + i) % MOST));
-            while which != 0 {
-                self.wanting.push((first as u32 + which.trailing_zeros()) as u16);
-                which &= which - 1;
-            }
-        }
-    }
-}
 
 /// Points that one camera is asked for together.
 struct Asked {
@@ -205,7 +65,7 @@ impl Gather<'_> {
     /// a point's own camera is asked before all others. Each camera is asked at once for all points that want it.
     #[inline(always)]
     pub(super) fn find(&self, points: &mut SurfacePoints, cameras: &[u16], windows: &mut Windows) {
-        let count = points.count;
+        let count = points.count();
         points.color.iter_mut().for_each(|channel| channel[..count].fill(0.0));
         points.weight[..count].fill(0.0);
         points.known[..count].fill(0.0);
@@ -421,16 +281,6 @@ fn add_listed(sums: &mut [f32; MOST], at: &[usize; LANES], count: usize, parts: 
     for (at, part) in at.iter().zip(parts).take(count) {
         sums[at % MOST] += part;
     }
-}
-
-/// A mask of the points for which `holds`.
-#[inline(always)]
-fn mask(holds: impl Fn(usize) -> bool) -> u32 {
-    let mut bits = [0; LANES];
-    for i in 0..LANES {
-        bits[i] = u32::from(holds(i)) << i;
-    }
-    joined(&bits)
 }
 
 /// Where between the 2×2 samples the pixel's line of sight meets the surface that the camera itself saw, at inverse depth

@@ -8,10 +8,11 @@ use rayon::prelude::*;
 
 use super::blend::Sum;
 use super::blocks::Blocks;
-use super::frame_samples::{ColorPlace, FrameSamples, f32_from_f16_bits};
+use super::frame_samples::FrameSamples;
 use super::gather::{BLOCK, Gather};
 use super::gather_block::Scratch;
 use super::keys::{inverse_depth_of, slot_of};
+use super::resolve_points::{Shown, put};
 use super::silhouette::{Patch, RING, SIDE};
 use super::vantage::{NO_IMAGE, Picture};
 use crate::error::Result;
@@ -58,14 +59,6 @@ pub(super) struct Resolve<'a> {
     pub(super) job: &'a Job,
 }
 
-/// The nearest samples of a block of pixels.
-struct Found {
-    keys: [[u64; BLOCK]; BLOCK],
-    places: [[ColorPlace; BLOCK]; BLOCK],
-    /// Three half floats each.
-    colors: [[u64; BLOCK]; BLOCK],
-}
-
 /// Sixteen rows of the three planes of a picture.
 pub(super) struct Rows<'a> {
     pub(super) color: &'a mut [[f32; 3]],
@@ -75,7 +68,7 @@ pub(super) struct Rows<'a> {
 
 impl Rows<'_> {
     #[inline(always)]
-    fn set(&mut self, frame: &FrameSamples<'_>, at: usize, key: u64, color: [f32; 3]) {
+    pub(super) fn set(&mut self, frame: &FrameSamples<'_>, at: usize, key: u64, color: [f32; 3]) {
         self.color[at] = color;
         self.inverse_depth[at] = inverse_depth_of(key);
         self.image[at] = if key == 0 { NO_IMAGE } else { frame.image_of(slot_of(key)) };
@@ -88,74 +81,99 @@ impl Resolve<'_> {
     /// # Errors
     /// `Cancelled`.
     pub(super) fn resolve(&self, which: &Blocks, picture: &mut Picture) -> Result<()> {
-        let strip = BLOCK * self.width;
+        // Neighboring blocks look at the same tiles of the cameras, those below as well as those beside.
+        let gathers = self.gather.is_some();
+        let tall = if gathers && self.height() >= TALL * BLOCK * 4 * rayon::current_num_threads() {
+            TALL
+        } else {
+            1
+        };
+        let strip = tall * BLOCK * self.width;
         let color = picture.color.as_mut_slice().par_chunks_mut(strip);
         let depth = picture.inverse_depth.as_mut_slice().par_chunks_mut(strip);
         let image = picture.image.as_mut_slice().par_chunks_mut(strip);
         let strips = color.zip(depth).zip(image).enumerate();
         let scratch = || Scratch::new(self.frame.set.cameras.len());
-        strips.try_for_each_init(scratch, |scratch, (row, ((color, inverse_depth), image))| {
+        strips.try_for_each_init(scratch, |scratch, (nth, ((color, inverse_depth), image))| {
             self.job.check()?;
-            let rows = Rows { color, inverse_depth, image };
-            simd::run(Strip { resolve: self, scratch, which, row, rows });
+            let row = BLOCK * self.width;
+            let rows = color.chunks_mut(row).zip(inverse_depth.chunks_mut(row)).zip(image.chunks_mut(row));
+            let strips = rows.enumerate().map(|(below, ((color, inverse_depth), image))| Strip {
+                resolve: self,
+                row: nth * tall + below,
+                rows: Rows { color, inverse_depth, image },
+            });
+            simd::run(Strips { which, scratch, strips: strips.collect() });
             Ok(())
         })
     }
 }
 
-/// A row of blocks.
-struct Strip<'a> {
-    resolve: &'a Resolve<'a>,
-    scratch: &'a mut Scratch,
+/// Rows of blocks that are gathered together, a column of them at a time.
+const TALL: usize = 2;
+
+struct Strips<'a> {
     which: &'a Blocks,
-    row: usize,
-    rows: Rows<'a>,
+    scratch: &'a mut Scratch,
+    strips: Vec<Strip<'a>>,
 }
 
-impl Work for Strip<'_> {
+/// A row of blocks.
+pub(super) struct Strip<'a> {
+    pub(super) resolve: &'a Resolve<'a>,
+    /// Of blocks.
+    pub(super) row: usize,
+    pub(super) rows: Rows<'a>,
+}
+
+impl Work for Strips<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(mut self) {
-        let mut found = Found {
-            keys: [[0; BLOCK]; BLOCK],
-            places: [[ColorPlace::default(); BLOCK]; BLOCK],
-            colors: [[0; BLOCK]; BLOCK],
-        };
-        for column in 0..self.resolve.width.div_ceil(BLOCK) {
-            if !self.which.contains(column, self.row) {
-                continue;
+        let Some(resolve) = self.strips.first().map(|strip| strip.resolve) else { return };
+        let blocks = resolve.width.div_ceil(BLOCK);
+        if resolve.kernel == Kernel::Point
+            && resolve.background_picture.is_none()
+            && !resolve.frame.tiles.is_empty()
+        {
+            for strip in &mut self.strips {
+                strip.points_of(self.which);
             }
-            let block = Block { left: column * BLOCK, top: self.row * BLOCK };
-            let foreground = self.resolve.foreground;
-            let has_foreground = foreground.is_some_and(|layer| self.resolve.has_foreground(&block, layer));
-            if !has_foreground && let Some(background) = self.resolve.background_picture {
-                self.copy(&block, background);
-            } else if let Some(gathers) = self.resolve.gather {
-                let (among, frame) = (usize::from(has_foreground), self.resolve.frame);
-                let patch = self.resolve.patch(&block);
-                self.scratch.gather(
-                    (gathers[among], among),
-                    frame,
-                    &patch,
-                    (&mut self.rows, self.resolve.width),
-                );
-            } else if self.resolve.kernel == Kernel::Point && !self.resolve.frame.tiles.is_empty() {
-                self.points(&block, &mut found);
-            } else {
-                self.blend(&block);
+            return;
+        }
+        let mut shown = Vec::new();
+        for column in 0..blocks {
+            for strip in self.strips.iter_mut().filter(|strip| self.which.contains(column, strip.row)) {
+                strip.block(column, self.scratch, &mut shown);
             }
         }
     }
 }
 
-/// Copies as many as both have. Nearly always they are sixteen, which takes no call and no loop.
-#[inline(always)]
-fn put<T: Copy>(to: &mut [T], from: &[T]) {
-    if let (Some(to), Some(from)) = (to.first_chunk_mut::<BLOCK>(), from.first_chunk::<BLOCK>()) {
-        *to = *from;
-    } else {
-        to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+impl Strip<'_> {
+    /// Resolves one block.
+    #[inline(always)]
+    fn block(&mut self, column: usize, scratch: &mut Scratch, shown: &mut Vec<Shown>) {
+        let resolve = self.resolve;
+        let block = Block { left: column * BLOCK, top: self.row * BLOCK };
+        let (foreground, background) = (resolve.foreground, resolve.background_picture);
+        if let (Some(foreground), Some(background), None) = (foreground, background, resolve.gather) {
+            self.copy(&block, background);
+            self.paint_over(&block, foreground, shown);
+            return;
+        }
+        let has_foreground = foreground.is_some_and(|layer| resolve.has_foreground(&block, layer));
+        if !has_foreground && let Some(background) = background {
+            self.copy(&block, background);
+        } else if let Some(gathers) = resolve.gather {
+            let among = usize::from(has_foreground);
+            let patch = resolve.patch(&block);
+            let rows = (&mut self.rows, resolve.width);
+            scratch.gather((gathers[among], among), resolve.frame, &patch, rows);
+        } else {
+            self.blend(&block);
+        }
     }
 }
 
@@ -178,12 +196,15 @@ impl Resolve<'_> {
         rows.into_iter().any(|y| {
             let (start, end) = (y * self.width + columns.start, y * self.width + columns.end);
             let pairs = foreground.keys[start..end].iter().zip(&self.background.keys[start..end]);
-            pairs.into_iter().any(|(&front, &back)| {
-                // A core sample wins over a fringe sample that lies before it.
-                front > back
-                    || front != 0 && inverse_depth_of(front) >= inverse_depth_of(back) * self.surface_ratio
-            })
+            pairs.into_iter().any(|(&front, &back)| self.shows(front, back))
         })
+    }
+
+    /// Whether the key of a foreground sample is seen where the background has the key `back`.
+    #[inline(always)]
+    pub(super) fn shows(&self, front: u64, back: u64) -> bool {
+        // A core sample wins over a fringe sample that lies before it.
+        front > back || front != 0 && inverse_depth_of(front) >= inverse_depth_of(back) * self.surface_ratio
     }
 
     /// The nearer of both layers.
@@ -195,7 +216,7 @@ impl Resolve<'_> {
 
     /// The blended color of both layers where they show the surface that `key` stands for.
     #[inline(always)]
-    fn blended(&self, pixel: usize, key: u64) -> [f32; 3] {
+    pub(super) fn blended(&self, pixel: usize, key: u64) -> [f32; 3] {
         let limit = inverse_depth_of(key) * self.surface_ratio;
         let mut sum: Sum = [0.0; 4];
         for layer in [Some(self.background), self.foreground].into_iter().flatten() {
@@ -229,21 +250,21 @@ impl Resolve<'_> {
 impl Strip<'_> {
     /// Positions in the strip of a row of a block, and how many rows the block has.
     #[inline(always)]
-    fn extent(&self, block: &Block) -> (usize, usize) {
+    pub(super) fn extent(&self, block: &Block) -> (usize, usize) {
         let rows = self.rows.image.len() / self.resolve.width;
         (BLOCK.min(self.resolve.width - block.left), rows)
     }
 
+    #[inline(always)]
     fn copy(&mut self, block: &Block, from: &Picture) {
         let (columns, rows) = self.extent(block);
         for row in 0..rows {
             let to = row * self.resolve.width + block.left..row * self.resolve.width + block.left + columns;
             let start = (block.top + row) * self.resolve.width + block.left;
             let source = start..start + columns;
-            self.rows.color[to.clone()].copy_from_slice(&from.color.as_slice()[source.clone()]);
-            self.rows.inverse_depth[to.clone()]
-                .copy_from_slice(&from.inverse_depth.as_slice()[source.clone()]);
-            self.rows.image[to].copy_from_slice(&from.image.as_slice()[source]);
+            put(&mut self.rows.color[to.clone()], &from.color.as_slice()[source.clone()]);
+            put(&mut self.rows.inverse_depth[to.clone()], &from.inverse_depth.as_slice()[source.clone()]);
+            put(&mut self.rows.image[to], &from.image.as_slice()[source]);
         }
     }
 
@@ -258,71 +279,5 @@ impl Strip<'_> {
                 self.rows.set(self.resolve.frame, row * self.resolve.width + block.left + column, key, color);
             }
         }
-    }
-
-    /// Every pixel shows its nearest sample. Samples of neighboring pixels lie far apart in memory: those of a block are all
-    /// found before the first is read, so that the processor waits for many of them at once.
-    #[inline(always)]
-    fn points(&mut self, block: &Block, found: &mut Found) {
-        let frame = self.resolve.frame;
-        let (columns, rows) = self.extent(block);
-        for row in 0..rows {
-            let first = (block.top + row) * self.resolve.width + block.left;
-            let keys = &mut found.keys[row];
-            put(keys, &self.resolve.background.keys[first..first + columns]);
-            if let Some(foreground) = self.resolve.foreground {
-                let front = &foreground.keys[first..first + columns];
-                keys.iter_mut().zip(front).for_each(|(key, front)| *key = (*key).max(*front));
-            }
-            // What will be written is not in the cache either.
-            let at = row * self.resolve.width + block.left;
-            for part in 0..3 {
-                simd::prefetch(self.rows.color, at + part * BLOCK / 3);
-            }
-            simd::prefetch(self.rows.inverse_depth, at);
-            simd::prefetch(self.rows.image, at);
-            for (place, &key) in found.places[row].iter_mut().zip(&keys[..columns]) {
-                // A hole looks at the first sample there is, and forgets it.
-                *place = frame.color_place(if key == 0 { 0 } else { slot_of(key) });
-                simd::prefetch(frame.colors(place.image), place.nth as usize);
-            }
-        }
-        for row in 0..rows {
-            for (color, place) in found.colors[row].iter_mut().zip(&found.places[row]).take(columns) {
-                let [red, green, blue] =
-                    frame.colors(place.image)[place.nth as usize].map(|half| u64::from(half.to_bits()));
-                *color = red | green << 16 | blue << 32;
-            }
-        }
-        for row in 0..rows {
-            self.show(block, row, found);
-        }
-    }
-
-    /// Sets a row of pixels to what was found.
-    #[inline(always)]
-    fn show(&mut self, block: &Block, row: usize, found: &Found) {
-        let (columns, _) = self.extent(block);
-        let at = row * self.resolve.width + block.left;
-        let (mut planes, mut depths, mut images) = ([[0.0; BLOCK]; 3], [0.0; BLOCK], [NO_IMAGE; BLOCK]);
-        for column in 0..BLOCK {
-            let (key, color) = (found.keys[row][column], found.colors[row][column]);
-            let color = if key == 0 { 0 } else { color };
-            for channel in 0..3 {
-                planes[channel][column] = f32_from_f16_bits((color >> (16 * channel)) as u32 & 0xffff);
-            }
-            depths[column] = inverse_depth_of(key);
-        }
-        for (image, (key, place)) in
-            images.iter_mut().zip(found.keys[row].iter().zip(&found.places[row])).take(columns)
-        {
-            let shown = self.resolve.frame.images[place.image as usize] as u32;
-            *image = if *key == 0 { NO_IMAGE } else { shown };
-        }
-        for (column, color) in self.rows.color[at..at + columns].iter_mut().enumerate() {
-            *color = [planes[0][column & 15], planes[1][column & 15], planes[2][column & 15]];
-        }
-        put(&mut self.rows.inverse_depth[at..at + columns], &depths);
-        put(&mut self.rows.image[at..at + columns], &images);
     }
 }
