@@ -13,9 +13,11 @@
 
 pub mod argument;
 pub mod background;
+mod claimant;
 mod contest;
 pub mod depth_plane;
 pub mod descent;
+mod docket;
 pub mod facet;
 pub mod frame_layers;
 pub mod inspection;
@@ -42,6 +44,7 @@ pub mod span_sums;
 pub mod span_tree;
 pub mod split;
 pub mod static_test;
+mod summons;
 pub mod temporal;
 pub mod testimony;
 

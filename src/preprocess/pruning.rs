@@ -22,14 +22,14 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::contest::{Contest, Entry, Rival, Way, hold_row};
+use super::contest::{Contest, Entry, Rival, Way, hold_row, rivals};
+use super::docket::{self, Docket};
 use super::facet::MIXED;
 use super::layer::{Layer, Level, NO_SAMPLE};
 use super::registration::{Block, LANES, SameSurface, lanes_of};
 pub use super::rig::Rig;
 use super::settle::{Candidate, SettleWaiting, Waiting};
 use super::{Rule, Verdict};
-use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{MixedPixels, PruningMethod, Settings};
@@ -45,7 +45,7 @@ pub const KEPT: u8 = 2;
 pub const DROPPED: u8 = 3;
 
 /// Rows that one task works on.
-const BAND_ROWS: usize = 16;
+pub(super) const BAND_ROWS: usize = 16;
 
 /// The verdicts on one camera's samples of one level.
 #[derive(Clone, Debug, Default)]
@@ -94,6 +94,20 @@ pub fn prune(
     settings: &Settings,
     job: &Job,
 ) -> Result<Vec<Decided>> {
+    prune_from(None, rig, layers, statuses, decide, settings, job)
+}
+
+/// [`prune`], from the docket of the frame where there is one that serves the settings.
+pub(super) fn prune_from(
+    docket: Option<&Docket>,
+    rig: &Rig<'_>,
+    layers: &[Layer],
+    statuses: &Statuses,
+    decide: Level,
+    settings: &Settings,
+    job: &Job,
+) -> Result<Vec<Decided>> {
+    let docket = docket.filter(|_| settings.pruning.method != PruningMethod::Off);
     let counts: Vec<Vec<usize>> = layers
         .par_iter()
         .zip(statuses)
@@ -111,20 +125,26 @@ pub fn prune(
         statuses,
         decide,
         settings,
+        docket,
         limits: SameSurface::new(settings).at_level(decide),
         all_stand: layers
             .par_iter()
             .zip(statuses)
             .map(|(layer, statuses)| {
-                samples > pixels / FEW && all_stand(layer, statuses, decide, settings.pruning.across_spans)
+                docket.is_none()
+                    && samples > pixels / FEW
+                    && all_stand(layer, statuses, decide, settings.pruning.across_spans)
             })
             .collect(),
-        has_deeper: layers.par_iter().map(|layer| has_deeper(layer, decide)).collect(),
+        has_deeper: layers.par_iter().map(|layer| docket.is_none() && has_deeper(layer, decide)).collect(),
     };
     let mut bands = bands(layers, &counts, &mut decided);
     bands.par_iter_mut().try_for_each(|band| {
         job.check()?;
-        simd::run(FindBest { pass: &pass, band });
+        match docket {
+            Some(docket) => docket::find_best(&pass, docket, band),
+            None => simd::run(FindBest { pass: &pass, band }),
+        }
         Ok(())
     })?;
     bands.par_iter_mut().for_each(|band| pass.settle(band));
@@ -220,7 +240,8 @@ pub(super) struct Pass<'a> {
     pub(super) layers: &'a [Layer],
     pub(super) statuses: &'a Statuses,
     pub(super) decide: Level,
-    settings: &'a Settings,
+    pub(super) settings: &'a Settings,
+    pub(super) docket: Option<&'a Docket>,
     pub(super) limits: SameSurface,
     /// Per camera, see [`all_stand`].
     pub(super) all_stand: Vec<bool>,
@@ -232,11 +253,11 @@ pub(super) struct Pass<'a> {
 /// sample's best candidate as if that one were kept.
 pub(super) struct Band<'a> {
     pub(super) camera: usize,
-    rows: Range<usize>,
+    pub(super) rows: Range<usize>,
     pub(super) pixels: &'a mut [u32],
     pub(super) verdicts: &'a mut [Verdict],
-    disputes: Vec<Dispute>,
-    mixed: u64,
+    pub(super) disputes: Vec<Dispute>,
+    pub(super) mixed: u64,
     pub(super) waiting: Vec<Waiting>,
 }
 
@@ -316,53 +337,22 @@ impl Pass<'_> {
         self.statuses[camera][pixel as usize].store(status, Ordering::Relaxed);
     }
 
+    /// The other cameras that may see something of the band.
+    #[inline(always)]
+    fn rivals(&self, band: &Band<'_>, lanes: &[u32]) -> Vec<Rival<'_>> {
+        rivals(self.rig, self.layers, (band.camera, band.rows.clone()), lanes, |other| {
+            self.limits
+                .between(&self.layers[band.camera], &self.layers[other])
+                .with_deeper(self.has_deeper[other])
+        })
+    }
+
     /// Whether a sample may stand for others, as far as is known before anything of this level is decided.
     #[inline(always)]
     pub(super) fn may_stand(&self, camera: usize, pixel: u32) -> bool {
         let status = self.status(camera, pixel);
         let foreign = self.layers[camera].level[pixel as usize] != self.decide;
         (status == UNDECIDED || status == KEPT) && (self.settings.pruning.across_spans || !foreign)
-    }
-
-    /// The other cameras that may see something of the band.
-    #[inline(always)]
-    fn rivals(&self, band: &Band<'_>, lanes: &[u32]) -> Vec<Rival<'_>> {
-        let layer = &self.layers[band.camera];
-        let rows = [band.rows.start, band.rows.end - 1];
-        let columns = layer.width.div_ceil(LANES);
-        let bounds: Vec<Option<[f32; 2]>> = (0..columns)
-            .map(|at| {
-                let any = lanes.iter().skip(at).step_by(columns).any(|lanes| *lanes != 0);
-                any.then(|| depth_bounds(layer, at * LANES, band.rows.clone()))
-            })
-            .collect();
-        let whole = bounds
-            .iter()
-            .flatten()
-            .fold([f32::INFINITY, 0.0_f32], |all, block| [all[0].min(block[0]), all[1].max(block[1])]);
-        (0..self.layers.len())
-            .filter(|&other| other != band.camera && !self.layers[other].facets.is_empty())
-            .filter_map(|other| {
-                let registration = self.rig.registration(band.camera, other);
-                registration.may_see([0, layer.width - 1], rows, whole).then(|| Rival {
-                    camera: other,
-                    registration,
-                    limits: self
-                        .limits
-                        .between(layer, &self.layers[other])
-                        .with_deeper(self.has_deeper[other]),
-                    told: 0,
-                    may_see: bounds
-                        .iter()
-                        .enumerate()
-                        .map(|(at, bounds)| {
-                            let columns = [at * LANES, (at * LANES + LANES).min(layer.width) - 1];
-                            bounds.is_some_and(|bounds| registration.may_see(columns, rows, bounds))
-                        })
-                        .collect(),
-                })
-            })
-            .collect()
     }
 
     fn verdict_without_pruning(&self, camera: usize, pixel: usize) -> Verdict {
@@ -401,17 +391,8 @@ impl Pass<'_> {
 
     #[inline(always)]
     pub(super) fn dropped_for(&self, rank: u32, witness: Candidate) -> Verdict {
-        let rule = if self.settings.pruning.method == PruningMethod::FirstCamera {
-            Rule::LaterCamera
-        } else if rank & MIXED != 0 && witness.rank & MIXED == 0 {
-            Rule::MixedYields
-        } else if witness.rank == rank {
-            Rule::Tie
-        } else {
-            Rule::LowerRate
-        };
         Verdict {
-            rule,
+            rule: rule_between(self.settings.pruning.method, rank, witness.rank),
             witness_level: witness.level,
             witness_camera: witness.camera,
             witness_pixel: witness.pixel,
@@ -419,21 +400,18 @@ impl Pass<'_> {
     }
 }
 
-/// The smallest and largest inverse depth of the samples in sixteen columns of some rows; the smallest is larger where there
-/// is none.
+/// By which rule a sample of `rank` is dropped for one of `witness_rank`.
 #[inline(always)]
-fn depth_bounds(layer: &Layer, column: usize, rows: Range<usize>) -> [f32; 2] {
-    let (mut smallest, mut largest) = ([f32::INFINITY; LANES], [0.0_f32; LANES]);
-    for row in rows {
-        let depths =
-            lanes_of::<_, LANES>(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
-        for lane in 0..LANES {
-            let w = depths[lane];
-            smallest[lane] = smallest[lane].min(if w < 0.0 { f32::INFINITY } else { w });
-            largest[lane] = largest[lane].max(w);
-        }
+pub(super) fn rule_between(method: PruningMethod, rank: u32, witness_rank: u32) -> Rule {
+    if method == PruningMethod::FirstCamera {
+        Rule::LaterCamera
+    } else if rank & MIXED != 0 && witness_rank & MIXED == 0 {
+        Rule::MixedYields
+    } else if witness_rank == rank {
+        Rule::Tie
+    } else {
+        Rule::LowerRate
     }
-    [smallest.iter().copied().fold(f32::INFINITY, f32::min), largest.iter().copied().fold(0.0, f32::max)]
 }
 
 impl Decided {
