@@ -68,6 +68,8 @@ pub(super) struct Claimant {
     pub(super) needs: Codes,
     /// Its place among those ahead of the sample by the other rate model; [`BEHIND`] where it is not.
     pub(super) place: u8,
+    /// Whether it is surely kept, as no other is better.
+    pub(super) is_sure: bool,
 }
 
 impl Claimant {
@@ -121,7 +123,8 @@ mod tests {
 
     #[test]
     fn a_claimant_that_covers_another_surely_holds_wherever_the_other_may() {
-        let claimant = |needs| Claimant { verdict: Verdict::without_witness(Rule::Tie), needs, place: 0 };
+        let claimant =
+            |needs| Claimant { verdict: Verdict::without_witness(Rule::Tie), needs, place: 0, is_sure: true };
         let least = [40, 40, 40];
         for need in 30..60 {
             for other_need in 30..60 {

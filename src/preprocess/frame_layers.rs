@@ -2,7 +2,7 @@
 //! turns a threshold prunes these again and again; whatever is decided on one level sees nothing of the deeper ones, so that
 //! the verdicts are those of the way down from level to level.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -10,8 +10,9 @@ use super::background::{Background, remember, remembered};
 use super::descent::Descent;
 use super::docket::{Docket, Reach};
 use super::layer::{Layer, Level, NO_SAMPLE, ROOT};
-use super::pruning::{self, Decided, Rig};
-use super::{PixelClass, Span, TemporalScan};
+use super::pack::Masks;
+use super::pruning::{self, Dispute, Rig, Statuses};
+use super::{PixelClass, Rule, Span, TemporalScan, Verdict, walk};
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::grid::Grid;
@@ -42,13 +43,12 @@ pub struct FrameLayers {
     docket: Mutex<Kept>,
 }
 
-/// Whether a frame was pruned before, and the docket that comes of pruning it again.
+/// The docket of a frame, for whoever turns a tolerance.
 #[derive(Debug, Default)]
 struct Kept {
-    was_pruned: bool,
+    docket: Option<Arc<Docket>>,
     /// Tolerances for which there was too little memory.
     refused: Option<Reach>,
-    docket: Option<Arc<Docket>>,
 }
 
 /// What is shown of a layer beside its verdicts.
@@ -107,48 +107,110 @@ impl FrameLayers {
         Ok(layers)
     }
 
-    /// Decides every sample. Gives the verdicts per level, per camera. Who does so again with other tolerances pays once for a
-    /// docket, and little from then on.
+    /// Decides every sample: from the docket where one serves the settings, else by searching all pictures.
     ///
     /// # Errors
     /// `Cancelled`.
-    pub fn prune(&self, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<Vec<Vec<Decided>>> {
-        let docket = self.docket(rig, settings, job)?;
-        let statuses = pruning::no_statuses(&self.layers);
-        let decided = (0..self.path.len()).map(|level| {
-            let (docket, level) = (docket.as_deref(), level as Level);
-            pruning::prune_from(docket, rig, &self.layers, &statuses, level, settings, job)
-        });
-        let decided = decided.collect::<Result<_>>()?;
-        self.kept().was_pruned = true;
-        Ok(decided)
-    }
-
-    /// The docket for `settings`: none the first time that anybody asks, as most frames are looked at once.
-    fn docket(&self, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<Option<Arc<Docket>>> {
-        let pruning = &settings.pruning;
-        let serves = |reach: &Reach| reach.serves(pruning);
-        {
-            let kept = self.kept();
-            if let Some(docket) = kept.docket.as_ref().filter(|docket| serves(&docket.reach)) {
-                return Ok(Some(docket.clone()));
-            }
-            let refused = kept.refused.as_ref().is_some_and(serves);
-            if !kept.was_pruned || refused || pruning.method == PruningMethod::Off {
-                return Ok(None);
-            }
+    pub fn prune(&self, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
+        let docket = self.docket.lock().map_or(None, |kept| kept.serving(settings));
+        match docket {
+            Some(docket) => self.walk(&docket, rig, settings, job),
+            None => self.search(rig, settings, job),
         }
-        let bytes = (settings.capture.cache as usize) << 19;
-        let made = Docket::new(rig, &self.layers, self.path.len(), settings, bytes, job)?.map(Arc::new);
-        let mut kept = self.kept();
-        kept.refused = made.is_none().then(|| Reach::around(pruning));
-        kept.docket.clone_from(&made);
-        Ok(made)
     }
 
-    fn kept(&self) -> MutexGuard<'_, Kept> {
-        // What it holds is replaced as a whole, so that it is whole even after a panic elsewhere.
-        self.docket.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Makes the docket for tolerances around those of `settings`, unless there is one: from then on pruning again takes a
+    /// fraction of the time. Gives its size in bytes; `None` where half of the memory setting does not hold it.
+    ///
+    /// # Errors
+    /// `Cancelled`.
+    pub fn prepare(&self, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<Option<usize>> {
+        let lock = || self.docket.lock().unwrap_or_else(PoisonError::into_inner);
+        if settings.pruning.method == PruningMethod::Off || lock().refused(settings) {
+            return Ok(None);
+        }
+        let kept = lock().serving(settings);
+        if let Some(docket) = kept {
+            return Ok(Some(docket.bytes()));
+        }
+        let bound = (settings.capture.cache as usize) << 19;
+        let made = Docket::new(rig, &self.layers, self.path.len(), settings, bound, job)?.map(Arc::new);
+        let bytes = made.as_ref().map(|docket| docket.bytes());
+        let refused = made.is_none().then(|| Reach::around(&settings.pruning));
+        *lock() = Kept { docket: made, refused };
+        Ok(bytes)
+    }
+
+    fn walk(&self, docket: &Docket, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
+        let mut all = FrameVerdicts::none(&self.layers);
+        for level in 0..self.path.len() as Level {
+            let FrameVerdicts { verdicts, statuses, .. } = &mut all;
+            let disputes =
+                walk::prune((docket, rig), &self.layers, statuses, level, settings, verdicts, job)?;
+            all.add_disputes(disputes);
+        }
+        Ok(all)
+    }
+
+    fn search(&self, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
+        let mut all = FrameVerdicts::none(&self.layers);
+        for level in 0..self.path.len() as Level {
+            let decided = pruning::prune(rig, &self.layers, &all.statuses, level, settings, job)?;
+            all.verdicts.par_iter_mut().zip(&decided).for_each(|(verdicts, decided)| {
+                for (&pixel, &verdict) in decided.pixels.iter().zip(&decided.verdicts) {
+                    verdicts[pixel as usize] = verdict;
+                }
+            });
+            all.add_disputes(decided.into_iter().map(|decided| decided.disputes));
+        }
+        Ok(all)
+    }
+}
+
+impl Kept {
+    fn serving(&self, settings: &Settings) -> Option<Arc<Docket>> {
+        let serves = |docket: &&Arc<Docket>| {
+            settings.pruning.method != PruningMethod::Off && docket.reach.serves(&settings.pruning)
+        };
+        self.docket.as_ref().filter(serves).cloned()
+    }
+
+    fn refused(&self, settings: &Settings) -> bool {
+        self.refused.as_ref().is_some_and(|reach| reach.serves(&settings.pruning))
+    }
+}
+
+/// The verdicts on every pixel of every camera at one frame.
+#[derive(Debug)]
+pub struct FrameVerdicts {
+    /// Per camera, row by row.
+    pub verdicts: Vec<Vec<Verdict>>,
+    /// Per camera, where the other rate model would have named another winner, by pixel.
+    pub disputes: Vec<Vec<Dispute>>,
+    statuses: Statuses,
+}
+
+impl FrameVerdicts {
+    fn none(layers: &[Layer]) -> Self {
+        let no_sample = Verdict::without_witness(Rule::NoSample);
+        Self {
+            verdicts: layers.par_iter().map(|layer| vec![no_sample; layer.level.len()]).collect(),
+            disputes: vec![Vec::new(); layers.len()],
+            statuses: pruning::no_statuses(layers),
+        }
+    }
+
+    fn add_disputes(&mut self, disputes: impl IntoIterator<Item = Vec<Dispute>>) {
+        for (all, of_level) in self.disputes.iter_mut().zip(disputes) {
+            all.extend(of_level);
+            all.sort_unstable_by_key(|dispute| dispute.pixel);
+        }
+    }
+
+    /// Which samples of a level are kept, of a camera with that layer.
+    #[must_use]
+    pub fn masks(&self, camera: usize, layer: &Layer, level: Level) -> Masks {
+        Masks::at_level(layer, level, &self.statuses[camera])
     }
 }
 
@@ -180,17 +242,6 @@ mod tests {
     use crate::preprocess::{Rule, scan};
     use crate::settings::CaptureSettings;
 
-    /// With the docket and without.
-    fn both_ways(complete: &FrameLayers, rig: &Rig<'_>, settings: &Settings) -> [Vec<Vec<Decided>>; 2] {
-        let job = Job::new();
-        let statuses = pruning::no_statuses(&complete.layers);
-        let searched = (0..complete.path.len())
-            .map(|level| pruning::prune(rig, &complete.layers, &statuses, level as Level, settings, &job))
-            .collect::<Result<_>>()
-            .unwrap();
-        [searched, complete.prune(rig, settings, &job).unwrap()]
-    }
-
     #[test]
     fn a_frame_that_is_pruned_again_from_its_docket_gets_the_verdicts_of_a_new_search() {
         for (scene, turned) in [("nine-cameras", 0.4), ("orrery", 3.0)] {
@@ -208,7 +259,8 @@ mod tests {
             let complete = FrameLayers::of(&capture, Some(&scan), &rig, &settings, 2, &Job::new()).unwrap();
             assert!(complete.path.len() > 2);
             let original = complete.prune(&rig, &settings, &Job::new()).unwrap();
-            assert!(complete.kept().docket.is_none(), "one look is no reason for a docket");
+            let bytes = complete.prepare(&rig, &settings, &Job::new()).unwrap();
+            assert!(bytes.is_some_and(|bytes| bytes < 200 * 4 * 70 * 45));
             let mut rules = std::collections::BTreeSet::new();
             let factors = [1.0, 0.7, 1.9, 0.26, 3.9, 1.000_01];
             for (index, factor) in factors.into_iter().enumerate() {
@@ -217,18 +269,18 @@ mod tests {
                 pruning.color_tolerance = 24.0 * factors[(index + 1) % 6].min(2.0);
                 pruning.normal_tolerance = (30.0 * turned * factor).clamp(7.6, 90.0);
                 pruning.across_spans = index % 4 != 1;
-                let [searched, walked] = both_ways(&complete, &rig, &settings);
-                assert!(complete.kept().docket.is_some());
+                assert!(complete.docket.lock().unwrap().serving(&settings).is_some());
+                let walked = complete.prune(&rig, &settings, &Job::new()).unwrap();
+                let searched = complete.search(&rig, &settings, &Job::new()).unwrap();
                 let mut changed = 0;
-                let all = searched.iter().flatten().zip(walked.iter().flatten());
-                for ((a, b), first) in all.zip(original.iter().flatten()) {
-                    assert!(a.pixels == b.pixels && a.mixed == b.mixed);
-                    for ((pixel, a), b) in a.pixels.iter().zip(&a.verdicts).zip(&b.verdicts) {
-                        assert_eq!(a, b, "{scene} {factor}, pixel {pixel}");
+                for camera in 0..4 {
+                    let [a, b, first] = [&searched, &walked, &original].map(|all| &all.verdicts[camera]);
+                    for (pixel, (a, b)) in a.iter().zip(b).enumerate() {
+                        assert_eq!(a, b, "{scene} {factor}, camera {camera}, pixel {pixel}");
                     }
-                    assert!(a.disputes == b.disputes, "{scene} {factor}");
-                    rules.extend(a.verdicts.iter().map(|verdict| verdict.rule));
-                    changed += a.verdicts.iter().zip(&first.verdicts).filter(|(a, b)| a != b).count();
+                    assert!(searched.disputes == walked.disputes, "{scene} {factor}");
+                    rules.extend(a.iter().map(|verdict| verdict.rule));
+                    changed += a.iter().zip(first).filter(|(a, b)| a != b).count();
                 }
                 assert!(index == 0 || changed > 0, "the turn changes something");
             }

@@ -23,7 +23,6 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use rayon::prelude::*;
 
 use super::contest::{Contest, Entry, Rival, Way, hold_row, rivals};
-use super::docket::{self, Docket};
 use super::facet::MIXED;
 use super::layer::{Layer, Level, NO_SAMPLE};
 use super::registration::{Block, LANES, SameSurface, lanes_of};
@@ -94,20 +93,6 @@ pub fn prune(
     settings: &Settings,
     job: &Job,
 ) -> Result<Vec<Decided>> {
-    prune_from(None, rig, layers, statuses, decide, settings, job)
-}
-
-/// [`prune`], from the docket of the frame where there is one that serves the settings.
-pub(super) fn prune_from(
-    docket: Option<&Docket>,
-    rig: &Rig<'_>,
-    layers: &[Layer],
-    statuses: &Statuses,
-    decide: Level,
-    settings: &Settings,
-    job: &Job,
-) -> Result<Vec<Decided>> {
-    let docket = docket.filter(|_| settings.pruning.method != PruningMethod::Off);
     let counts: Vec<Vec<usize>> = layers
         .par_iter()
         .zip(statuses)
@@ -125,26 +110,20 @@ pub(super) fn prune_from(
         statuses,
         decide,
         settings,
-        docket,
         limits: SameSurface::new(settings).at_level(decide),
         all_stand: layers
             .par_iter()
             .zip(statuses)
             .map(|(layer, statuses)| {
-                docket.is_none()
-                    && samples > pixels / FEW
-                    && all_stand(layer, statuses, decide, settings.pruning.across_spans)
+                samples > pixels / FEW && all_stand(layer, statuses, decide, settings.pruning.across_spans)
             })
             .collect(),
-        has_deeper: layers.par_iter().map(|layer| docket.is_none() && has_deeper(layer, decide)).collect(),
+        has_deeper: layers.par_iter().map(|layer| has_deeper(layer, decide)).collect(),
     };
     let mut bands = bands(layers, &counts, &mut decided);
     bands.par_iter_mut().try_for_each(|band| {
         job.check()?;
-        match docket {
-            Some(docket) => docket::find_best(&pass, docket, band),
-            None => simd::run(FindBest { pass: &pass, band }),
-        }
+        simd::run(FindBest { pass: &pass, band });
         Ok(())
     })?;
     bands.par_iter_mut().for_each(|band| pass.settle(band));
@@ -240,8 +219,7 @@ pub(super) struct Pass<'a> {
     pub(super) layers: &'a [Layer],
     pub(super) statuses: &'a Statuses,
     pub(super) decide: Level,
-    pub(super) settings: &'a Settings,
-    pub(super) docket: Option<&'a Docket>,
+    settings: &'a Settings,
     pub(super) limits: SameSurface,
     /// Per camera, see [`all_stand`].
     pub(super) all_stand: Vec<bool>,
@@ -253,11 +231,11 @@ pub(super) struct Pass<'a> {
 /// sample's best candidate as if that one were kept.
 pub(super) struct Band<'a> {
     pub(super) camera: usize,
-    pub(super) rows: Range<usize>,
+    rows: Range<usize>,
     pub(super) pixels: &'a mut [u32],
     pub(super) verdicts: &'a mut [Verdict],
-    pub(super) disputes: Vec<Dispute>,
-    pub(super) mixed: u64,
+    disputes: Vec<Dispute>,
+    mixed: u64,
     pub(super) waiting: Vec<Waiting>,
 }
 

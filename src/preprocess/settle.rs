@@ -2,7 +2,6 @@
 
 use super::Rule;
 use super::Verdict;
-use super::docket;
 use super::layer::Level;
 use super::pruning::{Band, DROPPED, KEPT, Pass, UNDECIDED};
 use super::registration::Outcome;
@@ -61,10 +60,7 @@ impl Pass<'_> {
                 UNDECIDED => return true,
                 _ => {}
             }
-            let others = sample.others.get_or_insert_with(|| match self.docket {
-                Some(docket) => docket::all_but_the_best(self, docket, band.camera, pixel),
-                None => self.all_but_the_best(band.camera, pixel),
-            });
+            let others = sample.others.get_or_insert_with(|| self.all_but_the_best(band.camera, pixel));
             let Some(next) = others.pop() else {
                 *verdict = Verdict::without_witness(Rule::Coverage);
                 self.set_status(band.camera, pixel, KEPT);

@@ -248,7 +248,7 @@ impl Summons<'_> {
                 witness_camera: rival.camera as u16,
                 witness_pixel: pixel,
             };
-            let claimant = Claimant { verdict, needs: codes_of(&needs, lane), place: BEHIND };
+            let claimant = Claimant { verdict, needs: codes_of(&needs, lane), place: BEHIND, is_sure: false };
             found.push(Summoned { x: (left + lane) as u32, ranks, claimant });
         }
     }
@@ -298,13 +298,14 @@ impl Summons<'_> {
             let from = kept.len();
             for claimant in listed {
                 let covered = kept[from..].iter().any(|better| {
-                    better.verdict.witness_level == own_level
+                    better.is_sure
                         && better.place.min(BEHIND - 1) < claimant.place
                         && better.covers(claimant, least)
-                        && (!better.is_better() || !self.is_beatable(&better.verdict))
                 });
                 if !covered {
-                    kept.push(*claimant);
+                    let is_sure =
+                        claimant.verdict.witness_level == own_level && !self.is_beatable(&claimant.verdict);
+                    kept.push(Claimant { is_sure, ..*claimant });
                 }
             }
             let left = &kept[from..];
