@@ -81,9 +81,9 @@ impl Claimant {
 
     /// Whether both show the same point within `limits`.
     #[inline(always)]
-    pub(super) fn holds(&self, limits: &Codes) -> Holds {
+    pub(super) fn holds(&self, limits: Codes) -> Holds {
         let [mut surely, mut maybe] = [true; 2];
-        for (&need, &limit) in self.needs.iter().zip(limits) {
+        for (&need, &limit) in self.needs.iter().zip(&limits) {
             surely &= need.saturating_add(ROUNDING) < limit;
             maybe &= need <= limit.saturating_add(ROUNDING);
         }
@@ -96,9 +96,9 @@ impl Claimant {
 
     /// Whether this one shows the point wherever `other` does, within limits of `least` and more.
     #[inline(always)]
-    pub(super) fn covers(&self, other: &Self, least: &Codes) -> bool {
+    pub(super) fn covers(&self, other: &Self, least: Codes) -> bool {
         const MARGIN: u16 = 2 * ROUNDING + 1;
-        let needs = self.needs.iter().zip(&other.needs).zip(least);
+        let needs = self.needs.iter().zip(&other.needs).zip(&least);
         // Where the other may hold, the limit is at least its need less the rounding; then this one surely holds.
         needs.fold(true, |all, ((need, other), least)| {
             all & (need.saturating_add(MARGIN) <= *other.max(least))
@@ -129,16 +129,16 @@ mod tests {
         for need in 30..60 {
             for other_need in 30..60 {
                 let (one, other) = (claimant([need, 0, 0]), claimant([other_need, 0, 0]));
-                if !one.covers(&other, &least) {
+                if !one.covers(&other, least) {
                     continue;
                 }
                 for limit in 40..70 {
                     let limits = [limit, 100, 100];
-                    assert!(other.holds(&limits) == Holds::No || one.holds(&limits) == Holds::Yes);
+                    assert!(other.holds(limits) == Holds::No || one.holds(limits) == Holds::Yes);
                 }
             }
         }
-        assert!(claimant([36, 0, 0]).covers(&claimant([0, 0, 0]), &least));
-        assert!(!claimant([40, 0, 0]).covers(&claimant([0, 0, 0]), &least));
+        assert!(claimant([36, 0, 0]).covers(&claimant([0, 0, 0]), least));
+        assert!(!claimant([40, 0, 0]).covers(&claimant([0, 0, 0]), least));
     }
 }

@@ -64,7 +64,7 @@ impl Docket {
         let summoned: Vec<Option<Lists>> = summoned.collect::<Result<_>>()?;
         let Some(mut all) = summoned.into_iter().collect::<Option<Vec<Lists>>>() else { return Ok(None) };
         all.par_iter_mut().zip(&bands).for_each(|(lists, (camera, rows))| {
-            summons.leave_out(lists, &layers[*camera], rows.start, &least);
+            summons.leave_out(lists, &layers[*camera], rows.start, least);
         });
         let mut lists: Vec<Vec<Lists>> = layers.iter().map(|_| Vec::new()).collect();
         for (of_band, (camera, _)) in all.into_iter().zip(bands) {
@@ -141,7 +141,7 @@ impl Work for Call<'_> {
             }
             let mut rest = &mut sorted[..];
             for (x, count) in counts.iter_mut().enumerate() {
-                if x % LANES == 0 {
+                if x.is_multiple_of(LANES) {
                     lists.first.push(lists.claimants.len() as u32);
                 }
                 let (own, others) = rest.split_at_mut(usize::from(*count));
@@ -282,13 +282,13 @@ impl Summons<'_> {
     }
 
     /// Leaves out the claimants that are covered by better ones, and finds out where the rate models may disagree.
-    fn leave_out(&self, lists: &mut Lists, layer: &Layer, first_row: usize, least: &Codes) {
+    fn leave_out(&self, lists: &mut Lists, layer: &Layer, first_row: usize, least: Codes) {
         let all = std::mem::take(&mut lists.claimants);
         let mut kept: Vec<Claimant> = Vec::with_capacity(all.len());
         let mut next = 0;
         for (place, count) in lists.counts.iter_mut().enumerate() {
             let x = place % layer.width;
-            if x % LANES == 0 {
+            if x.is_multiple_of(LANES) {
                 lists.first[place / layer.width * layer.width.div_ceil(LANES) + x / LANES] =
                     kept.len() as u32;
             }
@@ -304,7 +304,7 @@ impl Summons<'_> {
                 });
                 if !covered {
                     let is_sure =
-                        claimant.verdict.witness_level == own_level && !self.is_beatable(&claimant.verdict);
+                        claimant.verdict.witness_level == own_level && !self.is_beatable(claimant.verdict);
                     kept.push(Claimant { is_sure, ..*claimant });
                 }
             }
@@ -315,7 +315,7 @@ impl Summons<'_> {
         lists.claimants = kept;
     }
 
-    fn is_beatable(&self, claim: &Verdict) -> bool {
+    fn is_beatable(&self, claim: Verdict) -> bool {
         self.beatable[usize::from(claim.witness_camera)][claim.witness_pixel as usize].load(Ordering::Relaxed)
             != 0
     }

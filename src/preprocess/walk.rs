@@ -90,7 +90,7 @@ impl Walk<'_> {
         &self.docket.lists[band.camera][band.index]
     }
 
-    fn status(&self, claim: &Verdict) -> u8 {
+    fn status(&self, claim: Verdict) -> u8 {
         self.statuses[usize::from(claim.witness_camera)][claim.witness_pixel as usize].load(Ordering::Relaxed)
     }
 
@@ -177,13 +177,13 @@ impl Walk<'_> {
     /// is decided.
     #[inline(always)]
     fn stands(&self, band: &Band<'_>, place: usize, claimant: &Claimant) -> bool {
-        let holds = match claimant.holds(&self.codes) {
+        let holds = match claimant.holds(self.codes) {
             Holds::Yes => true,
             Holds::No => false,
             Holds::Ask => self.ask(band, place, claimant),
         };
         let own_level = claimant.verdict.witness_level == self.decide;
-        holds && (own_level || (self.settings.pruning.across_spans && self.status(&claimant.verdict) == KEPT))
+        holds && (own_level || (self.settings.pruning.across_spans && self.status(claimant.verdict) == KEPT))
     }
 
     #[cold]
@@ -207,7 +207,7 @@ impl Walk<'_> {
     fn still_waits(&self, band: &mut Band<'_>, place: usize) -> bool {
         let own = &self.statuses[band.camera][band.first + place];
         loop {
-            match self.status(&band.verdicts[place]) {
+            match self.status(band.verdicts[place]) {
                 KEPT => {
                     own.store(DROPPED, Ordering::Relaxed);
                     return false;
