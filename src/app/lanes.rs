@@ -15,7 +15,7 @@ use crate::capture::demo::{Demo, DemoSpec};
 use crate::capture::{Capture, View, transforms};
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::{self, CameraInspection, Report, SampleSet, TemporalScan};
+use crate::preprocess::{self, Report, SampleSet, TemporalScan};
 use crate::render::{Picture, Renderer, SharedDevice, write_png};
 use crate::settings::{CaptureSettings, Settings};
 use crate::store::{self, Playback};
@@ -39,7 +39,7 @@ pub(super) struct WholeRequest {
     pub settings: Settings,
 }
 
-/// Prune one frame, with reasons.
+/// Prune one frame, with reasons; or make it ready for that to be repeated.
 pub(super) struct InspectRequest {
     /// The scene, a capture.
     pub scene: Arc<Scene>,
@@ -85,6 +85,8 @@ pub(super) struct Lanes {
     pub whole: Lane<WholeRequest>,
     /// One frame.
     pub inspect: Lane<InspectRequest>,
+    /// The same frame, before a threshold is turned.
+    pub prepare: Lane<InspectRequest>,
     /// The left picture.
     pub source: Lane<(Arc<Scene>, SourceKey)>,
     /// The right picture.
@@ -108,7 +110,7 @@ impl Lanes {
         let background = pool("prune", rayon::current_num_threads(), true)?;
         // A frame that this lane decodes may be awaited by every thread of the shared pool; its own thread finishes it.
         let decoder = pool("decode", 1, false)?;
-        let measuring = background.clone();
+        let (measuring, preparing) = (background.clone(), background.clone());
         let progress = outbox.clone();
         let mut renderer = Renderer::sharing(shared);
         Ok(Self {
@@ -117,6 +119,10 @@ impl Lanes {
                 background.install(|| prune_whole(request, &progress, job))
             })?,
             inspect: Lane::start("Inspect frame", Supersede::Alternate, outbox.clone(), inspect)?,
+            // A frame made ready for settings just left still serves most of what comes after.
+            prepare: Lane::start("Prepare frame", Supersede::Never, outbox.clone(), move |request, job| {
+                preparing.install(|| prepare(&request, job))
+            })?,
             source: Lane::start("Source picture", Supersede::Never, outbox.clone(), move |request, _| {
                 paint_source(request, &decoder)
             })?,
@@ -143,6 +149,7 @@ impl Lanes {
         self.open.is_idle()
             && self.whole.is_idle()
             && self.inspect.is_idle()
+            && self.prepare.is_idle()
             && self.source.is_idle()
             && self.live.is_idle()
             && self.measure.is_idle()
@@ -228,12 +235,19 @@ fn prune_whole(request: WholeRequest, outbox: &Outbox, job: &Job) -> Result<Mess
 fn inspect(request: InspectRequest, job: &Job) -> Result<Message> {
     let InspectRequest { scene, scan, settings, frame } = request;
     let inspection = preprocess::inspect_frame(capture_of(&scene)?, scan.as_deref(), &settings, frame, job)?;
-    let kept_of = |camera: &CameraInspection| {
-        camera.verdict.as_slice().iter().filter(|verdict| verdict.is_kept()).count() as u64
-    };
-    let kept = inspection.cameras.iter().map(kept_of).collect();
+    let mut kept = vec![0; inspection.cameras.len()];
+    for image in &inspection.samples.images {
+        kept[image.camera as usize] += image.len() as u64;
+    }
     let inspected = Inspected { inspection: Arc::new(inspection), settings, with_scan: scan.is_some(), kept };
     Ok(Message::Inspected { scene: scene.id, inspected })
+}
+
+fn prepare(request: &InspectRequest, job: &Job) -> Result<Message> {
+    if let (capture, Some(scan)) = (capture_of(&request.scene)?, &request.scan) {
+        preprocess::prepare_frame(capture, scan, &request.settings, request.frame, job)?;
+    }
+    Ok(Message::Prepared)
 }
 
 fn paint_source((scene, key): (Arc<Scene>, SourceKey), decoder: &rayon::ThreadPool) -> Result<Message> {

@@ -60,6 +60,8 @@ pub(super) enum Message {
     Pruned { scene: u64, settings: Settings, result: Arc<Preprocessed> },
     /// One frame is pruned, with reasons.
     Inspected { scene: u64, inspected: Inspected },
+    /// One frame is ready for thresholds to be turned.
+    Prepared,
     /// The left picture.
     SourcePainted { key: SourceKey, picture: Arc<SourcePicture> },
     /// The right picture.

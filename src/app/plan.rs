@@ -33,6 +33,7 @@ struct InspectKey {
 #[derive(Default)]
 pub(super) struct Plan {
     inspect: Option<InspectKey>,
+    prepare: Option<InspectKey>,
     source: Option<SourceKey>,
     live: Option<LiveKey>,
     whole: Option<(u64, Settings)>,
@@ -58,17 +59,22 @@ impl Plan {
             || state.source_shown.as_ref().map(|shown| &shown.key) == self.source.as_ref();
         let live = state.live_shown.as_ref().map(|shown| &shown.key) == self.live.as_ref()
             && self.live.as_ref().is_none_or(|live| !live.in_motion);
-        let inspected = state.inspected.as_ref().is_some_and(|inspected| {
+        whole && source && live && (self.is_inspected(state) || !state.has_capture())
+    }
+
+    /// Whether the inspection that was asked for last came back.
+    fn is_inspected(&self, state: &State) -> bool {
+        state.inspected.as_ref().is_some_and(|inspected| {
             self.inspect.as_ref().is_some_and(|key| {
                 key.frame == inspected.inspection.frame && key.method == method_of(&inspected.settings)
             })
-        });
-        whole && source && live && (inspected || !state.has_capture())
+        })
     }
 
     /// Asks the lanes for whatever is missing. Gives how long to wait before it should be called again, if so.
     pub(super) fn ask(&mut self, state: &State, visible: &[View], lanes: &Lanes) -> Option<Duration> {
         self.ask_inspection(state, lanes);
+        self.ask_preparation(state, lanes);
         self.ask_source(state, lanes);
         let rest = self.ask_live(state, lanes);
         self.ask_accuracy(state, lanes);
@@ -98,6 +104,22 @@ impl Plan {
             });
             self.inspect = Some(key);
         }
+    }
+
+    /// Once a frame is shown and nobody waits, makes it ready for the thresholds to be turned.
+    fn ask_preparation(&mut self, state: &State, lanes: &Lanes) {
+        let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
+        let with_scan = state.inspected.as_ref().is_some_and(|inspected| inspected.with_scan);
+        if state.timeline.playing || !with_scan || self.prepare == self.inspect || !self.is_inspected(state) {
+            return;
+        }
+        lanes.prepare.submit(InspectRequest {
+            scene: scene.clone(),
+            scan: state.scan.clone(),
+            settings: state.settings.clone(),
+            frame: state.timeline.frame,
+        });
+        self.prepare.clone_from(&self.inspect);
     }
 
     fn ask_source(&mut self, state: &State, lanes: &Lanes) {

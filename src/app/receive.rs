@@ -112,7 +112,7 @@ impl OverlookApp {
             }
             Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
             Message::Failed { what, error } => self.failed(what, &error),
-            // An answer about a scene that is no longer open.
+            // What nobody sees, or an answer about a scene that is no longer open.
             _ => {}
         }
     }

@@ -1,10 +1,13 @@
 //! Sixteen samples at a time against every other camera: who shows the same point, and who of them sampled it best?
 
+use std::ops::Range;
+
 use super::facet::Ranks;
 use super::layer::{Layer, Level};
-use super::pruning::Pass;
-use super::registration::{Block, Carried, LANES, Registration, SameSurface};
+use super::pruning::{Pass, Rig};
+use super::registration::{Block, Carried, LANES, Registration, SameSurface, lanes_of};
 use super::same_surface::IN_VIEW;
+use crate::capture::INVALID_INVERSE_DEPTH;
 
 /// Another camera that may show something of a band.
 pub(super) struct Rival<'a> {
@@ -18,6 +21,67 @@ pub(super) struct Rival<'a> {
     pub(super) told: u32,
 }
 
+/// The other cameras that may see something of a camera's rows, of whose sixteen columns each some `lanes` take part.
+#[inline(always)]
+pub(super) fn rivals<'a>(
+    rig: &'a Rig<'_>,
+    layers: &[Layer],
+    (camera, rows): (usize, Range<usize>),
+    lanes: &[u32],
+    limits: impl Fn(usize) -> SameSurface,
+) -> Vec<Rival<'a>> {
+    let layer = &layers[camera];
+    let ends = [rows.start, rows.end - 1];
+    let columns = layer.width.div_ceil(LANES);
+    let bounds: Vec<Option<[f32; 2]>> = (0..columns)
+        .map(|at| {
+            let any = lanes.iter().skip(at).step_by(columns).any(|lanes| *lanes != 0);
+            any.then(|| depth_bounds(layer, at * LANES, rows.clone()))
+        })
+        .collect();
+    let whole = bounds
+        .iter()
+        .flatten()
+        .fold([f32::INFINITY, 0.0_f32], |all, block| [all[0].min(block[0]), all[1].max(block[1])]);
+    (0..layers.len())
+        .filter(|&other| other != camera && !layers[other].facets.is_empty())
+        .filter_map(|other| {
+            let registration = rig.registration(camera, other);
+            registration.may_see([0, layer.width - 1], ends, whole).then(|| Rival {
+                camera: other,
+                registration,
+                limits: limits(other),
+                told: 0,
+                may_see: bounds
+                    .iter()
+                    .enumerate()
+                    .map(|(at, bounds)| {
+                        let columns = [at * LANES, (at * LANES + LANES).min(layer.width) - 1];
+                        bounds.is_some_and(|bounds| registration.may_see(columns, ends, bounds))
+                    })
+                    .collect(),
+            })
+        })
+        .collect()
+}
+
+/// The smallest and largest inverse depth of the samples in sixteen columns of some rows; the smallest is larger where there
+/// is none.
+#[inline(always)]
+fn depth_bounds(layer: &Layer, column: usize, rows: Range<usize>) -> [f32; 2] {
+    let (mut smallest, mut largest) = ([f32::INFINITY; LANES], [0.0_f32; LANES]);
+    for row in rows {
+        let depths =
+            lanes_of::<_, LANES>(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
+        for lane in 0..LANES {
+            let w = depths[lane];
+            smallest[lane] = smallest[lane].min(if w < 0.0 { f32::INFINITY } else { w });
+            largest[lane] = largest[lane].max(w);
+        }
+    }
+    [smallest.iter().copied().fold(f32::INFINITY, f32::min), largest.iter().copied().fold(0.0, f32::max)]
+}
+
 /// A block with something to decide: its place in the row, its lanes and samples, and how its contest stands.
 pub(super) struct Entry {
     pub(super) at: usize,
@@ -28,7 +92,7 @@ pub(super) struct Entry {
 
 /// Where the samples of a block lie in a rival's picture, and which of them are to be compared with what it saw.
 pub(super) struct Way {
-    carried: Carried,
+    pub(super) carried: Carried,
     wanted: [u32; LANES],
 }
 

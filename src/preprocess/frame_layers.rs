@@ -2,15 +2,17 @@
 //! turns a threshold prunes these again and again; whatever is decided on one level sees nothing of the deeper ones, so that
 //! the verdicts are those of the way down from level to level.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
 use super::background::{Background, remember, remembered};
 use super::descent::Descent;
+use super::docket::{Docket, Reach};
 use super::layer::{Layer, Level, NO_SAMPLE, ROOT};
-use super::pruning::{self, Decided, Rig};
-use super::{PixelClass, Span, TemporalScan};
+use super::pack::Masks;
+use super::pruning::{self, Dispute, Rig, Statuses};
+use super::{PixelClass, Rule, Span, TemporalScan, Verdict, walk};
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::grid::Grid;
@@ -38,6 +40,15 @@ pub struct FrameLayers {
     pub layers: Arc<Vec<Layer>>,
     /// The same for the eye, per camera.
     pub planes: Vec<CameraPlanes>,
+    docket: Mutex<Kept>,
+}
+
+/// The docket of a frame, for whoever turns a tolerance.
+#[derive(Debug, Default)]
+struct Kept {
+    docket: Option<Arc<Docket>>,
+    /// Tolerances for which there was too little memory.
+    refused: Option<Reach>,
 }
 
 /// What is shown of a layer beside its verdicts.
@@ -88,22 +99,118 @@ impl FrameLayers {
             descent.put_span(span, level as Level, job)?;
         }
         let planes = descent.layers.par_iter().map(|layer| planes(layer, path.len())).collect();
-        let layers = Arc::new(Self { path, layers: Arc::new(descent.layers), planes });
+        let layers = Self { path, layers: Arc::new(descent.layers), planes, docket: Mutex::default() };
+        let layers = Arc::new(layers);
         if let Some(scan) = scan {
             remember(&scan.memo.frame, key, layers.clone());
         }
         Ok(layers)
     }
 
-    /// Decides every sample. Gives the verdicts per level, per camera.
+    /// Decides every sample: from the docket where one serves the settings, else by searching all pictures.
     ///
     /// # Errors
     /// `Cancelled`.
-    pub fn prune(&self, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<Vec<Vec<Decided>>> {
-        let statuses = pruning::no_statuses(&self.layers);
-        (0..self.path.len())
-            .map(|level| pruning::prune(rig, &self.layers, &statuses, level as Level, settings, job))
-            .collect()
+    pub fn prune(&self, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
+        let docket = self.docket.lock().map_or(None, |kept| kept.serving(settings));
+        match docket {
+            Some(docket) => self.walk(&docket, rig, settings, job),
+            None => self.search(rig, settings, job),
+        }
+    }
+
+    /// Makes the docket for tolerances around those of `settings`, unless there is one: from then on pruning again takes a
+    /// fraction of the time. Gives its size in bytes; `None` where half of the memory setting does not hold it.
+    ///
+    /// # Errors
+    /// `Cancelled`.
+    pub fn prepare(&self, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<Option<usize>> {
+        let lock = || self.docket.lock().unwrap_or_else(PoisonError::into_inner);
+        if settings.pruning.method == PruningMethod::Off || lock().refused(settings) {
+            return Ok(None);
+        }
+        let kept = lock().serving(settings);
+        if let Some(docket) = kept {
+            return Ok(Some(docket.bytes()));
+        }
+        let bound = (settings.capture.cache as usize) << 19;
+        let made = Docket::new(rig, &self.layers, self.path.len(), settings, bound, job)?.map(Arc::new);
+        let bytes = made.as_ref().map(|docket| docket.bytes());
+        let refused = made.is_none().then(|| Reach::around(&settings.pruning));
+        *lock() = Kept { docket: made, refused };
+        Ok(bytes)
+    }
+
+    fn walk(&self, docket: &Docket, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
+        let mut all = FrameVerdicts::none(&self.layers);
+        for level in 0..self.path.len() as Level {
+            let FrameVerdicts { verdicts, statuses, .. } = &mut all;
+            let disputes =
+                walk::prune((docket, rig), &self.layers, statuses, level, settings, verdicts, job)?;
+            all.add_disputes(disputes);
+        }
+        Ok(all)
+    }
+
+    fn search(&self, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
+        let mut all = FrameVerdicts::none(&self.layers);
+        for level in 0..self.path.len() as Level {
+            let decided = pruning::prune(rig, &self.layers, &all.statuses, level, settings, job)?;
+            all.verdicts.par_iter_mut().zip(&decided).for_each(|(verdicts, decided)| {
+                for (&pixel, &verdict) in decided.pixels.iter().zip(&decided.verdicts) {
+                    verdicts[pixel as usize] = verdict;
+                }
+            });
+            all.add_disputes(decided.into_iter().map(|decided| decided.disputes));
+        }
+        Ok(all)
+    }
+}
+
+impl Kept {
+    fn serving(&self, settings: &Settings) -> Option<Arc<Docket>> {
+        let serves = |docket: &&Arc<Docket>| {
+            settings.pruning.method != PruningMethod::Off && docket.reach.serves(&settings.pruning)
+        };
+        self.docket.as_ref().filter(serves).cloned()
+    }
+
+    fn refused(&self, settings: &Settings) -> bool {
+        self.refused.as_ref().is_some_and(|reach| reach.serves(&settings.pruning))
+    }
+}
+
+/// The verdicts on every pixel of every camera at one frame.
+#[derive(Debug)]
+pub struct FrameVerdicts {
+    /// Per camera, row by row.
+    pub verdicts: Vec<Vec<Verdict>>,
+    /// Per camera, where the other rate model would have named another winner, by pixel.
+    pub disputes: Vec<Vec<Dispute>>,
+    statuses: Statuses,
+}
+
+impl FrameVerdicts {
+    fn none(layers: &[Layer]) -> Self {
+        let no_sample = Verdict::without_witness(Rule::NoSample);
+        Self {
+            verdicts: layers.par_iter().map(|layer| vec![no_sample; layer.level.len()]).collect(),
+            disputes: vec![Vec::new(); layers.len()],
+            statuses: pruning::no_statuses(layers),
+        }
+    }
+
+    fn add_disputes(&mut self, disputes: impl IntoIterator<Item = Vec<Dispute>>) {
+        for (all, of_level) in self.disputes.iter_mut().zip(disputes) {
+            all.extend(of_level);
+            all.sort_unstable_by_key(|dispute| dispute.pixel);
+        }
+    }
+
+    /// Which samples of a level are kept, of a camera with that layer.
+    #[must_use]
+    pub fn masks(&self, camera: usize, layer: &Layer, level: Level) -> Masks {
+        Masks::at_level(layer, level, &self.statuses[camera])
     }
 }
 
@@ -125,5 +232,61 @@ fn class_of(level: Level, levels: usize) -> PixelClass {
         ROOT => PixelClass::Background,
         level if usize::from(level) + 1 == levels => PixelClass::Foreground,
         _ => PixelClass::Lasting,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::preprocess::{Rule, scan};
+    use crate::settings::CaptureSettings;
+
+    #[test]
+    fn a_frame_that_is_pruned_again_from_its_docket_gets_the_verdicts_of_a_new_search() {
+        for (scene, turned) in [("nine-cameras", 0.4), ("orrery", 3.0)] {
+            let spec = DemoSpec {
+                scene: scene.to_owned(),
+                cameras: Some(4),
+                frames: Some(5),
+                size: Some((70, 45)),
+                noise: None,
+            };
+            let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
+            let mut settings = Settings::default();
+            let scan = scan(&capture, &settings, &Job::new()).unwrap();
+            let rig = Rig::new(&capture.cameras);
+            let complete = FrameLayers::of(&capture, Some(&scan), &rig, &settings, 2, &Job::new()).unwrap();
+            assert!(complete.path.len() > 2);
+            let original = complete.prune(&rig, &settings, &Job::new()).unwrap();
+            let bytes = complete.prepare(&rig, &settings, &Job::new()).unwrap();
+            assert!(bytes.is_some_and(|bytes| bytes < 200 * 4 * 70 * 45));
+            let mut rules = std::collections::BTreeSet::new();
+            let factors = [1.0, 0.7, 1.9, 0.26, 3.9, 1.000_01];
+            for (index, factor) in factors.into_iter().enumerate() {
+                let pruning = &mut settings.pruning;
+                pruning.depth_tolerance = factor;
+                pruning.color_tolerance = 24.0 * factors[(index + 1) % 6].min(2.0);
+                pruning.normal_tolerance = (30.0 * turned * factor).clamp(7.6, 90.0);
+                pruning.across_spans = index % 4 != 1;
+                assert!(complete.docket.lock().unwrap().serving(&settings).is_some());
+                let walked = complete.prune(&rig, &settings, &Job::new()).unwrap();
+                let searched = complete.search(&rig, &settings, &Job::new()).unwrap();
+                let mut changed = 0;
+                for camera in 0..4 {
+                    let [a, b, first] = [&searched, &walked, &original].map(|all| &all.verdicts[camera]);
+                    for (pixel, (a, b)) in a.iter().zip(b).enumerate() {
+                        assert_eq!(a, b, "{scene} {factor}, camera {camera}, pixel {pixel}");
+                    }
+                    assert!(searched.disputes == walked.disputes, "{scene} {factor}");
+                    rules.extend(a.iter().map(|verdict| verdict.rule));
+                    changed += a.iter().zip(first).filter(|(a, b)| a != b).count();
+                }
+                assert!(index == 0 || changed > 0, "the turn changes something");
+            }
+            for rule in [Rule::OnlyWitness, Rule::BestRate, Rule::Coverage, Rule::LowerRate] {
+                assert!(rules.contains(&rule), "{scene}: no sample under {rule:?}");
+            }
+        }
     }
 }

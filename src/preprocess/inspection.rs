@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::layer::{Layer, Level, NO_SAMPLE};
-use super::pruning::Rig;
+use super::pruning::{Dispute, Rig};
 use super::registration::{Outcome, SameSurface};
 use super::{SampleSet, Span};
 use crate::capture::{Camera, Frame};
@@ -153,14 +153,23 @@ pub struct CameraInspection {
     pub level: Arc<Grid<Level>>,
     /// Why each pixel was kept or dropped.
     pub verdict: Grid<Verdict>,
-    /// The camera that the rate model not in use names as the best-sampled, where it is another than the model in use names;
-    /// [`Verdict::NO_CAMERA`] where both agree.
-    pub other_winner: Grid<u16>,
+    /// Where the rate model not in use names another camera as the best-sampled than the model in use, by pixel.
+    pub disputes: Vec<Dispute>,
     /// World-space normals that were used, given or estimated; zero where there is none.
     pub normal_in_world: Arc<Grid<[f32; 3]>>,
     /// Footprint of each pixel on its surface in the unit of the rate model, smaller is better sampled; infinite where
     /// there is no sample. The ratio of two footprints is `r`.
     pub footprint: Arc<Grid<f32>>,
+}
+
+impl CameraInspection {
+    /// The camera that the rate model not in use names as the best-sampled at `pixel`, `y * width + x`; `None` where both name
+    /// the same.
+    #[must_use]
+    pub fn other_winner(&self, pixel: usize) -> Option<usize> {
+        let found = self.disputes.binary_search_by_key(&(pixel as u32), |dispute| dispute.pixel);
+        found.ok().map(|index| usize::from(self.disputes[index].other_camera))
+    }
 }
 
 /// All cameras at one frame.

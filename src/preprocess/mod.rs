@@ -13,9 +13,11 @@
 
 pub mod argument;
 pub mod background;
+mod claimant;
 mod contest;
 pub mod depth_plane;
 pub mod descent;
+mod docket;
 pub mod facet;
 pub mod frame_layers;
 pub mod inspection;
@@ -42,8 +44,10 @@ pub mod span_sums;
 pub mod span_tree;
 pub mod split;
 pub mod static_test;
+mod summons;
 pub mod temporal;
 pub mod testimony;
+mod walk;
 
 use std::cmp::Reverse;
 use std::sync::Arc;
@@ -51,7 +55,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use crate::capture::{Capture, Frame};
+use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::job::Job;
@@ -59,8 +63,9 @@ use crate::settings::Settings;
 
 use background::Background;
 use descent::{Descent, load_frame};
-use frame_layers::{CameraPlanes, FrameLayers};
+use frame_layers::{CameraPlanes, FrameLayers, FrameVerdicts};
 use layer::{Layer, Level, ROOT};
+use pack::Masks;
 use pruning::{Decided, Rig};
 use report::Tally;
 use span_tree::{SpanTree, all_frames};
@@ -192,53 +197,53 @@ pub fn inspect_frame(
     let rig = Rig::new(&capture.cameras);
     let frames = load_frame(capture, frame, job)?;
     let complete = FrameLayers::of(capture, scan, &rig, settings, frame, job)?;
-    let decided = complete.prune(&rig, settings, job)?;
-    let images = complete.path.iter().zip(&decided);
-    let images = images.flat_map(|(span, decided)| pack_all(*span, &complete.layers, decided, settings));
-    let images = images.collect();
-    let cameras: Vec<CameraInspection> = frames
-        .into_par_iter()
-        .enumerate()
-        .map(|(camera, frame)| inspect_camera(&complete.planes[camera], &decided, camera, frame))
-        .collect();
+    let all = complete.prune(&rig, settings, job)?;
+    let levels = complete.path.iter().zip(0..);
+    let packed = levels.flat_map(|(&span, level)| {
+        let cameras = complete.layers.par_iter().enumerate();
+        let packed = cameras.filter_map(|(camera, layer)| {
+            pack::pack(camera, span, layer, all.masks(camera, layer, level), settings.store.normals)
+        });
+        packed.collect::<Vec<_>>()
+    });
+    let images = packed.collect();
+    let FrameVerdicts { verdicts, disputes, .. } = all;
+    let cameras = complete.planes.iter().zip(frames).zip(verdicts.into_iter().zip(disputes));
+    let cameras = cameras.map(|((planes, frame), (verdicts, disputes))| {
+        let CameraPlanes { class, level, normal_in_world, footprint } = planes.clone();
+        let (width, height) = level.size();
+        let verdict = Grid::from_vec(width, height, verdicts);
+        CameraInspection { frame, class, level, verdict, disputes, normal_in_world, footprint }
+    });
     Ok(FrameInspection {
         frame,
         path: complete.path.clone(),
-        cameras,
+        cameras: cameras.collect(),
         samples: Arc::new(sample_set(capture, settings, images)),
         layers: complete.layers.clone(),
         settings: settings.clone(),
     })
 }
 
-fn inspect_camera(
-    planes: &CameraPlanes,
-    decided: &[Vec<Decided>],
-    camera: usize,
-    frame: Arc<Frame>,
-) -> CameraInspection {
-    let (width, height) = planes.level.size();
-    let mut verdicts = vec![Verdict::without_witness(Rule::NoSample); width * height];
-    let mut other_winner = vec![Verdict::NO_CAMERA; width * height];
-    for decided in decided {
-        let decided = &decided[camera];
-        for (&pixel, &verdict) in decided.pixels.iter().zip(&decided.verdicts) {
-            verdicts[pixel as usize] = verdict;
-        }
-        for dispute in &decided.disputes {
-            other_winner[dispute.pixel as usize] = dispute.other_camera;
-        }
+/// Makes ready for thresholds of pruning to be turned at one frame: [`inspect_frame`] is then several times as fast there, for
+/// tolerances up to four times as large or small. Gives the bytes that this takes in memory; `None` where it takes more than
+/// half of the memory setting, or where the scan does not serve the settings, and all stays as it is.
+///
+/// # Errors
+/// As [`inspect_frame`].
+pub fn prepare_frame(
+    capture: &Capture,
+    scan: &TemporalScan,
+    settings: &Settings,
+    frame: usize,
+    job: &Job,
+) -> Result<Option<usize>> {
+    settings.validate("settings")?;
+    if frame >= capture.frame_count() || !scan.serves(&settings.spans) {
+        return Ok(None);
     }
-    let CameraPlanes { class, level, normal_in_world, footprint } = planes.clone();
-    CameraInspection {
-        frame,
-        class,
-        level,
-        verdict: Grid::from_vec(width, height, verdicts),
-        other_winner: Grid::from_vec(width, height, other_winner),
-        normal_in_world,
-        footprint,
-    }
+    let rig = Rig::new(&capture.cameras);
+    FrameLayers::of(capture, Some(scan), &rig, settings, frame, job)?.prepare(&rig, settings, job)
 }
 
 /// The kept samples of every camera over one span.
@@ -246,7 +251,8 @@ fn pack_all(span: Span, layers: &[Layer], decided: &[Decided], settings: &Settin
     let cameras = layers.par_iter().zip(decided).enumerate();
     cameras
         .filter_map(|(camera, (layer, decided))| {
-            pack::pack(camera, span, layer, decided, settings.store.normals)
+            let masks = Masks::decided(layer, decided);
+            pack::pack(camera, span, layer, masks, settings.store.normals)
         })
         .collect()
 }

@@ -22,14 +22,13 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::contest::{Contest, Entry, Rival, Way, hold_row};
+use super::contest::{Contest, Entry, Rival, Way, hold_row, rivals};
 use super::facet::MIXED;
 use super::layer::{Layer, Level, NO_SAMPLE};
 use super::registration::{Block, LANES, SameSurface, lanes_of};
 pub use super::rig::Rig;
 use super::settle::{Candidate, SettleWaiting, Waiting};
 use super::{Rule, Verdict};
-use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{MixedPixels, PruningMethod, Settings};
@@ -45,7 +44,7 @@ pub const KEPT: u8 = 2;
 pub const DROPPED: u8 = 3;
 
 /// Rows that one task works on.
-const BAND_ROWS: usize = 16;
+pub(super) const BAND_ROWS: usize = 16;
 
 /// The verdicts on one camera's samples of one level.
 #[derive(Clone, Debug, Default)]
@@ -316,53 +315,22 @@ impl Pass<'_> {
         self.statuses[camera][pixel as usize].store(status, Ordering::Relaxed);
     }
 
+    /// The other cameras that may see something of the band.
+    #[inline(always)]
+    fn rivals(&self, band: &Band<'_>, lanes: &[u32]) -> Vec<Rival<'_>> {
+        rivals(self.rig, self.layers, (band.camera, band.rows.clone()), lanes, |other| {
+            self.limits
+                .between(&self.layers[band.camera], &self.layers[other])
+                .with_deeper(self.has_deeper[other])
+        })
+    }
+
     /// Whether a sample may stand for others, as far as is known before anything of this level is decided.
     #[inline(always)]
     pub(super) fn may_stand(&self, camera: usize, pixel: u32) -> bool {
         let status = self.status(camera, pixel);
         let foreign = self.layers[camera].level[pixel as usize] != self.decide;
         (status == UNDECIDED || status == KEPT) && (self.settings.pruning.across_spans || !foreign)
-    }
-
-    /// The other cameras that may see something of the band.
-    #[inline(always)]
-    fn rivals(&self, band: &Band<'_>, lanes: &[u32]) -> Vec<Rival<'_>> {
-        let layer = &self.layers[band.camera];
-        let rows = [band.rows.start, band.rows.end - 1];
-        let columns = layer.width.div_ceil(LANES);
-        let bounds: Vec<Option<[f32; 2]>> = (0..columns)
-            .map(|at| {
-                let any = lanes.iter().skip(at).step_by(columns).any(|lanes| *lanes != 0);
-                any.then(|| depth_bounds(layer, at * LANES, band.rows.clone()))
-            })
-            .collect();
-        let whole = bounds
-            .iter()
-            .flatten()
-            .fold([f32::INFINITY, 0.0_f32], |all, block| [all[0].min(block[0]), all[1].max(block[1])]);
-        (0..self.layers.len())
-            .filter(|&other| other != band.camera && !self.layers[other].facets.is_empty())
-            .filter_map(|other| {
-                let registration = self.rig.registration(band.camera, other);
-                registration.may_see([0, layer.width - 1], rows, whole).then(|| Rival {
-                    camera: other,
-                    registration,
-                    limits: self
-                        .limits
-                        .between(layer, &self.layers[other])
-                        .with_deeper(self.has_deeper[other]),
-                    told: 0,
-                    may_see: bounds
-                        .iter()
-                        .enumerate()
-                        .map(|(at, bounds)| {
-                            let columns = [at * LANES, (at * LANES + LANES).min(layer.width) - 1];
-                            bounds.is_some_and(|bounds| registration.may_see(columns, rows, bounds))
-                        })
-                        .collect(),
-                })
-            })
-            .collect()
     }
 
     fn verdict_without_pruning(&self, camera: usize, pixel: usize) -> Verdict {
@@ -401,17 +369,8 @@ impl Pass<'_> {
 
     #[inline(always)]
     pub(super) fn dropped_for(&self, rank: u32, witness: Candidate) -> Verdict {
-        let rule = if self.settings.pruning.method == PruningMethod::FirstCamera {
-            Rule::LaterCamera
-        } else if rank & MIXED != 0 && witness.rank & MIXED == 0 {
-            Rule::MixedYields
-        } else if witness.rank == rank {
-            Rule::Tie
-        } else {
-            Rule::LowerRate
-        };
         Verdict {
-            rule,
+            rule: rule_between(self.settings.pruning.method, rank, witness.rank),
             witness_level: witness.level,
             witness_camera: witness.camera,
             witness_pixel: witness.pixel,
@@ -419,21 +378,18 @@ impl Pass<'_> {
     }
 }
 
-/// The smallest and largest inverse depth of the samples in sixteen columns of some rows; the smallest is larger where there
-/// is none.
+/// By which rule a sample of `rank` is dropped for one of `witness_rank`.
 #[inline(always)]
-fn depth_bounds(layer: &Layer, column: usize, rows: Range<usize>) -> [f32; 2] {
-    let (mut smallest, mut largest) = ([f32::INFINITY; LANES], [0.0_f32; LANES]);
-    for row in rows {
-        let depths =
-            lanes_of::<_, LANES>(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
-        for lane in 0..LANES {
-            let w = depths[lane];
-            smallest[lane] = smallest[lane].min(if w < 0.0 { f32::INFINITY } else { w });
-            largest[lane] = largest[lane].max(w);
-        }
+pub(super) fn rule_between(method: PruningMethod, rank: u32, witness_rank: u32) -> Rule {
+    if method == PruningMethod::FirstCamera {
+        Rule::LaterCamera
+    } else if rank & MIXED != 0 && witness_rank & MIXED == 0 {
+        Rule::MixedYields
+    } else if witness_rank == rank {
+        Rule::Tie
+    } else {
+        Rule::LowerRate
     }
-    [smallest.iter().copied().fold(f32::INFINITY, f32::min), largest.iter().copied().fold(0.0, f32::max)]
 }
 
 impl Decided {

@@ -115,6 +115,32 @@ const SAME: u32 = (1 << 7) - 1;
 /// Not a condition: the target sees something nearer than the point.
 const NEARER: u32 = 1 << 7;
 
+/// For the samples of a block, the smallest tolerances at which each shows the same surface point as the target does, up to
+/// rounding; anything where no tolerance makes it so.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Needs<const N: usize = LANES> {
+    /// In footprints, of the point itself and where it is asked for of the pixels around it.
+    pub(super) depth: [f32; N],
+    /// One less the cosine between the normals.
+    pub(super) turn: [f32; N],
+    /// In 8-bit sRGB steps; where they are fewer than [`Needs::few_steps`], noise is not counted.
+    pub(super) color: [f32; N],
+    /// Colors that differ by no more than this agree at any tolerance that will ever be asked about.
+    pub(super) few_steps: f32,
+}
+
+impl<const N: usize> Needs<N> {
+    pub(super) fn new(few_steps: f32) -> Self {
+        Self { depth: [0.0; N], turn: [0.0; N], color: [0.0; N], few_steps }
+    }
+}
+
+/// The tolerance at which a distance is granted, where `footprint` is granted for each footprint of tolerance.
+#[inline(always)]
+fn needed(distance: f32, footprint: f32) -> f32 {
+    if distance <= 0.0 { 0.0 } else { distance / footprint }
+}
+
 impl<const N: usize> Answers<N> {
     /// Whether the target shows the same surface point as the sample in `lane`.
     #[inline(always)]
@@ -155,6 +181,22 @@ impl Registration {
         limits: &SameSurface,
         wanted: [u32; N],
     ) -> Answers<N> {
+        self.compare_telling::<N, false>(source, target, block, carried, limits, wanted, &mut Needs::new(0.0))
+    }
+
+    /// [`Registration::compare`]; where `TELLING`, with what each sample needs to be the same, if anything within `limits` does.
+    #[expect(clippy::too_many_arguments, reason = "the two sides, the way between them, and what is asked")]
+    #[inline(always)]
+    pub(super) fn compare_telling<const N: usize, const TELLING: bool>(
+        &self,
+        source: &Layer,
+        target: &Layer,
+        block: &Block<N>,
+        carried: &Carried<N>,
+        limits: &SameSurface,
+        wanted: [u32; N],
+        needs: &mut Needs<N>,
+    ) -> Answers<N> {
         let mut found = [Facet::ABSENT; N];
         for i in 0..N {
             found[i] = target.facets[carried.pixel[i] as usize];
@@ -180,6 +222,10 @@ impl Registration {
                 + (ax.y * mx + ay.y * my + az.y * mz) * ny
                 + (ax.z * mx + ay.z * my + az.z * mz) * nz;
             let facing = (block.known[i] == 0) | (cosine >= limits.normal_cosine);
+            if TELLING {
+                needs.depth[i] = needed(distance.abs() - step, footprint);
+                needs.turn[i] = if block.known[i] == 0 { 0.0 } else { 1.0 - cosine };
+            }
             answers.bits[i] |= if there >= 0.0 { HAS_DEPTH } else { 0 }
                 | if on_surface { ON_SURFACE } else { 0 }
                 | if there * qz > w { NEARER } else { 0 }
@@ -210,17 +256,25 @@ impl Registration {
             answers.bits[i] |= if looks[i].has_normal() { 0 } else { NORMAL_AGREES }
                 | if (yields[i] != 0) | (furthest <= color_limit) { COLOR_AGREES } else { 0 };
             answers.level[i] = level;
+            if TELLING {
+                needs.turn[i] = if looks[i].has_normal() { needs.turn[i] } else { 0.0 };
+                needs.color[i] = if yields[i] != 0 { 0.0 } else { furthest as f32 * (1.0 / COLOR_STEPS) };
+            }
         }
         if limits.noise_sigmas > 0.0 {
+            if TELLING {
+                tell_noise(source, target, block, &looks, &answers, limits, needs);
+            }
             allow_noise(source, target, block, &looks, &mut answers, limits, wanted);
         }
-        self.surround(target, carried, &found, &mut answers, limits, wanted);
+        self.surround::<N, TELLING>(target, carried, &found, &mut answers, limits, wanted, needs);
         answers
     }
 
     /// Whether the target shows the surface on all four pixels around each position, so that it can be interpolated there.
+    #[expect(clippy::too_many_arguments, reason = "as of the comparison that it is a part of")]
     #[inline(always)]
-    fn surround<const N: usize>(
+    fn surround<const N: usize, const TELLING: bool>(
         &self,
         target: &Layer,
         carried: &Carried<N>,
@@ -228,6 +282,7 @@ impl Registration {
         answers: &mut Answers<N>,
         limits: &SameSurface,
         mut wanted: [u32; N],
+        needs: &mut Needs<N>,
     ) {
         const BUT_SURROUNDED: u32 = SAME & !SURROUNDED;
         let mut candidates = 0;
@@ -292,12 +347,57 @@ impl Registration {
                 let there = depths[corner][i];
                 let distance = along * (here - there) + here * shift;
                 let limit = limits.depth_footprints * lens.side * here.max(there);
+                if TELLING {
+                    needs.depth[i] = needs.depth[i].max(needed(distance.abs(), lens.side * here.max(there)));
+                }
                 let both_or_neither_finite = (here == 0.0) == (there == 0.0);
                 all &= (there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite;
             }
             answers.bits[i] |= if all { SURROUNDED } else { 0 };
         }
     }
+}
+
+/// The color tolerance that each sample needs once noise is granted.
+#[cold]
+#[inline(never)]
+fn tell_noise<const N: usize>(
+    source: &Layer,
+    target: &Layer,
+    block: &Block<N>,
+    looks: &[Look; N],
+    answers: &Answers<N>,
+    limits: &SameSurface,
+    needs: &mut Needs<N>,
+) {
+    const BUT_LOOKS: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
+    for (i, look) in looks.iter().enumerate() {
+        if answers.bits[i] & BUT_LOOKS != BUT_LOOKS || needs.color[i] <= needs.few_steps {
+            continue;
+        }
+        let pixel = block.row * source.width + block.column + i;
+        let beyond = beyond_noise(
+            (source, pixel, [0, 1, 2].map(|channel: usize| block.color[channel][i])),
+            (target, answers.pixel[i] as usize, look.color()),
+            limits.noise_sigmas,
+        );
+        needs.color[i] = needs.color[i].min(beyond);
+    }
+}
+
+/// By how many 8-bit steps two colors differ beyond what the noise of both explains: of the channel where that is most.
+#[inline(always)]
+fn beyond_noise(
+    (source, pixel, color): (&Layer, usize, [i32; 3]),
+    (target, found, found_color): (&Layer, usize, [i32; 3]),
+    sigmas: f32,
+) -> f32 {
+    let of_channel = |channel: usize| {
+        let [a, b] = [color[channel], found_color[channel]].map(|color| color as f32 / COLOR_STEPS);
+        let noise = source.color_noise(pixel, a).hypot(target.color_noise(found, b));
+        (a - b).abs() - sigmas * noise
+    };
+    of_channel(0).max(of_channel(1)).max(of_channel(2))
 }
 
 /// Looks again at colors that differ by more than the tolerance: the measured noise of both may explain it.
@@ -318,12 +418,12 @@ fn allow_noise<const N: usize>(
             continue;
         }
         let pixel = block.row * source.width + block.column + i;
-        let color = look.color();
-        let agrees = (0..3).all(|channel| {
-            let [a, b] = [block.color[channel][i], color[channel]].map(|color| color as f32 / COLOR_STEPS);
-            let noise = source.color_noise(pixel, a).hypot(target.color_noise(answers.pixel[i] as usize, b));
-            (a - b).abs() <= limits.color_steps + limits.noise_sigmas * noise
-        });
+        let beyond = beyond_noise(
+            (source, pixel, [0, 1, 2].map(|channel: usize| block.color[channel][i])),
+            (target, answers.pixel[i] as usize, look.color()),
+            limits.noise_sigmas,
+        );
+        let agrees = beyond <= limits.color_steps;
         if agrees {
             answers.bits[i] |= COLOR_AGREES;
         }

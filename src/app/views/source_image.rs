@@ -279,12 +279,10 @@ fn rate_disputes(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Co
     let mut agreed = 0;
     let mut won_by = Vec::new();
     let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
-        let winner = camera.other_winner[(x, y)];
-        if winner == Verdict::NO_CAMERA {
+        let Some(winner) = camera.other_winner(y * picture.width() + x) else {
             agreed += 1;
             return dimmed(picture[(x, y)], 0.35);
-        }
-        let winner = winner as usize;
+        };
         if won_by.len() <= winner {
             won_by.resize(winner + 1, 0);
         }
@@ -345,6 +343,7 @@ fn tiles(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Color32>, 
 mod tests {
     use super::*;
     use crate::preprocess::Rule;
+    use crate::preprocess::pruning::Dispute;
 
     fn camera() -> (CameraInspection, Grid<Color32>) {
         let (width, height) = (32, 16);
@@ -364,7 +363,10 @@ mod tests {
             verdict: Grid::from_fn(width, height, |x, _| {
                 if x < 16 { Verdict::without_witness(Rule::BestRate) } else { lost }
             }),
-            other_winner: Grid::from_fn(width, height, |x, _| if x < 8 { 1 } else { Verdict::NO_CAMERA }),
+            disputes: (0..(width * height) as u32)
+                .filter(|pixel| pixel % 32 < 8)
+                .map(|pixel| Dispute { pixel, camera: 0, other_camera: 1 })
+                .collect(),
             normal_in_world: Arc::new(Grid::filled(width, height, [0.0, 0.0, 1.0])),
             footprint: Arc::new(Grid::filled(width, height, 1.0)),
         };

@@ -16,7 +16,7 @@ use crate::preprocess::normals::DepthView;
 use crate::preprocess::pruning::{self, Rig};
 use crate::preprocess::split::{BATCH, Split};
 use crate::preprocess::static_test::StaticTest;
-use crate::preprocess::{Report, Span, Verdict, inspect_frame, pack, scan};
+use crate::preprocess::{Report, Span, Verdict, inspect_frame, pack, prepare_frame, scan};
 use crate::render::CpuRenderer;
 use crate::settings::{Backend, NormalEstimator, RenderSettings, Settings};
 use crate::store;
@@ -36,8 +36,12 @@ pub(super) enum PreprocessCase {
     Normals(NormalEstimator),
     /// The verdicts on every pixel of one frame, from layers that are ready: all cameras against all others.
     Prune,
+    /// Making one frame ready for its thresholds to be turned: for every sample, who may stand for it.
+    Docket,
     /// All verdicts of one frame after a pruning threshold changed, the background's included, and what is kept, packed.
     Reprune,
+    /// The same for a frame that was not made ready.
+    RepruneUnprepared,
     /// From verdicts to sparse images, one frame.
     Pack,
     /// The pruned set to a file.
@@ -58,7 +62,9 @@ pub(super) fn cases() -> Vec<PreprocessCase> {
     let normals = NormalEstimator::ALL.iter().copied().map(PreprocessCase::Normals);
     let others = [
         PreprocessCase::Prune,
+        PreprocessCase::Docket,
         PreprocessCase::Reprune,
+        PreprocessCase::RepruneUnprepared,
         PreprocessCase::Pack,
         PreprocessCase::StoreWrite,
         PreprocessCase::StoreRead,
@@ -76,7 +82,9 @@ impl PreprocessCase {
             Self::Split => "preprocess/split".to_owned(),
             Self::Normals(estimator) => format!("preprocess/normals/{estimator}"),
             Self::Prune => "preprocess/prune-frame".to_owned(),
+            Self::Docket => "preprocess/prepare-frame".to_owned(),
             Self::Reprune => "preprocess/re-prune-frame".to_owned(),
+            Self::RepruneUnprepared => "preprocess/re-prune-unprepared".to_owned(),
             Self::Pack => "preprocess/pack".to_owned(),
             Self::StoreWrite => "store/write".to_owned(),
             Self::StoreRead => "store/read".to_owned(),
@@ -103,7 +111,9 @@ impl PreprocessCase {
                 (estimate_normals(bench, estimator)?, one_frame, one_frame * DEPTH_BYTES)
             }
             Self::Prune => (prune_layers(bench)?, one_frame, one_frame * PIXEL_BYTES),
-            Self::Reprune => (reprune(bench)?, one_frame, one_frame * PIXEL_BYTES),
+            Self::Docket => (prepare(bench)?, one_frame, one_frame * PIXEL_BYTES),
+            Self::Reprune => (reprune(bench, true)?, one_frame, one_frame * PIXEL_BYTES),
+            Self::RepruneUnprepared => (reprune(bench, false)?, one_frame, one_frame * PIXEL_BYTES),
             Self::Pack => {
                 let verdicts = one_frame * size_of::<(u32, Verdict)>() as u64;
                 (pack_frame(bench)?, one_frame, verdicts + pruned.sample_count() * PIXEL_BYTES)
@@ -175,10 +185,27 @@ fn prune_layers(bench: &Bench<'_>) -> Result<Times> {
     })
 }
 
-fn reprune(bench: &Bench<'_>) -> Result<Times> {
+fn prepare(bench: &Bench<'_>) -> Result<Times> {
     let capture = &bench.scene.capture;
     let mut settings = Settings::default();
     let scanned = scan(capture, &settings, bench.job)?;
+    // Each time from beyond the reach of the time before.
+    let tolerance = [settings.pruning.depth_tolerance, settings.pruning.depth_tolerance * 4.01];
+    let mut turn = 0;
+    repeat(bench.budget, bench.job, || {
+        turn += 1;
+        settings.pruning.depth_tolerance = tolerance[turn % 2];
+        prepare_frame(capture, &scanned, &settings, 1, bench.job)
+    })
+}
+
+fn reprune(bench: &Bench<'_>, prepared: bool) -> Result<Times> {
+    let capture = &bench.scene.capture;
+    let mut settings = Settings::default();
+    let scanned = scan(capture, &settings, bench.job)?;
+    if prepared {
+        prepare_frame(capture, &scanned, &settings, 1, bench.job)?;
+    }
     let tolerance = settings.pruning.color_tolerance;
     let mut turn = 0_u8;
     repeat(bench.budget, bench.job, || {
@@ -194,12 +221,13 @@ fn pack_frame(bench: &Bench<'_>) -> Result<Times> {
     let settings = Settings::default();
     let rig = Rig::new(&capture.cameras);
     let complete = FrameLayers::of(capture, None, &rig, &settings, 0, bench.job)?;
-    let decided = complete.prune(&rig, &settings, bench.job)?;
+    let all = complete.prune(&rig, &settings, bench.job)?;
     let span = Span { start: 0, end: 1 };
     repeat(bench.budget, bench.job, || {
-        let cameras = complete.layers.iter().zip(&decided[usize::from(FRAME)]).enumerate();
-        let images = cameras.map(|(camera, (layer, decided))| {
-            pack::pack(camera, span, layer, decided, settings.store.normals)
+        let cameras = complete.layers.par_iter().enumerate();
+        let images = cameras.map(|(camera, layer)| {
+            let masks = all.masks(camera, layer, FRAME);
+            pack::pack(camera, span, layer, masks, settings.store.normals)
         });
         Ok(images.collect::<Vec<_>>())
     })
