@@ -103,7 +103,7 @@ impl Resolve<'_> {
                 row: nth * tall + below,
                 rows: Rows { color, inverse_depth, image },
             });
-            simd::run(Strips { which, scratch, strips: strips.collect() });
+            simd::run(Strips { which, scratch, rows: strips.collect() });
             Ok(())
         })
     }
@@ -115,7 +115,7 @@ const TALL: usize = 2;
 struct Strips<'a> {
     which: &'a Blocks,
     scratch: &'a mut Scratch,
-    strips: Vec<Strip<'a>>,
+    rows: Vec<Strip<'a>>,
 }
 
 /// A row of blocks.
@@ -131,13 +131,13 @@ impl Work for Strips<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        let Some(resolve) = self.strips.first().map(|strip| strip.resolve) else { return };
+        let Some(resolve) = self.rows.first().map(|strip| strip.resolve) else { return };
         let blocks = resolve.width.div_ceil(BLOCK);
         if resolve.kernel == Kernel::Point
             && resolve.background_picture.is_none()
             && !resolve.frame.tiles.is_empty()
         {
-            for strip in &mut self.strips {
+            for strip in &mut self.rows {
                 strip.points_of(self.which);
             }
             return;
