@@ -144,7 +144,7 @@ impl Work for Strips<'_> {
         }
         let mut shown = Vec::new();
         for column in 0..blocks {
-            for strip in self.strips.iter_mut().filter(|strip| self.which.contains(column, strip.row)) {
+            for strip in self.rows.iter_mut().filter(|strip| self.which.contains(column, strip.row)) {
                 strip.block(column, self.scratch, &mut shown);
             }
         }
