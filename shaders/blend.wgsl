@@ -13,6 +13,10 @@ const MAX_REACH: f32 = 64.0;
 // How far a sample's weight reaches: in target pixels, and in projected source pixels.
 const REACH_PIXELS: f32 = 1.5;
 const REACH_SOURCE_PIXELS: f32 = 2.0 * MAX_STRETCH;
+// Samples beside another surface count less than others.
+const BESIDE_EDGE: f32 = 0.5;
+// The least that a line of sight counts.
+const LEAST_COSINE: f32 = 0.01;
 
 fn add_part(at: u32, value: f32) {
     let part = fixed_point(value);
@@ -50,7 +54,21 @@ fn add_block(projected: Projected, w: f32, color: vec3<f32>) {
     }
 }
 
-fn add_footprint(projected: Projected, found: Footprint, focal_ratio: f32, color: vec3<f32>) {
+// World-space direction of a place in the picture before the division.
+fn direction(image: vec3<f32>) -> vec3<f32> {
+    let corner = stage.first_ray - 0.5 * (stage.ray_across + stage.ray_down);
+    return stage.ray_across * image.x + stage.ray_down * image.y + corner * image.z;
+}
+
+// Cosine between the camera's and the vantage's lines of sight to a sample; `image` is its ray in the picture.
+fn cosine(image: vec3<f32>, projected: Projected) -> f32 {
+    let from_camera = direction(image);
+    let from_vantage = direction(vec3<f32>(projected.pixel, 1.0));
+    let lengths = sqrt(dot(from_camera, from_camera) * dot(from_vantage, from_vantage));
+    return max(dot(from_camera, from_vantage) / lengths, LEAST_COSINE);
+}
+
+fn add_footprint(projected: Projected, found: Footprint, focal_ratio: f32, trust: f32, color: vec3<f32>) {
     let a = found.jacobian.x;
     let b = found.jacobian.y;
     let c = found.jacobian.z;
@@ -69,7 +87,7 @@ fn add_footprint(projected: Projected, found: Footprint, focal_ratio: f32, color
             let q = (yy * off.x * off.x - 2.0 * xy * off.x * off.y + xx * off.y * off.y) / determinant;
             let share = max(1.0 - q / KERNEL_END, 0.0);
             let depth = found.inverse_depth + found.slope.x * off.x + found.slope.y * off.y;
-            add(u32(x), u32(y), depth, share * share / area, color);
+            add(u32(x), u32(y), depth, share * share * trust / area, color);
         }
     }
 }
@@ -93,7 +111,11 @@ fn blend(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) 
     let color = clamp(unpack_color(piece, pixel.index), vec3<f32>(0.0), vec3<f32>(LARGEST_HALF));
     if stage.kernel == KERNEL_SURFEL {
         let found = footprint(projector, projected, w, slopes(local.xy, projector.per_footprint));
-        add_footprint(projected, found, projector.focal_ratio, color);
+        let image =
+            ray(projector, pixel.corner.x, pixel.corner.y + f32(local.y)) + projector.per_column * f32(local.x);
+        let beside = beside_edge(local.xy, projector.per_footprint);
+        let trust = cosine(image, projected) * select(1.0, BESIDE_EDGE, beside);
+        add_footprint(projected, found, projector.focal_ratio, trust, color);
     } else {
         add_block(projected, w, color);
     }

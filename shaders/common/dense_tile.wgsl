@@ -59,6 +59,21 @@ fn neighbor(column: i32, row: i32) -> f32 {
     return tile_inverse_depth[row * 16 + column];
 }
 
+// Whether there is a neighbor at inverse depth `beside`, and on another surface.
+fn is_other(w: f32, beside: f32, limit: f32) -> bool {
+    return beside >= 0.0 && abs(w - beside) > limit;
+}
+
+// Whether a neighbor in the tile shows another surface.
+fn beside_edge(at: vec2<u32>, per_footprint: f32) -> bool {
+    let column = i32(at.x);
+    let row = i32(at.y);
+    let w = neighbor(column, row);
+    let limit = EDGE_FOOTPRINTS * per_footprint * w;
+    let beside = is_other(w, neighbor(column - 1, row), limit) || is_other(w, neighbor(column + 1, row), limit);
+    return beside || is_other(w, neighbor(column, row - 1), limit) || is_other(w, neighbor(column, row + 1), limit);
+}
+
 // Growth of the inverse depth from one column to the next and from one row to the next.
 fn slopes(at: vec2<u32>, per_footprint: f32) -> vec2<f32> {
     let column = i32(at.x);

@@ -15,7 +15,7 @@ use super::fill::fill;
 use super::footprint::MAX_STRETCH;
 use super::frame_samples::FrameSamples;
 use super::gather::Gather;
-use super::project::{Projector, focal};
+use super::project::{Projector, focal, rays_in_world};
 use super::resolve::{Layer, Resolve};
 use super::silhouette::RING;
 use super::surface::{Stage, surface};
@@ -107,6 +107,7 @@ impl<'a> Painting<'a> {
             frame: self.frame,
             projectors: &self.projectors,
             per_footprint: &self.per_footprint,
+            rays_in_world: rays_in_world(self.target, 0.0),
             width,
             kernel: self.settings.kernel,
             job: self.job,

@@ -71,6 +71,24 @@ pub(super) fn slopes(tile: &DenseTile, row: usize, per_footprint: f32) -> [[f32;
     slopes
 }
 
+/// For the pixels of a row, whether a neighbor in the tile shows another surface: such samples may be blended with it.
+#[inline(always)]
+pub(super) fn beside_edges(tile: &DenseTile, row: usize, per_footprint: f32) -> [bool; TILE] {
+    let [above, here, below] = [&tile.rows[row], &tile.rows[row + 1], &tile.rows[row + 2]];
+    let first = (row + 1) * TILE;
+    let beside = &tile.rows.as_flattened()[first - 1..][..TILE + 2];
+    let mut found = [false; TILE];
+    for column in 0..TILE {
+        let w = here[column];
+        let limit = EDGE_FOOTPRINTS * per_footprint * w;
+        let left = if column == 0 { MISSING } else { beside[column] };
+        let right = if column == TILE - 1 { MISSING } else { beside[column + 2] };
+        let is_other = |neighbor: f32| (neighbor >= 0.0) & ((w - neighbor).abs() > limit);
+        found[column] = is_other(left) | is_other(right) | is_other(above[column]) | is_other(below[column]);
+    }
+    found
+}
+
 /// The smaller of `w − before` and `after − w` of those within the limit.
 #[inline(always)]
 fn gentler(w: f32, before: f32, after: f32, limit: f32) -> f32 {

@@ -11,11 +11,11 @@
 
 use std::ops::Range;
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::Vec3;
 
 use super::frame_samples::FrameSamples;
 use super::lookup::Lookup;
-use super::project::{Projector, focal};
+use super::project::{Projector, focal, rays_in_world};
 use crate::capture::Camera;
 use crate::preprocess::TILE;
 use crate::settings::PruningMethod;
@@ -87,15 +87,13 @@ impl<'a> Gather<'a> {
             offset_in_world: (center - source.position_in_world()).as_vec3(),
             tolerance: depth_tolerance / focal(source),
         };
-        let ray = |x, y| target.world_from_camera.matrix3 * target.intrinsics.ray_in_camera(DVec2::new(x, y));
-        let first = ray(0.5, 0.5);
         let pruned = frame.set.settings.pruning.method != PruningMethod::Off;
         Self {
             pruned,
             many: if pruned { MANY_PRUNED } else { MANY },
             lookup: Lookup::new(frame, tiles),
             views: frame.set.cameras.iter().enumerate().map(view).collect(),
-            rays_in_world: [first, ray(1.5, 0.5) - first, ray(0.5, 1.5) - first].map(DVec3::as_vec3),
+            rays_in_world: rays_in_world(target, 0.5),
         }
     }
 

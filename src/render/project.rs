@@ -42,6 +42,16 @@ pub(super) fn focal(camera: &Camera) -> f32 {
     (camera.intrinsics.fx * camera.intrinsics.fy).sqrt() as f32
 }
 
+/// World-space ray of the point `(first, first)` of a picture, and its growth by column and row.
+pub(super) fn rays_in_world(camera: &Camera, first: f64) -> [Vec3; 3] {
+    let ray = |x, y| {
+        let at = DVec2::new(first + x, first + y);
+        camera.world_from_camera.matrix3 * camera.intrinsics.ray_in_camera(at)
+    };
+    let start = ray(0.0, 0.0);
+    [start, ray(1.0, 0.0) - start, ray(0.0, 1.0) - start].map(DVec3::as_vec3)
+}
+
 impl Projector {
     pub(super) fn new(source: &Camera, target: &Camera) -> Self {
         let k = target.intrinsics;

@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use super::cull::Band;
@@ -30,6 +31,8 @@ pub(super) struct Stage<'a> {
     pub(super) projectors: &'a [Projector],
     /// Reciprocal focal length of each camera: the size of its footprints at unit distance.
     pub(super) per_footprint: &'a [f32],
+    /// World-space ray of the target's corner, and its growth by column and row.
+    pub(super) rays_in_world: [Vec3; 3],
     /// Columns of the target.
     pub(super) width: usize,
     pub(super) kernel: Kernel,
