@@ -42,12 +42,31 @@ impl SpanSamples {
         self.pixels.is_empty()
     }
 
+    /// No samples, and room for so many (normals aside).
+    #[must_use]
+    pub fn with_capacity(count: usize) -> Self {
+        Self {
+            pixels: Vec::with_capacity(count),
+            color: Vec::with_capacity(count),
+            inverse_depth: Vec::with_capacity(count),
+            normal: Vec::new(),
+        }
+    }
+
     /// Adds samples of later pixels.
-    pub fn append(&mut self, later: &mut Self) {
-        self.pixels.append(&mut later.pixels);
-        self.color.append(&mut later.color);
-        self.inverse_depth.append(&mut later.inverse_depth);
-        self.normal.append(&mut later.normal);
+    pub fn extend(&mut self, later: &Self) {
+        self.pixels.extend_from_slice(&later.pixels);
+        self.color.extend_from_slice(&later.color);
+        self.inverse_depth.extend_from_slice(&later.inverse_depth);
+        self.normal.extend_from_slice(&later.normal);
+    }
+
+    /// Takes all samples away and keeps the room.
+    pub fn clear(&mut self) {
+        self.pixels.clear();
+        self.color.clear();
+        self.inverse_depth.clear();
+        self.normal.clear();
     }
 
     fn bytes(&self) -> usize {

@@ -13,7 +13,7 @@ use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::color;
 use crate::simd::{self, Work};
 
-/// Frames of some pixels, flat: color three to a pixel, inverse depth one, normals (where given) three.
+/// A frame from some pixel on, flat: color three to a pixel, inverse depth one, normals (where given) three.
 #[derive(Clone, Copy)]
 pub struct FrameRun<'a> {
     /// Bits of half floats.
@@ -42,11 +42,10 @@ pub struct SpanSums {
 }
 
 impl SpanSums {
-    /// The sums over some frames of the same pixels, of which there is at least one.
+    /// The sums over the first `pixels` pixels of some frames, of which there is at least one.
     #[must_use]
-    pub fn of(frames: &[FrameRun<'_>]) -> Self {
-        let pixels = frames.first().map_or(0, |frame| frame.inverse_depth.len());
-        let normals = frames.first().map_or(0, |frame| frame.normal.len());
+    pub fn of(frames: &[FrameRun<'_>], pixels: usize) -> Self {
+        let normals = frames.first().map_or(0, |frame| frame.normal.len().min(3 * pixels));
         let mut sums = Self {
             frames: frames.len() as u32,
             is_open: vec![true; pixels],
@@ -90,10 +89,37 @@ impl SpanSums {
 
     #[cold]
     fn is_color_static(&self, pixel: usize, test: &StaticTest) -> bool {
-        let range = self.color_range_steps(pixel);
         let count = self.frames as f32;
-        range <= test.granted_color()
-            || range <= test.granted_around([0, 1, 2].map(|channel| self.color[3 * pixel + channel] / count))
+        let of = |plane: &[i16]| [plane[3 * pixel], plane[3 * pixel + 1], plane[3 * pixel + 2]];
+        test.is_color_static(of(&self.min_color), of(&self.max_color), || {
+            [0, 1, 2].map(|channel| self.color[3 * pixel + channel] / count)
+        })
+    }
+
+    /// Whether the pixel is open in both and stays within the tolerance over both together.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_static_with(&self, later: &Self, pixel: usize, test: &StaticTest) -> bool {
+        if !(self.is_open[pixel] & later.is_open[pixel]) {
+            return false;
+        }
+        let farthest = smaller(self.min_inverse_depth[pixel], later.min_inverse_depth[pixel]);
+        let nearest = larger(self.max_inverse_depth[pixel], later.max_inverse_depth[pixel]);
+        if relative_range(farthest, nearest) > test.granted_depth() {
+            return false;
+        }
+        let low =
+            |channel: usize| self.min_color[3 * pixel + channel].min(later.min_color[3 * pixel + channel]);
+        let high =
+            |channel: usize| self.max_color[3 * pixel + channel].max(later.max_color[3 * pixel + channel]);
+        let is_clear = |channel: usize| test.is_clearly_static(low(channel), high(channel));
+        (is_clear(0) & is_clear(1) & is_clear(2)) || {
+            let frames = (self.frames + later.frames) as f32;
+            let mean = |channel: usize| {
+                (self.color[3 * pixel + channel] + later.color[3 * pixel + channel]) / frames
+            };
+            test.is_color_static([0, 1, 2].map(low), [0, 1, 2].map(high), || [0, 1, 2].map(mean))
+        }
     }
 
     /// Range of color, the widest of the three channels, 8-bit sRGB steps.
@@ -114,14 +140,7 @@ impl SpanSums {
     #[inline(always)]
     #[must_use]
     pub fn depth_range_relative(&self, pixel: usize) -> f32 {
-        let (farthest, nearest) = (self.min_inverse_depth[pixel], self.max_inverse_depth[pixel]);
-        if farthest < 0.0 {
-            f32::INFINITY
-        } else if nearest > farthest {
-            (nearest - farthest) / nearest
-        } else {
-            0.0
-        }
+        relative_range(self.min_inverse_depth[pixel], self.max_inverse_depth[pixel])
     }
 
     /// Mean color, linear.
@@ -178,6 +197,18 @@ impl SpanSums {
     }
 }
 
+/// A range of inverse depth as a share of its maximum; infinite where the smallest says that there is none.
+#[inline(always)]
+fn relative_range(farthest: f32, nearest: f32) -> f32 {
+    if farthest < 0.0 {
+        f32::INFINITY
+    } else if nearest > farthest {
+        (nearest - farthest) / nearest
+    } else {
+        0.0
+    }
+}
+
 /// A half float widened by integer arithmetic alone, so that it is vectorized; colors are finite.
 #[inline(always)]
 #[must_use]
@@ -198,6 +229,15 @@ fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
 
+/// Pixels whose sums are held in registers while frame after frame is added.
+const HELD: usize = 16;
+
+/// Frames are fetched so many pixels ahead.
+const AHEAD: usize = 96;
+
+/// Half floats in a cache line.
+const LINE_COLORS: usize = 32;
+
 struct Add<'a> {
     sums: &'a mut SpanSums,
     frames: &'a [FrameRun<'a>],
@@ -209,29 +249,87 @@ impl Work for Add<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { sums, frames } = self;
+        let pixels = sums.pixels();
+        for first in (0..pixels).step_by(HELD) {
+            let count = HELD.min(pixels - first);
+            let mut held = Held::NOTHING;
+            for frame in frames {
+                // So many frames at once are more than the processor follows by itself.
+                simd::prefetch(frame.color, 3 * (first + AHEAD));
+                simd::prefetch(frame.color, 3 * (first + AHEAD) + LINE_COLORS);
+                simd::prefetch(frame.inverse_depth, first + AHEAD);
+                if let (Some(color), Some(w)) =
+                    (frame.color[3 * first..].first_chunk(), frame.inverse_depth[first..].first_chunk())
+                {
+                    held.add(color, w);
+                } else {
+                    let (mut color, mut w) = ([0; 3 * HELD], [0.0; HELD]);
+                    color[..3 * count].copy_from_slice(&frame.color[3 * first..][..3 * count]);
+                    w[..count].copy_from_slice(&frame.inverse_depth[first..][..count]);
+                    held.add(&color, &w);
+                }
+            }
+            held.give(sums, first, count);
+        }
         for frame in frames {
-            for (low, &bits) in sums.min_color.iter_mut().zip(frame.color) {
-                *low = (*low).min(bits.max(0));
-            }
-            for (high, &bits) in sums.max_color.iter_mut().zip(frame.color) {
-                *high = (*high).max(bits);
-            }
-            for (sum, &bits) in sums.color.iter_mut().zip(frame.color) {
-                *sum += widened(bits);
-            }
-            for (low, &w) in sums.min_inverse_depth.iter_mut().zip(frame.inverse_depth) {
-                *low = smaller(*low, w);
-            }
-            for (high, &w) in sums.max_inverse_depth.iter_mut().zip(frame.inverse_depth) {
-                *high = larger(*high, w);
-            }
-            for (sum, &w) in sums.inverse_depth.iter_mut().zip(frame.inverse_depth) {
-                *sum += f64::from(w);
-            }
             for (sum, &n) in sums.normal.iter_mut().zip(frame.normal) {
                 *sum += n;
             }
         }
+    }
+}
+
+/// The sums of some pixels, and their ranges.
+struct Held {
+    min_color: [i16; 3 * HELD],
+    max_color: [i16; 3 * HELD],
+    color: [f32; 3 * HELD],
+    min_inverse_depth: [f32; HELD],
+    max_inverse_depth: [f32; HELD],
+    inverse_depth: [f64; HELD],
+}
+
+impl Held {
+    const NOTHING: Self = Self {
+        min_color: [i16::MAX; 3 * HELD],
+        max_color: [0; 3 * HELD],
+        color: [0.0; 3 * HELD],
+        min_inverse_depth: [f32::INFINITY; HELD],
+        max_inverse_depth: [INVALID_INVERSE_DEPTH; HELD],
+        inverse_depth: [0.0; HELD],
+    };
+
+    #[inline(always)]
+    fn add(&mut self, color: &[i16; 3 * HELD], inverse_depth: &[f32; HELD]) {
+        for i in 0..3 * HELD {
+            self.min_color[i] = self.min_color[i].min(color[i].max(0));
+        }
+        for i in 0..3 * HELD {
+            self.max_color[i] = self.max_color[i].max(color[i]);
+        }
+        for i in 0..3 * HELD {
+            self.color[i] += widened(color[i]);
+        }
+        for i in 0..HELD {
+            self.min_inverse_depth[i] = smaller(self.min_inverse_depth[i], inverse_depth[i]);
+            self.max_inverse_depth[i] = larger(self.max_inverse_depth[i], inverse_depth[i]);
+        }
+        for i in 0..HELD {
+            self.inverse_depth[i] += f64::from(inverse_depth[i]);
+        }
+    }
+
+    /// Writes the first `count` pixels to those of `sums` from `first` on.
+    #[inline(always)]
+    fn give(&self, sums: &mut SpanSums, first: usize, count: usize) {
+        let colors = 3 * first..3 * (first + count);
+        sums.min_color[colors.clone()].copy_from_slice(&self.min_color[..3 * count]);
+        sums.max_color[colors.clone()].copy_from_slice(&self.max_color[..3 * count]);
+        sums.color[colors].copy_from_slice(&self.color[..3 * count]);
+        let pixels = first..first + count;
+        sums.min_inverse_depth[pixels.clone()].copy_from_slice(&self.min_inverse_depth[..count]);
+        sums.max_inverse_depth[pixels.clone()].copy_from_slice(&self.max_inverse_depth[..count]);
+        sums.inverse_depth[pixels].copy_from_slice(&self.inverse_depth[..count]);
     }
 }
 

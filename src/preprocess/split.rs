@@ -29,7 +29,6 @@ use super::span_sums::{FrameRun, SpanSums, widened};
 use super::span_tree::{SpanTree, halves};
 use super::static_test::StaticTest;
 use crate::capture::Frame;
-use crate::color;
 use crate::settings::SpanLevels;
 
 /// Frames that are looked at together, at most: a power of two, so that a batch is a span of the tree.
@@ -58,6 +57,8 @@ struct Band {
     chunks: Vec<Vec<SpanSums>>,
     invalid: u64,
     shares: RangeShares,
+    /// Room for samples that was used before.
+    spare: Vec<SpanSamples>,
 }
 
 /// Samples of some spans, in no order of spans.
@@ -75,6 +76,7 @@ impl Split {
                 chunks: vec![Vec::new(); count.div_ceil(CHUNK)],
                 invalid: 0,
                 shares: RangeShares::default(),
+                spare: Vec::new(),
             }
         });
         Self {
@@ -100,12 +102,12 @@ impl Split {
             is_last: span.end == self.tree.root().end,
         };
         let given: Vec<Given> = self.bands.par_iter_mut().map(|band| band.add(&batch)).collect();
-        let mut joined = Given::new();
-        for (span, mut samples) in given.into_iter().flatten() {
-            match joined.iter_mut().find(|(other, _)| *other == span) {
-                Some((_, all)) => all.append(&mut samples),
-                None => joined.push((span, samples)),
-            }
+        let joined = join(&given);
+        for (band, given) in self.bands.iter_mut().zip(given) {
+            band.spare.extend(given.into_iter().map(|(_, mut samples)| {
+                samples.clear();
+                samples
+            }));
         }
         joined
     }
@@ -148,6 +150,24 @@ impl Split {
     }
 }
 
+/// The samples of all bands, those of a span together.
+fn join(bands: &[Given]) -> Given {
+    let mut counts: Vec<(Span, usize)> = Vec::new();
+    for (span, samples) in bands.iter().flatten().filter(|(_, samples)| !samples.is_empty()) {
+        match counts.iter_mut().find(|(other, _)| other == span) {
+            Some((_, count)) => *count += samples.len(),
+            None => counts.push((*span, samples.len())),
+        }
+    }
+    let joined = counts.into_par_iter().map(|(span, count)| {
+        let mut all = SpanSamples::with_capacity(count);
+        let of_span = bands.iter().flatten().filter(|(other, _)| *other == span);
+        of_span.for_each(|(_, samples)| all.extend(samples));
+        (span, all)
+    });
+    joined.collect()
+}
+
 struct Batch<'a> {
     frames: &'a [Arc<Frame>],
     span: Span,
@@ -158,16 +178,17 @@ struct Batch<'a> {
 
 impl Band {
     fn add(&mut self, batch: &Batch<'_>) -> Given {
-        let mut short = ShortSpans::new(batch);
-        let mut long: Vec<[SpanSamples; 2]> = batch.carry.iter().map(|_| Default::default()).collect();
-        let mut root = SpanSamples::default();
+        let mut room = || self.spare.pop().unwrap_or_default();
+        let mut long: Vec<[SpanSamples; 2]> = batch.carry.iter().map(|_| [room(), room()]).collect();
+        let mut short = ShortSpans::new(batch, room);
+        let mut root = SpanSamples::with_capacity(if batch.is_last { self.pixels } else { 0 });
         for (index, open) in self.chunks.iter_mut().enumerate() {
             let first = self.first + index * CHUNK;
             let pixels = CHUNK.min(self.first + self.pixels - first);
-            let runs: Vec<FrameRun<'_>> =
-                batch.frames.iter().map(|frame| run_of(frame, first, pixels)).collect();
-            let count_invalid = |run: &FrameRun<'_>| run.inverse_depth.iter().filter(|w| **w < 0.0).count();
-            let mut sums = SpanSums::of(&runs);
+            let runs: Vec<FrameRun<'_>> = batch.frames.iter().map(|frame| run_of(frame, first)).collect();
+            let count_invalid =
+                |run: &FrameRun<'_>| run.inverse_depth[..pixels].iter().filter(|w| **w < 0.0).count();
+            let mut sums = SpanSums::of(&runs, pixels);
             for pixel in 0..pixels {
                 if !sums.is_static(pixel, batch.test) {
                     short.descend(batch, &runs, first, pixel);
@@ -179,7 +200,7 @@ impl Band {
             }
             for given in &mut long {
                 let Some(left) = open.pop() else { break };
-                sums = union(&left, &sums, batch.test, first, given);
+                sums = union(left, &sums, batch.test, first, given);
             }
             if batch.is_last {
                 let means = sums.mean_colors();
@@ -195,43 +216,41 @@ impl Band {
         }
         let long = batch.carry.iter().zip(long).flat_map(|(spans, given)| spans.iter().copied().zip(given));
         let whole = Span { start: 0, end: batch.span.end };
-        let given = short.given.into_iter().chain(long).chain(std::iter::once((whole, root)));
-        given.filter(|(_, samples)| !samples.is_empty()).collect()
+        short.given.into_iter().chain(long).chain(std::iter::once((whole, root))).collect()
     }
 }
 
-fn run_of(frame: &Frame, first: usize, pixels: usize) -> FrameRun<'_> {
-    let color: &[i16] = bytemuck::cast_slice(&frame.color.as_slice()[first..first + pixels]);
+fn run_of(frame: &Frame, first: usize) -> FrameRun<'_> {
+    let color: &[i16] = bytemuck::cast_slice(&frame.color.as_slice()[first..]);
     let normal = frame.normal_in_world.as_ref();
     FrameRun {
         color,
-        inverse_depth: &frame.inverse_depth.as_slice()[first..first + pixels],
-        normal: normal.map_or(&[], |n| bytemuck::cast_slice(&n.as_slice()[first..first + pixels])),
+        inverse_depth: &frame.inverse_depth.as_slice()[first..],
+        normal: normal.map_or(&[], |n| bytemuck::cast_slice(&n.as_slice()[first..])),
     }
 }
 
 /// The sums over two spans together. Where they are not static, the static ones of the two become samples.
 fn union(
-    left: &SpanSums,
+    mut left: SpanSums,
     right: &SpanSums,
     test: &StaticTest,
     first: usize,
     given: &mut [SpanSamples; 2],
 ) -> SpanSums {
-    let mut both = left.clone();
-    both.merge(right);
-    for pixel in 0..both.pixels() {
-        if both.is_static(pixel, test) {
+    for pixel in 0..left.pixels() {
+        if left.is_static_with(right, pixel, test) {
             continue;
         }
-        for (sums, given) in [left, right].into_iter().zip(&mut *given) {
+        for (sums, given) in [&left, right].into_iter().zip(&mut *given) {
             if sums.is_open(pixel) {
                 give(given, first, pixel, sums, sums.mean_color(pixel));
             }
         }
-        both.close(pixel);
+        left.close(pixel);
     }
-    both
+    left.merge(right);
+    left
 }
 
 fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums, mean_color: [f16; 3]) {
@@ -255,47 +274,59 @@ struct ShortSpans {
 
 const LEAF: usize = usize::MAX;
 
-/// Smallest and largest color, 8-bit sRGB steps, and behind it smallest and largest inverse depth.
+/// Smallest and largest color and inverse depth, as bits: of numbers that are not negative they are in the same order, and a
+/// depth that is missing comes before all others.
 #[derive(Clone, Copy)]
 struct Range {
-    low: [f32; 4],
-    high: [f32; 4],
+    low: [i32; 4],
+    high: [i32; 4],
 }
 
 impl Range {
-    const NOTHING: Self = Self { low: [f32::INFINITY; 4], high: [f32::NEG_INFINITY; 4] };
+    const NOTHING: Self = Self { low: [i32::MAX; 4], high: [i32::MIN; 4] };
 
     #[inline(always)]
     fn with(&self, other: &Self) -> Self {
         let mut both = *self;
         for i in 0..4 {
-            both.low[i] = if other.low[i] < both.low[i] { other.low[i] } else { both.low[i] };
-            both.high[i] = if other.high[i] > both.high[i] { other.high[i] } else { both.high[i] };
+            both.low[i] = both.low[i].min(other.low[i]);
+            both.high[i] = both.high[i].max(other.high[i]);
         }
         both
     }
 
     #[inline(always)]
-    fn has_depth(&self) -> bool {
-        self.low[3] >= 0.0
+    fn farthest(&self) -> f32 {
+        f32::from_bits(self.low[3] as u32)
     }
 
-    /// The widest of the three channels.
     #[inline(always)]
-    fn color(&self) -> f32 {
-        let of = |channel: usize| self.high[channel] - self.low[channel];
-        of(0).max(of(1)).max(of(2))
+    fn has_depth(&self) -> bool {
+        self.farthest() >= 0.0
+    }
+
+    /// Whether the color stays within the tolerance over some frames; `mean` is asked for where a look at the range is not
+    /// enough.
+    #[inline(always)]
+    fn is_color_static(&self, test: &StaticTest, mean: impl FnOnce() -> [f32; 3]) -> bool {
+        let is_clear =
+            |channel: usize| test.is_clearly_static(self.low[channel] as i16, self.high[channel] as i16);
+        if is_clear(0) & is_clear(1) & is_clear(2) {
+            return true;
+        }
+        let bits = |of: &[i32; 4]| [of[0] as i16, of[1] as i16, of[2] as i16];
+        test.is_color_static(bits(&self.low), bits(&self.high), mean)
     }
 
     #[inline(always)]
     fn depth_relative(&self) -> f32 {
-        let (farthest, nearest) = (self.low[3], self.high[3]);
+        let (farthest, nearest) = (self.farthest(), f32::from_bits(self.high[3] as u32));
         if nearest > farthest { (nearest - farthest) / nearest } else { 0.0 }
     }
 }
 
 impl ShortSpans {
-    fn new(batch: &Batch<'_>) -> Self {
+    fn new(batch: &Batch<'_>, mut room: impl FnMut() -> SpanSamples) -> Self {
         let mut spans = vec![batch.span];
         let mut nodes = Vec::new();
         let mut next = 0;
@@ -310,18 +341,19 @@ impl ShortSpans {
             next += 1;
         }
         let ranges = vec![Range::NOTHING; spans.len()];
-        Self { given: spans.into_iter().map(|span| (span, SpanSamples::default())).collect(), nodes, ranges }
+        Self { given: spans.into_iter().map(|span| (span, room())).collect(), nodes, ranges }
     }
 
     /// Gives out the spans over which a pixel that is not static over the batch is.
     fn descend(&mut self, batch: &Batch<'_>, runs: &[FrameRun<'_>], first: usize, pixel: usize) {
-        let table = color::steps_table();
         // Halves stand behind what they are halves of: from the back, each range is that of two known ones.
         for (index, &(start, _, children)) in self.nodes.iter().enumerate().rev() {
             self.ranges[index] = if children[0] == LEAF {
                 let run = &runs[start];
-                let steps = |channel: usize| table[run.color[3 * pixel + channel].max(0) as usize];
-                let value = [steps(0), steps(1), steps(2), run.inverse_depth[pixel]];
+                let bits = |channel: usize| i32::from(run.color[3 * pixel + channel].max(0));
+                // A depth of −0 is one of 0.
+                let depth = (run.inverse_depth[pixel] + 0.0).to_bits() as i32;
+                let value = [bits(0), bits(1), bits(2), depth];
                 Range { low: value, high: value }
             } else {
                 self.ranges[children[0]].with(&self.ranges[children[1]])
@@ -344,15 +376,14 @@ impl ShortSpans {
             let is_static = range.has_depth()
                 && (is_leaf
                     || range.depth_relative() <= batch.test.granted_depth()
-                        && (range.color() <= batch.test.granted_color()
-                            || range.color() <= batch.test.granted_around(mean(&runs[start..end], pixel))));
+                        && range.is_color_static(batch.test, || mean(&runs[start..end], pixel)));
             if is_static {
                 let samples = &mut self.given[index].1;
                 samples.pixels.push((first + pixel) as u32);
                 if is_leaf {
                     let color = &runs[start].color[3 * pixel..3 * pixel + 3];
                     samples.color.push([0, 1, 2].map(|channel| f16::from_bits(color[channel] as u16)));
-                    samples.inverse_depth.push(range.low[3]);
+                    samples.inverse_depth.push(range.farthest());
                 } else {
                     samples.color.push(mean(&runs[start..end], pixel).map(f16::from_f32));
                     samples.inverse_depth.push(mean_depth(&runs[start..end], pixel, range));
@@ -377,7 +408,7 @@ fn mean(runs: &[FrameRun<'_>], pixel: usize) -> [f32; 3] {
 
 fn mean_depth(runs: &[FrameRun<'_>], pixel: usize, range: &Range) -> f32 {
     if range.low[3] == range.high[3] {
-        return range.low[3];
+        return range.farthest();
     }
     let sum: f64 = runs.iter().map(|run| f64::from(run.inverse_depth[pixel])).sum();
     (sum / runs.len() as f64) as f32

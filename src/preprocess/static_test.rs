@@ -74,6 +74,16 @@ impl StaticTest {
         (high - low) as u16 <= self.clear_bits[(high >> 10) as usize & (EXPONENTS - 1)]
     }
 
+    /// Whether a color whose half floats have these smallest and largest bits, none below 0, is static around its mean.
+    #[must_use]
+    pub fn is_color_static(&self, low: [i16; 3], high: [i16; 3], mean: impl FnOnce() -> [f32; 3]) -> bool {
+        let table = color::steps_table();
+        let steps =
+            |channel: usize| table[high[channel] as usize & 0x7fff] - table[low[channel] as usize & 0x7fff];
+        let range = steps(0).max(steps(1)).max(steps(2));
+        range <= self.color_steps || range <= self.granted_around(mean())
+    }
+
     /// [`StaticTest::granted`] of a mean in single precision, rounded down to a half float.
     #[inline(always)]
     #[must_use]
