@@ -90,15 +90,22 @@ fn painting_over_a_cached_background_gives_the_same_picture() {
     let capture = moving_capture();
     let samples = samples(&capture, &Settings::default());
     let camera = camera("novel", DVec3::new(0.4, -4.6, 2.6), DVec3::new(0.3, 0.2, 0.3), 80);
-    let settings = RenderSettings::default();
-    let mut still = CpuRenderer::new();
-    for frame in [0, 1, 4, 2] {
-        let vantage = Vantage { camera: camera.clone(), frame };
-        let (cached, stats) = still.render(&samples, &vantage, &settings, &Job::new()).unwrap();
-        assert_eq!(stats.background_reused, frame != 0);
-        let (fresh, all) = CpuRenderer::new().render(&samples, &vantage, &settings, &Job::new()).unwrap();
-        assert_eq!(cached, fresh);
-        assert!(!all.background_reused && (frame == 0 || stats.samples * 5 < all.samples));
+    for &kernel in Kernel::ALL {
+        let settings = RenderSettings { kernel, ..RenderSettings::default() };
+        let mut still = CpuRenderer::new();
+        // Whoever looks at a picture holds it while the next is painted.
+        let mut looked_at = None;
+        for frame in [0, 1, 4, 2, 3, 1] {
+            let vantage = Vantage { camera: camera.clone(), frame };
+            let (cached, stats) = still.render(&samples, &vantage, &settings, &Job::new()).unwrap();
+            assert_eq!(stats.background_reused, frame != 0);
+            let (fresh, all) = CpuRenderer::new().render(&samples, &vantage, &settings, &Job::new()).unwrap();
+            assert!(cached == fresh, "{kernel}, frame {frame}");
+            assert!(!all.background_reused && (frame == 0 || stats.samples * 5 < all.samples));
+            if let Some((before, shown)) = looked_at.replace((fresh, cached)) {
+                assert!(before == shown, "{kernel}: a picture that is looked at has changed");
+            }
+        }
     }
 }
 

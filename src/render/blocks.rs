@@ -19,6 +19,11 @@ impl Blocks {
         Self { across, marked: vec![false; across * height.div_ceil(BLOCK)] }
     }
 
+    /// None of the blocks of the same picture.
+    pub(super) fn emptied(&self) -> Self {
+        Self { across: self.across, marked: vec![false; self.marked.len()] }
+    }
+
     /// All of them.
     pub(super) fn all(width: usize, height: usize) -> Self {
         let mut blocks = Self::none(width, height);

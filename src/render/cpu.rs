@@ -49,7 +49,16 @@ struct Still {
     foreground: Layer,
     /// The blocks that the foreground has touched.
     touched: Blocks,
+    /// The last picture, and before it one that whoever asked for it may still hold: while they look at one, the other is
+    /// painted over instead of copied.
+    pictures: Vec<Painted>,
+}
+
+/// A picture, and the blocks in which it may differ from the background's.
+#[derive(Debug)]
+struct Painted {
     picture: Arc<Picture>,
+    touched: Blocks,
 }
 
 /// What the stages of one picture are made of.
@@ -157,8 +166,7 @@ impl CpuRenderer {
         Self::default()
     }
 
-    /// Paints the samples of the vantage's frame. A caller that lets go of the picture before it asks for the next spares
-    /// the renderer a copy.
+    /// Paints the samples of the vantage's frame. A caller that holds no more than the last picture spares the renderer copies.
     ///
     /// # Errors
     /// `Cancelled`; `Invalid` where the frame does not exist, the picture has no pixel or absurdly many, or
@@ -183,7 +191,7 @@ impl CpuRenderer {
             Some(still) if background_reused => repaint(&painting, still)?,
             still => paint_anew(&painting, samples, still.map(Buffers::of).unwrap_or_default())?,
         };
-        let mut picture = still.picture.clone();
+        let mut picture = still.pictures[0].picture.clone();
         self.still = Some(still);
         let filling = Instant::now();
         if settings.fill != Fill::None {
@@ -215,6 +223,17 @@ impl Still {
             && self.camera == *camera
             && self.settings == *settings
     }
+
+    /// A picture that nobody else holds; of the others, the last one is kept.
+    fn free_picture(&mut self, background: &Picture) -> Painted {
+        let is_free = |painted: &mut Painted| Arc::get_mut(&mut painted.picture).is_some();
+        let free = self.pictures.iter_mut().position(is_free).map(|nth| self.pictures.remove(nth));
+        self.pictures.truncate(1);
+        free.unwrap_or_else(|| Painted {
+            touched: self.touched.emptied(),
+            picture: Arc::new(background.clone()),
+        })
+    }
 }
 
 /// What an earlier picture leaves for the next: memory that need not be asked for again.
@@ -227,8 +246,9 @@ struct Buffers {
 
 impl Buffers {
     fn of(still: Still) -> Self {
-        let Still { background, foreground, picture, .. } = still;
-        Self { background, foreground, picture: Arc::into_inner(picture) }
+        let Still { background, foreground, pictures, .. } = still;
+        let picture = pictures.into_iter().find_map(|painted| Arc::into_inner(painted.picture));
+        Self { background, foreground, picture }
     }
 }
 
@@ -260,8 +280,8 @@ fn paint_anew(painting: &Painting<'_>, samples: &Arc<SampleSet>, buffers: Buffer
         background,
         background_picture: None,
         foreground,
+        pictures: vec![Painted { picture: Arc::new(picture), touched: touched.clone() }],
         touched,
-        picture: Arc::new(picture),
     })
 }
 
@@ -271,8 +291,9 @@ fn repaint(painting: &Painting<'_>, mut still: Still) -> Result<Still> {
     let background_picture = if let Some(picture) = still.background_picture.take() {
         picture
     } else {
-        let mut picture = (*still.picture).clone();
-        painting.resolve(&still.background, None, None, (&still.touched, &mut picture))?;
+        let Painted { picture, touched } = &still.pictures[0];
+        let mut picture = (**picture).clone();
+        painting.resolve(&still.background, None, None, (touched, &mut picture))?;
         picture
     };
     let pixels = width * height;
@@ -286,10 +307,13 @@ fn repaint(painting: &Painting<'_>, mut still: Still) -> Result<Still> {
     let mut touched = Blocks::none(width, height);
     touched.mark(&bounds, RING);
     painting.paint(painting.frame.lasting_tiles, &bounds, &mut still.foreground)?;
-    still.touched.join(&touched);
-    let picture = Arc::make_mut(&mut still.picture);
+    let mut painted = still.free_picture(&background_picture);
+    painted.touched.join(&touched);
+    let picture = Arc::make_mut(&mut painted.picture);
     let front = Some(&still.foreground);
-    painting.resolve(&still.background, front, Some(&background_picture), (&still.touched, picture))?;
+    painting.resolve(&still.background, front, Some(&background_picture), (&painted.touched, picture))?;
+    painted.touched = touched.clone();
+    still.pictures.insert(0, painted);
     still.touched = touched;
     still.background_picture = Some(background_picture);
     Ok(still)

@@ -68,7 +68,8 @@ impl Scene {
     /// A ball that covers [`FOREGROUND_SHARE`] of the picture, there where it also holds about that share of the samples: what
     /// more cameras see from nearby has more of them.
     fn object(&self, size: (u32, u32), job: &Job) -> Result<Ball> {
-        let [vantage, _] = self.vantages(size, 0);
+        // The shape of the larger of the measured pictures.
+        let [vantage, _] = self.vantages((size.0, size.0 * 9 / 16), 0);
         let settings = RenderSettings::default();
         let (picture, _) = CpuRenderer::new().render(&self.unpruned, &vantage, &settings, job)?;
         let (width, height) = picture.inverse_depth.size();
