@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn a_broken_shader_is_found() {
-        let source = BLEND.source().replace("share * share / area", "share * slope");
+        let source = BLEND.source().replace("share * share * trust / area", "share * slope");
         assert!(problem(&source, Capabilities::empty()).unwrap().contains("slope"));
         let without_wide = problem(&SURFACE_64.source(), Capabilities::SHADER_FLOAT16_IN_FLOAT32).unwrap();
         assert!(without_wide.contains("SHADER_INT64"), "{without_wide}");
