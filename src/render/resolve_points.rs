@@ -10,7 +10,8 @@ use super::vantage::NO_IMAGE;
 use crate::settings::Kernel;
 use crate::simd;
 
-/// The nearest samples of a block of pixels.
+/// The nearest samples of a block of pixels. Aligned, so that no row of a vector's width lies across cache lines.
+#[repr(align(64))]
 struct Found {
     keys: [[u64; BLOCK]; BLOCK],
     places: [[ColorPlace; BLOCK]; BLOCK],
