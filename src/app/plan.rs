@@ -17,7 +17,7 @@ use crate::settings::{Backend, Settings};
 const DEBOUNCE: Duration = Duration::from_millis(400);
 
 /// The live view is still once it has shown one place and frame for so long; then its pixels are brought into memory, where
-/// they can be asked about.
+/// they can be asked about. Of a frame that was shown for so long thresholds may be turned.
 const REST: Duration = Duration::from_millis(200);
 
 #[derive(Clone, PartialEq)]
@@ -34,6 +34,8 @@ struct InspectKey {
 pub(super) struct Plan {
     inspect: Option<InspectKey>,
     prepare: Option<InspectKey>,
+    /// When an inspection was last asked for.
+    inspect_at: Option<Instant>,
     source: Option<SourceKey>,
     live: Option<LiveKey>,
     whole: Option<(u64, Settings)>,
@@ -74,12 +76,12 @@ impl Plan {
     /// Asks the lanes for whatever is missing. Gives how long to wait before it should be called again, if so.
     pub(super) fn ask(&mut self, state: &State, visible: &[View], lanes: &Lanes) -> Option<Duration> {
         self.ask_inspection(state, lanes);
-        self.ask_preparation(state, lanes);
+        let preparation = self.ask_preparation(state, lanes);
         self.ask_source(state, lanes);
         let rest = self.ask_live(state, lanes);
         self.ask_accuracy(state, lanes);
         self.inspector.ask(state, visible, &lanes.inspector);
-        self.ask_whole(state, lanes).into_iter().chain(rest).min()
+        self.ask_whole(state, lanes).into_iter().chain(rest).chain(preparation).min()
     }
 
     fn ask_inspection(&mut self, state: &State, lanes: &Lanes) {
@@ -103,15 +105,21 @@ impl Plan {
                 frame: key.frame,
             });
             self.inspect = Some(key);
+            self.inspect_at = Some(Instant::now());
         }
     }
 
-    /// Once a frame is shown and nobody waits, makes it ready for the thresholds to be turned.
-    fn ask_preparation(&mut self, state: &State, lanes: &Lanes) {
-        let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
+    /// Once a frame is shown and everything rests, makes it ready for the thresholds to be turned. Gives how long to wait for
+    /// that, if so.
+    fn ask_preparation(&mut self, state: &State, lanes: &Lanes) -> Option<Duration> {
+        let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
         let with_scan = state.inspected.as_ref().is_some_and(|inspected| inspected.with_scan);
         if state.timeline.playing || !with_scan || self.prepare == self.inspect || !self.is_inspected(state) {
-            return;
+            return None;
+        }
+        let rested = self.inspect_at.map_or(REST, |at| at.elapsed());
+        if rested < REST {
+            return Some(REST.saturating_sub(rested));
         }
         lanes.prepare.submit(InspectRequest {
             scene: scene.clone(),
@@ -120,6 +128,7 @@ impl Plan {
             frame: state.timeline.frame,
         });
         self.prepare.clone_from(&self.inspect);
+        None
     }
 
     fn ask_source(&mut self, state: &State, lanes: &Lanes) {

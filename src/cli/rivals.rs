@@ -4,7 +4,8 @@
 //! the ffmpeg on this machine where there is one: color in 8-bit sRGB as lossless H.264, inverse depth in 16 bits, scaled to each camera's
 //! nearest point, as FFV1. The same bytes, each frame xor the one before, through the zstd on this machine are what two lines of code get.
 
-use std::io::Write;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
@@ -197,10 +198,10 @@ pub(super) fn input_files(capture: &Capture, job: &Job) -> Result<Option<InputFi
     let root = root.unwrap_or(Path::new(""));
     let read = files.par_iter().map(|path| {
         job.check()?;
-        let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
+        let (bytes, crc32) = sum_of(path).map_err(|error| Error::io(path, error))?;
         job.advance(1);
         let name = path.strip_prefix(root).unwrap_or(path).display().to_string();
-        Ok((name, bytes.len() as u64, crc32fast::hash(&bytes)))
+        Ok((name, bytes, crc32))
     });
     let mut read: Vec<(String, u64, u32)> = read.collect::<Result<_>>()?;
     read.sort();
@@ -212,4 +213,20 @@ pub(super) fn input_files(capture: &Capture, job: &Job) -> Result<Option<InputFi
         bytes: read.iter().map(|(_, bytes, _)| bytes).sum(),
         crc32: crc32fast::hash(list.as_bytes()),
     }))
+}
+
+/// Length and CRC-32 of a file, read piece by piece through one small buffer.
+fn sum_of(path: &Path) -> std::io::Result<(u64, u32)> {
+    let mut file = BufReader::with_capacity(1 << 18, File::open(path)?);
+    let (mut bytes, mut crc32) = (0, crc32fast::Hasher::new());
+    loop {
+        let piece = file.fill_buf()?;
+        if piece.is_empty() {
+            return Ok((bytes, crc32.finalize()));
+        }
+        crc32.update(piece);
+        let length = piece.len();
+        bytes += length as u64;
+        file.consume(length);
+    }
 }

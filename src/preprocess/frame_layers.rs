@@ -244,7 +244,12 @@ mod tests {
 
     #[test]
     fn a_frame_that_is_pruned_again_from_its_docket_gets_the_verdicts_of_a_new_search() {
-        for (scene, turned) in [("nine-cameras", 0.4), ("orrery", 3.0)] {
+        let cases = [
+            ("nine-cameras", 0.4, MixedPixels::Yield, true),
+            ("nine-cameras", 1.0, MixedPixels::Drop, true),
+            ("orrery", 3.0, MixedPixels::Yield, false),
+        ];
+        for (scene, turned, mixed_pixels, overlap) in cases {
             let spec = DemoSpec {
                 scene: scene.to_owned(),
                 cameras: Some(4),
@@ -254,6 +259,8 @@ mod tests {
             };
             let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
             let mut settings = Settings::default();
+            settings.pruning.mixed_pixels = mixed_pixels;
+            settings.pruning.overlap = overlap;
             let scan = scan(&capture, &settings, &Job::new()).unwrap();
             let rig = Rig::new(&capture.cameras);
             let complete = FrameLayers::of(&capture, Some(&scan), &rig, &settings, 2, &Job::new()).unwrap();
@@ -287,6 +294,7 @@ mod tests {
             for rule in [Rule::OnlyWitness, Rule::BestRate, Rule::Coverage, Rule::LowerRate] {
                 assert!(rules.contains(&rule), "{scene}: no sample under {rule:?}");
             }
+            assert_eq!(rules.contains(&Rule::MixedDropped), mixed_pixels == MixedPixels::Drop);
         }
     }
 }

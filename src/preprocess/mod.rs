@@ -9,7 +9,8 @@
 //!
 //! The steps, in the paper's order: [`normals`] are given or estimated; [`temporal`] redundancy is split off
 //! ([`split`], over the spans of a [`span_tree`]); [`registration`] carries samples between cameras; [`sampling_rate`] tells which of two is better; and
-//! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add.
+//! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add. Where thresholds of one frame
+//! are turned again and again, [`prepare_frame`] lists who may stand for whom, so that nobody has to be searched for.
 
 pub mod argument;
 pub mod background;
@@ -24,6 +25,7 @@ pub mod inspection;
 pub mod layer;
 pub mod mixed_pixels;
 pub mod noise;
+mod noisy_colors;
 pub mod normal_errors;
 mod normal_lanes;
 pub mod normals;
@@ -39,6 +41,7 @@ pub mod same_surface;
 pub mod samples;
 pub mod sampling_rate;
 mod settle;
+mod short_spans;
 pub mod span_samples;
 pub mod span_sums;
 pub mod span_tree;

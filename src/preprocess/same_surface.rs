@@ -12,6 +12,7 @@
 
 use super::facet::{COLOR_STEPS, Facet, Look, MIXED};
 use super::layer::{Layer, Level};
+use super::noisy_colors::{allow_noise, tell_noise};
 use super::registration::{Block, Carried, LANES, Registration, whole};
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::settings::Settings;
@@ -44,8 +45,8 @@ pub enum Outcome {
 pub struct SameSurface {
     depth_footprints: f32,
     normal_cosine: f32,
-    color_steps: f32,
-    noise_sigmas: f32,
+    pub(super) color_steps: f32,
+    pub(super) noise_sigmas: f32,
     overlap: bool,
     /// Samples of deeper levels do not take part.
     deepest: u32,
@@ -109,9 +110,9 @@ pub(super) const IN_VIEW: u32 = 1 << 1;
 const HAS_DEPTH: u32 = 1 << 2;
 const ON_SURFACE: u32 = 1 << 3;
 const NORMAL_AGREES: u32 = 1 << 4;
-const COLOR_AGREES: u32 = 1 << 5;
-const SURROUNDED: u32 = 1 << 6;
-const SAME: u32 = (1 << 7) - 1;
+pub(super) const COLOR_AGREES: u32 = 1 << 5;
+pub(super) const SURROUNDED: u32 = 1 << 6;
+pub(super) const SAME: u32 = (1 << 7) - 1;
 /// Not a condition: the target sees something nearer than the point.
 const NEARER: u32 = 1 << 7;
 
@@ -354,78 +355,6 @@ impl Registration {
                 all &= (there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite;
             }
             answers.bits[i] |= if all { SURROUNDED } else { 0 };
-        }
-    }
-}
-
-/// The color tolerance that each sample needs once noise is granted.
-#[cold]
-#[inline(never)]
-fn tell_noise<const N: usize>(
-    source: &Layer,
-    target: &Layer,
-    block: &Block<N>,
-    looks: &[Look; N],
-    answers: &Answers<N>,
-    limits: &SameSurface,
-    needs: &mut Needs<N>,
-) {
-    const BUT_LOOKS: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
-    for (i, look) in looks.iter().enumerate() {
-        if answers.bits[i] & BUT_LOOKS != BUT_LOOKS || needs.color[i] <= needs.few_steps {
-            continue;
-        }
-        let pixel = block.row * source.width + block.column + i;
-        let beyond = beyond_noise(
-            (source, pixel, [0, 1, 2].map(|channel: usize| block.color[channel][i])),
-            (target, answers.pixel[i] as usize, look.color()),
-            limits.noise_sigmas,
-        );
-        needs.color[i] = needs.color[i].min(beyond);
-    }
-}
-
-/// By how many 8-bit steps two colors differ beyond what the noise of both explains: of the channel where that is most.
-#[inline(always)]
-fn beyond_noise(
-    (source, pixel, color): (&Layer, usize, [i32; 3]),
-    (target, found, found_color): (&Layer, usize, [i32; 3]),
-    sigmas: f32,
-) -> f32 {
-    let of_channel = |channel: usize| {
-        let [a, b] = [color[channel], found_color[channel]].map(|color| color as f32 / COLOR_STEPS);
-        let noise = source.color_noise(pixel, a).hypot(target.color_noise(found, b));
-        (a - b).abs() - sigmas * noise
-    };
-    of_channel(0).max(of_channel(1)).max(of_channel(2))
-}
-
-/// Looks again at colors that differ by more than the tolerance: the measured noise of both may explain it.
-#[cold]
-#[inline(never)]
-fn allow_noise<const N: usize>(
-    source: &Layer,
-    target: &Layer,
-    block: &Block<N>,
-    looks: &[Look; N],
-    answers: &mut Answers<N>,
-    limits: &SameSurface,
-    wanted: [u32; N],
-) {
-    const BUT_LOOKS: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
-    for (i, look) in looks.iter().enumerate() {
-        if wanted[i] == 0 || answers.bits[i] & (BUT_LOOKS | COLOR_AGREES) != BUT_LOOKS {
-            continue;
-        }
-        let pixel = block.row * source.width + block.column + i;
-        let beyond = beyond_noise(
-            (source, pixel, [0, 1, 2].map(|channel: usize| block.color[channel][i])),
-            (target, answers.pixel[i] as usize, look.color()),
-            limits.noise_sigmas,
-        );
-        let agrees = beyond <= limits.color_steps;
-        if agrees {
-            answers.bits[i] |= COLOR_AGREES;
         }
     }
 }

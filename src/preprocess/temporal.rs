@@ -9,7 +9,7 @@
 //! every frame is decoded once.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -127,14 +127,23 @@ fn scan_ranges(capture: &Capture, settings: &Settings, job: &Job) -> Result<Vec<
 /// Share of the memory setting that samples take before they go to a temporary file.
 const SAMPLES_SHARE: usize = 16;
 
+/// Cameras that are scanned side by side: while one waits for the last frame of a batch, the other has work.
+const SIDE_BY_SIDE: usize = 2;
+
 fn scan_spans(capture: &Capture, settings: &Settings, job: &Job) -> Result<(Vec<CameraScan>, SpanStore)> {
     let memory = (settings.capture.cache as usize) << 20;
-    let mut store = SpanStore::new(memory / SAMPLES_SHARE);
+    let store = Mutex::new(SpanStore::new(memory / SAMPLES_SHARE));
     let mut cameras = Vec::with_capacity(capture.cameras.len());
-    for camera in 0..capture.cameras.len() {
-        cameras.push(scan_camera(capture, camera, settings, &mut store, job)?);
+    let indices: Vec<usize> = (0..capture.cameras.len()).collect();
+    for indices in indices.chunks(SIDE_BY_SIDE) {
+        let scanned: Vec<Result<CameraScan>> =
+            indices.par_iter().map(|&camera| scan_camera(capture, camera, settings, &store, job)).collect();
+        // One after the other, so that of two errors the first camera's is told.
+        for scan in scanned {
+            cameras.push(scan?);
+        }
     }
-    Ok((cameras, store))
+    Ok((cameras, store.into_inner().unwrap_or_else(PoisonError::into_inner)))
 }
 
 /// Frames looked at for the noise: pairs from the beginning, the middle and the end.
@@ -150,7 +159,7 @@ fn noise_pairs(frames: usize) -> Vec<[usize; 2]> {
 fn batch_size(capture: &Capture, camera: usize, settings: &Settings) -> usize {
     let pixel_bytes = if capture.has_normals { 22 } else { 10 };
     let frame_bytes = capture.cameras[camera].intrinsics.pixel_count().max(1) * pixel_bytes;
-    let affordable = ((settings.capture.cache as usize) << 20) / 4 / (2 * frame_bytes);
+    let affordable = ((settings.capture.cache as usize) << 20) / 4 / SIDE_BY_SIDE / (2 * frame_bytes);
     BATCH.min(1 << affordable.max(1).ilog2())
 }
 
@@ -158,7 +167,7 @@ fn scan_camera(
     capture: &Capture,
     camera: usize,
     settings: &Settings,
-    store: &mut SpanStore,
+    store: &Mutex<SpanStore>,
     job: &Job,
 ) -> Result<CameraScan> {
     let frames = capture.frame_count();
@@ -191,6 +200,7 @@ fn scan_camera(
         let (given, decoded) =
             rayon::join(|| split.add(&current), || decode(capture, camera, next, &held, job));
         current = decoded?;
+        let mut store = store.lock().unwrap_or_else(PoisonError::into_inner);
         for (span, samples) in given {
             store.insert(camera, span, samples)?;
         }

@@ -1,0 +1,79 @@
+//! Colors that differ by more than the tolerance, but by no more than the noise of both cameras explains.
+
+use super::facet::{COLOR_STEPS, Look};
+use super::layer::Layer;
+use super::registration::Block;
+use super::same_surface::{Answers, COLOR_AGREES, Needs, SAME, SURROUNDED, SameSurface};
+
+/// All that has to hold before the color of a sample matters.
+const BUT_LOOKS: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
+
+/// The color tolerance that each sample needs once noise is granted.
+#[cold]
+#[inline(never)]
+pub(super) fn tell_noise<const N: usize>(
+    source: &Layer,
+    target: &Layer,
+    block: &Block<N>,
+    looks: &[Look; N],
+    answers: &Answers<N>,
+    limits: &SameSurface,
+    needs: &mut Needs<N>,
+) {
+    for (i, look) in looks.iter().enumerate() {
+        if answers.bits[i] & BUT_LOOKS != BUT_LOOKS || needs.color[i] <= needs.few_steps {
+            continue;
+        }
+        let pixel = block.row * source.width + block.column + i;
+        let beyond = beyond_noise(
+            (source, pixel, [0, 1, 2].map(|channel: usize| block.color[channel][i])),
+            (target, answers.pixel[i] as usize, look.color()),
+            limits.noise_sigmas,
+        );
+        needs.color[i] = needs.color[i].min(beyond);
+    }
+}
+
+/// By how many 8-bit steps two colors differ beyond what the noise of both explains: of the channel where that is most.
+#[inline(always)]
+fn beyond_noise(
+    (source, pixel, color): (&Layer, usize, [i32; 3]),
+    (target, found, found_color): (&Layer, usize, [i32; 3]),
+    sigmas: f32,
+) -> f32 {
+    let of_channel = |channel: usize| {
+        let [a, b] = [color[channel], found_color[channel]].map(|color| color as f32 / COLOR_STEPS);
+        let noise = source.color_noise(pixel, a).hypot(target.color_noise(found, b));
+        (a - b).abs() - sigmas * noise
+    };
+    of_channel(0).max(of_channel(1)).max(of_channel(2))
+}
+
+/// Looks again at colors that differ by more than the tolerance: the measured noise of both may explain it.
+#[cold]
+#[inline(never)]
+pub(super) fn allow_noise<const N: usize>(
+    source: &Layer,
+    target: &Layer,
+    block: &Block<N>,
+    looks: &[Look; N],
+    answers: &mut Answers<N>,
+    limits: &SameSurface,
+    wanted: [u32; N],
+) {
+    for (i, look) in looks.iter().enumerate() {
+        if wanted[i] == 0 || answers.bits[i] & (BUT_LOOKS | COLOR_AGREES) != BUT_LOOKS {
+            continue;
+        }
+        let pixel = block.row * source.width + block.column + i;
+        let beyond = beyond_noise(
+            (source, pixel, [0, 1, 2].map(|channel: usize| block.color[channel][i])),
+            (target, answers.pixel[i] as usize, look.color()),
+            limits.noise_sigmas,
+        );
+        let agrees = beyond <= limits.color_steps;
+        if agrees {
+            answers.bits[i] |= COLOR_AGREES;
+        }
+    }
+}
