@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::facet::Ranks;
-use super::layer::{Layer, Level};
+use super::layer::{Layer, Level, NO_SAMPLE};
 use super::pruning::{Pass, Rig};
 use super::registration::{Block, Carried, LANES, Registration, SameSurface, lanes_of};
 use super::same_surface::IN_VIEW;
@@ -65,6 +65,17 @@ pub(super) fn rivals<'a>(
         .collect()
 }
 
+/// Those of sixteen pixels from `place` on whose samples' level is asked for.
+#[inline(always)]
+pub(super) fn lanes_at(layer: &Layer, place: (usize, usize), holds: impl Fn(Level) -> bool) -> u32 {
+    let levels = lanes_of::<_, LANES>(&layer.level, layer.width, place, NO_SAMPLE);
+    let mut lanes = 0;
+    for lane in 0..LANES {
+        lanes |= u32::from(holds(levels[lane])) << lane;
+    }
+    lanes
+}
+
 /// The smallest and largest inverse depth of the samples in sixteen columns of some rows; the smallest is larger where there
 /// is none.
 #[inline(always)]
@@ -92,7 +103,7 @@ pub(super) struct Entry {
 
 /// Where the samples of a block lie in a rival's picture, and which of them are to be compared with what it saw.
 pub(super) struct Way {
-    pub(super) carried: Carried,
+    carried: Carried,
     wanted: [u32; LANES],
 }
 

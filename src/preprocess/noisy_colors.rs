@@ -24,26 +24,25 @@ pub(super) fn tell_noise<const N: usize>(
         if answers.bits[i] & BUT_LOOKS != BUT_LOOKS || needs.color[i] <= needs.few_steps {
             continue;
         }
-        let pixel = block.row * source.width + block.column + i;
-        let beyond = beyond_noise(
-            (source, pixel, [0, 1, 2].map(|channel: usize| block.color[channel][i])),
-            (target, answers.pixel[i] as usize, look.color()),
-            limits.noise_sigmas,
-        );
+        let beyond = beyond_noise((source, block, i), (target, answers.pixel[i], look), limits.noise_sigmas);
         needs.color[i] = needs.color[i].min(beyond);
     }
 }
 
-/// By how many 8-bit steps two colors differ beyond what the noise of both explains: of the channel where that is most.
+/// By how many 8-bit steps the color of a block's sample differs from one of the target beyond what the noise of both explains: of
+/// the channel where that is most.
 #[inline(always)]
-fn beyond_noise(
-    (source, pixel, color): (&Layer, usize, [i32; 3]),
-    (target, found, found_color): (&Layer, usize, [i32; 3]),
+fn beyond_noise<const N: usize>(
+    (source, block, lane): (&Layer, &Block<N>, usize),
+    (target, found, look): (&Layer, u32, &Look),
     sigmas: f32,
 ) -> f32 {
+    let pixel = block.row * source.width + block.column + lane;
+    let found_color = look.color();
     let of_channel = |channel: usize| {
-        let [a, b] = [color[channel], found_color[channel]].map(|color| color as f32 / COLOR_STEPS);
-        let noise = source.color_noise(pixel, a).hypot(target.color_noise(found, b));
+        let [a, b] =
+            [block.color[channel][lane], found_color[channel]].map(|color| color as f32 / COLOR_STEPS);
+        let noise = source.color_noise(pixel, a).hypot(target.color_noise(found as usize, b));
         (a - b).abs() - sigmas * noise
     };
     of_channel(0).max(of_channel(1)).max(of_channel(2))
@@ -65,12 +64,7 @@ pub(super) fn allow_noise<const N: usize>(
         if wanted[i] == 0 || answers.bits[i] & (BUT_LOOKS | COLOR_AGREES) != BUT_LOOKS {
             continue;
         }
-        let pixel = block.row * source.width + block.column + i;
-        let beyond = beyond_noise(
-            (source, pixel, [0, 1, 2].map(|channel: usize| block.color[channel][i])),
-            (target, answers.pixel[i] as usize, look.color()),
-            limits.noise_sigmas,
-        );
+        let beyond = beyond_noise((source, block, i), (target, answers.pixel[i], look), limits.noise_sigmas);
         let agrees = beyond <= limits.color_steps;
         if agrees {
             answers.bits[i] |= COLOR_AGREES;

@@ -22,10 +22,10 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::contest::{Contest, Entry, Rival, Way, hold_row, rivals};
+use super::contest::{Contest, Entry, Rival, Way, hold_row, lanes_at, rivals};
 use super::facet::MIXED;
 use super::layer::{Layer, Level, NO_SAMPLE};
-use super::registration::{Block, LANES, SameSurface, lanes_of};
+use super::registration::{Block, LANES, SameSurface};
 pub use super::rig::Rig;
 use super::settle::{Candidate, SettleWaiting, Waiting};
 use super::{Rule, Verdict};
@@ -294,12 +294,7 @@ impl Band<'_> {
         let mut all = Vec::with_capacity(self.rows.len() * layer.width.div_ceil(LANES));
         for row in self.rows.clone() {
             for column in (0..layer.width).step_by(LANES) {
-                let levels = lanes_of::<_, LANES>(&layer.level, layer.width, (column, row), NO_SAMPLE);
-                let mut lanes = 0;
-                for lane in 0..LANES {
-                    lanes |= u32::from(levels[lane] == level) << lane;
-                }
-                all.push(lanes);
+                all.push(lanes_at(layer, (column, row), |found| found == level));
             }
         }
         all

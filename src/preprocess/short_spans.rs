@@ -5,7 +5,7 @@ use half::f16;
 
 use super::Span;
 use super::span_samples::SpanSamples;
-use super::span_sums::{FrameRun, widened};
+use super::span_sums::{FrameRun, relative_range, widened};
 use super::span_tree::halves;
 use super::split::{BATCH, Batch};
 use super::static_test::StaticTest;
@@ -53,23 +53,16 @@ impl Range {
         self.farthest() >= 0.0
     }
 
-    /// Whether the color stays within the tolerance over some frames; `mean` is asked for where a look at the range is not
-    /// enough.
+    /// Whether the color stays within the tolerance over some frames; see [`StaticTest::is_color_static`].
     #[inline(always)]
     fn is_color_static(&self, test: &StaticTest, mean: impl FnOnce() -> [f32; 3]) -> bool {
-        let is_clear =
-            |channel: usize| test.is_clearly_static(self.low[channel] as i16, self.high[channel] as i16);
-        if is_clear(0) & is_clear(1) & is_clear(2) {
-            return true;
-        }
         let bits = |of: &[i32; 4]| [of[0] as i16, of[1] as i16, of[2] as i16];
         test.is_color_static(bits(&self.low), bits(&self.high), mean)
     }
 
     #[inline(always)]
     fn depth_relative(&self) -> f32 {
-        let (farthest, nearest) = (self.farthest(), f32::from_bits(self.high[3] as u32));
-        if nearest > farthest { (nearest - farthest) / nearest } else { 0.0 }
+        relative_range(self.farthest(), f32::from_bits(self.high[3] as u32))
     }
 }
 

@@ -80,17 +80,8 @@ impl SpanSums {
         if !self.is_open[pixel] || self.depth_range_relative(pixel) > test.granted_depth() {
             return false;
         }
-        let (low, high) = (&self.min_color[3 * pixel..], &self.max_color[3 * pixel..]);
-        let is_clear = test.is_clearly_static(low[0], high[0])
-            & test.is_clearly_static(low[1], high[1])
-            & test.is_clearly_static(low[2], high[2]);
-        is_clear || self.is_color_static(pixel, test)
-    }
-
-    #[cold]
-    fn is_color_static(&self, pixel: usize, test: &StaticTest) -> bool {
-        let count = self.frames as f32;
         let of = |plane: &[i16]| [plane[3 * pixel], plane[3 * pixel + 1], plane[3 * pixel + 2]];
+        let count = self.frames as f32;
         test.is_color_static(of(&self.min_color), of(&self.max_color), || {
             [0, 1, 2].map(|channel| self.color[3 * pixel + channel] / count)
         })
@@ -112,14 +103,10 @@ impl SpanSums {
             |channel: usize| self.min_color[3 * pixel + channel].min(later.min_color[3 * pixel + channel]);
         let high =
             |channel: usize| self.max_color[3 * pixel + channel].max(later.max_color[3 * pixel + channel]);
-        let is_clear = |channel: usize| test.is_clearly_static(low(channel), high(channel));
-        (is_clear(0) & is_clear(1) & is_clear(2)) || {
-            let frames = (self.frames + later.frames) as f32;
-            let mean = |channel: usize| {
-                (self.color[3 * pixel + channel] + later.color[3 * pixel + channel]) / frames
-            };
-            test.is_color_static([0, 1, 2].map(low), [0, 1, 2].map(high), || [0, 1, 2].map(mean))
-        }
+        let frames = (self.frames + later.frames) as f32;
+        let mean =
+            |channel: usize| (self.color[3 * pixel + channel] + later.color[3 * pixel + channel]) / frames;
+        test.is_color_static([0, 1, 2].map(low), [0, 1, 2].map(high), || [0, 1, 2].map(mean))
     }
 
     /// Range of color, the widest of the three channels, 8-bit sRGB steps.
@@ -199,7 +186,7 @@ impl SpanSums {
 
 /// A range of inverse depth as a share of its maximum; infinite where the smallest says that there is none.
 #[inline(always)]
-fn relative_range(farthest: f32, nearest: f32) -> f32 {
+pub(super) fn relative_range(farthest: f32, nearest: f32) -> f32 {
     if farthest < 0.0 {
         f32::INFINITY
     } else if nearest > farthest {

@@ -74,14 +74,22 @@ impl StaticTest {
         (high - low) as u16 <= self.clear_bits[(high >> 10) as usize & (EXPONENTS - 1)]
     }
 
-    /// Whether a color whose half floats have these smallest and largest bits, none below 0, is static around its mean.
+    /// Whether a color whose half floats have these smallest and largest bits, none below 0, is static around its mean, which
+    /// is asked for where a look at the range is not enough.
+    #[inline(always)]
     #[must_use]
     pub fn is_color_static(&self, low: [i16; 3], high: [i16; 3], mean: impl FnOnce() -> [f32; 3]) -> bool {
+        let is_clear = |channel: usize| self.is_clearly_static(low[channel], high[channel]);
+        (is_clear(0) & is_clear(1) & is_clear(2)) || self.is_color_static_at(low, high, mean())
+    }
+
+    #[cold]
+    fn is_color_static_at(&self, low: [i16; 3], high: [i16; 3], mean: [f32; 3]) -> bool {
         let table = color::steps_table();
         let steps =
             |channel: usize| table[high[channel] as usize & 0x7fff] - table[low[channel] as usize & 0x7fff];
         let range = steps(0).max(steps(1)).max(steps(2));
-        range <= self.color_steps || range <= self.granted_around(mean())
+        range <= self.color_steps || range <= self.granted_around(mean)
     }
 
     /// [`StaticTest::granted`] of a mean in single precision, rounded down to a half float.

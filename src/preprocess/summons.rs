@@ -1,18 +1,18 @@
 //! Making the docket of a frame: every sample is carried into every other camera, and all that may show its point are listed.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicU8, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
 use super::claimant::{BEHIND, Claimant, Codes, codes, codes_of};
-use super::contest::{Rival, Way, rivals};
+use super::contest::{Rival, lanes_at, rivals};
 use super::docket::{COUNT, DISPUTABLE, Docket, IS_MIXED, Lists, Reach, most_tolerant};
 use super::facet::{MIXED, Ranks};
 use super::inspection::{Rule, Verdict};
 use super::layer::{Layer, Level, NO_SAMPLE};
 use super::pruning::{BAND_ROWS, Rig, rule_between};
-use super::registration::{Block, LANES, SameSurface, lanes_of};
+use super::registration::{Block, Carried, LANES, SameSurface};
 use super::same_surface::{IN_VIEW, Needs};
 use crate::error::Result;
 use crate::job::Job;
@@ -48,7 +48,7 @@ impl Docket {
             few_steps: reach.least[2] / 2.0,
             beatable: layers
                 .iter()
-                .map(|layer| layer.level.iter().map(|_| AtomicU8::new(0)).collect())
+                .map(|layer| layer.level.iter().map(|_| AtomicBool::new(false)).collect())
                 .collect(),
             room: AtomicUsize::new(bytes / size_of::<Claimant>()),
         };
@@ -84,7 +84,7 @@ struct Summons<'a> {
     /// See [`Needs::few_steps`].
     few_steps: f32,
     /// Per sample, whether any other may be better.
-    beatable: Vec<Vec<AtomicU8>>,
+    beatable: Vec<Vec<AtomicBool>>,
     /// Claimants that there is memory for yet.
     room: AtomicUsize,
 }
@@ -121,7 +121,7 @@ impl Work for Call<'_> {
             counts: vec![0; rows.len() * layer.width],
             claimants: Vec::new(),
         };
-        let mut ways: Vec<Way> = (0..columns).map(|_| Way::NOWHERE).collect();
+        let mut ways: Vec<Carried> = (0..columns).map(|_| Carried::NOWHERE).collect();
         let (mut row_of, mut sorted) = (Vec::new(), Vec::new());
         for (index, row) in rows.enumerate() {
             row_of.clear();
@@ -162,16 +162,6 @@ fn lanes_with_samples(layer: &Layer, row: usize) -> impl Iterator<Item = u32> + 
         .map(move |column| lanes_at(layer, (column, row), |level| level != NO_SAMPLE))
 }
 
-#[inline(always)]
-fn lanes_at(layer: &Layer, place: (usize, usize), holds: impl Fn(Level) -> bool) -> u32 {
-    let levels = lanes_of::<_, LANES>(&layer.level, layer.width, place, NO_SAMPLE);
-    let mut lanes = 0;
-    for lane in 0..LANES {
-        lanes |= u32::from(holds(levels[lane])) << lane;
-    }
-    lanes
-}
-
 impl Summons<'_> {
     /// Asks every rival about the samples of a level in a row.
     #[inline(always)]
@@ -180,7 +170,7 @@ impl Summons<'_> {
         camera: usize,
         (row, level): (usize, Level),
         rivals: &mut [Rival<'_>],
-        ways: &mut [Way],
+        ways: &mut [Carried],
         found: &mut Vec<Summoned>,
     ) {
         let layer = &self.layers[camera];
@@ -195,11 +185,11 @@ impl Summons<'_> {
             let target = &self.layers[rival.camera];
             let limits = rival.limits.at_level(level).with_deeper(level + 1 < self.levels);
             for ((at, _, block), way) in blocks.iter().zip(&mut *ways) {
-                way.carried.bits = [0; LANES];
+                way.bits = [0; LANES];
                 if rival.may_see[*at] {
-                    way.carried = rival.registration.carry(block, target.width);
-                    way.carried.prefetch_ranks(target);
-                    way.carried.prefetch(target);
+                    *way = rival.registration.carry(block, target.width);
+                    way.prefetch_ranks(target);
+                    way.prefetch(target);
                 }
             }
             for ((at, lanes, block), way) in blocks.iter().zip(&*ways) {
@@ -213,29 +203,23 @@ impl Summons<'_> {
         &self,
         (camera, left, lanes, block): (usize, usize, u32, &Block),
         (rival, limits): (&Rival<'_>, &SameSurface),
-        way: &Way,
+        way: &Carried,
         found: &mut Vec<Summoned>,
     ) {
         let (source, target) = (&self.layers[camera], &self.layers[rival.camera]);
         let mut wanted = [0; LANES];
         let mut any = 0;
         for i in 0..LANES {
-            wanted[i] = u32::from(way.carried.bits[i] & IN_VIEW != 0);
+            wanted[i] = u32::from(way.bits[i] & IN_VIEW != 0);
             any |= wanted[i];
         }
         if any == 0 {
             return;
         }
         let mut needs = Needs::new(self.few_steps);
-        let answers = rival.registration.compare_telling::<LANES, true>(
-            source,
-            target,
-            block,
-            &way.carried,
-            limits,
-            wanted,
-            &mut needs,
-        );
+        let answers = rival
+            .registration
+            .compare_telling::<LANES, true>(source, target, block, way, limits, wanted, &mut needs);
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1 && answers.is_same(*lane)) {
             let pixel = answers.pixel[lane];
             let ranks = target.ranks[pixel as usize];
@@ -277,7 +261,7 @@ impl Summons<'_> {
                 claimants[index].claimant.place = ahead.count() as u8;
             }
         }
-        self.beatable[camera][pixel].store(u8::from(any_better), Ordering::Relaxed);
+        self.beatable[camera][pixel].store(any_better, Ordering::Relaxed);
         flags
     }
 
@@ -317,7 +301,6 @@ impl Summons<'_> {
 
     fn is_beatable(&self, claim: Verdict) -> bool {
         self.beatable[usize::from(claim.witness_camera)][claim.witness_pixel as usize].load(Ordering::Relaxed)
-            != 0
     }
 }
 
