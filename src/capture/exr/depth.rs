@@ -109,7 +109,7 @@ impl DepthRules {
         let far = self.far_clip.map_or(f64::INFINITY, |far| far * (1.0 - RELATIVE_SLACK));
         let inverse = (1.0 / depth_z) as f32;
         // Not a number, behind the camera, or so close that the reciprocal overflows.
-        let is_good = (inverse < f32::INFINITY) & (inverse >= 0.0);
+        let is_good = inverse.is_finite() & (inverse >= 0.0);
         let inverse = if is_good { inverse } else { INVALID_INVERSE_DEPTH };
         if depth_z >= far { 0.0 } else { inverse }
     }

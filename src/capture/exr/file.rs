@@ -235,7 +235,7 @@ impl ExrFile {
             match header.channels.list[line.location.channel].sample_type {
                 SampleType::F16 => widen_halves(line.value, start, target),
                 SampleType::F32 => copy_samples(line.value, start, target, f32::from_ne_bytes),
-                SampleType::U32 => copy_samples(line.value, start, target, |bytes| u32::from_ne_bytes(bytes) as f32),
+                SampleType::U32 => copy_samples(line.value, start, target, f32_from_integer),
             }
         }
     }
@@ -251,6 +251,10 @@ fn copy_samples<const BYTES: usize>(
     for (value, sample) in target.iter_mut().zip(&samples[start..]) {
         *value = decode(*sample);
     }
+}
+
+fn f32_from_integer(bytes: [u8; 4]) -> f32 {
+    u32::from_ne_bytes(bytes) as f32
 }
 
 /// Half floats that are widened at a time: alone, each would ask the processor what it can do.
