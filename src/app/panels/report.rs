@@ -42,17 +42,27 @@ pub(super) fn report_ui(ui: &mut Ui, state: &State) {
     });
 }
 
-/// The matrix alone.
+/// Width from which on matrices stand beside each other.
+const TWO_COLUMNS: f32 = 720.0;
+
+/// The matrices alone.
 pub(super) fn matrix_view_ui(ui: &mut Ui, state: &State) {
     let Some(report) = state.report() else {
-        let text = "Who stands for whom is known once the whole capture is pruned.";
+        let text = "Who stands for whom, and how well cameras agree, is known once the whole capture is pruned.";
         super::empty_ui(ui, ICON_GRID_ON, "No matrix yet", text, |_| {});
         return;
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        matrix_ui(ui, report);
-        ui.add_space(space::LARGE);
-        agreement::ui(ui, report);
+        if ui.available_width() < TWO_COLUMNS {
+            matrix_ui(ui, report);
+            ui.add_space(space::LARGE);
+            agreement::ui(ui, report);
+        } else {
+            ui.columns(2, |columns| {
+                matrix_ui(&mut columns[0], report);
+                agreement::ui(&mut columns[1], report);
+            });
+        }
     });
 }
 
