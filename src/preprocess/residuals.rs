@@ -9,18 +9,17 @@
 //! where it sees something farther, it looks through the surface, and the distance counts however large it is. Samples lie on a
 //! lattice, and what most of them do not exceed is blind to silhouettes and to single wrong pixels.
 
-use std::ops::RangeInclusive;
-
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::contest::lanes_at;
 use super::facet::MIXED;
-use super::layer::{Layer, Level, NO_SAMPLE, ROOT};
+use super::layer::{Layer, ROOT};
 use super::pruning::Rig;
-use super::registration::{Block, LANES, Outcome, Registration, SameSurface};
+use super::registration::{Block, LANES, Outcome, Registration, SameSurface, lanes_of};
 use super::same_surface::{IN_VIEW, Needs};
 use super::spread::Spread;
+use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::error::Result;
 use crate::job::Job;
 use crate::simd::{self, Work};
@@ -29,8 +28,8 @@ use crate::simd::{self, Work};
 /// passes for disagreement.
 const HIDING_FOOTPRINTS: f32 = 2.0;
 
-/// The share of the samples that a residual speaks for. Only part of what moves is off where clocks differ, so that the median
-/// may not show it; on the silhouettes of correct captures up to one sample in ten is.
+/// The share of the samples that [`Residual::most_footprints`] speaks for: on the silhouettes of correct captures up to one in
+/// ten is off.
 const MOST: f64 = 0.85;
 
 /// Fewer samples of a pair say nothing.
@@ -42,8 +41,14 @@ const FEWEST_LATTICE_SAMPLES: usize = 1024;
 /// Cameras up to which nothing is spared.
 const FEW_CAMERAS: usize = 9;
 
-/// Frames at which moving samples are looked at, at most: spread over all.
+/// So many times more where what moves is looked for.
+const MOVING_DENSITY: usize = 4;
+
+/// Frames at which what moves is looked at, at most: spread over all.
 const FRAMES: usize = 8;
+
+/// What changes its inverse depth by less of itself did not move.
+const MOVED_RELATIVE: f32 = 0.02;
 
 /// How far the samples of one camera that nothing hides from another are off.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,7 +68,8 @@ pub struct Residual {
 pub struct PairResiduals {
     /// Of samples that are the same over all frames: large where a pose is wrong. `None` where too few are seen by both.
     pub lasting: Option<Residual>,
-    /// Of all others: large while `lasting` is small where clocks differ. `None` where too few are seen by both.
+    /// Of what is nearer or farther than some frames before: large while `lasting` is small where clocks differ. `None` where too
+    /// few are seen by both.
     pub moving: Option<Residual>,
 }
 
@@ -75,7 +81,7 @@ pub struct Doubt {
     /// Whether it is in doubt over what moves alone: its frames may be early or late. Else its pose may be wrong. (A pose that is
     /// off along a plane that fills the picture shows only in what stands out of it, which may be what moves.)
     pub over_time: bool,
-    /// How far the camera that fits it best is off, in footprints.
+    /// How far the camera that fits it best is off, in footprints: most samples, or over time the median.
     pub footprints: f32,
     /// How far the other cameras are off that fit each other best.
     pub usual_footprints: f32,
@@ -86,7 +92,7 @@ impl Doubt {
     #[must_use]
     pub fn sentence(&self, name: &str) -> String {
         let (own, usual) = (self.footprints, self.usual_footprints);
-        let compared = format!("{own:.1} footprints where it fits best, others {usual:.2}");
+        let compared = format!("{own:.2} footprints where it fits best, others {usual:.2}");
         if self.over_time {
             format!(
                 "camera '{name}' agrees with no other about what moves ({compared}); its frames may be early or late, or its pose off where little stands out"
@@ -99,9 +105,12 @@ impl Doubt {
     }
 }
 
-/// Less is no reason to doubt a camera, in footprints. Correct captures stay below a tenth in all but one or two pairs; a camera
-/// that is turned by half a pixel reaches a third in all.
-const DOUBTFUL_FOOTPRINTS: f32 = 0.25;
+/// Less is no reason to doubt a camera over what never moves, by the distance of most samples, in footprints. Correct captures
+/// stay below a tenth in all but one or two pairs; a camera that is turned by half a pixel reaches a third in all.
+const DOUBTFUL_POSE_FOOTPRINTS: f32 = 0.25;
+
+/// The same over what moves, by the median: of moving things silhouettes are a large part, and are off in correct captures too.
+const DOUBTFUL_CLOCK_FOOTPRINTS: f32 = 0.15;
 
 /// Nor is less than so many times what others are off.
 const DOUBTFUL_RATIO: f32 = 8.0;
@@ -134,14 +143,17 @@ impl Readings {
 pub(super) struct Residuals<'a> {
     rig: &'a Rig<'a>,
     frames: usize,
-    /// `[source * cameras + target]`: of samples of all frames, and of others.
+    /// `[source * cameras + target]`: of samples of all frames, and of things that moved.
     readings: Vec<[Readings; 2]>,
+    /// Per camera: inverse depth on the lattice when it was last looked at.
+    before: Vec<Vec<[f32; LANES]>>,
 }
 
 impl<'a> Residuals<'a> {
     pub(super) fn new(rig: &'a Rig<'a>, frames: usize) -> Self {
         let pairs = rig.cameras().len().pow(2);
-        Self { rig, frames, readings: (0..pairs).map(|_| <[Readings; 2]>::default()).collect() }
+        let before = vec![Vec::new(); rig.cameras().len()];
+        Self { rig, frames, readings: (0..pairs).map(|_| <[Readings; 2]>::default()).collect(), before }
     }
 
     /// Compares what is the same over all frames.
@@ -149,10 +161,20 @@ impl<'a> Residuals<'a> {
     /// # Errors
     /// `Cancelled`.
     pub(super) fn add_lasting(&mut self, layers: &[Layer], job: &Job) -> Result<()> {
-        self.add(layers, (0, ROOT..=ROOT, 1), job)
+        let asked = self.asked();
+        let blocks = layers.par_iter().map(|layer| {
+            let block = |(column, row)| {
+                let lanes = lanes_at(layer, (column, row), |level| level == ROOT);
+                (column, row, lanes)
+            };
+            lattice(layer, asked).map(block).collect()
+        });
+        let blocks: Vec<Vec<_>> = blocks.collect();
+        self.add(layers, &blocks, 0, job)
     }
 
-    /// Compares everything else at `frame`, where this is one of the frames to look at and `layers` hold all its samples.
+    /// Compares what is nearer or farther at `frame` than it was when pixels were last looked at, where this is one of the
+    /// frames to look at; `layers` hold all its samples. What changes its light alone is left out: of such there may be a lot.
     ///
     /// # Errors
     /// `Cancelled`.
@@ -160,18 +182,37 @@ impl<'a> Residuals<'a> {
         if !frame.is_multiple_of(self.frames.div_ceil(FRAMES).max(1)) {
             return Ok(());
         }
-        self.add(layers, (1, ROOT + 1..=NO_SAMPLE - 1, 2), job)
+        let asked = self.asked() * MOVING_DENSITY;
+        let blocks = layers.par_iter().zip(&mut self.before).map(|(layer, before)| {
+            let now: Vec<[f32; LANES]> = lattice(layer, asked)
+                .map(|place| lanes_of(&layer.inverse_depth, layer.width, place, INVALID_INVERSE_DEPTH))
+                .collect();
+            let moved = |(at, (column, row)): (usize, (usize, usize))| {
+                let lanes = before.get(at).map_or(0, |before| moved_lanes(before, &now[at]));
+                (column, row, lanes & lanes_at(layer, (column, row), |level| level != ROOT))
+            };
+            let blocks = lattice(layer, asked).enumerate().map(moved).collect();
+            *before = now;
+            blocks
+        });
+        let blocks: Vec<Vec<_>> = blocks.collect();
+        self.add(layers, &blocks, 1, job)
+    }
+
+    /// Samples to ask of each pair, about, were all pixels of the kind that is compared.
+    fn asked(&self) -> usize {
+        let cameras = self.rig.cameras().len().max(1);
+        (LATTICE_SAMPLES * FEW_CAMERAS / cameras).clamp(FEWEST_LATTICE_SAMPLES, LATTICE_SAMPLES)
     }
 
     fn add(
         &mut self,
         layers: &[Layer],
-        (kind, levels, density): (usize, RangeInclusive<Level>, usize),
+        blocks: &[Vec<(usize, usize, u32)>],
+        kind: usize,
         job: &Job,
     ) -> Result<()> {
         let rig = self.rig;
-        let asked =
-            (LATTICE_SAMPLES * FEW_CAMERAS / layers.len()).clamp(FEWEST_LATTICE_SAMPLES, LATTICE_SAMPLES);
         self.readings.par_iter_mut().enumerate().try_for_each(|(pair, readings)| {
             job.check()?;
             let [source, target] = [pair / layers.len(), pair % layers.len()];
@@ -180,8 +221,7 @@ impl<'a> Residuals<'a> {
                     registration: rig.registration(source, target),
                     source: &layers[source],
                     target: &layers[target],
-                    levels: levels.clone(),
-                    samples: asked * density * density,
+                    blocks: &blocks[source],
                 };
                 readings[kind].add(&simd::run(compare));
             }
@@ -201,14 +241,33 @@ impl<'a> Residuals<'a> {
     }
 }
 
-/// The samples of some levels of one camera against what another saw.
+/// Columns and rows of blocks of pixels of a layer, spread evenly, so that they hold about so many pixels.
+fn lattice(layer: &Layer, pixels: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
+    let (width, height) = (layer.width, layer.height());
+    let step = (width * height / pixels).isqrt().max(1);
+    (0..height).step_by(step).flat_map(move |row| {
+        // Neighboring rows begin elsewhere, so that no column of the picture is left out.
+        let first = row / step % step * LANES;
+        (first..width).step_by(step * LANES).map(move |column| (column, row))
+    })
+}
+
+/// Where the inverse depth changed by more than noise and rounding do.
+fn moved_lanes(before: &[f32; LANES], now: &[f32; LANES]) -> u32 {
+    let moved = |lane: usize| {
+        let [before, now] = [before[lane], now[lane]];
+        before >= 0.0 && now >= 0.0 && (before - now).abs() > MOVED_RELATIVE * before.max(now)
+    };
+    (0..LANES).fold(0, |lanes, lane| lanes | u32::from(moved(lane)) << lane)
+}
+
+/// Samples of one camera against what another saw.
 struct Compare<'a> {
     registration: &'a Registration,
     source: &'a Layer,
     target: &'a Layer,
-    levels: RangeInclusive<Level>,
-    /// Samples to compare, about, were all pixels of these levels.
-    samples: usize,
+    /// Column, row and lanes.
+    blocks: &'a [(usize, usize, u32)],
 }
 
 impl Work for Compare<'_> {
@@ -216,43 +275,33 @@ impl Work for Compare<'_> {
 
     #[inline(always)]
     fn run(self) -> Readings {
-        let Self { registration, source, target, levels, samples } = self;
+        let Self { registration, source, target, blocks } = self;
         let mut readings = Readings::default();
         if target.facets.is_empty() {
             return readings;
         }
         let limits = SameSurface::geometry_within(HIDING_FOOTPRINTS);
-        let (width, height) = (source.width, source.height());
-        let step = (width * height / samples).isqrt().max(1);
-        for row in (0..height).step_by(step) {
-            // Neighboring rows begin elsewhere, so that no column of the picture is left out.
-            let first = row / step % step * LANES;
-            for column in (first..width).step_by(step * LANES) {
-                let lanes = lanes_at(source, (column, row), |level| levels.contains(&level));
-                if lanes == 0 {
-                    continue;
-                }
-                let block = Block::<LANES>::new(source, column, row, lanes);
-                let carried = registration.carry(&block, target.width);
-                let mut wanted = [0; LANES];
-                for lane in 0..LANES {
-                    let counts = (block.rank[lane] & MIXED == 0) & (block.inverse_depth[lane] > 0.0);
-                    wanted[lane] = u32::from(counts & (carried.bits[lane] & IN_VIEW != 0));
-                }
-                let mut needs = Needs::new(0.0);
-                let answers = registration.compare_telling::<LANES, true>(
-                    source, target, &block, &carried, &limits, wanted, &mut needs,
-                );
-                for lane in (0..LANES).filter(|lane| wanted[*lane] != 0) {
-                    match answers.outcome(lane) {
-                        Outcome::Occluded | Outcome::NoDepth | Outcome::OutsideView | Outcome::Behind => {}
-                        Outcome::SeesPast | Outcome::NormalDiffers => {
-                            readings.footprints.count(needs.depth[lane]);
-                        }
-                        Outcome::ColorDiffers | Outcome::Seam | Outcome::Same(_) => {
-                            readings.footprints.count(needs.depth[lane]);
-                            readings.color_steps.count(needs.color[lane]);
-                        }
+        for &(column, row, lanes) in blocks.iter().filter(|(.., lanes)| *lanes != 0) {
+            let block = Block::<LANES>::new(source, column, row, lanes);
+            let carried = registration.carry(&block, target.width);
+            let mut wanted = [0; LANES];
+            for lane in 0..LANES {
+                let counts = (block.rank[lane] & MIXED == 0) & (block.inverse_depth[lane] > 0.0);
+                wanted[lane] = u32::from(counts & (carried.bits[lane] & IN_VIEW != 0));
+            }
+            let mut needs = Needs::new(0.0);
+            let answers = registration.compare_telling::<LANES, true>(
+                source, target, &block, &carried, &limits, wanted, &mut needs,
+            );
+            for lane in (0..LANES).filter(|lane| wanted[*lane] != 0) {
+                match answers.outcome(lane) {
+                    Outcome::Occluded | Outcome::NoDepth | Outcome::OutsideView | Outcome::Behind => {}
+                    Outcome::SeesPast | Outcome::NormalDiffers => {
+                        readings.footprints.count(needs.depth[lane]);
+                    }
+                    Outcome::ColorDiffers | Outcome::Seam | Outcome::Same(_) => {
+                        readings.footprints.count(needs.depth[lane]);
+                        readings.color_steps.count(needs.color[lane]);
                     }
                 }
             }
@@ -265,8 +314,9 @@ impl Work for Compare<'_> {
 /// can tell which one is wrong: both are named.
 #[must_use]
 pub fn doubts(pairs: &[Vec<PairResiduals>]) -> Vec<Doubt> {
-    let lasting = doubts_over(pairs, |pair| pair.lasting);
-    let moving = doubts_over(pairs, |pair| pair.moving).into_iter().filter_map(|(camera, own, usual)| {
+    let lasting = doubts_over(pairs, DOUBTFUL_POSE_FOOTPRINTS, |pair| Some(pair.lasting?.most_footprints));
+    let moving = doubts_over(pairs, DOUBTFUL_CLOCK_FOOTPRINTS, |pair| Some(pair.moving?.median_footprints));
+    let moving = moving.into_iter().filter_map(|(camera, own, usual)| {
         let has_wrong_pose = lasting.iter().any(|(other, ..)| *other == camera);
         (!has_wrong_pose).then_some(Doubt {
             camera,
@@ -287,12 +337,13 @@ pub fn doubts(pairs: &[Vec<PairResiduals>]) -> Vec<Doubt> {
 /// Camera, how far it is off where it fits best, and how far others are that fit each other.
 fn doubts_over(
     pairs: &[Vec<PairResiduals>],
-    of: impl Fn(&PairResiduals) -> Option<Residual>,
+    doubtful_footprints: f32,
+    of: impl Fn(&PairResiduals) -> Option<f32>,
 ) -> Vec<(usize, f32, f32)> {
     let cameras = pairs.len();
     let off = |a: usize, b: usize| {
         let both = [of(&pairs[a][b]), of(&pairs[b][a])];
-        both.into_iter().flatten().map(|residual| residual.most_footprints).reduce(f32::max)
+        both.into_iter().flatten().reduce(f32::max)
     };
     let best = |camera: usize, without: Option<usize>| {
         let others = (0..cameras).filter(|other| *other != camera && Some(*other) != without);
@@ -304,7 +355,7 @@ fn doubts_over(
         let mut usual: Vec<f32> = others.filter_map(|other| best(other, Some(camera))).collect();
         usual.sort_unstable_by(f32::total_cmp);
         let usual = usual.get(usual.len() / 2).copied().unwrap_or(0.0);
-        (own > DOUBTFUL_FOOTPRINTS && own > DOUBTFUL_RATIO * usual).then_some((camera, own, usual))
+        (own > doubtful_footprints && own > DOUBTFUL_RATIO * usual).then_some((camera, own, usual))
     };
     (0..cameras).filter_map(doubt).collect()
 }

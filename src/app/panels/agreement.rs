@@ -15,8 +15,7 @@ const LIGHTEST_FOOTPRINTS: f32 = 2.0;
 pub(super) fn ui(ui: &mut Ui, report: &Report) {
     let tokens = Tokens::in_ui(ui);
     ui.heading("How well cameras agree");
-    let help = "How far samples of the row's camera lie off what the column's camera saw there, in pixel footprints: 85 of 100 \
-                no farther. Where all of one camera's pairs are light, that camera is wrong.";
+    let help = "How far samples of the row's camera lie off what the column's camera saw there, in pixel footprints. Where all of one camera's pairs are light, that camera is wrong.";
     let doubts = report.doubts();
     if doubts.is_empty() {
         ui.label(RichText::new("No camera contradicts the others.").color(tokens.text_weak))
@@ -25,12 +24,20 @@ pub(super) fn ui(ui: &mut Ui, report: &Report) {
     for doubt in doubts {
         ui.label(RichText::new(text::sentence(&doubt)).color(tokens.warning)).on_hover_text(help);
     }
-    residuals_ui(ui, report, "What never moves (a wrong pose shows here)", |pair| pair.lasting);
+    let title = "What never moves, 85 % within (a wrong pose shows here)";
+    residuals_ui(ui, report, title, |pair| pair.lasting, |residual| residual.most_footprints);
     ui.add_space(space::SMALL);
-    residuals_ui(ui, report, "What moves (a wrong clock shows here alone)", |pair| pair.moving);
+    let title = "What moves, half within (a wrong clock shows here alone)";
+    residuals_ui(ui, report, title, |pair| pair.moving, |residual| residual.median_footprints);
 }
 
-fn residuals_ui(ui: &mut Ui, report: &Report, title: &str, of: impl Fn(&PairResiduals) -> Option<Residual>) {
+fn residuals_ui(
+    ui: &mut Ui,
+    report: &Report,
+    title: &str,
+    of: impl Fn(&PairResiduals) -> Option<Residual>,
+    footprints: impl Fn(&Residual) -> f32,
+) {
     let tokens = Tokens::in_ui(ui);
     ui.label(RichText::new(title).small().color(tokens.text_weak));
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
@@ -38,8 +45,8 @@ fn residuals_ui(ui: &mut Ui, report: &Report, title: &str, of: impl Fn(&PairResi
         let residual = of(report.residuals.get(row)?.get(column)?)?;
         let Residual { samples, median_footprints, most_footprints, median_color_steps } = residual;
         Some(Cell {
-            strength: Some((most_footprints / LIGHTEST_FOOTPRINTS).sqrt().min(1.0)),
-            text: format!("{most_footprints:.2}"),
+            strength: Some((footprints(&residual) / LIGHTEST_FOOTPRINTS).sqrt().min(1.0)),
+            text: format!("{:.2}", footprints(&residual)),
             help: format!(
                 "{} against {}: 85 % of {} samples within {most_footprints:.3} footprints, half within \
                  {median_footprints:.3}; half of their colors within {median_color_steps:.1} steps",

@@ -48,7 +48,8 @@ const TWO_COLUMNS: f32 = 720.0;
 /// The matrices alone.
 pub(super) fn matrix_view_ui(ui: &mut Ui, state: &State) {
     let Some(report) = state.report() else {
-        let text = "Who stands for whom, and how well cameras agree, is known once the whole capture is pruned.";
+        let text =
+            "Who stands for whom, and how well cameras agree, is known once the whole capture is pruned.";
         super::empty_ui(ui, ICON_GRID_ON, "No matrix yet", text, |_| {});
         return;
     };
