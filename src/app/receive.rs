@@ -45,6 +45,9 @@ impl OverlookApp {
             Message::Scanned { scene, scan } if Some(scene) == current => self.state.scan = Some(scan),
             Message::Pruned { scene, settings, result } if Some(scene) == current => {
                 let report = &result.report;
+                for doubt in report.doubts() {
+                    self.state.notify(NoticeKind::Warning, "Cameras disagree", text::sentence(&doubt));
+                }
                 let line = format!(
                     "Pruned the capture: {} of {} samples kept in {} s",
                     text::count(report.samples_kept),

@@ -46,13 +46,15 @@ pub(crate) fn time_left(secs: f32) -> String {
     }
 }
 
+/// The same text with a capital first letter.
+pub(crate) fn sentence(text: &str) -> String {
+    let mut characters = text.chars();
+    characters.next().map_or_else(String::new, |first| first.to_uppercase().chain(characters).collect())
+}
+
 /// A name of the code as words: `depth_tolerance` → `Depth tolerance`.
 pub(crate) fn words(name: &str) -> String {
-    let mut text = name.replace(['_', '-'], " ");
-    if let Some(first) = text.get_mut(0..1) {
-        first.make_ascii_uppercase();
-    }
-    text
+    sentence(&name.replace(['_', '-'], " "))
 }
 
 #[cfg(test)]

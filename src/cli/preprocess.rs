@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::evaluate::hold_out;
 use crate::job::Job;
 use crate::preprocess::report::CameraReport;
+use crate::preprocess::residuals::PairResiduals;
 use crate::preprocess::{Report, preprocess};
 use crate::settings::{CaptureSettings, Settings, SpanLevels};
 use crate::store::{self, Extras, Provenance};
@@ -87,6 +88,7 @@ impl PreprocessArgs {
             )?;
             Ok::<_, Error>((preprocessed.report, bytes))
         })?;
+        output::warn(&report.doubts());
         let result = PreprocessOutput {
             samples_in: report.samples_in,
             samples_kept: report.samples_kept,
@@ -171,6 +173,11 @@ impl PreprocessArgs {
         for camera in &result.report.cameras {
             let _ = writeln!(text, "  {}", measured(camera));
         }
+        if let Some((off, a, b)) = farthest_apart(&result.report) {
+            let [a, b] = [a, b].map(|camera| &result.report.cameras[camera].name);
+            let _ =
+                writeln!(text, "  farthest apart about what never moves: {a} and {b}, {off:.2} footprints");
+        }
         let _ = writeln!(
             text,
             "Raw {}, in memory {}, in the store {}",
@@ -190,6 +197,16 @@ impl PreprocessArgs {
             write!(text, "\nNext: overlook {store}, or overlook render {store} --views TRANSFORMS --out DIR");
         text
     }
+}
+
+/// The two cameras that agree least about what is the same over all frames, and by how many footprints 85 % of their samples
+/// are off at most; `None` where no two see the same.
+fn farthest_apart(report: &Report) -> Option<(f32, usize, usize)> {
+    let pairs = report.residuals.iter().enumerate().flat_map(|(a, row)| {
+        let of = move |(b, pair): (usize, &PairResiduals)| Some((pair.lasting?.most_footprints, a, b));
+        row.iter().enumerate().filter_map(of)
+    });
+    pairs.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// What was measured of a camera, and where the tolerances of the spans lie in the distribution of its pixels.

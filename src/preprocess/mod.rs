@@ -36,6 +36,7 @@ pub mod range_shares;
 pub mod ranges;
 pub mod registration;
 pub mod report;
+pub mod residuals;
 mod rig;
 pub mod same_surface;
 pub mod samples;
@@ -46,6 +47,7 @@ pub mod span_samples;
 pub mod span_sums;
 pub mod span_tree;
 pub mod split;
+mod spread;
 pub mod static_test;
 mod summons;
 pub mod temporal;
@@ -71,6 +73,7 @@ use layer::{Layer, Level, ROOT};
 use pack::Masks;
 use pruning::{Decided, Rig};
 use report::Tally;
+use residuals::Residuals;
 use span_tree::{SpanTree, all_frames};
 
 pub use argument::spans_of_pixel;
@@ -132,14 +135,17 @@ pub fn prune(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &
     tally.add(scan.tree(&settings.spans).root(), &background.decided);
     let images = pack_all(all_frames(scan.frames), &background.layers, &background.decided, settings);
     let rig = Rig::new(&capture.cameras);
+    let mut residuals = Residuals::new(&rig, scan.frames);
+    residuals.add_lasting(&background.layers, job)?;
     let descent = Descent::new(capture, Some(scan), &rig, settings, background);
     job.start("Pruning frames", scan.frames);
-    let mut walk = Walk { tree: descent.tree(), descent, tally, images, settings, job };
+    let mut walk = Walk { tree: descent.tree(), descent, tally, residuals, images, settings, job };
     walk.below(all_frames(scan.frames), ROOT)?;
-    let Walk { tally, mut images, .. } = walk;
+    let Walk { tally, residuals, mut images, .. } = walk;
     images.sort_by_key(|image| (Reverse(image.span.len()), image.span, image.camera));
     let samples = Arc::new(sample_set(capture, settings, images));
     let mut report = tally.finish(&samples);
+    report.residuals = residuals.finish();
     report.seconds = started.elapsed().as_secs_f64();
     Ok(Preprocessed { samples, report })
 }
@@ -149,6 +155,7 @@ struct Walk<'a> {
     tree: SpanTree,
     descent: Descent<'a>,
     tally: Tally,
+    residuals: Residuals<'a>,
     images: Vec<SampleImage>,
     settings: &'a Settings,
     job: &'a Job,
@@ -164,6 +171,9 @@ impl Walk<'_> {
             // Of a single frame the paper's two levels are as long as each other.
             if child.len() < span.len() {
                 self.below(child, level + 1)?;
+            }
+            if child.len() == 1 {
+                self.residuals.add_moving(child.start as usize, &self.descent.layers, self.job)?;
             }
             self.descent.leave(&step);
             if child.len() == 1 {

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::normal_errors::NormalErrors;
 use super::pruning::Decided;
 use super::range_shares::RangeFacts;
+use super::residuals::{PairResiduals, doubts};
 use super::sampling_rate::Rate;
 use super::temporal::CameraScan;
 use super::{Rule, SampleSet, Span, TemporalScan, Verdict};
@@ -74,6 +75,8 @@ pub struct Report {
     /// `rate_disputes[a][b]`: samples of whose point the paper's rate names camera `a` as the best-sampled and the footprint
     /// (its longest side where that decides, else its area) another camera, `b`.
     pub rate_disputes: Vec<Vec<u64>>,
+    /// `residuals[a][b]`: how well the samples of camera `a` fit what camera `b` saw; nothing of a camera itself.
+    pub residuals: Vec<Vec<PairResiduals>>,
     /// Samples whose color was found to be blended across a silhouette, and what became of them: `found`, `yielded`,
     /// `dropped`, `kept`. Nobody looks for them where mixed pixels are kept or the capture's color is not filtered.
     pub mixed_pixels: BTreeMap<String, u64>,
@@ -83,6 +86,15 @@ pub struct Report {
     pub bytes_memory: u64,
     /// Wall-clock seconds of the whole preprocessing.
     pub seconds: f64,
+}
+
+impl Report {
+    /// What is to be said about cameras that do not fit the others; see [`doubts`].
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        let doubts = doubts(&self.residuals).into_iter();
+        doubts.filter_map(|doubt| Some(doubt.sentence(&self.cameras.get(doubt.camera)?.name))).collect()
+    }
 }
 
 /// Bytes of one input pixel as 8-bit color and 32-bit depth.

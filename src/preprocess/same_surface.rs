@@ -75,6 +75,20 @@ impl SameSurface {
         }
     }
 
+    /// Thresholds by which surfaces are the same up to a distance in footprints, however they face and look.
+    #[must_use]
+    pub fn geometry_within(footprints: f32) -> Self {
+        Self {
+            depth_footprints: footprints,
+            normal_cosine: f32::NEG_INFINITY,
+            color_steps: f32::from(u16::MAX),
+            noise_sigmas: 0.0,
+            overlap: false,
+            deepest: u32::from(Level::MAX),
+            has_deeper: true,
+        }
+    }
+
     /// These thresholds for samples of `level`, to which those of deeper levels do not exist yet.
     #[must_use]
     pub fn at_level(self, level: Level) -> Self {

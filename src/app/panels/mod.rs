@@ -1,7 +1,9 @@
 //! The areas of the window. Each borrows the state and sends commands; none changes anything itself.
 
+mod agreement;
 mod histogram;
 mod log;
+mod matrix;
 mod memory_view;
 mod notices;
 mod palette;

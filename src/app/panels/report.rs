@@ -1,4 +1,4 @@
-//! What was pruned, by which rule, for which camera, and how noisy the capture is.
+//! What was pruned, by which rule, for which camera, how well cameras agree, and how noisy the capture is.
 
 use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2, vec2};
 
@@ -8,6 +8,8 @@ use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
 use super::super::views::colormap;
+use super::agreement;
+use super::matrix::{self, Cell};
 use crate::preprocess::Report;
 use crate::preprocess::report::CameraReport;
 
@@ -33,6 +35,8 @@ pub(super) fn report_ui(ui: &mut Ui, state: &State) {
         ui.add_space(space::LARGE);
         matrix_ui(ui, report);
         ui.add_space(space::LARGE);
+        agreement::ui(ui, report);
+        ui.add_space(space::LARGE);
         cameras_ui(ui, report);
         ui.add_space(space::LARGE);
     });
@@ -45,7 +49,11 @@ pub(super) fn matrix_view_ui(ui: &mut Ui, state: &State) {
         super::empty_ui(ui, ICON_GRID_ON, "No matrix yet", text, |_| {});
         return;
     };
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| matrix_ui(ui, report));
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        matrix_ui(ui, report);
+        ui.add_space(space::LARGE);
+        agreement::ui(ui, report);
+    });
 }
 
 fn rule_words(rule: &str) -> (String, &'static str) {
@@ -116,75 +124,17 @@ fn matrix_ui(ui: &mut Ui, report: &Report) {
         RichText::new("Rows lose samples, columns keep the ones that stand for them.")
             .color(tokens.text_weak),
     );
-    let cameras = report.cameras.len();
-    if cameras == 0 {
-        return;
-    }
-    let name_width = 78.0;
-    let cell = ((ui.available_width() - name_width) / cameras as f32).clamp(3.0, 44.0);
     let most = report.witnesses.iter().flatten().copied().max().unwrap_or(0).max(1) as f32;
-    let small = egui::TextStyle::Small.resolve(ui.style());
-    let (area, _) = ui.allocate_exact_size(
-        vec2(ui.available_width(), 18.0 + cell.min(24.0) * cameras as f32),
-        Sense::hover(),
-    );
-    let painter = ui.painter_at(area);
-    let height = cell.min(24.0);
-    for (loser, row) in report.witnesses.iter().enumerate() {
-        let top = area.top() + 18.0 + height * loser as f32;
-        let name = &report.cameras[loser].name;
-        camera_name(&painter, egui::pos2(area.left(), top + height / 2.0), loser, name, &small, tokens);
-        for (winner, &count) in row.iter().enumerate() {
-            let left = area.left() + name_width + cell * winner as f32;
-            let rect = Rect::from_min_size(egui::pos2(left, top), vec2(cell, height)).shrink(1.0);
-            if loser == 0 {
-                let center = egui::pos2(rect.center().x, area.top() + 8.0);
-                painter.circle_filled(center, 4.0, colormap::camera(winner));
-            }
+    let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    matrix::ui(ui, &names, |loser, winner| {
+        let count = *report.witnesses.get(loser)?.get(winner)?;
+        Some(Cell {
             // The square root lets small counts be told from none.
-            let strength = (count as f32 / most).sqrt();
-            let color = if count == 0 { tokens.background } else { colormap::sequential(strength) };
-            painter.rect_filled(rect, 2.0, color);
-            if cell >= 40.0 && count > 0 {
-                // The map passes mid gray at about half its range: black reads on what is lighter, white on the rest.
-                let text_color = if strength > 0.55 { egui::Color32::BLACK } else { egui::Color32::WHITE };
-                let font = egui::FontId::proportional(10.0);
-                painter.text(
-                    rect.center(),
-                    egui::Align2::CENTER_CENTER,
-                    text::count(count),
-                    font,
-                    text_color,
-                );
-            }
-            let label =
-                format!("{name}: {} samples dropped for {}", text::count(count), report.cameras[winner].name);
-            let response = ui.interact(rect, ui.scope_id().with((loser, winner)), Sense::hover());
-            response.on_hover_text(label);
-        }
-    }
-}
-
-fn camera_name(
-    painter: &egui::Painter,
-    at: egui::Pos2,
-    index: usize,
-    name: &str,
-    font: &egui::FontId,
-    tokens: &Tokens,
-) {
-    painter.circle_filled(at + vec2(5.0, 0.0), 4.0, colormap::camera(index));
-    painter.text(at + vec2(14.0, 0.0), egui::Align2::LEFT_CENTER, short(name, 11), font.clone(), tokens.text);
-}
-
-/// The first characters of a name, and whether there are more.
-fn short(name: &str, length: usize) -> String {
-    if name.chars().count() <= length {
-        return name.to_owned();
-    }
-    let mut text: String = name.chars().take(length - 1).collect();
-    text.push('…');
-    text
+            strength: (count > 0).then(|| (count as f32 / most).sqrt()),
+            text: text::count(count),
+            help: format!("{}: {} samples dropped for {}", names[loser], text::count(count), names[winner]),
+        })
+    });
 }
 
 /// What was measured of a camera, and where the tolerances of the spans lie in it.
@@ -225,7 +175,7 @@ fn cameras_ui(ui: &mut Ui, report: &Report) {
                 ui.horizontal(|ui| {
                     let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
                     ui.painter().circle_filled(dot.center(), 4.0, colormap::camera(index));
-                    ui.label(short(&camera.name, 12)).on_hover_text(&camera.name);
+                    ui.label(matrix::short(&camera.name, 12)).on_hover_text(&camera.name);
                 });
                 ui.label(text::count(camera.background_kept + camera.foreground_kept));
                 ui.label(text::percent(camera.background_pixels, camera.pixels / frames));

@@ -6,6 +6,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 use half::f16;
+use half::slice::HalfFloatSliceExt;
 
 use crate::capture::{Camera, Frame, INVALID_INVERSE_DEPTH};
 use crate::error::{Error, Result};
@@ -75,11 +76,8 @@ impl Layers {
         let normal_in_world = self.normal.as_ref().map(|(planes, space)| {
             Grid::from_vec(width, height, world_normals(planes, *space, &self.inverse_depth, camera))
         });
-        let [red, green, blue] = &self.color;
-        let color =
-            red.iter().zip(green).zip(blue).map(|((&r, &g), &b)| [r, g, b].map(finite_half)).collect();
         Ok(Frame {
-            color: Grid::from_vec(width, height, color),
+            color: Grid::from_vec(width, height, finite_halves(&self.color)),
             inverse_depth: Grid::from_vec(width, height, self.inverse_depth),
             normal_in_world,
             depth_step_relative: self.depth_step_relative,
@@ -88,11 +86,15 @@ impl Layers {
 
     /// Marks pixels whose color is not finite or is not there as invalid, and says how many there were.
     fn invalidate_pixels_without_color(&mut self) -> usize {
+        let [red, green, blue] = &self.color;
         let mut without_color = 0;
-        for (index, inverse) in self.inverse_depth.iter_mut().enumerate() {
-            let is_finite = self.color.iter().all(|plane| plane[index].is_finite());
-            let is_transparent = self.alpha.as_ref().is_some_and(|alpha| alpha[index] <= 0.0);
-            if !is_finite || (is_transparent && *inverse == 0.0) {
+        for (((inverse, r), g), b) in self.inverse_depth.iter_mut().zip(red).zip(green).zip(blue) {
+            let is_finite = r.is_finite() & g.is_finite() & b.is_finite();
+            *inverse = if is_finite { *inverse } else { INVALID_INVERSE_DEPTH };
+            without_color += usize::from(!is_finite);
+        }
+        for (inverse, alpha) in self.inverse_depth.iter_mut().zip(self.alpha.iter().flatten()) {
+            if *alpha <= 0.0 && *inverse == 0.0 {
                 *inverse = INVALID_INVERSE_DEPTH;
                 without_color += 1;
             }
@@ -101,13 +103,27 @@ impl Layers {
     }
 }
 
-/// The nearest half float; beyond the largest one the largest, and 0 where there is no color.
-fn finite_half(value: f32) -> f16 {
-    if value.is_finite() {
-        f16::from_f32(value.clamp(f16::MIN.to_f32(), f16::MAX.to_f32()))
-    } else {
-        f16::ZERO
+/// Pixels whose color is narrowed at a time: alone, each half float would ask the processor what it can do.
+const NARROWED: usize = 256;
+
+/// The nearest half floats, channel by channel in turn; beyond the largest one the largest, and 0 where there is no color.
+fn finite_halves(planes: &[Vec<f32>; 3]) -> Vec<[f16; 3]> {
+    let mut color = vec![[f16::ZERO; 3]; planes[0].len()];
+    let mut finite = [0.0; NARROWED];
+    let mut halves = [f16::ZERO; NARROWED];
+    for (index, color) in color.chunks_mut(NARROWED).enumerate() {
+        for (channel, plane) in planes.iter().enumerate() {
+            for (finite, value) in finite.iter_mut().zip(&plane[index * NARROWED..]) {
+                let within = value.max(f16::MIN.to_f32_const()).min(f16::MAX.to_f32_const());
+                *finite = if value.is_finite() { within } else { 0.0 };
+            }
+            halves.convert_from_f32_slice(&finite);
+            for (color, half) in color.iter_mut().zip(&halves) {
+                color[channel] = *half;
+            }
+        }
     }
+    color
 }
 
 /// Unit normals toward the camera; zero where nothing was hit or none is recorded. Blender filters normals as it does

@@ -9,7 +9,8 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
+use crate::capture::{Camera, INVALID_INVERSE_DEPTH, Intrinsics};
+use crate::simd::{self, Work};
 
 /// Depth at or beyond this was not hit: Blender writes 1e10, others `f32::MAX` or infinity.
 const MISS_DEPTH: f32 = 1e9;
@@ -82,53 +83,47 @@ impl Default for DepthRules {
 impl DepthRules {
     /// Inverse planar z of a raw `value` at a pixel whose ray, scaled to z = 1, has the given length: 0 where nothing
     /// was hit, [`INVALID_INVERSE_DEPTH`] for NaN, negative and unmeasured values.
+    #[inline(always)]
     #[must_use]
     pub fn inverse_depth(&self, value: f32, ray_length: f64) -> f32 {
         let raw = f64::from(value);
-        let is_given_miss = self
-            .miss_value
-            .is_some_and(|miss| raw == miss || (raw - miss).abs() <= RELATIVE_SLACK * miss.abs());
-        if is_given_miss || value >= MISS_DEPTH || (self.is_half && value >= HALF_MAX) {
-            return 0.0;
-        }
-        if value == 0.0 {
-            return if self.zero_is_unknown { INVALID_INVERSE_DEPTH } else { 0.0 };
-        }
-        if value.is_nan() || value < 0.0 {
-            return INVALID_INVERSE_DEPTH;
-        }
         let scaled = raw * self.unit_scale;
         let depth_z = match self.kind {
             DepthKind::PlanarZ | DepthKind::WorldPosition => scaled,
             DepthKind::RayDistance => scaled / ray_length,
             DepthKind::RayDistanceFromNearClip => scaled / ray_length + self.near_clip,
         };
-        self.inverse_of_planar(depth_z)
+        // No branches but on what is the same for a whole plane: sixteen pixels are worked on at once.
+        let miss = self.miss_value.unwrap_or(f64::NAN);
+        let is_given_miss = (raw == miss) | ((raw - miss).abs() <= RELATIVE_SLACK * miss.abs());
+        let is_miss = is_given_miss | (value >= MISS_DEPTH) | (self.is_half & (value >= HALF_MAX));
+        let at_zero = if self.zero_is_unknown { INVALID_INVERSE_DEPTH } else { 0.0 };
+        let inverse = self.inverse_of_planar(depth_z);
+        let inverse = if value > 0.0 { inverse } else { INVALID_INVERSE_DEPTH };
+        let inverse = if value == 0.0 { at_zero } else { inverse };
+        if is_miss { 0.0 } else { inverse }
     }
 
+    #[inline(always)]
     fn inverse_of_planar(&self, depth_z: f64) -> f32 {
-        if self.far_clip.is_some_and(|far| depth_z >= far * (1.0 - RELATIVE_SLACK)) {
-            return 0.0;
-        }
+        let far = self.far_clip.map_or(f64::INFINITY, |far| far * (1.0 - RELATIVE_SLACK));
         let inverse = (1.0 / depth_z) as f32;
         // Not a number, behind the camera, or so close that the reciprocal overflows.
-        if inverse.is_finite() && inverse >= 0.0 { inverse } else { INVALID_INVERSE_DEPTH }
+        let is_good = inverse.is_finite() & (inverse >= 0.0);
+        let inverse = if is_good { inverse } else { INVALID_INVERSE_DEPTH };
+        if depth_z >= far { 0.0 } else { inverse }
     }
 
     /// Inverse planar z of every pixel of `camera` from a plane of raw values, row-major.
     #[must_use]
     pub fn inverse_depth_plane(&self, values: &[f32], camera: &Camera) -> Vec<f32> {
-        let needs_rays = matches!(self.kind, DepthKind::RayDistance | DepthKind::RayDistanceFromNearClip);
-        let width = camera.intrinsics.size().0;
-        let ray_length = |index: usize| {
-            let pixel = DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
-            if needs_rays { camera.intrinsics.ray_in_camera(pixel).length() } else { 1.0 }
-        };
-        values
-            .iter()
-            .enumerate()
-            .map(|(index, &value)| self.inverse_depth(value, ray_length(index)))
-            .collect()
+        let width = camera.intrinsics.size().0.max(1);
+        let mut inverse_depth = vec![0.0; values.len()];
+        let rows = inverse_depth.chunks_mut(width).zip(values.chunks(width)).enumerate();
+        for (y, (inverse_depth, values)) in rows {
+            simd::run(Row { rules: *self, intrinsics: camera.intrinsics, y, values, inverse_depth });
+        }
+        inverse_depth
     }
 
     /// Inverse planar z of every pixel of `camera` from planes of world-space positions, row-major. A position of
@@ -156,10 +151,37 @@ impl DepthRules {
     }
 }
 
+/// One row of pixels to be read.
+struct Row<'a> {
+    rules: DepthRules,
+    intrinsics: Intrinsics,
+    y: usize,
+    values: &'a [f32],
+    inverse_depth: &'a mut [f32],
+}
+
+impl Work for Row<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { rules, intrinsics, y, values, inverse_depth } = self;
+        if matches!(rules.kind, DepthKind::PlanarZ | DepthKind::WorldPosition) {
+            for (inverse, &value) in inverse_depth.iter_mut().zip(values) {
+                *inverse = rules.inverse_depth(value, 1.0);
+            }
+        } else {
+            for (x, (inverse, &value)) in inverse_depth.iter_mut().zip(values).enumerate() {
+                let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                *inverse = rules.inverse_depth(value, intrinsics.ray_in_camera(pixel).length());
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::Intrinsics;
 
     fn camera() -> Camera {
         let intrinsics = Intrinsics { width: 9, height: 7, fx: 5.0, fy: 6.0, cx: 4.0, cy: 3.0 };

@@ -13,6 +13,7 @@ use exr::compression::Compression;
 use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use half::f16;
+use half::slice::HalfFloatSliceExt;
 
 use super::guard::{self, guarded};
 use crate::error::{Error, Result};
@@ -232,7 +233,7 @@ impl ExrFile {
             }
             let target = &mut row[(first_x + start as i64) as usize..][..end - start];
             match header.channels.list[line.location.channel].sample_type {
-                SampleType::F16 => copy_samples(line.value, start, target, f32_from_half),
+                SampleType::F16 => widen_halves(line.value, start, target),
                 SampleType::F32 => copy_samples(line.value, start, target, f32::from_ne_bytes),
                 SampleType::U32 => copy_samples(line.value, start, target, f32_from_integer),
             }
@@ -252,6 +253,24 @@ fn copy_samples<const BYTES: usize>(
     }
 }
 
+fn f32_from_integer(bytes: [u8; 4]) -> f32 {
+    u32::from_ne_bytes(bytes) as f32
+}
+
+/// Half floats that are widened at a time: alone, each would ask the processor what it can do.
+const HALVES: usize = 256;
+
+fn widen_halves(bytes: &[u8], start: usize, target: &mut [f32]) {
+    let (samples, _) = bytes.as_chunks::<2>();
+    let mut halves = [f16::ZERO; HALVES];
+    for (target, samples) in target.chunks_mut(HALVES).zip(samples[start..].chunks(HALVES)) {
+        for (half, sample) in halves.iter_mut().zip(samples) {
+            *half = f16::from_ne_bytes(*sample);
+        }
+        halves[..target.len()].convert_to_f32_slice(target);
+    }
+}
+
 /// Half a unit in the last of the 11 binary digits of a half float, or of the 16 that PXR24 leaves of a float.
 fn step_relative(sample_type: SampleType, compression: Compression) -> f32 {
     match (sample_type, compression) {
@@ -259,14 +278,6 @@ fn step_relative(sample_type: SampleType, compression: Compression) -> f32 {
         (SampleType::F32, Compression::PXR24) => 1.0 / 65_536.0,
         _ => 0.0,
     }
-}
-
-fn f32_from_half(bytes: [u8; 2]) -> f32 {
-    f16::from_ne_bytes(bytes).to_f32()
-}
-
-fn f32_from_integer(bytes: [u8; 4]) -> f32 {
-    u32::from_ne_bytes(bytes) as f32
 }
 
 /// `part.channel`, unless the channel bears the part's name already: Blender 5 names both in full, others do not.

@@ -1,0 +1,52 @@
+//! How well cameras agree about where things are: a wrong pose shows in what never moves, a wrong clock in what does.
+
+use egui::{RichText, Ui};
+
+use super::super::text;
+use super::super::theme::{Tokens, space};
+use super::matrix::{self, Cell};
+use crate::preprocess::Report;
+use crate::preprocess::residuals::{PairResiduals, Residual};
+
+/// Residuals from here on are as light as can be, in footprints: a tenth of a footprint can be told from none.
+const LIGHTEST_FOOTPRINTS: f32 = 2.0;
+
+/// Both matrices, and what is to be said about cameras that do not fit.
+pub(super) fn ui(ui: &mut Ui, report: &Report) {
+    let tokens = Tokens::in_ui(ui);
+    ui.heading("How well cameras agree");
+    let help = "How far samples of the row's camera lie off what the column's camera saw there, in pixel footprints: 85 of 100 \
+                no farther. Where all of one camera's pairs are light, that camera is wrong.";
+    let doubts = report.doubts();
+    if doubts.is_empty() {
+        ui.label(RichText::new("No camera contradicts the others.").color(tokens.text_weak))
+            .on_hover_text(help);
+    }
+    for doubt in doubts {
+        ui.label(RichText::new(text::sentence(&doubt)).color(tokens.warning)).on_hover_text(help);
+    }
+    residuals_ui(ui, report, "What never moves (a wrong pose shows here)", |pair| pair.lasting);
+    ui.add_space(space::SMALL);
+    residuals_ui(ui, report, "What moves (a wrong clock shows here alone)", |pair| pair.moving);
+}
+
+fn residuals_ui(ui: &mut Ui, report: &Report, title: &str, of: impl Fn(&PairResiduals) -> Option<Residual>) {
+    let tokens = Tokens::in_ui(ui);
+    ui.label(RichText::new(title).small().color(tokens.text_weak));
+    let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    matrix::ui(ui, &names, |row, column| {
+        let residual = of(report.residuals.get(row)?.get(column)?)?;
+        let Residual { samples, median_footprints, most_footprints, median_color_steps } = residual;
+        Some(Cell {
+            strength: Some((most_footprints / LIGHTEST_FOOTPRINTS).sqrt().min(1.0)),
+            text: format!("{most_footprints:.2}"),
+            help: format!(
+                "{} against {}: 85 % of {} samples within {most_footprints:.3} footprints, half within \
+                 {median_footprints:.3}; half of their colors within {median_color_steps:.1} steps",
+                names[row],
+                names[column],
+                text::count(samples),
+            ),
+        })
+    });
+}

@@ -1,0 +1,166 @@
+//! Cameras that are wrong about where or when they were are found out, and degrade the result instead of destroying it.
+
+mod scene;
+
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
+use overlook::error::Result;
+use overlook::job::Job;
+use overlook::preprocess::residuals::{Doubt, doubts};
+use overlook::preprocess::{Report, inspect_frame, preprocess, scan};
+use overlook::settings::{PruningMethod, Settings};
+use scene::{Scene, Sphere, arc};
+
+const FRAMES: usize = 8;
+const WRONG: usize = 2;
+
+/// A still life in which a large ball goes by, as fast as itself in a few frames.
+fn passing_ball() -> Scene {
+    let mut scene = Scene::still_life();
+    let center = |frame: usize| Some(DVec3::new(-1.6 + 0.25 * frame as f64, -0.6, 0.5));
+    scene.spheres.push(Sphere { center: Arc::new(center), radius: 0.5, color: [0.2, 0.3, 0.7] });
+    scene
+}
+
+/// The scene as cameras record it of which one is late by some frames.
+struct Late {
+    scene: Scene,
+    cameras: Vec<Camera>,
+    camera: usize,
+    by: usize,
+}
+
+impl FrameSource for Late {
+    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
+        let recorded = if camera == self.camera { frame.saturating_sub(self.by) } else { frame };
+        Ok(self.scene.trace(&self.cameras[camera], recorded, camera))
+    }
+
+    fn place(&self, camera: usize, frame: usize) -> String {
+        format!("late scene, camera {camera}, frame {frame}")
+    }
+}
+
+fn record_late(cameras: Vec<Camera>, by: usize) -> Capture {
+    let source = Late { scene: passing_ball(), cameras: cameras.clone(), camera: WRONG, by };
+    let parts = CaptureParts {
+        name: "late".to_owned(),
+        frame_numbers: (0..FRAMES as i64).collect(),
+        up_in_world: DVec3::Z,
+        has_normals: true,
+        antialiased_color: false,
+        warnings: Vec::new(),
+        source: Arc::new(source),
+        cameras,
+    };
+    Capture::new(parts, 256 << 20)
+}
+
+/// The passing ball, by cameras of which one looks lower than it is said to.
+fn record_turned(count: usize, radians: f64) -> Capture {
+    let mut capture = passing_ball().record(arc(count, 96), FRAMES);
+    let pose = &mut capture.cameras[WRONG.min(count - 1)].world_from_camera;
+    pose.matrix3 *= DMat3::from_rotation_x(radians);
+    capture
+}
+
+fn report_of(capture: &Capture) -> Report {
+    preprocess(capture, &Settings::default(), &Job::new()).unwrap().report
+}
+
+fn doubts_of(report: &Report) -> Vec<Doubt> {
+    doubts(&report.residuals)
+}
+
+/// Radians by which a camera of 96 pixels and 0.9 radians is turned for its picture to move by some pixels.
+fn radians(pixels: f64) -> f64 {
+    pixels * 0.9 / 96.0
+}
+
+#[test]
+fn correct_cameras_agree_and_nobody_is_doubted() {
+    let report = report_of(&record_late(arc(4, 96), 0));
+    assert_eq!(report.residuals.len(), 4);
+    for (a, row) in report.residuals.iter().enumerate() {
+        for (b, pair) in row.iter().enumerate() {
+            assert_eq!(pair.lasting.is_some(), a != b, "{a} {b}");
+            let Some(lasting) = pair.lasting else { continue };
+            assert!(lasting.samples > 500, "{a} {b}: {lasting:?}");
+            assert!(lasting.median_footprints < 0.02, "{a} {b}: {lasting:?}");
+            assert!(lasting.median_color_steps < 6.0, "{a} {b}: {lasting:?}");
+            assert!(pair.moving.is_some_and(|moving| moving.median_footprints < 0.05), "{a} {b}: {pair:?}");
+        }
+    }
+    assert_eq!(report.doubts(), Vec::<String>::new());
+}
+
+#[test]
+fn a_camera_that_is_turned_by_a_pixel_is_named_and_so_is_nobody_else() {
+    let report = report_of(&record_turned(4, radians(1.0)));
+    let found = doubts_of(&report);
+    assert_eq!(
+        found.iter().map(|doubt| (doubt.camera, doubt.over_time)).collect::<Vec<_>>(),
+        [(WRONG, false)]
+    );
+    assert!(found[0].footprints > 8.0 * found[0].usual_footprints, "{found:?}");
+    let sentence = &report.doubts()[0];
+    assert!(
+        sentence.contains("'arc2'") && sentence.contains("pose") && !sentence.contains('\n'),
+        "{sentence}"
+    );
+    // Twice as wrong is about twice as far off.
+    let twice = doubts_of(&report_of(&record_turned(4, radians(2.0))));
+    let growth = twice[0].footprints / found[0].footprints;
+    assert!((1.4..3.0).contains(&growth), "{growth}: {found:?} {twice:?}");
+}
+
+/// Turned to the side, a plane that fills nearly all of the picture shifts within itself. What stands out gives it away.
+#[test]
+fn a_camera_that_is_turned_along_the_ground_is_named_by_what_moves() {
+    let mut capture = record_turned(4, 0.0);
+    capture.cameras[WRONG].world_from_camera.matrix3 *= DMat3::from_rotation_y(radians(2.0));
+    let found = doubts_of(&report_of(&capture));
+    assert_eq!(found.iter().map(|doubt| doubt.camera).collect::<Vec<_>>(), [WRONG]);
+}
+
+#[test]
+fn of_two_cameras_that_disagree_both_are_named() {
+    let found = doubts_of(&report_of(&record_turned(2, radians(2.0))));
+    assert_eq!(found.iter().map(|doubt| doubt.camera).collect::<Vec<_>>(), [0, 1]);
+}
+
+#[test]
+fn a_camera_that_is_late_is_doubted_over_what_moves_alone() {
+    let report = report_of(&record_late(arc(4, 96), 2));
+    let found = doubts_of(&report);
+    assert_eq!(
+        found.iter().map(|doubt| (doubt.camera, doubt.over_time)).collect::<Vec<_>>(),
+        [(WRONG, true)]
+    );
+    for pair in &report.residuals[WRONG] {
+        assert!(pair.lasting.is_none_or(|lasting| lasting.median_footprints < 0.02), "{pair:?}");
+    }
+    assert!(report.doubts()[0].contains("early or late"));
+}
+
+#[test]
+fn a_wrong_camera_costs_samples_and_nothing_else() {
+    let mut off = Settings::default();
+    off.pruning.method = PruningMethod::Off;
+    let capture = record_turned(4, radians(2.0));
+    let all = preprocess(&capture, &off, &Job::new()).unwrap().report.samples_kept;
+    let wrong = preprocess(&capture, &Settings::default(), &Job::new()).unwrap();
+    let correct = report_of(&record_turned(4, 0.0)).samples_kept;
+    // The three others still stand for each other, and nothing is dropped without a witness.
+    assert!(correct < wrong.report.samples_kept, "{correct} {}", wrong.report.samples_kept);
+    assert!(wrong.report.samples_kept < all * 9 / 10, "{} of {all}", wrong.report.samples_kept);
+    let scan = scan(&capture, &Settings::default(), &Job::new()).unwrap();
+    let inspection = inspect_frame(&capture, Some(&scan), &Settings::default(), 3, &Job::new()).unwrap();
+    let verdicts: Vec<_> = inspection.cameras.iter().map(|camera| camera.verdict.as_slice()).collect();
+    let dropped = verdicts.iter().flat_map(|verdicts| verdicts.iter()).filter(|verdict| !verdict.is_kept());
+    for verdict in dropped {
+        assert!(verdicts[verdict.witness_camera as usize][verdict.witness_pixel as usize].is_kept());
+    }
+}
