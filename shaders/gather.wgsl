@@ -139,23 +139,29 @@ fn gather(
     @builtin(local_invocation_id) local: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    load_patch(group.xy, thread);
     let pixel = group.xy * TILE + local.xy;
-    if pixel.x >= stage.width || pixel.y >= stage.height {
-        return;
-    }
     let at = vec2<f32>(pixel);
-    let standing = get_standing(pixel.y * stage.width + pixel.x);
-    var color = vec3<f32>(0.0);
-    // One loop for both surfaces, so that compilers that inline everything have half as much to inline.
-    for (var side = 0u; side < 2u; side++) {
-        let key = select(standing.near, standing.far, side == 1u);
-        let share = select(standing.share, 1.0 - standing.share, side == 1u);
-        if key.y != 0u && share > 0.0 {
-            color += share * surface_color(key, at);
+    // Pixels of the background among its own samples; then those beside which a foreground is seen, among all.
+    for (var layer = 0u; layer < 2u; layer++) {
+        let both = layer == 1u;
+        if both && workgroupUniformLoad(&has_foreground) == 0u {
+            break;
+        }
+        load_patch(group.xy, thread, both);
+        if pixel.x < stage.width && pixel.y < stage.height && is_near_foreground(local.xy) == both {
+            let standing = get_standing(pixel.y * stage.width + pixel.x);
+            var color = vec3<f32>(0.0);
+            // One loop for both surfaces, so that compilers that inline everything have half as much to inline.
+            for (var side = 0u; side < 2u; side++) {
+                let key = select(standing.near, standing.far, side == 1u);
+                let share = select(standing.share, 1.0 - standing.share, side == 1u);
+                if key.y != 0u && share > 0.0 {
+                    color += share * surface_color(key, at);
+                }
+            }
+            let shows_far = standing.far.y != 0u && standing.share < 0.5;
+            let key = select(standing.near, standing.far, shows_far);
+            set_pixel(pixel.y * stage.width + pixel.x, key, color);
         }
     }
-    let shows_far = standing.far.y != 0u && standing.share < 0.5;
-    let key = select(standing.near, standing.far, shows_far);
-    set_pixel(pixel.y * stage.width + pixel.x, key, color);
 }

@@ -197,10 +197,17 @@ fn silhouette(
     @builtin(local_invocation_id) local: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    load_patch(group.xy, thread);
     let pixel = group.xy * TILE + local.xy;
-    if pixel.x < stage.width && pixel.y < stage.height {
-        let standing = decide(vec2<i32>(local.xy), vec2<f32>(pixel));
-        put_standing(pixel.y * stage.width + pixel.x, standing);
+    // Pixels of the background among its own samples; then those beside which a foreground is seen, among all.
+    for (var layer = 0u; layer < 2u; layer++) {
+        let both = layer == 1u;
+        if both && workgroupUniformLoad(&has_foreground) == 0u {
+            break;
+        }
+        load_patch(group.xy, thread, both);
+        if pixel.x < stage.width && pixel.y < stage.height && is_near_foreground(local.xy) == both {
+            let standing = decide(vec2<i32>(local.xy), vec2<f32>(pixel));
+            put_standing(pixel.y * stage.width + pixel.x, standing);
+        }
     }
 }

@@ -1,5 +1,5 @@
 // The z-buffer of a block of pixels and a ring around it, and the cameras whose samples are seen there.
-// Twins: `Resolve::patch` and `Resolve::has_foreground` in src/render/resolve.rs, `FrameSamples::cameras_of`.
+// Twins: `Resolve::load` and `Resolve::near_foreground` in src/render/resolve.rs, `FrameSamples::cameras_of`.
 
 @group(1) @binding(0) var<storage, read> background_keys: array<u32>;
 @group(1) @binding(1) var<storage, read> foreground_keys: array<u32>;
@@ -64,21 +64,33 @@ fn place_camera(nth: u32) {
     camera_list[place] = camera_set[nth];
 }
 
-// Whether a foreground sample is seen in the block or beside it; only then are its samples looked at.
-var<workgroup> has_foreground: atomic<u32>;
+// Where foreground samples are seen in the patch: a bit per column, for each row; and whether there are any.
+var<workgroup> foreground_rows: array<atomic<u32>, SIDE>;
+var<workgroup> has_foreground: u32;
 
-// Loads one pixel of the patch around the block whose first pixel is `corner`.
-fn load(corner: vec2<i32>, place: u32) {
+// Whether a foreground sample is seen beside a pixel of the block, as far as decisions at an edge look; only there are its
+// samples looked at.
+fn is_near_foreground(pixel: vec2<u32>) -> bool {
+    var near = 0u;
+    for (var row = 0u; row <= 2u * u32(RING); row++) {
+        near |= atomicLoad(&foreground_rows[pixel.y + row]);
+    }
+    return extractBits(near, pixel.x, 2u * u32(RING) + 1u) != 0u;
+}
+
+// Loads one pixel of the patch around the block whose first pixel is `corner`: of the background, or of both layers.
+fn load(corner: vec2<i32>, place: u32, both: bool) {
     let wanted = corner + vec2<i32>(i32(place) % SIDE, i32(place) / SIDE) - RING;
     let pixel = clamp(wanted, vec2<i32>(0), vec2<i32>(i32(stage.width), i32(stage.height)) - 1);
     let at = 2u * (u32(pixel.y) * stage.width + u32(pixel.x));
     let back = vec2<u32>(background_keys[at], background_keys[at + 1u]);
     let front = vec2<u32>(foreground_keys[at], foreground_keys[at + 1u]);
-    if front.y != 0u && inverse_depth_of(front.y) >= inverse_depth_of(back.y) * stage.surface_ratio {
-        atomicOr(&has_foreground, 1u);
-    }
     let front_wins = front.y > back.y || (front.y == back.y && front.x > back.x);
-    let key = select(back, front, front_wins);
+    let is_same = inverse_depth_of(front.y) >= inverse_depth_of(back.y) * stage.surface_ratio;
+    if front_wins || (front.y != 0u && is_same) {
+        atomicOr(&foreground_rows[place / u32(SIDE)], 1u << (place % u32(SIDE)));
+    }
+    let key = select(back, front, front_wins && both);
     patch_keys[place] = key;
     if key.y != 0u {
         let camera = pieces[piece_of(~key.x >> 8u)].camera;
@@ -86,21 +98,29 @@ fn load(corner: vec2<i32>, place: u32) {
     }
 }
 
-// Loads the patch of a block and sets what `quad_at` looks at; called by all threads of a workgroup of 16×16.
-fn load_patch(block: vec2<u32>, thread: u32) {
-    if thread == 0u {
-        atomicStore(&has_foreground, 0u);
+// Loads the patch of a block, of the background or of both layers, and sets what `quad_at` looks at; called by all threads of
+// a workgroup of 16×16.
+fn load_patch(block: vec2<u32>, thread: u32, both: bool) {
+    workgroupBarrier();
+    if thread < u32(SIDE) {
+        atomicStore(&foreground_rows[thread], 0u);
     }
     if thread < CAMERA_WORDS {
         atomicStore(&camera_bits[thread], 0u);
     }
     workgroupBarrier();
     let corner = vec2<i32>(block * TILE);
-    load(corner, thread);
+    load(corner, thread, both);
     if thread + 256u < SIDE_SQUARED {
-        load(corner, thread + 256u);
+        load(corner, thread + 256u, both);
     }
     workgroupBarrier();
+    if thread == 0u {
+        has_foreground = 0u;
+        for (var row = 0u; row < u32(SIDE); row++) {
+            has_foreground |= atomicLoad(&foreground_rows[row]);
+        }
+    }
     if thread < CAMERA_WORDS {
         list_cameras(thread);
     }
@@ -113,7 +133,7 @@ fn load_patch(block: vec2<u32>, thread: u32) {
         place_camera(nth);
     }
     workgroupBarrier();
-    visible_tiles = select(stage.lasting_tiles, stage.all_tiles, atomicLoad(&has_foreground) != 0u);
+    visible_tiles = select(stage.lasting_tiles, stage.all_tiles, both);
 }
 
 // What stands in a pixel: a nearer surface, a farther one, and the share of the nearer, which is 1 where there is no other.

@@ -80,7 +80,7 @@ impl Work for BandBlend<'_> {
         let mut canvas = Canvas { width: stage.width, rows: band.rows.clone(), keys, surface_ratio, sums };
         for &number in &band.tiles {
             stage.job.check()?;
-            let tile = &stage.frame.tiles[number as usize];
+            let tile = stage.frame.tile(number as usize);
             let camera = tile.camera as usize;
             let projector = &stage.projectors[camera];
             dense.unpack(tile);

@@ -59,6 +59,20 @@ impl Blocks {
         });
     }
 
+    /// Pixels of the blocks for which `is` holds, in a plane of `width` columns.
+    pub(super) fn count<T: Sync>(&self, width: usize, plane: &[T], is: impl Fn(&T) -> bool + Sync) -> u64 {
+        let strips = plane.par_chunks(BLOCK * width).enumerate();
+        let counts = strips.map(|(row, strip)| {
+            let columns = (0..self.across).filter(|column| self.contains(*column, row));
+            let blocks = columns.flat_map(|column| {
+                let (left, right) = (column * BLOCK, ((column + 1) * BLOCK).min(width));
+                strip.chunks(width).map(move |pixels| &pixels[left..right])
+            });
+            blocks.map(|pixels| pixels.iter().map(|pixel| u64::from(is(pixel))).sum::<u64>()).sum::<u64>()
+        });
+        counts.sum()
+    }
+
     /// Whether a block is in the set.
     #[inline(always)]
     pub(super) fn contains(&self, column: usize, row: usize) -> bool {

@@ -2,7 +2,8 @@
 //!
 //! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.3: "We render the background images
 //! once and paint the foreground over top for each consecutive time step. Only when the user moves vantage points do we
-//! re-render the background." What differs: only the blocks of the picture that the foreground leaves or enters are painted.
+//! re-render the background." What differs: only blocks of the picture that the foreground leaves or enters are touched, and in
+//! them only pixels beside which it is seen are painted; others are copied from the background's picture.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,13 +14,15 @@ use super::blocks::Blocks;
 use super::cull::{Bounds, Reach, bands, bounds};
 use super::fill::fill;
 use super::footprint::MAX_STRETCH;
-use super::frame_samples::FrameSamples;
+use super::frame_samples::{FrameImages, FrameSamples, Numbers};
 use super::gather::Gather;
+use super::gather_block::Scratches;
+use super::lookup::CellTable;
 use super::project::{Projector, focal, rays_in_world};
 use super::resolve::{Layer, Resolve};
 use super::silhouette::RING;
 use super::surface::{Stage, surface};
-use super::vantage::{Picture, RenderStats, Vantage};
+use super::vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -33,6 +36,7 @@ pub const MAX_PIXELS: usize = 1 << 27;
 #[derive(Debug, Default)]
 pub struct CpuRenderer {
     still: Option<Still>,
+    scratches: Scratches,
 }
 
 /// What is kept from one frame to the next.
@@ -43,9 +47,13 @@ struct Still {
     images: Vec<usize>,
     camera: Camera,
     settings: RenderSettings,
+    /// What is known of the tiles of these images; given to the next frame.
+    numbers: Numbers,
+    /// Where these tiles lie in the cameras, for kernels that gather.
+    cells: Option<CellTable>,
     background: Layer,
-    /// The background alone; made when the first frame follows at the same vantage.
-    background_picture: Option<Picture>,
+    /// The background alone, and its holes; made when the first frame follows at the same vantage.
+    background_picture: Option<(Picture, u64)>,
     foreground: Layer,
     /// The blocks that the foreground has touched.
     touched: Blocks,
@@ -59,6 +67,8 @@ struct Still {
 struct Painted {
     picture: Arc<Picture>,
     touched: Blocks,
+    /// Pixels of the picture without a sample.
+    holes: u64,
 }
 
 /// What the stages of one picture are made of.
@@ -69,14 +79,15 @@ struct Painting<'a> {
     projectors: Vec<Projector>,
     per_footprint: Vec<f32>,
     surface_ratio: f32,
+    scratches: &'a Scratches,
     job: &'a Job,
 }
 
 impl<'a> Painting<'a> {
     fn new(
         frame: &'a FrameSamples<'a>,
-        target: &'a Camera,
-        settings: &'a RenderSettings,
+        (target, settings): (&'a Camera, &'a RenderSettings),
+        scratches: &'a Scratches,
         job: &'a Job,
     ) -> Self {
         let cameras = &frame.set.cameras;
@@ -87,6 +98,7 @@ impl<'a> Painting<'a> {
             projectors: cameras.iter().map(|camera| Projector::new(camera, target)).collect(),
             per_footprint: cameras.iter().map(|camera| 1.0 / focal(camera)).collect(),
             surface_ratio: 1.0 / (1.0 + settings.depth_tolerance / focal(target)),
+            scratches,
             job,
         }
     }
@@ -130,19 +142,26 @@ impl<'a> Painting<'a> {
         Ok(())
     }
 
+    /// Where the lasting tiles lie in the cameras, for kernels that gather.
+    fn cells(&self) -> Option<CellTable> {
+        let gathers = self.settings.kernel == Kernel::Gather;
+        gathers.then(|| CellTable::empty(&self.frame.set.cameras).with(self.frame, self.frame.lasting()))
+    }
+
     /// Resolves some blocks of a picture; without a foreground, those of the background alone.
     fn resolve(
         &self,
-        background: &Layer,
+        (background, cells): (&Layer, Option<&CellTable>),
         foreground: Option<&Layer>,
         background_picture: Option<&Picture>,
         (which, picture): (&Blocks, &mut Picture),
     ) -> Result<()> {
-        let gathers = self.settings.kernel == Kernel::Gather;
-        let among = |tiles| Gather::new(self.frame, tiles, self.target, self.settings.depth_tolerance);
-        // Blocks without foreground are copied where the background's picture is there already.
-        let lasting = (gathers && background_picture.is_none()).then(|| among(self.frame.lasting()));
-        let all = (gathers && foreground.is_some()).then(|| among(0..self.frame.tiles.len()));
+        self.scratches.forget();
+        let among = |table| Gather::new(self.frame, table, self.target, self.settings.depth_tolerance);
+        // Pixels without foreground are copied where the background's picture is there already.
+        let lasting = cells.filter(|_| background_picture.is_none()).map(|cells| among(cells.clone()));
+        let all = cells.filter(|_| foreground.is_some());
+        let all = all.map(|cells| among(cells.clone().with(self.frame, self.frame.passing())));
         let either = lasting.as_ref().or(all.as_ref());
         let resolve = Resolve {
             frame: self.frame,
@@ -153,6 +172,7 @@ impl<'a> Painting<'a> {
             foreground,
             background_picture,
             gather: either.map(|either| [either, all.as_ref().unwrap_or(either)]),
+            scratches: self.scratches,
             job: self.job,
         };
         resolve.resolve(which, picture)
@@ -180,28 +200,34 @@ impl CpuRenderer {
     ) -> Result<(Arc<Picture>, RenderStats)> {
         let started = Instant::now();
         check(samples, vantage)?;
-        let frame = FrameSamples::at(samples, vantage.frame)?;
-        let painting = Painting::new(&frame, &vantage.camera, settings, job);
+        let images = FrameImages::at(samples, vantage.frame);
         // Taken out, so that a canceled job leaves nothing half painted behind.
-        let still = self.still.take();
-        let lasting = &frame.images[..frame.lasting_images];
-        let background_reused =
-            still.as_ref().is_some_and(|still| still.shows(samples, lasting, &vantage.camera, settings));
-        let still = match still {
+        let mut still = self.still.take();
+        let reused = still
+            .as_mut()
+            .filter(|still| still.shows(samples, images.lasting(), &vantage.camera, settings))
+            .map(|still| std::mem::take(&mut still.numbers));
+        let background_reused = reused.is_some();
+        let frame = FrameSamples::of(samples, vantage.frame, images, reused)?;
+        let painting = Painting::new(&frame, (&vantage.camera, settings), &self.scratches, job);
+        let mut still = match still {
             Some(still) if background_reused => repaint(&painting, still)?,
             still => paint_anew(&painting, samples, still.map(Buffers::of).unwrap_or_default())?,
         };
-        let mut picture = still.pictures[0].picture.clone();
+        let Painted { picture, holes, .. } = &still.pictures[0];
+        let (mut picture, holes) = (picture.clone(), *holes);
+        let painted = if background_reused { frame.passing() } else { 0..frame.tile_count() };
+        let painted = frame.sample_count(painted);
+        still.numbers = frame.into_lasting_numbers();
         self.still = Some(still);
         let filling = Instant::now();
         if settings.fill != Fill::None {
             fill(Arc::make_mut(&mut picture), &vantage.camera, settings);
         }
         let fill_ms = filling.elapsed().as_secs_f64() * 1e3;
-        let painted = if background_reused { frame.passing() } else { 0..frame.tiles.len() };
         let stats = RenderStats {
-            samples: frame.sample_count(painted),
-            holes: picture.holes(),
+            samples: painted,
+            holes,
             milliseconds: started.elapsed().as_secs_f64() * 1e3,
             fill_ms,
             background_reused,
@@ -232,6 +258,7 @@ impl Still {
         free.unwrap_or_else(|| Painted {
             touched: self.touched.emptied(),
             picture: Arc::new(background.clone()),
+            holes: 0,
         })
     }
 }
@@ -271,16 +298,24 @@ fn paint_anew(painting: &Painting<'_>, samples: &Arc<SampleSet>, buffers: Buffer
         .filter(|picture| picture.color.size() == (width, height))
         .unwrap_or_else(|| Picture::empty(width, height));
     let front = (!frame.passing().is_empty()).then_some(&foreground);
-    painting.resolve(&background, front, None, (&Blocks::all(width, height), &mut picture))?;
+    let cells = painting.cells();
+    let all = Blocks::all(width, height);
+    painting.resolve((&background, cells.as_ref()), front, None, (&all, &mut picture))?;
     Ok(Still {
         samples: samples.clone(),
         images: frame.images[..frame.lasting_images].to_vec(),
         camera: painting.target.clone(),
         settings: painting.settings.clone(),
+        numbers: Numbers::default(),
+        cells,
         background,
         background_picture: None,
         foreground,
-        pictures: vec![Painted { picture: Arc::new(picture), touched: touched.clone() }],
+        pictures: vec![Painted {
+            holes: picture.holes(),
+            picture: Arc::new(picture),
+            touched: touched.clone(),
+        }],
         touched,
     })
 }
@@ -288,13 +323,15 @@ fn paint_anew(painting: &Painting<'_>, samples: &Arc<SampleSet>, buffers: Buffer
 /// The foreground alone, over the background that is there.
 fn repaint(painting: &Painting<'_>, mut still: Still) -> Result<Still> {
     let (width, height) = painting.size();
-    let background_picture = if let Some(picture) = still.background_picture.take() {
-        picture
+    let cells = still.cells.take();
+    let (background_picture, background_holes) = if let Some(kept) = still.background_picture.take() {
+        kept
     } else {
-        let Painted { picture, touched } = &still.pictures[0];
+        let Painted { picture, touched, .. } = &still.pictures[0];
         let mut picture = (**picture).clone();
-        painting.resolve(&still.background, None, None, (touched, &mut picture))?;
-        picture
+        painting.resolve((&still.background, cells.as_ref()), None, None, (touched, &mut picture))?;
+        let holes = picture.holes();
+        (picture, holes)
     };
     let pixels = width * height;
     still.foreground.keys.resize(pixels, 0);
@@ -310,12 +347,16 @@ fn repaint(painting: &Painting<'_>, mut still: Still) -> Result<Still> {
     let mut painted = still.free_picture(&background_picture);
     painted.touched.join(&touched);
     let picture = Arc::make_mut(&mut painted.picture);
-    let front = Some(&still.foreground);
-    painting.resolve(&still.background, front, Some(&background_picture), (&painted.touched, picture))?;
+    let (front, back) = (Some(&still.foreground), Some(&background_picture));
+    painting.resolve((&still.background, cells.as_ref()), front, back, (&painted.touched, picture))?;
+    let holes_in =
+        |picture: &Picture| touched.count(width, picture.image.as_slice(), |image| *image == NO_IMAGE);
+    painted.holes = background_holes - holes_in(&background_picture) + holes_in(picture);
     painted.touched = touched.clone();
+    still.cells = cells;
     still.pictures.insert(0, painted);
     still.touched = touched;
-    still.background_picture = Some(background_picture);
+    still.background_picture = Some((background_picture, background_holes));
     Ok(still)
 }
 

@@ -60,7 +60,7 @@ pub(super) fn bounds(
     target: &Camera,
     reach: Reach,
 ) -> Vec<Bounds> {
-    let tiles = &frame.tiles[tiles];
+    let tiles = frame.tiles(tiles);
     let mut bounds = vec![Bounds::default(); tiles.len()];
     let parts = bounds.par_chunks_mut(64 * TOGETHER).zip(tiles.par_chunks(64 * TOGETHER));
     parts.for_each(|(bounds, tiles)| simd::run(Bounding { tiles, projectors, target, reach, bounds }));

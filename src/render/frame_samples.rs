@@ -63,6 +63,12 @@ impl<'a> FrameTile<'a> {
         self.before[row] as usize + (self.rows[row] & ((1 << column) - 1)).count_ones() as usize
     }
 
+    /// The color of a sample, linear.
+    #[inline(always)]
+    pub(super) fn color(&self, nth: usize) -> [f32; 3] {
+        self.color[nth].map(f32_from_f16)
+    }
+
     /// Asks for the memory of the tile's depths.
     #[inline(always)]
     pub(super) fn fetch_depths_ahead(&self) {
@@ -84,12 +90,6 @@ impl<'a> FrameTile<'a> {
     pub(super) fn bits_of(color: [f16; 3]) -> u64 {
         let [red, green, blue] = color.map(|half| u64::from(half.to_bits()));
         red | green << 16 | blue << 32
-    }
-
-    /// The color of a sample, linear.
-    #[inline(always)]
-    pub(super) fn color(&self, nth: usize) -> [f32; 3] {
-        self.color[nth].map(f32_from_f16)
     }
 }
 
@@ -120,55 +120,16 @@ pub(super) struct ColorPlace {
 const FULL: u32 = 1 << 31;
 
 /// The images at a frame, those of all frames first, so that their slots are the same at every frame.
-#[derive(Clone, Debug)]
-pub(super) struct FrameSamples<'a> {
-    pub(super) set: &'a SampleSet,
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct FrameImages {
     /// Indices in [`SampleSet::images`].
-    pub(super) images: Vec<usize>,
-    /// Every tile, image by image; a tile's number is its index.
-    pub(super) tiles: Vec<FrameTile<'a>>,
-    /// How many of `images` hold at all frames.
-    pub(super) lasting_images: usize,
-    /// How many of `tiles` belong to them.
-    pub(super) lasting_tiles: usize,
-    /// The place of the first sample of each tile, with [`FULL`] added to the image: eight bytes, so that all of them fit in
-    /// a cache together.
-    color_places: Vec<ColorPlace>,
-    /// Colors of each image.
-    colors: Vec<&'a [[f16; 3]]>,
-    /// The camera of each tile: two bytes, so that all of them fit in the smallest cache.
-    tile_cameras: Vec<u16>,
+    indices: Vec<usize>,
+    /// How many of them hold at all frames.
+    lasting: usize,
 }
 
-/// Adds the tiles of the `nth` image of the frame.
-struct Numbering<'a, 'b> {
-    nth: u32,
-    image: &'a SampleImage,
-    tiles: &'b mut Vec<FrameTile<'a>>,
-    color_places: &'b mut Vec<ColorPlace>,
-}
-
-impl Work for Numbering<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { nth, image, tiles, color_places } = self;
-        for (index, tile) in image.tiles.iter().enumerate() {
-            let numbered = FrameTile::new(image, index);
-            let full = if numbered.color.len() == TILE_SAMPLES { FULL } else { 0 };
-            color_places.push(ColorPlace { image: nth | full, nth: tile.first });
-            tiles.push(numbered);
-        }
-    }
-}
-
-impl<'a> FrameSamples<'a> {
-    /// The samples at `frame`.
-    ///
-    /// # Errors
-    /// `Unsupported` where there are more tiles than slots can number.
-    pub(super) fn at(set: &'a SampleSet, frame: usize) -> Result<Self> {
+impl FrameImages {
+    pub(super) fn at(set: &SampleSet, frame: usize) -> Self {
         // Images of some frames change so often that keeping them painted would not pay.
         let outlasts = |image: &SampleImage| image.span.len() > 1 && image.span.len() == set.frame_count();
         let at_frame = |lasting: bool| {
@@ -177,27 +138,167 @@ impl<'a> FrameSamples<'a> {
                 .filter(move |(_, image)| image.span.contains(frame) && outlasts(image) == lasting)
                 .map(|(index, _)| index)
         };
-        let mut images: Vec<usize> = at_frame(true).collect();
-        let lasting_images = images.len();
-        images.extend(at_frame(false));
-        let tiles_of = |images: &[usize]| images.iter().map(|&image| set.images[image].tiles.len()).sum();
-        let (lasting_tiles, count): (usize, usize) = (tiles_of(&images[..lasting_images]), tiles_of(&images));
+        let mut indices: Vec<usize> = at_frame(true).collect();
+        let lasting = indices.len();
+        indices.extend(at_frame(false));
+        Self { indices, lasting }
+    }
+
+    /// Indices of the images that hold at all frames.
+    pub(super) fn lasting(&self) -> &[usize] {
+        &self.indices[..self.lasting]
+    }
+}
+
+/// What is known of every tile by its number. That of lasting tiles is kept from one frame to the next.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Numbers {
+    /// The place of the first sample of each tile, with [`FULL`] added to the image: eight bytes, so that all of them fit in
+    /// a cache together.
+    color_places: Vec<ColorPlace>,
+    /// The camera of each tile: two bytes, so that all of them fit in the smallest cache.
+    cameras: Vec<u16>,
+}
+
+/// The samples at a frame, their tiles numbered image by image.
+#[derive(Clone, Debug)]
+pub(super) struct FrameSamples<'a> {
+    pub(super) set: &'a SampleSet,
+    /// Indices in [`SampleSet::images`].
+    pub(super) images: Vec<usize>,
+    /// Every tile that is to be painted: all, or those after the lasting ones, which are painted already.
+    tiles: Vec<FrameTile<'a>>,
+    /// The number of the first of `tiles`.
+    first_number: usize,
+    /// How many of `images` hold at all frames.
+    pub(super) lasting_images: usize,
+    /// How many tiles belong to them.
+    pub(super) lasting_tiles: usize,
+    /// The number of the first tile of each image.
+    first_of_image: Vec<usize>,
+    numbers: Numbers,
+    /// Colors of each image.
+    colors: Vec<&'a [[f16; 3]]>,
+}
+
+/// Adds the tiles of the `nth` image of the frame.
+struct Numbering<'a, 'b> {
+    nth: u32,
+    image: &'a SampleImage,
+    tiles: &'b mut Vec<FrameTile<'a>>,
+    numbers: &'b mut Numbers,
+}
+
+impl Work for Numbering<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { nth, image, tiles, numbers } = self;
+        for (index, tile) in image.tiles.iter().enumerate() {
+            let numbered = FrameTile::new(image, index);
+            let full = if numbered.color.len() == TILE_SAMPLES { FULL } else { 0 };
+            numbers.color_places.push(ColorPlace { image: nth | full, nth: tile.first });
+            numbers.cameras.push(numbered.camera);
+            tiles.push(numbered);
+        }
+    }
+}
+
+impl<'a> FrameSamples<'a> {
+    /// The samples of the images at `frame`. Where the numbers of lasting tiles are known, those tiles are taken to be painted.
+    ///
+    /// # Errors
+    /// `Unsupported` where there are more tiles than slots can number.
+    pub(super) fn of(
+        set: &'a SampleSet,
+        frame: usize,
+        images: FrameImages,
+        lasting: Option<Numbers>,
+    ) -> Result<Self> {
+        let FrameImages { indices: images, lasting: lasting_images } = images;
+        let mut count = 0;
+        let mut first_of_image = Vec::with_capacity(images.len() + 1);
+        for &image in &images {
+            first_of_image.push(count);
+            count += set.images[image].tiles.len();
+        }
+        first_of_image.push(count);
         if count > MAX_TILES {
             return Err(Error::unsupported(
                 format!("'{}', frame {frame}", set.name),
                 format!("{count} tiles of samples at one frame; {MAX_TILES} can be rendered"),
             ));
         }
-        let mut tiles = Vec::with_capacity(count);
-        let mut color_places = Vec::with_capacity(count);
-        for (nth, &index) in images.iter().enumerate() {
+        let lasting_tiles = first_of_image[lasting_images];
+        let (first_image, first_number) =
+            if lasting.is_some() { (lasting_images, lasting_tiles) } else { (0, 0) };
+        let mut numbers = lasting.unwrap_or_default();
+        numbers.color_places.reserve(count - first_number);
+        numbers.cameras.reserve(count - first_number);
+        let mut tiles = Vec::with_capacity(count - first_number);
+        for (nth, &index) in images.iter().enumerate().skip(first_image) {
             let image = &set.images[index];
-            let (tiles, color_places) = (&mut tiles, &mut color_places);
-            simd::run(Numbering { nth: nth as u32, image, tiles, color_places });
+            let (tiles, numbers) = (&mut tiles, &mut numbers);
+            simd::run(Numbering { nth: nth as u32, image, tiles, numbers });
         }
         let colors = images.iter().map(|&image| set.images[image].color.as_slice()).collect();
-        let tile_cameras = tiles.iter().map(|tile: &FrameTile<'_>| tile.camera).collect();
-        Ok(Self { set, images, tiles, lasting_images, lasting_tiles, color_places, colors, tile_cameras })
+        Ok(Self {
+            set,
+            images,
+            tiles,
+            first_number,
+            lasting_images,
+            lasting_tiles,
+            first_of_image,
+            numbers,
+            colors,
+        })
+    }
+
+    /// The samples at `frame`, of which nothing is known yet.
+    ///
+    /// # Errors
+    /// As [`FrameSamples::of`].
+    pub(super) fn at(set: &'a SampleSet, frame: usize) -> Result<Self> {
+        Self::of(set, frame, FrameImages::at(set, frame), None)
+    }
+
+    /// What is known of the lasting tiles, for the next frame.
+    pub(super) fn into_lasting_numbers(self) -> Numbers {
+        let Self { mut numbers, lasting_tiles, .. } = self;
+        numbers.color_places.truncate(lasting_tiles);
+        numbers.cameras.truncate(lasting_tiles);
+        numbers
+    }
+
+    /// How many tiles there are.
+    pub(super) fn tile_count(&self) -> usize {
+        self.numbers.cameras.len()
+    }
+
+    /// Tiles that are to be painted.
+    pub(super) fn tiles(&self, numbers: Range<usize>) -> &[FrameTile<'a>] {
+        &self.tiles[numbers.start - self.first_number..numbers.end - self.first_number]
+    }
+
+    /// A tile that is to be painted.
+    #[inline(always)]
+    pub(super) fn tile(&self, number: usize) -> &FrameTile<'a> {
+        &self.tiles[number - self.first_number]
+    }
+
+    /// A tile, unless it is painted already.
+    #[inline(always)]
+    pub(super) fn new_tile(&self, number: usize) -> Option<&FrameTile<'a>> {
+        self.tiles.get(number.wrapping_sub(self.first_number))
+    }
+
+    /// A tile that is painted already.
+    #[inline(always)]
+    pub(super) fn painted_tile(&self, number: usize) -> FrameTile<'a> {
+        let nth = (self.numbers.color_places[number].image & !FULL) as usize;
+        FrameTile::new(&self.set.images[self.images[nth]], number - self.first_of_image[nth])
     }
 
     /// Numbers of the tiles that hold at all frames.
@@ -207,7 +308,7 @@ impl<'a> FrameSamples<'a> {
 
     /// Numbers of the tiles of shorter spans.
     pub(super) fn passing(&self) -> Range<usize> {
-        self.lasting_tiles..self.tiles.len()
+        self.lasting_tiles..self.tile_count()
     }
 
     /// Index in [`SampleSet::images`] of the image of a slot.
@@ -219,33 +320,42 @@ impl<'a> FrameSamples<'a> {
     /// Index of the camera of a slot.
     #[inline(always)]
     pub(super) fn camera_of(&self, slot: u32) -> u16 {
-        self.tile_cameras[(slot >> 8) as usize]
+        self.numbers.cameras[(slot >> 8) as usize]
     }
 
     /// The image of a slot, as an index in `images`.
     #[inline(always)]
     fn nth_image(&self, slot: u32) -> usize {
-        (self.color_places[(slot >> 8) as usize].image & !FULL) as usize
+        (self.numbers.color_places[(slot >> 8) as usize].image & !FULL) as usize
     }
 
     /// The color of the sample at a slot, linear.
     #[inline(always)]
     pub(super) fn color_of(&self, slot: u32) -> [f32; 3] {
-        let tile = &self.tiles[(slot >> 8) as usize];
-        tile.color(tile.rank(slot as usize % TILE, slot as usize / TILE % TILE))
+        let place = self.color_place(slot);
+        self.colors(place.image)[place.nth as usize].map(f32_from_f16)
     }
 
     /// Where the color of the sample at a slot lies.
     #[inline(always)]
     pub(super) fn color_place(&self, slot: u32) -> ColorPlace {
         let number = (slot >> 8) as usize;
-        let first = self.color_places[number];
+        let first = self.numbers.color_places[number];
         let nth = if first.image & FULL != 0 {
             slot as usize % TILE_SAMPLES
+        } else if let Some(tile) = self.new_tile(number) {
+            tile.rank(slot as usize % TILE, slot as usize / TILE % TILE)
         } else {
-            self.tiles[number].rank(slot as usize % TILE, slot as usize / TILE % TILE)
+            self.rank_in_painted_tile(slot)
         };
         ColorPlace { image: first.image & !FULL, nth: first.nth + nth as u32 }
+    }
+
+    /// Samples before a slot in its tile, where that is painted already.
+    #[cold]
+    #[inline(never)]
+    fn rank_in_painted_tile(&self, slot: u32) -> usize {
+        self.painted_tile((slot >> 8) as usize).rank(slot as usize % TILE, slot as usize / TILE % TILE)
     }
 
     /// The colors of an image, as an index in `images`.
@@ -272,9 +382,9 @@ impl<'a> FrameSamples<'a> {
         }
     }
 
-    /// Samples in some tiles.
+    /// Samples in some tiles that are to be painted.
     pub(super) fn sample_count(&self, tiles: Range<usize>) -> u64 {
-        self.tiles[tiles].iter().map(|tile| tile.color.len() as u64).sum()
+        self.tiles(tiles).iter().map(|tile| tile.color.len() as u64).sum()
     }
 }
 

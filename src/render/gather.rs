@@ -9,12 +9,10 @@
 //! 2001, §4 (angle and resolution penalties). What differs: the proxy is the z-buffer of the samples themselves, weights are
 //! taken per pixel instead of per vertex, and samples that pruning removed are left out one by one.
 
-use std::ops::Range;
-
 use glam::Vec3;
 
 use super::frame_samples::FrameSamples;
-use super::lookup::Lookup;
+use super::lookup::{CellTable, Lookup};
 use super::project::{Projector, focal, rays_in_world};
 use crate::capture::Camera;
 use crate::preprocess::TILE;
@@ -72,10 +70,10 @@ pub(super) struct Gather<'a> {
 }
 
 impl<'a> Gather<'a> {
-    /// Over some tiles of the frame; `depth_tolerance` in footprints.
+    /// Over the tiles of a table; `depth_tolerance` in footprints.
     pub(super) fn new(
         frame: &'a FrameSamples<'a>,
-        tiles: Range<usize>,
+        table: CellTable,
         target: &Camera,
         depth_tolerance: f32,
     ) -> Self {
@@ -91,7 +89,7 @@ impl<'a> Gather<'a> {
         Self {
             pruned,
             many: if pruned { MANY_PRUNED } else { MANY },
-            lookup: Lookup::new(frame, tiles),
+            lookup: Lookup { table, frame },
             views: frame.set.cameras.iter().enumerate().map(view).collect(),
             rays_in_world: rays_in_world(target, 0.5),
         }

@@ -1,6 +1,8 @@
 //! The gather stage for one block of pixels: what stands in each, decided at edges by the votes of the cameras; and the color
 //! of every surface point that does.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use super::frame_samples::FrameSamples;
 use super::gather::{BLOCK, Gather};
 use super::keys::{inverse_depth_of, slot_of};
@@ -15,7 +17,10 @@ use super::window::Windows;
 const ASKED_OFTEN: usize = 3;
 
 /// What gathering a block needs for a while, and keeps for the next.
+#[derive(Debug)]
 pub(super) struct Scratch {
+    /// The block and its ring.
+    pub(super) patch: Patch,
     /// Among the lasting samples, and among all.
     windows: [Windows; 2],
     cameras: Vec<u16>,
@@ -27,10 +32,53 @@ pub(super) struct Scratch {
     points: SurfacePoints,
 }
 
+/// What was used and may be used again, by one thread each.
+#[derive(Debug, Default)]
+pub(super) struct Scratches(Mutex<Vec<Scratch>>);
+
+/// One of [`Scratches`] on loan.
+pub(super) struct Borrowed<'a> {
+    scratch: Option<Scratch>,
+    home: &'a Scratches,
+}
+
+impl Scratches {
+    /// Forgets what windows show, for another frame or vantage.
+    pub(super) fn forget(&self) {
+        for scratch in self.idle().iter_mut() {
+            scratch.windows.iter_mut().for_each(Windows::forget);
+        }
+    }
+
+    /// One of them, for so many cameras.
+    pub(super) fn borrow(&self, cameras: usize) -> Borrowed<'_> {
+        let scratch = self.idle().pop().filter(|scratch| scratch.windows[0].camera_count() == cameras);
+        Borrowed { scratch, home: self }
+    }
+
+    fn idle(&self) -> MutexGuard<'_, Vec<Scratch>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Borrowed<'_> {
+    /// What was borrowed, or a new one where there was none.
+    pub(super) fn get(&mut self, cameras: usize) -> &mut Scratch {
+        self.scratch.get_or_insert_with(|| Scratch::new(cameras))
+    }
+}
+
+impl Drop for Borrowed<'_> {
+    fn drop(&mut self) {
+        self.home.idle().extend(self.scratch.take());
+    }
+}
+
 impl Scratch {
     /// For so many cameras.
-    pub(super) fn new(cameras: usize) -> Self {
+    fn new(cameras: usize) -> Self {
         Self {
+            patch: Patch::empty(),
             windows: [Windows::new(cameras), Windows::new(cameras)],
             cameras: Vec::new(),
             weights: Vec::new(),
@@ -41,15 +89,17 @@ impl Scratch {
         }
     }
 
-    /// Paints a block into the strip of a picture of `width` columns, gathering with one of two [`Gather`]s.
+    /// Paints some pixels of the block that is loaded, a mask of columns per row, into the strip of a picture of `width` columns, gathering with
+    /// one of two [`Gather`]s.
     #[inline(always)]
     pub(super) fn gather(
         &mut self,
         (gather, among): (&Gather<'_>, usize),
         frame: &FrameSamples<'_>,
-        patch: &Patch,
+        which: &[u16; BLOCK],
         (rows, width): (&mut Rows<'_>, usize),
     ) {
+        let patch = &self.patch;
         frame.cameras_of(patch.keys.as_flattened(), &mut self.cameras);
         let middle = patch.keys.as_flattened()[SIDE * SIDE / 2 + SIDE / 2];
         let center = ((patch.left + BLOCK / 2) as f32, (patch.top + BLOCK / 2) as f32);
@@ -57,13 +107,17 @@ impl Scratch {
         gather.rank(center, w, &mut self.cameras, weights);
         self.fetch_ahead((gather, among), (patch.left, patch.top), w);
         let extent = (BLOCK.min(width - patch.left), rows.image.len() / width);
-        let mut edges = patch.edges();
-        for edges in &mut edges {
-            *edges &= (u32::MAX >> (32 - extent.0)) as u16;
+        let mut which = *which;
+        for (row, which) in which.iter_mut().enumerate() {
+            *which &= if row < extent.1 { (u32::MAX >> (32 - extent.0)) as u16 } else { 0 };
         }
-        self.ask(patch, &edges[..extent.1]);
+        let mut edges = patch.edges();
+        for (edges, which) in edges.iter_mut().zip(&which) {
+            *edges &= which;
+        }
+        self.ask(&edges[..extent.1]);
         gather.vote(&self.claims, &self.cameras, &mut self.windows[among], &mut self.votes);
-        self.settle(frame, patch, (&edges, extent), (rows, width));
+        self.settle(frame, (&edges, &which), (rows, width));
         gather.find(&mut self.points, &self.cameras, &mut self.windows[among]);
         for nth in 0..self.points.count() {
             let (key, share, pixel) = self.points.layer(nth);
@@ -88,7 +142,8 @@ impl Scratch {
 
     /// Lists what is to be decided at edges: a mask of columns per row.
     #[inline(always)]
-    fn ask(&mut self, patch: &Patch, edges: &[u16]) {
+    fn ask(&mut self, edges: &[u16]) {
+        let patch = &self.patch;
         self.questions.clear();
         self.claims.clear();
         for (row, &edges) in edges.iter().enumerate() {
@@ -106,24 +161,26 @@ impl Scratch {
         }
     }
 
-    /// Sets depth and image of every pixel of `extent`, and lists its surface points.
+    /// Sets depth and image of some pixels, a mask of columns per row, and lists their surface points.
     #[inline(always)]
     fn settle(
         &mut self,
         frame: &FrameSamples<'_>,
-        patch: &Patch,
-        (edges, extent): (&[u16; BLOCK], (usize, usize)),
+        (edges, which): (&[u16; BLOCK], &[u16; BLOCK]),
         (rows, width): (&mut Rows<'_>, usize),
     ) {
+        let patch = &self.patch;
+        let columns = BLOCK.min(width - patch.left);
         let (mut questions, mut votes) = (self.questions.iter(), self.votes.iter());
         self.points.clear();
-        for row in 0..extent.1 {
+        for row in (0..BLOCK).filter(|row| which[*row] != 0) {
             let start = row * width + patch.left;
-            let depths = &mut rows.inverse_depth[start..start + extent.0];
-            let images = &mut rows.image[start..start + extent.0];
-            rows.color[start..start + extent.0].fill([0.0; 3]);
+            let depths = &mut rows.inverse_depth[start..start + columns];
+            let images = &mut rows.image[start..start + columns];
+            let colors = &mut rows.color[start..start + columns];
             let first = (patch.left as f32, (patch.top + row) as f32);
             if edges[row] == 0
+                && which[row] == u16::MAX
                 && let Some(keys) = patch.keys[row + RING][RING..].first_chunk::<BLOCK>()
                 && let Some(depths) = depths.first_chunk_mut::<BLOCK>()
                 && keys.iter().all(|key| *key != 0)
@@ -132,10 +189,12 @@ impl Scratch {
                 for ((key, camera), image) in keys.iter().zip(&mut cameras).zip(images) {
                     (*camera, *image) = (frame.camera_of(slot_of(*key)), frame.image_of(slot_of(*key)));
                 }
+                colors.fill([0.0; 3]);
                 self.points.push_row(keys, first, (start as u32, &cameras), depths);
                 continue;
             }
-            for column in 0..extent.0 {
+            for column in (0..columns).filter(|column| which[row] >> column & 1 == 1) {
+                colors[column] = [0.0; 3];
                 let mut key = patch.keys[row + RING][column + RING];
                 let place = ((patch.left + column) as f32, (patch.top + row) as f32);
                 let at = (start + column) as u32;

@@ -70,15 +70,19 @@ impl Gather<'_> {
         points.weight[..count].fill(0.0);
         points.known[..count].fill(0.0);
         let (pruned, many) = (self.pruned, self.many);
-        if pruned {
-            for &camera in cameras {
-                points.list(|points, at| points.own[at] == camera);
+        // One loop for both, so that the code, which is all inlined, is there once.
+        let own_first = if pruned { cameras } else { &[] };
+        for (nth, &camera) in own_first.iter().chain(cameras).enumerate() {
+            let is_asked = if nth < own_first.len() {
+                points.list_own(camera)
+            } else {
+                points.list_open(many, pruned.then_some(camera))
+            };
+            if is_asked {
                 self.ask(camera, points, windows);
+            } else if !pruned {
+                break;
             }
-        }
-        for &camera in cameras {
-            points.list(|points, at| (points.known[at] < many) & !(pruned & (points.own[at] == camera)));
-            self.ask(camera, points, windows);
         }
     }
 
@@ -108,7 +112,7 @@ impl Gather<'_> {
     #[inline(always)]
     fn answers(&self, view: &View, points: &Asked, windows: &mut Windows) -> Answers {
         let mut found = Answers::NONE;
-        let places = self.places(view, &points.x, &points.y, &points.w);
+        let mut places = self.places(view, &points.x, &points.y, &points.w);
         let mut left = points.which & places.inside;
         let mut counts = [1.0; LANES];
         for i in 0..LANES {
@@ -117,48 +121,35 @@ impl Gather<'_> {
             let count = (rate / SUBPIXEL_WIDTH).ceil().min(MAX_SUBPIXELS);
             counts[i] = if rate <= SUBPIXEL_WIDTH { 1.0 } else { count };
         }
-        let whole = left & mask(|i| counts[i] == 1.0);
-        if whole != 0 {
-            found = self.interpolated(view, &places, (&points.x, &points.y, &points.w), whole, windows);
-            left &= !whole;
-        }
+        // One loop for whole pixels and sub-pixels, so that the code, which is all inlined, is there once.
         while left != 0 {
             let count = counts[left.trailing_zeros() as usize % LANES];
             let alike = left & mask(|i| counts[i] == count);
             left &= !alike;
-            self.average(view, points, (alike, count), windows, &mut found);
-        }
-        found
-    }
-
-    /// The mean over `count` times `count` sub-pixels of the points of a mask.
-    #[inline(always)]
-    fn average(
-        &self,
-        view: &View,
-        points: &Asked,
-        (asked, count): (u32, f32),
-        windows: &mut Windows,
-        found: &mut Answers,
-    ) {
-        let mut sum = Answers::NONE;
-        let per_subpixel = 1.0 / count;
-        for sub_y in 0..count as usize {
-            for sub_x in 0..count as usize {
-                let (mut x, mut y) = (points.x, points.y);
-                let across = (sub_x as f32 + 0.5) * per_subpixel;
-                let down = (sub_y as f32 + 0.5) * per_subpixel;
-                for i in 0..LANES {
-                    x[i] = x[i] + across - 0.5;
-                    y[i] = y[i] + down - 0.5;
+            let mut sum = Answers::NONE;
+            let per_subpixel = 1.0 / count;
+            let (mut x, mut y, mut sub) = (points.x, points.y, (0.0, 0.0));
+            while sub.1 < count {
+                if count > 1.0 {
+                    let (across, down) = ((sub.0 + 0.5) * per_subpixel, (sub.1 + 0.5) * per_subpixel);
+                    for i in 0..LANES {
+                        x[i] = points.x[i] + across - 0.5;
+                        y[i] = points.y[i] + down - 0.5;
+                    }
+                    places = self.places(view, &x, &y, &points.w);
                 }
-                let places = self.places(view, &x, &y, &points.w);
-                let asked = asked & places.inside;
+                let asked = alike & places.inside;
                 let part = self.interpolated(view, &places, (&x, &y, &points.w), asked, windows);
                 sum.add(&part, 1.0);
+                sub = if sub.0 + 1.0 < count { (sub.0 + 1.0, sub.1) } else { (0.0, sub.1 + 1.0) };
+            }
+            found.add(&sum, per_subpixel * per_subpixel);
+            // Places of sub-pixels serve no other points.
+            if left != 0 {
+                places = self.places(view, &points.x, &points.y, &points.w);
             }
         }
-        found.add(&sum, per_subpixel * per_subpixel);
+        found
     }
 
     /// What a camera's samples say of the points of a mask; nothing of the others.

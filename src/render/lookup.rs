@@ -14,7 +14,7 @@ use crate::preprocess::TILE;
 const NONE: u32 = u32::MAX;
 
 /// Where a camera's cells begin, and its size.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Cells {
     width: i32,
     height: i32,
@@ -23,19 +23,19 @@ struct Cells {
     first: usize,
 }
 
-/// Finds samples of a frame by camera and pixel.
-pub(super) struct Lookup<'a> {
+/// Which tiles of a frame lie in each cell. That of lasting tiles is kept from one frame to the next.
+#[derive(Clone, Debug)]
+pub(super) struct CellTable {
     cameras: Vec<Cells>,
     /// The first tile of each cell.
     cells: Vec<u32>,
     /// The next tile of the same cell, for each tile.
     next: Vec<u32>,
-    tiles: &'a [FrameTile<'a>],
 }
 
-impl<'a> Lookup<'a> {
-    /// Over some tiles of the frame.
-    pub(super) fn new(frame: &'a FrameSamples<'a>, tiles: Range<usize>) -> Self {
+impl CellTable {
+    /// Of no tiles.
+    pub(super) fn empty(cameras: &[Camera]) -> Self {
         let mut first = 0;
         let cells_of = |camera: &Camera| {
             let (width, height) = camera.intrinsics.size();
@@ -44,45 +44,64 @@ impl<'a> Lookup<'a> {
             first += across * down;
             cells
         };
-        let cameras: Vec<Cells> = frame.set.cameras.iter().map(cells_of).collect();
-        let mut cells = vec![NONE; first];
-        let mut next = vec![NONE; tiles.end];
-        // Backwards, so that the tiles of the longest spans, which hold the most, come first in their lists.
-        for number in tiles.rev() {
-            let tile = &frame.tiles[number];
-            let camera = &cameras[tile.camera as usize];
-            let (column, row) = (tile.origin.0 as usize / TILE, tile.origin.1 as usize / TILE);
-            let cell = &mut cells[camera.first + row * camera.across + column];
-            next[number] = std::mem::replace(cell, number as u32);
-        }
-        Self { cameras, cells, next, tiles: &frame.tiles }
+        let cameras: Vec<Cells> = cameras.iter().map(cells_of).collect();
+        Self { cameras, cells: vec![NONE; first], next: Vec::new() }
     }
 
+    /// With some tiles that are painted, which come after those that it holds.
+    pub(super) fn with(mut self, frame: &FrameSamples<'_>, tiles: Range<usize>) -> Self {
+        self.next.resize(tiles.end, NONE);
+        for (number, tile) in tiles.clone().zip(frame.tiles(tiles)) {
+            let camera = &self.cameras[tile.camera as usize];
+            let (column, row) = (tile.origin.0 as usize / TILE, tile.origin.1 as usize / TILE);
+            let cell = &mut self.cells[camera.first + row * camera.across + column];
+            self.next[number] = std::mem::replace(cell, number as u32);
+        }
+        self
+    }
+}
+
+/// Finds samples of a frame by camera and pixel.
+pub(super) struct Lookup<'a> {
+    pub(super) table: CellTable,
+    pub(super) frame: &'a FrameSamples<'a>,
+}
+
+impl<'a> Lookup<'a> {
     /// Columns and rows of a camera.
     #[inline(always)]
     pub(super) fn size(&self, camera: usize) -> (i32, i32) {
-        (self.cameras[camera].width, self.cameras[camera].height)
+        let Cells { width, height, .. } = self.table.cameras[camera];
+        (width, height)
     }
 
-    /// The tiles of a camera that hold samples in a column and row of its grid of tiles, which may lie outside of it.
+    /// The number of the first tile of a camera that holds samples in a column and row of its grid of tiles, which may lie
+    /// outside of it.
     #[inline(always)]
-    pub(super) fn tiles_at(
-        &self,
-        camera: usize,
-        column: i32,
-        row: i32,
-    ) -> impl Iterator<Item = &'a FrameTile<'a>> {
-        let cells = &self.cameras[camera];
+    pub(super) fn first_at(&self, camera: usize, column: i32, row: i32) -> Option<u32> {
+        let cells = &self.table.cameras[camera];
         let inside =
             column >= 0 && row >= 0 && (column as usize) < cells.across && (row as usize) < cells.down;
-        let mut at = NONE;
-        if inside {
-            at = self.cells[cells.first + row as usize * cells.across + column as usize];
+        if !inside {
+            return None;
         }
-        std::iter::from_fn(move || {
-            let tile = self.tiles.get(at as usize)?;
-            at = self.next[at as usize];
-            Some(tile)
-        })
+        let first = self.table.cells[cells.first + row as usize * cells.across + column as usize];
+        (first != NONE).then_some(first)
+    }
+
+    /// The next tile of the same cell.
+    #[inline(always)]
+    pub(super) fn next(&self, number: u32) -> Option<u32> {
+        let next = self.table.next[number as usize];
+        (next != NONE).then_some(next)
+    }
+
+    /// A tile by its number; one that is painted already is put together in `made`.
+    #[inline(always)]
+    pub(super) fn tile<'b>(&'b self, number: u32, made: &'b mut Option<FrameTile<'a>>) -> &'b FrameTile<'a> {
+        match self.frame.new_tile(number as usize) {
+            Some(tile) => tile,
+            None => made.insert(self.frame.painted_tile(number as usize)),
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! The resolve stage: from keys and sums to a picture, block by block.
 //!
-//! The foreground of a frame is painted over the background by depth (the paper, §3.3). A block that no foreground reaches is
-//! the background's own; where one does, both are resolved together. Which blocks those are depends on the frame and the
+//! The foreground of a frame is painted over the background by depth (the paper, §3.3). A pixel that no foreground reaches is
+//! the background's own; where one does, both are resolved together. Which pixels those are depends on the frame and the
 //! vantage alone, so that painting over a cached background gives the very picture that painting everything anew gives.
 
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use super::blend::Sum;
 use super::blocks::Blocks;
 use super::frame_samples::FrameSamples;
 use super::gather::{BLOCK, Gather};
-use super::gather_block::Scratch;
+use super::gather_block::{Scratch, Scratches};
 use super::keys::{inverse_depth_of, slot_of};
 use super::resolve_points::{Shown, put};
 use super::silhouette::{Patch, RING, SIDE};
@@ -56,6 +56,7 @@ pub(super) struct Resolve<'a> {
     pub(super) background_picture: Option<&'a Picture>,
     /// Where the kernel gathers: among the lasting samples, and among all.
     pub(super) gather: Option<[&'a Gather<'a>; 2]>,
+    pub(super) scratches: &'a Scratches,
     pub(super) job: &'a Job,
 }
 
@@ -93,19 +94,23 @@ impl Resolve<'_> {
         let depth = picture.inverse_depth.as_mut_slice().par_chunks_mut(strip);
         let image = picture.image.as_mut_slice().par_chunks_mut(strip);
         let strips = color.zip(depth).zip(image).enumerate();
-        let scratch = || Scratch::new(self.frame.set.cameras.len());
-        strips.try_for_each_init(scratch, |scratch, (nth, ((color, inverse_depth), image))| {
-            self.job.check()?;
-            let row = BLOCK * self.width;
-            let rows = color.chunks_mut(row).zip(inverse_depth.chunks_mut(row)).zip(image.chunks_mut(row));
-            let strips = rows.enumerate().map(|(below, ((color, inverse_depth), image))| Strip {
-                resolve: self,
-                row: nth * tall + below,
-                rows: Rows { color, inverse_depth, image },
-            });
-            simd::run(Strips { which, scratch, rows: strips.collect() });
-            Ok(())
-        })
+        let cameras = self.frame.set.cameras.len();
+        strips.try_for_each_init(
+            || self.scratches.borrow(cameras),
+            |scratch, (nth, ((color, inverse_depth), image))| {
+                self.job.check()?;
+                let row = BLOCK * self.width;
+                let rows =
+                    color.chunks_mut(row).zip(inverse_depth.chunks_mut(row)).zip(image.chunks_mut(row));
+                let strips = rows.enumerate().map(|(below, ((color, inverse_depth), image))| Strip {
+                    resolve: self,
+                    row: nth * tall + below,
+                    rows: Rows { color, inverse_depth, image },
+                });
+                simd::run(Strips { which, scratch: scratch.get(cameras), rows: strips.collect() });
+                Ok(())
+            },
+        )
     }
 }
 
@@ -135,7 +140,7 @@ impl Work for Strips<'_> {
         let blocks = resolve.width.div_ceil(BLOCK);
         if resolve.kernel == Kernel::Point
             && resolve.background_picture.is_none()
-            && !resolve.frame.tiles.is_empty()
+            && resolve.frame.tile_count() > 0
         {
             for strip in &mut self.rows {
                 strip.points_of(self.which);
@@ -157,22 +162,37 @@ impl Strip<'_> {
     fn block(&mut self, column: usize, scratch: &mut Scratch, shown: &mut Vec<Shown>) {
         let resolve = self.resolve;
         let block = Block { left: column * BLOCK, top: self.row * BLOCK };
-        let (foreground, background) = (resolve.foreground, resolve.background_picture);
-        if let (Some(foreground), Some(background), None) = (foreground, background, resolve.gather) {
+        if resolve.gather.is_some() {
+            self.gather(&block, scratch);
+        } else if let (Some(foreground), Some(background)) = (resolve.foreground, resolve.background_picture)
+        {
             self.copy(&block, background);
             self.paint_over(&block, foreground, shown);
-            return;
-        }
-        let has_foreground = foreground.is_some_and(|layer| resolve.has_foreground(&block, layer));
-        if !has_foreground && let Some(background) = background {
-            self.copy(&block, background);
-        } else if let Some(gathers) = resolve.gather {
-            let among = usize::from(has_foreground);
-            let patch = resolve.patch(&block);
-            let rows = (&mut self.rows, resolve.width);
-            scratch.gather((gathers[among], among), resolve.frame, &patch, rows);
         } else {
             self.blend(&block);
+        }
+    }
+
+    /// Gathers one block: pixels beside which a foreground is seen among all samples, others among those of the background
+    /// alone, which is what the background's picture shows there.
+    #[inline(always)]
+    fn gather(&mut self, block: &Block, scratch: &mut Scratch) {
+        let resolve = self.resolve;
+        let Some([among_lasting, among_all]) = resolve.gather else { return };
+        let near = resolve.foreground.map_or([0; BLOCK], |layer| resolve.near_foreground(block, layer));
+        // One loop for both, so that the code, which is all inlined, is there once.
+        for (nth, gather) in [among_lasting, among_all].into_iter().enumerate() {
+            let among_all = nth == 1;
+            let which = if among_all { near } else { near.map(|near| !near) };
+            if which == [0; BLOCK] {
+                continue;
+            }
+            if !among_all && let Some(background) = resolve.background_picture {
+                self.copy(block, background);
+                continue;
+            }
+            resolve.load(block, resolve.foreground.filter(|_| among_all), &mut scratch.patch);
+            scratch.gather((gather, nth), resolve.frame, &which, (&mut self.rows, resolve.width));
         }
     }
 }
@@ -188,16 +208,33 @@ impl Resolve<'_> {
         self.background.keys.len() / self.width
     }
 
-    /// Whether a foreground sample is seen in the block or beside it.
+    /// The pixels of a block beside which, as far as decisions at an edge look, a foreground sample is seen: a mask of columns
+    /// per row.
     #[inline(always)]
-    fn has_foreground(&self, block: &Block, foreground: &Layer) -> bool {
-        let columns = block.left.saturating_sub(RING)..(block.left + BLOCK + RING).min(self.width);
-        let rows = block.top.saturating_sub(RING)..(block.top + BLOCK + RING).min(self.height());
-        rows.into_iter().any(|y| {
-            let (start, end) = (y * self.width + columns.start, y * self.width + columns.end);
-            let pairs = foreground.keys[start..end].iter().zip(&self.background.keys[start..end]);
-            pairs.into_iter().any(|(&front, &back)| self.shows(front, back))
-        })
+    fn near_foreground(&self, block: &Block, foreground: &Layer) -> [u16; BLOCK] {
+        let mut seen = [0_u32; SIDE];
+        let (mut front, mut back) = ([0; SIDE], [0; SIDE]);
+        for (row, seen) in seen.iter_mut().enumerate() {
+            let front = self.patch_row(&foreground.keys, block, row, &mut front);
+            if front.iter().fold(0, |all, key| all | key) == 0 {
+                continue;
+            }
+            let back = self.patch_row(&self.background.keys, block, row, &mut back);
+            for column in 0..SIDE {
+                *seen |= u32::from(self.shows(front[column], back[column])) << column;
+            }
+        }
+        let mut near = [0; BLOCK];
+        if seen == [0; SIDE] {
+            return near;
+        }
+        for seen in &mut seen {
+            *seen = (0..=2 * RING).fold(0, |near, step| near | *seen >> step);
+        }
+        for (row, near) in near.iter_mut().enumerate() {
+            *near = seen[row..=row + 2 * RING].iter().fold(0, |near, seen| near | seen) as u16;
+        }
+        near
     }
 
     /// Whether the key of a foreground sample is seen where the background has the key `back`.
@@ -233,17 +270,40 @@ impl Resolve<'_> {
         }
     }
 
+    /// Loads a block and its ring: the nearer keys of the background and of a foreground.
     #[inline(always)]
-    fn patch(&self, block: &Block) -> Patch {
-        let mut keys = [[0; SIDE]; SIDE];
-        for (row, keys) in keys.iter_mut().enumerate() {
-            let y = (block.top + row).saturating_sub(RING).min(self.height() - 1);
-            for (column, key) in keys.iter_mut().enumerate() {
-                let x = (block.left + column).saturating_sub(RING).min(self.width - 1);
-                *key = self.key(y * self.width + x);
+    fn load(&self, block: &Block, foreground: Option<&Layer>, patch: &mut Patch) {
+        (patch.left, patch.top, patch.surface_ratio) = (block.left, block.top, self.surface_ratio);
+        let mut border = [0; SIDE];
+        for (row, keys) in patch.keys.iter_mut().enumerate() {
+            *keys = *self.patch_row(&self.background.keys, block, row, &mut border);
+            if let Some(foreground) = foreground {
+                let front = self.patch_row(&foreground.keys, block, row, &mut border);
+                keys.iter_mut().zip(front).for_each(|(key, front)| *key = (*key).max(*front));
             }
         }
-        Patch { keys, left: block.left, top: block.top, surface_ratio: self.surface_ratio }
+    }
+
+    /// A row of a block with its ring, out of a layer's keys; beyond the picture its border goes on, in keys of its own.
+    #[inline(always)]
+    fn patch_row<'b>(
+        &self,
+        keys: &'b [u64],
+        block: &Block,
+        row: usize,
+        border: &'b mut [u64; SIDE],
+    ) -> &'b [u64; SIDE] {
+        let y = (block.top + row).saturating_sub(RING).min(self.height() - 1);
+        let keys = &keys[y * self.width..][..self.width];
+        if let Some(left) = block.left.checked_sub(RING)
+            && let Some(keys) = keys[left..].first_chunk::<SIDE>()
+        {
+            return keys;
+        }
+        for (column, key) in border.iter_mut().enumerate() {
+            *key = keys[(block.left + column).saturating_sub(RING).min(self.width - 1)];
+        }
+        border
     }
 }
 

@@ -93,6 +93,7 @@ pub(super) const RING: usize = 2;
 pub(super) const SIDE: usize = BLOCK + 2 * RING;
 
 /// The z-buffer of a block of pixels and a ring around it; beyond the picture its border goes on.
+#[derive(Debug)]
 pub(super) struct Patch {
     pub(super) keys: [[u64; SIDE]; SIDE],
     /// Column and row in the picture of the block's first pixel.
@@ -103,6 +104,11 @@ pub(super) struct Patch {
 }
 
 impl Patch {
+    /// Of holes.
+    pub(super) fn empty() -> Self {
+        Self { keys: [[0; SIDE]; SIDE], left: 0, top: 0, surface_ratio: 1.0 }
+    }
+
     #[inline(always)]
     fn key(&self, x: usize, y: usize, (dx, dy): (isize, isize)) -> u64 {
         self.keys[(y + RING).wrapping_add_signed(dy)][(x + RING).wrapping_add_signed(dx)]

@@ -125,9 +125,9 @@ impl<S: Splat> Work for BandSurface<'_, S> {
         for (nth, &number) in band.tiles.iter().enumerate() {
             stage.job.check()?;
             if let Some(&later) = band.tiles.get(nth + TILES_AHEAD) {
-                stage.frame.tiles[later as usize].fetch_depths_ahead();
+                stage.frame.tile(later as usize).fetch_depths_ahead();
             }
-            let tile = &stage.frame.tiles[number as usize];
+            let tile = stage.frame.tile(number as usize);
             let camera = tile.camera as usize;
             let projector = &stage.projectors[camera];
             dense.unpack(tile);

@@ -9,6 +9,7 @@ use super::window::LANES;
 pub(super) const MOST: usize = 2 * BLOCK * BLOCK;
 
 /// The surface points of a block that are to be colored, and what is known of their colors so far.
+#[derive(Debug)]
 pub(super) struct SurfacePoints {
     count: usize,
     /// Columns of their pixels.
@@ -128,13 +129,14 @@ impl SurfacePoints {
         sum.map(|channel| channel / total)
     }
 
-    /// Lists the points for which `wants` holds, sixteen at a time.
+    /// Lists the points that are in the mask of sixteen which `wants` gives from each sixteenth point on; false where there is
+    /// none.
     #[inline(always)]
-    pub(super) fn list(&mut self, wants: impl Fn(&Self, usize) -> bool) {
+    fn list(&mut self, wants: impl Fn(&Self, usize) -> u32) -> bool {
         self.wanting.clear();
         for first in (0..self.count).step_by(LANES) {
             let there = u32::MAX >> (32 - LANES.min(self.count - first));
-            let mut which = there & mask(|i| wants(self, (first + i) % MOST));
+            let mut which = there & wants(self, first.min(MOST - LANES));
             if which == u32::MAX >> (32 - LANES) {
                 self.wanting.extend_from_slice(&std::array::from_fn::<u16, LANES, _>(|i| (first + i) as u16));
                 continue;
@@ -144,7 +146,35 @@ impl SurfacePoints {
                 which &= which - 1;
             }
         }
+        !self.wanting.is_empty()
     }
+
+    /// Lists the points whose nearest sample is a camera's; false where there is none.
+    #[inline(always)]
+    pub(super) fn list_own(&mut self, camera: u16) -> bool {
+        self.list(|points, first| {
+            let own = sixteen(&points.own, first);
+            mask(|i| own[i] == camera)
+        })
+    }
+
+    /// Lists the points of which less is known than `many`, but for those of a camera; false where there is none.
+    #[inline(always)]
+    pub(super) fn list_open(&mut self, many: f32, except: Option<u16>) -> bool {
+        self.list(|points, first| {
+            let known = sixteen(&points.known, first);
+            let open = mask(|i| known[i] < many);
+            let Some(camera) = except.filter(|_| open != 0) else { return open };
+            let own = sixteen(&points.own, first);
+            open & mask(|i| own[i] != camera)
+        })
+    }
+}
+
+/// Sixteen numbers out of many.
+#[inline(always)]
+fn sixteen<T: Copy + Default>(numbers: &[T; MOST], first: usize) -> [T; LANES] {
+    numbers[first..].first_chunk::<LANES>().copied().unwrap_or_default()
 }
 
 /// A mask of the points for which `holds`.

@@ -8,7 +8,7 @@ use super::window::{LANES, Lanes, Windows};
 const SILENCE: f32 = 0.5;
 
 /// Surface points that are put to the vote.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(super) struct Points {
     /// Columns of their pixels.
     pub(super) x: Vec<f32>,

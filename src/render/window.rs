@@ -37,14 +37,18 @@ pub(super) struct Quads {
 }
 
 /// One camera's window.
+#[derive(Debug)]
 struct Window {
     depth: [f32; AREA],
     color: [u64; AREA],
     /// Which tile of the camera is in each place: `row + 1 << 16 | column + 1`.
     cells: [u32; TILES * TILES],
+    /// The same of tiles whose colors are there too.
+    colored: [u32; TILES * TILES],
 }
 
 /// A window for each camera that was asked for.
+#[derive(Debug)]
 pub(super) struct Windows {
     cameras: Vec<Option<Box<Window>>>,
     packed: [f32; TILE_SAMPLES],
@@ -56,6 +60,19 @@ impl Windows {
         Self { cameras: std::iter::repeat_with(|| None).take(cameras).collect(), packed: [0.0; TILE_SAMPLES] }
     }
 
+    /// Of how many cameras there may be one.
+    pub(super) fn camera_count(&self) -> usize {
+        self.cameras.len()
+    }
+
+    /// Forgets what is unpacked.
+    pub(super) fn forget(&mut self) {
+        for window in self.cameras.iter_mut().flatten() {
+            window.cells.fill(NO_CELL);
+            window.colored.fill(NO_CELL);
+        }
+    }
+
     /// Asks for the memory of the tile around a pixel of a camera, where it is not unpacked yet.
     #[inline(always)]
     pub(super) fn fetch_ahead(&self, lookup: &Lookup<'_>, camera: usize, (x, y): (i32, i32)) {
@@ -64,7 +81,11 @@ impl Windows {
             .as_ref()
             .is_some_and(|window| window.cells[slot(column, row)] == cell(column, row));
         if !is_there {
-            lookup.tiles_at(camera, column, row).for_each(FrameTile::fetch_ahead);
+            let mut at = lookup.first_at(camera, column, row);
+            while let Some(number) = at {
+                lookup.tile(number, &mut None).fetch_ahead();
+                at = lookup.next(number);
+            }
         }
     }
 
@@ -83,24 +104,21 @@ impl Windows {
         let (near, corner, touched) = within((x, y), asked);
         for row in touched[2]..=touched[3] {
             for column in touched[0]..=touched[1] {
-                window.unpack(lookup, camera, (corner.0 + column, corner.1 + row), packed);
+                window.unpack::<COLORS>(lookup, camera, (corner.0 + column, corner.1 + row), packed);
             }
         }
         let mut quads = window.read::<COLORS>((x, y));
-        // Points that lie too far from the first for the window to hold both have to wait.
+        // Points that lie too far from the first for the window to hold both are looked up one by one: unpacking tiles for them
+        // would push out those of their neighbors.
         let mut left = asked & !near;
         while left != 0 {
             let i = left.trailing_zeros() as usize % LANES;
             left &= left - 1;
-            for row in y[i] >> 4..=(y[i] + 1) >> 4 {
-                for column in x[i] >> 4..=(x[i] + 1) >> 4 {
-                    window.unpack(lookup, camera, (column, row), packed);
-                }
-            }
             for corner in 0..4 {
-                let at = place(x[i] + (corner as i32 & 1), y[i] + (corner as i32 >> 1));
-                quads.depth[corner][i] = window.depth[at];
-                quads.color[corner][i] = window.color[at];
+                let pixel = (x[i] + (corner as i32 & 1), y[i] + (corner as i32 >> 1));
+                let (depth, color) = window.sample::<COLORS>(lookup, camera, pixel);
+                quads.depth[corner][i] = depth;
+                quads.color[corner][i] = color;
             }
         }
         quads
@@ -162,12 +180,18 @@ impl Window {
         reason = "48 KiB on their way to the heap, once per camera and thread"
     )]
     fn new() -> Box<Self> {
-        Box::new(Self { depth: [MISSING; AREA], color: [0; AREA], cells: [NO_CELL; TILES * TILES] })
+        Box::new(Self {
+            depth: [MISSING; AREA],
+            color: [0; AREA],
+            cells: [NO_CELL; TILES * TILES],
+            colored: [NO_CELL; TILES * TILES],
+        })
     }
 
-    /// Puts a tile of the camera into its place, where it is not there yet; those beside the picture are empty.
+    /// Puts a tile of the camera into its place, where it is not there yet; those beside the picture are empty. Its colors only
+    /// where `COLORS` asks for them: who votes does not.
     #[inline(always)]
-    fn unpack(
+    fn unpack<const COLORS: bool>(
         &mut self,
         lookup: &Lookup<'_>,
         camera: usize,
@@ -175,25 +199,77 @@ impl Window {
         packed: &mut [f32; TILE_SAMPLES],
     ) {
         let (slot, cell) = (slot(column, row), cell(column, row));
-        if self.cells[slot] == cell {
-            return;
-        }
-        self.cells[slot] = cell;
         let corner = (slot / TILES * SIDE + slot % TILES) * TILE;
-        let mut tiles = lookup.tiles_at(camera, column, row).peekable();
-        if tiles.peek().is_none_or(|tile| tile.color.len() < TILE_SAMPLES) {
-            for row in 0..TILE {
-                self.depth[corner + row * SIDE..][..TILE].fill(MISSING);
+        let mut at = None;
+        let mut is_new = false;
+        if self.cells[slot] != cell {
+            (self.cells[slot], is_new) = (cell, true);
+            at = lookup.first_at(camera, column, row);
+            let first = at.filter(|number| lookup.tile(*number, &mut None).color.len() == TILE_SAMPLES);
+            if first.is_none() {
+                self.empty(corner);
             }
         }
-        for tile in tiles {
-            tile.depths.unpack(packed);
-            self.unpack_tile(tile, corner, packed);
+        if COLORS && self.colored[slot] != cell {
+            self.colored[slot] = cell;
+            at = lookup.first_at(camera, column, row);
+        }
+        while let Some(number) = at {
+            let mut made = None;
+            let tile = lookup.tile(number, &mut made);
+            if is_new {
+                tile.depths.unpack(packed);
+                self.unpack_tile::<COLORS>(tile, corner, packed);
+            } else {
+                self.unpack_colors(tile, corner);
+            }
+            at = lookup.next(number);
+        }
+    }
+
+    /// The sample of a camera at a pixel, out of the window where its tile is unpacked, else from where it lies.
+    #[inline(always)]
+    fn sample<const COLORS: bool>(
+        &self,
+        lookup: &Lookup<'_>,
+        camera: usize,
+        (x, y): (i32, i32),
+    ) -> (f32, u64) {
+        let (slot, cell) = (slot(x >> 4, y >> 4), cell(x >> 4, y >> 4));
+        if self.cells[slot] == cell && (!COLORS || self.colored[slot] == cell) {
+            let at = place(x, y);
+            return (self.depth[at], self.color[at]);
+        }
+        let (column, row) = ((x & 15) as usize, (y & 15) as usize);
+        let mut at = lookup.first_at(camera, x >> 4, y >> 4);
+        while let Some(number) = at {
+            let mut made = None;
+            let tile = lookup.tile(number, &mut made);
+            if tile.rows[row] >> column & 1 == 1 {
+                let nth = tile.rank(column, row);
+                let color = if COLORS { FrameTile::bits_of(tile.color[nth]) } else { 0 };
+                return (tile.depths.get(nth), color);
+            }
+            at = lookup.next(number);
+        }
+        (MISSING, 0)
+    }
+
+    /// Takes everything out of a tile's place.
+    #[inline(always)]
+    fn empty(&mut self, corner: usize) {
+        for row in 0..TILE {
+            self.depth[corner + row * SIDE..][..TILE].fill(MISSING);
         }
     }
 
     #[inline(always)]
-    fn unpack_tile(&mut self, tile: &FrameTile<'_>, corner: usize, packed: &[f32; TILE_SAMPLES]) {
+    fn unpack_tile<const COLORS: bool>(
+        &mut self,
+        tile: &FrameTile<'_>,
+        corner: usize,
+        packed: &[f32; TILE_SAMPLES],
+    ) {
         let (mut depths, mut colors) = (packed.as_slice(), tile.color);
         for (row, &mask) in tile.rows.iter().enumerate() {
             let at = corner + row * SIDE;
@@ -204,8 +280,10 @@ impl Window {
             let (to_depths, to_colors) = (&mut self.depth[at..][..TILE], &mut self.color[at..][..TILE]);
             if mask == u16::MAX {
                 to_depths.copy_from_slice(row_depths);
-                for (to, color) in to_colors.iter_mut().zip(row_colors) {
-                    *to = FrameTile::bits_of(*color);
+                if COLORS {
+                    for (to, color) in to_colors.iter_mut().zip(row_colors) {
+                        *to = FrameTile::bits_of(*color);
+                    }
                 }
                 continue;
             }
@@ -214,8 +292,32 @@ impl Window {
                 let column = left.trailing_zeros() as usize % TILE;
                 left &= left.wrapping_sub(1);
                 to_depths[column] = *depth;
-                to_colors[column] = FrameTile::bits_of(*color);
+                if COLORS {
+                    to_colors[column] = FrameTile::bits_of(*color);
+                }
             }
+        }
+    }
+
+    /// The colors of a tile whose depths are there.
+    #[inline(always)]
+    fn unpack_colors(&mut self, tile: &FrameTile<'_>, corner: usize) {
+        let mut colors = tile.color;
+        for (row, &mask) in tile.rows.iter().enumerate() {
+            let to = &mut self.color[corner + row * SIDE..][..TILE];
+            let count = mask.count_ones() as usize;
+            if mask == u16::MAX {
+                for (to, color) in to.iter_mut().zip(colors) {
+                    *to = FrameTile::bits_of(*color);
+                }
+            } else {
+                let mut left = mask;
+                for color in &colors[..count] {
+                    to[left.trailing_zeros() as usize % TILE] = FrameTile::bits_of(*color);
+                    left &= left.wrapping_sub(1);
+                }
+            }
+            colors = &colors[count..];
         }
     }
 
@@ -251,5 +353,52 @@ impl Window {
             }
         }
         (depth, color)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::frame_samples::FrameSamples;
+    use super::super::lookup::CellTable;
+    use super::*;
+    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::job::Job;
+    use crate::preprocess::preprocess;
+    use crate::settings::Settings;
+
+    #[test]
+    fn points_far_apart_read_what_each_of_them_reads_alone() {
+        let spec = DemoSpec {
+            scene: "orrery".to_owned(),
+            cameras: Some(2),
+            frames: Some(2),
+            size: Some((160, 120)),
+            noise: None,
+        };
+        let demo = Demo::new(&spec).unwrap();
+        let settings = Settings::default();
+        let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
+        let frame = FrameSamples::at(&samples, 1).unwrap();
+        let table = CellTable::empty(&samples.cameras).with(&frame, 0..frame.tile_count());
+        let lookup = Lookup { table, frame: &frame };
+        let corners: [[i32; LANES]; 2] = [(53, 161), (37, 121)]
+            .map(|(step, count)| std::array::from_fn(|i| (i as i32 * step) % count - 1));
+        let together = Windows::new(2).quads::<true>(&lookup, 0, &corners, 0xffff);
+        let mut found = 0;
+        for i in 0..LANES {
+            let alone = Windows::new(2).quads::<true>(&lookup, 0, &corners, 1 << i);
+            for corner in 0..4 {
+                let depth = alone.depth[corner][i];
+                assert_eq!(together.depth[corner][i], depth, "point {i}, corner {corner}");
+                if depth >= 0.0 {
+                    found += 1;
+                    assert_eq!(
+                        together.color[corner][i], alone.color[corner][i],
+                        "point {i}, corner {corner}"
+                    );
+                }
+            }
+        }
+        assert!(found > 16, "{found}");
     }
 }

@@ -294,7 +294,7 @@ impl GpuRenderer {
             Ok(result)
         })?;
         self.background = Some(wanted);
-        let tiles = if reused { frame.passing() } else { 0..frame.tiles.len() };
+        let tiles = if reused { frame.passing() } else { 0..frame.tile_count() };
         let samples = frame.sample_count(tiles);
         Ok((result, RenderStats { samples, background_reused: reused, ..RenderStats::default() }))
     }

@@ -105,7 +105,7 @@ fn stages((frame, camera, settings): Wanted<'_>, piece_count: usize, cells: usiz
                 ray_across: (ray(1.5, 0.5) - first).as_vec3().to_array(),
                 entries_at: cells as u32,
                 ray_down: (ray(0.5, 1.5) - first).as_vec3().to_array(),
-                all_tiles: frame.tiles.len() as u32,
+                all_tiles: frame.tile_count() as u32,
                 pruned: u32::from(frame.set.settings.pruning.method != PruningMethod::Off),
                 ..GpuStage::zeroed()
             };
@@ -153,14 +153,14 @@ fn views(cameras: &[Camera], target: &Camera, depth_tolerance: f32) -> (Vec<GpuV
 
 /// Cells and entries, as drawn in `lookup.wgsl`.
 fn lookup(frame: &FrameSamples<'_>, pieces: &[GpuPiece], views: &[GpuView], cells: usize) -> Vec<u32> {
-    let mut lookup = vec![u32::MAX; cells + 2 * frame.tiles.len()];
+    let mut lookup = vec![u32::MAX; cells + 2 * frame.tile_count()];
     let mut piece = pieces.len();
     // Backwards, so that lists ascend.
-    for number in (0..frame.tiles.len()).rev() {
+    for number in (0..frame.tile_count()).rev() {
         while piece == pieces.len() || pieces[piece].first_tile as usize > number {
             piece -= 1;
         }
-        let tile = &frame.tiles[number];
+        let tile = frame.tile(number);
         let view = &views[tile.camera as usize];
         let (column, row) = (tile.origin.0 / TILE as u32, tile.origin.1 / TILE as u32);
         let cell = (view.first_cell + row * view.cells_across + column) as usize;
