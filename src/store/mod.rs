@@ -24,6 +24,7 @@ mod reader;
 mod sight;
 mod source;
 mod verify;
+mod whole;
 mod writer;
 
 use std::path::Path;

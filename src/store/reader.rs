@@ -1,4 +1,4 @@
-//! Reads a store: as a whole, or image by image.
+//! Reads a store image by image.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -8,15 +8,14 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::blocks::Coding;
 use super::bytes::{HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE};
-use super::chunks::{Chunks, REQUIRED, decode_settings, from_iff, in_chunk};
+use super::chunks::{Chunks, decode_settings, from_iff, in_chunk};
 use super::coding::model::Model;
 use super::decoded::Decoded;
 use super::header::{Head, ImageEntry, chain, decode_head, decode_index};
-use super::iff::{ChunkHeader, ChunkId, FORM_HEADER, FormReader};
+use super::iff::{ChunkHeader, FormReader};
 use super::images::{self, BlockEntry, Damage, ImageHead};
 use super::palette::Palette;
 use super::provenance::Provenance;
@@ -24,7 +23,6 @@ use super::sight::Places;
 use super::source::ReadAt;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
-use crate::job::Job;
 use crate::preprocess::{DepthPlane, Report, SampleImage, SampleSet};
 use crate::settings::Settings;
 
@@ -71,11 +69,11 @@ impl StoreInfo {
 
 /// An open store, from which images are read one by one. Reading from several threads is fine.
 pub struct Store {
-    path: PathBuf,
-    info: StoreInfo,
+    pub(super) path: PathBuf,
+    pub(super) info: StoreInfo,
     model: Model,
     palette: Palette,
-    form: FormReader<Box<dyn ReadAt>>,
+    pub(super) form: FormReader<Box<dyn ReadAt>>,
     /// What could not be read so far, by image.
     damage: Mutex<BTreeMap<usize, Vec<String>>>,
     blocks_read: AtomicU64,
@@ -276,7 +274,7 @@ impl Store {
         header.ok_or_else(|| self.damaged(index, "there is no image of the length that the index says"))
     }
 
-    fn bytes(&self, chunk: &ChunkHeader, range: std::ops::Range<u64>) -> Result<Vec<u8>> {
+    pub(super) fn bytes(&self, chunk: &ChunkHeader, range: std::ops::Range<u64>) -> Result<Vec<u8>> {
         self.form.plain_payload(chunk, range).map_err(|error| from_iff(&self.path, error))
     }
 
@@ -358,84 +356,5 @@ impl Store {
             settings: self.info.settings.clone(),
             images: placeholders.collect(),
         }
-    }
-
-    /// Chunks that this Overlook does not know, for whoever writes the store again: id and payload as it is.
-    ///
-    /// # Errors
-    /// `Io`; `Invalid` where the chunks do not follow one another to the end of the file.
-    pub fn unknown_chunks(&self) -> Result<Vec<(ChunkId, Vec<u8>)>> {
-        let mut unknown = Vec::new();
-        let mut offset = FORM_HEADER;
-        while let Some(header) = self.form.header_at(offset).map_err(|error| from_iff(&self.path, error))? {
-            if header.id != IMAGE && !REQUIRED.contains(&header.id) {
-                unknown.push((header.id, self.bytes(&header, 0..header.length)?));
-            }
-            offset = header.end();
-        }
-        Ok(unknown)
-    }
-
-    /// Walks over every chunk of the file; says where they do not follow one another, and which images the index does not have.
-    ///
-    /// # Errors
-    /// `Io`.
-    pub(super) fn walk(&self) -> Result<Vec<String>> {
-        let mut damage = Vec::new();
-        let mut offset = FORM_HEADER;
-        loop {
-            match self.form.header_at(offset).map_err(|error| from_iff(&self.path, error)) {
-                Ok(None) => return Ok(damage),
-                Ok(Some(header)) => {
-                    let listed =
-                        |at| self.info.images.binary_search_by_key(&at, |image| image.offset).is_ok();
-                    if header.id == IMAGE && !listed(offset) {
-                        damage.push(format!(
-                            "{}: at byte {offset}: chunk 'IMAG' is not in the index",
-                            self.path.display()
-                        ));
-                    }
-                    offset = header.end();
-                }
-                Err(error @ Error::Io { .. }) => return Err(error),
-                Err(error) => {
-                    damage.push(error.to_string());
-                    return Ok(damage);
-                }
-            }
-        }
-    }
-
-    /// Reads every image. Tiles that are damaged are missing: see [`Store::damage`].
-    ///
-    /// # Errors
-    /// `Io` and `Cancelled`.
-    pub fn read_all(&self, job: &Job) -> Result<(SampleSet, Report)> {
-        let count = self.info.images.len();
-        job.start("Reading the store", count);
-        let depths: Vec<usize> = (0..count)
-            .map(|index| chain(&self.info.images, index).map_or(0, |chain| chain.len() - 1))
-            .collect();
-        let mut decoded: Vec<Option<Decoded>> = vec![None; count];
-        // Those that need no other first, then those that need one of these, and so on.
-        for depth in 0..=depths.iter().copied().max().unwrap_or(0) {
-            let ready: Vec<usize> = (0..count).filter(|index| depths[*index] == depth).collect();
-            let read = ready.par_iter().map(|&index| {
-                job.check()?;
-                let before =
-                    self.info.images[index].reference.and_then(|before| decoded[before as usize].as_ref());
-                let image = self.decode(index, None, before, None)?;
-                job.advance(1);
-                Ok(image)
-            });
-            let read: Result<Vec<Decoded>> = read.collect();
-            for (index, image) in ready.into_iter().zip(read?) {
-                decoded[index] = Some(image);
-            }
-        }
-        let mut samples = self.outline();
-        let images = decoded.into_iter().flatten().map(|decoded| decoded.image);
-        samples.images = images.filter(|image| !image.is_empty()).collect();
-        Ok((samples, self.info.report.clone()))
     }
 }

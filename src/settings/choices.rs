@@ -1,0 +1,152 @@
+//! The choices that settings have, by the names that files and the command line use.
+
+use super::choice::choice;
+
+choice! {
+    /// Where normals come from.
+    pub enum NormalSource {
+        /// Given normals where the capture has them, estimated ones elsewhere.
+        Auto = "auto",
+        /// Estimated from depth even where normals are given.
+        Estimated = "estimated",
+    }
+}
+
+choice! {
+    /// How normals are estimated from depth.
+    pub enum NormalEstimator {
+        /// Cross product of the two flattest one-sided differences of neighboring points: sharp, sensitive to noise.
+        Cross = "cross",
+        /// Least-squares plane in inverse depth over a 5×5 window cut at depth steps: smooth, robust to noise.
+        Plane = "plane",
+    }
+}
+
+choice! {
+    /// Which spans of frames a sample may live in.
+    pub enum SpanLevels {
+        /// Every frame for itself: nothing is shared over time.
+        Off = "off",
+        /// The paper's split: a pixel is background over all frames, or foreground in each one.
+        Paper = "paper",
+        /// Spans of all lengths, half as long at each level: a pixel lives in the longest over which it is static.
+        Tree = "tree",
+    }
+}
+
+choice! {
+    /// Which of two samples of the same surface point stays.
+    pub enum PruningMethod {
+        /// Every sample stays.
+        Off = "off",
+        /// The first camera that saw the point, whatever its sampling rate: what a layered depth image does.
+        FirstCamera = "first_camera",
+        /// The camera that sampled the point at the highest rate: the paper's rule.
+        HighestRate = "highest_rate",
+    }
+}
+
+choice! {
+    /// How the sampling rate of a pixel is measured.
+    pub enum RateModel {
+        /// The longest side (`stretch`) where cameras differ in focal length or resolution, the paper's ratio where they are alike.
+        Auto = "auto",
+        /// The paper's r: planar depth over cosine of incidence. Knows nothing of focal length and resolution.
+        Paper = "paper",
+        /// Surface area of a pixel, z² cos α / (fx fy cos θ).
+        Footprint = "footprint",
+        /// Longest side of a pixel on the surface, z √(cos α / (fx fy)) / cos θ: the paper's r with focal length and resolution.
+        Stretch = "stretch",
+    }
+}
+
+choice! {
+    /// What happens to samples whose color is blended across a silhouette.
+    pub enum MixedPixels {
+        /// They are samples like any other.
+        Keep = "keep",
+        /// They lose against clean samples of the same surface, whatever the rates.
+        Yield = "yield",
+        /// They are removed before anything else.
+        Drop = "drop",
+        /// They take the color, and where it is mostly the other side's also the depth, of the surface that they show most of,
+        /// and lose against clean samples all the same.
+        Snap = "snap",
+    }
+}
+
+choice! {
+    /// How much of color and depth a store keeps.
+    pub enum Precision {
+        /// Every bit.
+        Lossless = "lossless",
+        /// Color to half a step of a display with 16 bits, depth as `depth_precision` says.
+        Bits16 = "bits16",
+        /// Color to half a step of a display with 12 bits, depth as `depth_precision` says.
+        Bits12 = "bits12",
+        /// Color to half a step of a display with 10 bits, depth as `depth_precision` says.
+        Bits10 = "bits10",
+        /// Color to half a step of a display with 8 bits, depth as `depth_precision` says.
+        Bits8 = "bits8",
+    }
+}
+
+choice! {
+    /// How a store codes its samples.
+    pub enum Coding {
+        /// Predicted from neighbors and the frame before; what is left is entropy-coded.
+        Modeled = "modeled",
+        /// Every number as it is.
+        Plain = "plain",
+    }
+}
+
+choice! {
+    /// How a sample is painted into the picture.
+    pub enum Kernel {
+        /// One pixel per sample.
+        Point = "point",
+        /// The paper's coarse blending: a sample is spread over the 2×2 pixels around its position.
+        Block = "block",
+        /// Oriented footprints, blended among samples of one surface by sampling rate.
+        Surfel = "surfel",
+        /// Surface first, color second: each pixel's surface point is looked up in the cameras that saw it best.
+        Gather = "gather",
+    }
+}
+
+choice! {
+    /// How pixels without any sample are filled.
+    pub enum Fill {
+        /// Holes are shown as holes.
+        None = "none",
+        /// Holes are filled smoothly from the farther of the surfaces around them; they still count as holes.
+        PushPull = "pushpull",
+    }
+}
+
+choice! {
+    /// What paints.
+    pub enum Backend {
+        /// The faster of processor and graphics card, as measured on the first picture.
+        Auto = "auto",
+        /// The processor.
+        Cpu = "cpu",
+        /// The graphics adapter, be it a program that stands in for one.
+        Gpu = "gpu",
+    }
+}
+
+choice! {
+    /// The widest vector instructions that hot loops may use. No setting: every choice gives the same bits.
+    pub enum Instructions {
+        /// The widest that the processor has.
+        Auto = "auto",
+        /// AVX-512 with byte, word, doubleword and shorter vectors.
+        Avx512 = "avx512",
+        /// AVX2 and what comes with it.
+        Avx2 = "avx2",
+        /// What every processor of the target has.
+        Portable = "portable",
+    }
+}
