@@ -22,6 +22,9 @@ const SOURCE_REACH: f64 = 4.0;
 /// Pixels of the picture by which it is taken to be larger.
 const PICTURE_REACH: f64 = 4.0;
 
+/// More than any picture has along one side.
+const MAX_BLOCKS: f64 = 65_536.0;
+
 /// Blocks of a camera's pictures, by place.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Places {
@@ -43,8 +46,8 @@ impl Places {
     /// Adds the blocks that pixels `[left, right] × [top, bottom]` touch.
     fn add(&mut self, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) {
         let down = self.held.len() / self.across.max(1);
-        // Saturates: what is not a number is 0, and what is too large the last block.
-        let block = |pixel: f64| (pixel / BLOCK as f64).max(0.0) as usize;
+        // What is too large comes after the last block, however large it is.
+        let block = |pixel: f64| (pixel / BLOCK as f64).clamp(0.0, MAX_BLOCKS) as usize;
         if right < 0.0 || bottom < 0.0 {
             return;
         }
@@ -132,6 +135,9 @@ impl Eye {
         for point in points {
             for axis in 0..2 {
                 let pixel = self.center[axis] + self.focal[axis] * point[axis] / point.z;
+                if pixel.is_nan() {
+                    return places.add_all();
+                }
                 low[axis] = low[axis].min(pixel);
                 high[axis] = high[axis].max(pixel);
             }
@@ -169,4 +175,33 @@ pub(super) fn needed<'a>(
         places[camera].add(corner, corner);
     }
     places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::Intrinsics;
+
+    #[test]
+    fn what_reaches_beyond_all_numbers_touches_every_block_up_to_the_edge() {
+        let mut places = Places::none((3, 2));
+        places.add([100.0, -5.0], [f64::INFINITY, 1e300]);
+        assert_eq!(places.held, [false, true, true, false, true, true]);
+        let mut places = Places::none((3, 2));
+        places.add([f64::INFINITY, 0.0], [f64::INFINITY, 10.0]);
+        assert_eq!(places.held, [false; 6]);
+        let camera = Camera::look_at(
+            "c",
+            Intrinsics::from_horizontal_angle(192, 128, 0.9),
+            DVec3::NEG_Y,
+            DVec3::ZERO,
+            DVec3::Z,
+        );
+        for nearly_beside in [f64::MIN_POSITIVE, 1e-300] {
+            let mut places = Places::none((3, 2));
+            let points = std::array::from_fn(|i| DVec3::new(i as f64 - 3.5, 3.5 - i as f64, nearly_beside));
+            Eye::of(&camera).add_projection(&points, &mut places);
+            assert_eq!(places.held, [true; 6], "{nearly_beside:e}");
+        }
+    }
 }
