@@ -148,7 +148,7 @@ fn gather(
             break;
         }
         load_patch(group.xy, thread, both);
-        if pixel.x < stage.width && pixel.y < stage.height && is_near_foreground(local.xy) == both {
+        if is_painted(pixel, local.xy, both) {
             let standing = get_standing(pixel.y * stage.width + pixel.x);
             var color = vec3<f32>(0.0);
             // One loop for both surfaces, so that compilers that inline everything have half as much to inline.

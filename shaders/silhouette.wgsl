@@ -205,7 +205,7 @@ fn silhouette(
             break;
         }
         load_patch(group.xy, thread, both);
-        if pixel.x < stage.width && pixel.y < stage.height && is_near_foreground(local.xy) == both {
+        if is_painted(pixel, local.xy, both) {
             let standing = decide(vec2<i32>(local.xy), vec2<f32>(pixel));
             put_standing(pixel.y * stage.width + pixel.x, standing);
         }

@@ -78,6 +78,11 @@ fn is_near_foreground(pixel: vec2<u32>) -> bool {
     return extractBits(near, pixel.x, 2u * u32(RING) + 1u) != 0u;
 }
 
+// Whether a pixel of the picture, `local` in its block, is painted among the samples of both layers, or of the background alone.
+fn is_painted(pixel: vec2<u32>, local: vec2<u32>, both: bool) -> bool {
+    return pixel.x < stage.width && pixel.y < stage.height && is_near_foreground(local) == both;
+}
+
 // Loads one pixel of the patch around the block whose first pixel is `corner`: of the background, or of both layers.
 fn load(corner: vec2<i32>, place: u32, both: bool) {
     let wanted = corner + vec2<i32>(i32(place) % SIDE, i32(place) / SIDE) - RING;

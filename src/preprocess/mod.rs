@@ -174,11 +174,9 @@ impl Walk<'_> {
             }
             if child.len() == 1 {
                 self.residuals.add_moving(child.start as usize, &self.descent.layers, self.job)?;
-            }
-            self.descent.leave(&step);
-            if child.len() == 1 {
                 self.job.advance(1);
             }
+            self.descent.leave(&step);
         }
         Ok(())
     }

@@ -184,14 +184,13 @@ impl<'a> Residuals<'a> {
         }
         let asked = self.asked() * MOVING_DENSITY;
         let blocks = layers.par_iter().zip(&mut self.before).map(|(layer, before)| {
-            let now: Vec<[f32; LANES]> = lattice(layer, asked)
-                .map(|place| lanes_of(&layer.inverse_depth, layer.width, place, INVALID_INVERSE_DEPTH))
-                .collect();
-            let moved = |(at, (column, row)): (usize, (usize, usize))| {
-                let lanes = before.get(at).map_or(0, |before| moved_lanes(before, &now[at]));
-                (column, row, lanes & lanes_at(layer, (column, row), |level| level != ROOT))
+            let look = |(at, (column, row)): (usize, (usize, usize))| {
+                let now = lanes_of(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
+                let moved = before.get(at).map_or(0, |before| moved_lanes(before, &now));
+                let passing = lanes_at(layer, (column, row), |level| level != ROOT);
+                ((column, row, moved & passing), now)
             };
-            let blocks = lattice(layer, asked).enumerate().map(moved).collect();
+            let (blocks, now) = lattice(layer, asked).enumerate().map(look).unzip();
             *before = now;
             blocks
         });
@@ -314,50 +313,45 @@ impl Work for Compare<'_> {
 /// can tell which one is wrong: both are named.
 #[must_use]
 pub fn doubts(pairs: &[Vec<PairResiduals>]) -> Vec<Doubt> {
-    let lasting = doubts_over(pairs, DOUBTFUL_POSE_FOOTPRINTS, |pair| Some(pair.lasting?.most_footprints));
-    let moving = doubts_over(pairs, DOUBTFUL_CLOCK_FOOTPRINTS, |pair| Some(pair.moving?.median_footprints));
-    let moving = moving.into_iter().filter_map(|(camera, own, usual)| {
-        let has_wrong_pose = lasting.iter().any(|(other, ..)| *other == camera);
-        (!has_wrong_pose).then_some(Doubt {
-            camera,
-            over_time: true,
-            footprints: own,
-            usual_footprints: usual,
-        })
-    });
-    let poses = lasting.iter().map(|&(camera, footprints, usual_footprints)| Doubt {
-        camera,
-        over_time: false,
-        footprints,
-        usual_footprints,
-    });
-    poses.chain(moving).collect()
+    let mut doubts = doubts_over(pairs, false, |pair| Some(pair.lasting?.most_footprints));
+    let moving = doubts_over(pairs, true, |pair| Some(pair.moving?.median_footprints));
+    let wrong_poses = doubts.len();
+    for doubt in moving {
+        if doubts[..wrong_poses].iter().all(|pose| pose.camera != doubt.camera) {
+            doubts.push(doubt);
+        }
+    }
+    doubts
 }
 
-/// Camera, how far it is off where it fits best, and how far others are that fit each other.
+/// The doubts by one number of each pair; a pair that is not there says nothing.
 fn doubts_over(
     pairs: &[Vec<PairResiduals>],
-    doubtful_footprints: f32,
+    over_time: bool,
     of: impl Fn(&PairResiduals) -> Option<f32>,
-) -> Vec<(usize, f32, f32)> {
-    let cameras = pairs.len();
-    let off = |a: usize, b: usize| {
-        let both = [of(&pairs[a][b]), of(&pairs[b][a])];
-        both.into_iter().flatten().reduce(f32::max)
+) -> Vec<Doubt> {
+    let of = |a: usize, b: usize| of(pairs.get(a)?.get(b)?);
+    // The others that each camera can be compared with, those it fits best first.
+    let partners = |camera: usize| {
+        let off = |other: usize| of(camera, other).into_iter().chain(of(other, camera)).reduce(f32::max);
+        let others = (0..pairs.len()).filter(|other| *other != camera);
+        let mut partners: Vec<(f32, usize)> = others.filter_map(|other| Some((off(other)?, other))).collect();
+        partners.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        partners
     };
-    let best = |camera: usize, without: Option<usize>| {
-        let others = (0..cameras).filter(|other| *other != camera && Some(*other) != without);
-        others.filter_map(|other| off(camera, other)).reduce(f32::min)
-    };
+    let partners: Vec<_> = (0..pairs.len()).map(partners).collect();
+    let doubtful_footprints = if over_time { DOUBTFUL_CLOCK_FOOTPRINTS } else { DOUBTFUL_POSE_FOOTPRINTS };
     let doubt = |camera: usize| {
-        let own = best(camera, None)?;
-        let others = (0..cameras).filter(|other| *other != camera);
-        let mut usual: Vec<f32> = others.filter_map(|other| best(other, Some(camera))).collect();
+        let footprints = partners[camera].first()?.0;
+        let best_without = |of: &Vec<(f32, usize)>| Some(of.iter().find(|(_, other)| *other != camera)?.0);
+        let others = (0..pairs.len()).filter(|other| *other != camera);
+        let mut usual: Vec<f32> = others.filter_map(|other| best_without(&partners[other])).collect();
         usual.sort_unstable_by(f32::total_cmp);
-        let usual = usual.get(usual.len() / 2).copied().unwrap_or(0.0);
-        (own > doubtful_footprints && own > DOUBTFUL_RATIO * usual).then_some((camera, own, usual))
+        let usual_footprints = usual.get(usual.len() / 2).copied().unwrap_or(0.0);
+        let is_doubtful = footprints > doubtful_footprints && footprints > DOUBTFUL_RATIO * usual_footprints;
+        is_doubtful.then_some(Doubt { camera, over_time, footprints, usual_footprints })
     };
-    (0..cameras).filter_map(doubt).collect()
+    (0..pairs.len()).filter_map(doubt).collect()
 }
 
 #[cfg(test)]
@@ -386,6 +380,14 @@ mod tests {
         assert_eq!((found[0].camera, found[0].over_time, found[0].footprints), (1, false, 0.9));
         let found = doubts(&pairs(&[0.01; 4], &[0.02, 0.01, 0.02, 0.6]));
         assert_eq!(found.iter().map(|d| (d.camera, d.over_time)).collect::<Vec<_>>(), [(3, true)]);
+    }
+
+    #[test]
+    fn pairs_that_a_report_lacks_say_nothing() {
+        let mut part = pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1; 4]);
+        part[3].clear();
+        part[0].truncate(2);
+        assert_eq!(doubts(&part).iter().map(|doubt| doubt.camera).collect::<Vec<_>>(), [1]);
     }
 
     #[test]
