@@ -43,6 +43,7 @@ pub mod samples;
 pub mod sampling_rate;
 mod settle;
 mod short_spans;
+mod span_doubts;
 pub mod span_samples;
 pub mod span_sums;
 pub mod span_tree;

@@ -3,8 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::span_sums::SpanSums;
 use super::static_test::StaticTest;
+use crate::simd::{self, Work};
 
 /// Bins per octave of the histograms of ranges.
 const BINS_PER_OCTAVE: f32 = 4.0;
@@ -63,31 +63,10 @@ pub struct RangeFacts {
 }
 
 impl RangeShares {
-    /// Counts a pixel over all frames, of which the mean colors are known.
-    pub fn add(&mut self, sums: &SpanSums, means: &[[half::f16; 3]], pixel: usize, test: &StaticTest) {
-        let (color, depth) = (sums.color_range_steps(pixel), sums.depth_range_relative(pixel));
-        self.count(color, depth, test, || means[pixel]);
-    }
-
-    /// Counts a pixel of these ranges; an infinite range of depth stands for a frame without depth.
-    pub fn count(
-        &mut self,
-        color: f32,
-        depth: f32,
-        test: &StaticTest,
-        mean: impl FnOnce() -> [half::f16; 3],
-    ) {
-        self.pixels += 1;
-        if !depth.is_finite() {
-            return;
-        }
-        self.with_depth += 1;
-        self.color[bin(color, COLOR_OCTAVES, COLOR_BINS)] += 1;
-        self.depth[bin(depth, DEPTH_OCTAVES, DEPTH_BINS)] += 1;
-        let within = color <= test.granted_color();
-        self.within_color += u64::from(within);
-        self.within_noisy_color += u64::from(within || color <= test.granted(mean()));
-        self.within_depth += u64::from(depth <= test.granted_depth());
+    /// Counts pixels over all frames: their ranges of color (8-bit sRGB steps) and of depth (relative, infinite where there is a
+    /// frame without depth), and their mean colors.
+    pub fn count(&mut self, color: &[f32], depth: &[f32], means: &[[half::f16; 3]], test: &StaticTest) {
+        simd::run(Count { shares: self, color, depth, means, test });
     }
 
     /// Adds the counts of other pixels.
@@ -127,18 +106,84 @@ impl RangeShares {
     }
 }
 
-/// Bin 0 holds ranges of nothing, the others a quarter of an octave each.
-fn bin(range: f32, octaves: f32, bins: usize) -> usize {
-    if range <= 0.0 {
-        return 0;
+/// Pixels that are counted together.
+const LANES: usize = 16;
+
+struct Count<'a> {
+    shares: &'a mut RangeShares,
+    color: &'a [f32],
+    depth: &'a [f32],
+    means: &'a [[half::f16; 3]],
+    test: &'a StaticTest,
+}
+
+impl Work for Count<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { shares, color, depth, means, test } = self;
+        let chunks = color.chunks(LANES).zip(depth.chunks(LANES)).zip(means.chunks(LANES));
+        for ((colors, depths), means) in chunks {
+            // What is missing at the end has no depth, and is not counted.
+            let (mut color, mut depth, mut granted) = ([0.0; LANES], [f32::INFINITY; LANES], [0.0; LANES]);
+            color[..colors.len()].copy_from_slice(colors);
+            depth[..depths.len()].copy_from_slice(depths);
+            for (granted, mean) in granted.iter_mut().zip(means) {
+                *granted = test.granted(*mean);
+            }
+            shares.pixels += colors.len() as u64;
+            shares.count_lanes(&color, &depth, &granted, test);
+        }
     }
+}
+
+impl RangeShares {
+    #[inline(always)]
+    fn count_lanes(
+        &mut self,
+        color: &[f32; LANES],
+        depth: &[f32; LANES],
+        granted: &[f32; LANES],
+        test: &StaticTest,
+    ) {
+        let (mut color_bins, mut depth_bins, mut within) = ([0; LANES], [0; LANES], [[0_u32; LANES]; 4]);
+        for i in 0..LANES {
+            let has_depth = depth[i] < f32::INFINITY;
+            color_bins[i] = bin(color[i], COLOR_OCTAVES, COLOR_BINS);
+            depth_bins[i] = bin(depth[i], DEPTH_OCTAVES, DEPTH_BINS);
+            let is_within = color[i] <= test.granted_color();
+            within[0][i] = u32::from(has_depth);
+            within[1][i] = u32::from(has_depth & is_within);
+            within[2][i] = u32::from(has_depth & (is_within | (color[i] <= granted[i])));
+            within[3][i] = u32::from(has_depth & (depth[i] <= test.granted_depth()));
+        }
+        let sum = |of: &[u32; LANES]| u64::from(of.iter().sum::<u32>());
+        self.with_depth += sum(&within[0]);
+        self.within_color += sum(&within[1]);
+        self.within_noisy_color += sum(&within[2]);
+        self.within_depth += sum(&within[3]);
+        for i in 0..LANES {
+            self.color[color_bins[i] as usize % COLOR_BINS] += u64::from(within[0][i]);
+            self.depth[depth_bins[i] as usize % DEPTH_BINS] += u64::from(within[0][i]);
+        }
+    }
+}
+
+/// Bin 0 holds ranges of nothing, the others a quarter of an octave each.
+#[inline(always)]
+fn bin(range: f32, octaves: f32, bins: usize) -> u32 {
     // Octave and quarter of it are those of the float's exponent and mantissa: no logarithm is needed.
     let bits = range.to_bits();
     let octave = (bits >> 23) as i32 - 127 + octaves as i32;
     let mantissa = bits & 0x7f_ffff;
-    let quarter = QUARTERS.iter().filter(|from| mantissa >= **from).count() as i32;
+    let mut quarter = 0;
+    for from in QUARTERS {
+        quarter += i32::from(mantissa >= from);
+    }
     let position = (octave * BINS_PER_OCTAVE as i32 + quarter).max(0);
-    (1 + position as usize).min(bins - 1)
+    let bin = (1 + position).min(bins as i32 - 1);
+    if range <= 0.0 { 0 } else { bin as u32 }
 }
 
 fn ends(bins: &[u64], octaves: f32) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
@@ -184,7 +229,7 @@ mod tests {
         let mut range = 1e-8_f32;
         while range < 1e4 {
             let position = (f64::from(range).log2() + f64::from(COLOR_OCTAVES)) * f64::from(BINS_PER_OCTAVE);
-            let expected = (1 + position.max(0.0) as usize).min(COLOR_BINS - 1);
+            let expected = (1 + position.max(0.0) as u32).min(COLOR_BINS as u32 - 1);
             assert_eq!(bin(range, COLOR_OCTAVES, COLOR_BINS), expected, "{range}");
             range *= 1.013;
         }
@@ -198,9 +243,9 @@ mod tests {
         let test = StaticTest::new(&settings, &Noise::default(), 0.0, 10);
         let mut shares = RangeShares::default();
         for i in 0..1000 {
-            shares.count(i as f32 / 100.0, 0.0, &test, || [half::f16::ZERO; 3]);
+            shares.count(&[i as f32 / 100.0], &[0.0], &[[half::f16::ZERO; 3]], &test);
         }
-        shares.count(0.0, f32::INFINITY, &test, || [half::f16::ZERO; 3]);
+        shares.count(&[0.0], &[f32::INFINITY], &[[half::f16::ZERO; 3]], &test);
         let facts = shares.facts(&test);
         let expected = settings.color_tolerance / 10.0;
         assert!((facts.within_color_tolerance - expected).abs() < 2e-3, "{facts:?}");

@@ -75,10 +75,8 @@ impl Ranges {
     #[must_use]
     pub fn shares(&self, test: &StaticTest) -> RangeShares {
         let mut shares = RangeShares::default();
-        let ranges = self.color_steps.as_slice().iter().zip(self.depth_relative.as_slice());
-        for ((&color, &depth), mean) in ranges.zip(self.mean_color.as_slice()) {
-            shares.count(color, depth, test, || *mean);
-        }
+        let (color, depth) = (self.color_steps.as_slice(), self.depth_relative.as_slice());
+        shares.count(color, depth, self.mean_color.as_slice(), test);
         shares
     }
 }

@@ -30,12 +30,12 @@ pub struct SpanSums {
     /// Frames that were added.
     pub frames: u32,
     /// Whether the pixel was static over every part of the span that was looked at.
-    is_open: Vec<bool>,
-    min_color: Vec<i16>,
-    max_color: Vec<i16>,
+    pub(super) is_open: Vec<bool>,
+    pub(super) min_color: Vec<i16>,
+    pub(super) max_color: Vec<i16>,
     color: Vec<f32>,
-    min_inverse_depth: Vec<f32>,
-    max_inverse_depth: Vec<f32>,
+    pub(super) min_inverse_depth: Vec<f32>,
+    pub(super) max_inverse_depth: Vec<f32>,
     inverse_depth: Vec<f64>,
     /// Empty where the capture gives none.
     normal: Vec<f32>,
@@ -49,11 +49,11 @@ impl SpanSums {
         let mut sums = Self {
             frames: frames.len() as u32,
             is_open: vec![true; pixels],
-            min_color: vec![i16::MAX; 3 * pixels],
+            min_color: vec![0; 3 * pixels],
             max_color: vec![0; 3 * pixels],
             color: vec![0.0; 3 * pixels],
-            min_inverse_depth: vec![f32::INFINITY; pixels],
-            max_inverse_depth: vec![INVALID_INVERSE_DEPTH; pixels],
+            min_inverse_depth: vec![0.0; pixels],
+            max_inverse_depth: vec![0.0; pixels],
             inverse_depth: vec![0.0; pixels],
             normal: vec![0.0; normals],
         };
@@ -77,7 +77,10 @@ impl SpanSums {
     #[inline(always)]
     #[must_use]
     pub fn is_static(&self, pixel: usize, test: &StaticTest) -> bool {
-        if !self.is_open[pixel] || self.depth_range_relative(pixel) > test.granted_depth() {
+        if !self.is_open[pixel]
+            || relative_range(self.min_inverse_depth[pixel], self.max_inverse_depth[pixel])
+                > test.granted_depth()
+        {
             return false;
         }
         let of = |plane: &[i16]| [plane[3 * pixel], plane[3 * pixel + 1], plane[3 * pixel + 2]];
@@ -109,25 +112,28 @@ impl SpanSums {
         test.is_color_static([0, 1, 2].map(low), [0, 1, 2].map(high), || [0, 1, 2].map(mean))
     }
 
-    /// Range of color, the widest of the three channels, 8-bit sRGB steps.
-    #[inline(always)]
+    /// Range of color of every pixel, the widest of the three channels, 8-bit sRGB steps.
     #[must_use]
-    pub fn color_range_steps(&self, pixel: usize) -> f32 {
-        let (low, high) = (&self.min_color[3 * pixel..], &self.max_color[3 * pixel..]);
-        if low[0] == high[0] && low[1] == high[1] && low[2] == high[2] {
-            return 0.0;
-        }
+    pub fn color_ranges_steps(&self) -> Vec<f32> {
         let steps = color::steps_table();
-        let range =
-            |channel: usize| steps[high[channel] as usize & 0x7fff] - steps[low[channel] as usize & 0x7fff];
-        range(0).max(range(1)).max(range(2))
+        let (lows, highs) = (self.min_color.chunks_exact(3), self.max_color.chunks_exact(3));
+        let range = |(low, high): (&[i16], &[i16])| {
+            if low == high {
+                return 0.0;
+            }
+            let range = |channel: usize| {
+                steps[high[channel] as usize & 0x7fff] - steps[low[channel] as usize & 0x7fff]
+            };
+            range(0).max(range(1)).max(range(2))
+        };
+        lows.zip(highs).map(range).collect()
     }
 
-    /// Range of inverse depth as a share of its maximum, 0 to 1; infinite where some frame has no depth.
-    #[inline(always)]
+    /// Range of inverse depth of every pixel as a share of its maximum, 0 to 1; infinite where some frame has no depth.
     #[must_use]
-    pub fn depth_range_relative(&self, pixel: usize) -> f32 {
-        relative_range(self.min_inverse_depth[pixel], self.max_inverse_depth[pixel])
+    pub fn depth_ranges_relative(&self) -> Vec<f32> {
+        let ranges = self.min_inverse_depth.iter().zip(&self.max_inverse_depth);
+        ranges.map(|(farthest, nearest)| relative_range(*farthest, *nearest)).collect()
     }
 
     /// Mean color, linear.
@@ -177,6 +183,18 @@ impl SpanSums {
         self.is_open[pixel] = false;
     }
 
+    /// Whether no pixel was taken out.
+    #[must_use]
+    pub fn is_all_open(&self) -> bool {
+        self.is_open.iter().fold(true, |all, open| all & open)
+    }
+
+    /// Whether the capture gives normals.
+    #[must_use]
+    pub fn has_normals(&self) -> bool {
+        !self.normal.is_empty()
+    }
+
     /// Whether the pixel was not taken out, here or in a part of the span.
     #[must_use]
     pub fn is_open(&self, pixel: usize) -> bool {
@@ -196,28 +214,35 @@ pub(super) fn relative_range(farthest: f32, nearest: f32) -> f32 {
     }
 }
 
+/// 2¹¹²: the difference between the exponents' biases of single floats and half floats.
+const LARGE: f32 = f32::from_bits(0x7780_0000);
+
 /// A half float widened by integer arithmetic alone, so that it is vectorized; colors are finite.
 #[inline(always)]
 #[must_use]
 pub fn widened(bits: i16) -> f32 {
-    let bits = i32::from(bits);
-    // The exponent and mantissa in their place, times 2^112: the difference of the two exponent biases.
-    let shifted = ((bits & 0x7fff) << 13) | (bits & i32::MIN);
-    f32::from_bits(shifted as u32) * f32::from_bits(0x7780_0000)
+    widened_small(bits) * LARGE
+}
+
+/// The same times 2⁻¹¹²: sign, exponent and mantissa are in their place, and the exponent is the half float's. Sums of such numbers
+/// are those of the numbers themselves times 2⁻¹¹²: the least half float, 2⁻²⁴, is as exact as the largest.
+#[inline(always)]
+fn widened_small(bits: i16) -> f32 {
+    f32::from_bits((i32::from(bits) << 16 >> 3) as u32 & 0x8fff_ffff)
 }
 
 #[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
+pub(super) fn smaller(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }
 }
 
 #[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
+pub(super) fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
 
 /// Pixels whose sums are held in registers while frame after frame is added.
-const HELD: usize = 16;
+pub(super) const HELD: usize = 16;
 
 /// Frames are fetched so many pixels ahead.
 const AHEAD: usize = 96;
@@ -270,6 +295,7 @@ impl Work for Add<'_> {
 struct Held {
     min_color: [i16; 3 * HELD],
     max_color: [i16; 3 * HELD],
+    /// Sums of [`widened_small`].
     color: [f32; 3 * HELD],
     min_inverse_depth: [f32; HELD],
     max_inverse_depth: [f32; HELD],
@@ -295,7 +321,7 @@ impl Held {
             self.max_color[i] = self.max_color[i].max(color[i]);
         }
         for i in 0..3 * HELD {
-            self.color[i] += widened(color[i]);
+            self.color[i] += widened_small(color[i]);
         }
         for i in 0..HELD {
             self.min_inverse_depth[i] = smaller(self.min_inverse_depth[i], inverse_depth[i]);
@@ -312,7 +338,9 @@ impl Held {
         let colors = 3 * first..3 * (first + count);
         sums.min_color[colors.clone()].copy_from_slice(&self.min_color[..3 * count]);
         sums.max_color[colors.clone()].copy_from_slice(&self.max_color[..3 * count]);
-        sums.color[colors].copy_from_slice(&self.color[..3 * count]);
+        for (sum, held) in sums.color[colors].iter_mut().zip(&self.color) {
+            *sum = held * LARGE;
+        }
         let pixels = first..first + count;
         sums.min_inverse_depth[pixels.clone()].copy_from_slice(&self.min_inverse_depth[..count]);
         sums.max_inverse_depth[pixels.clone()].copy_from_slice(&self.max_inverse_depth[..count]);

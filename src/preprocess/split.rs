@@ -34,11 +34,14 @@ use crate::settings::SpanLevels;
 /// Frames that are looked at together, at most: a power of two, so that a batch is a span of the tree.
 pub const BATCH: usize = 16;
 
-/// Pixels whose sums are worked on together: they fit into the innermost cache.
-const CHUNK: usize = 512;
+/// Pixels whose sums are worked on together: they stay in the cache of one core.
+const CHUNK: usize = 2048;
 
 /// Pixels that one task works on.
-const BAND: usize = 16 * CHUNK;
+const BAND: usize = 4 * CHUNK;
+
+/// Samples that a span of a band has room for at first.
+const ROOM: usize = 256;
 
 /// The split of one camera while its frames come in.
 pub struct Split {
@@ -178,9 +181,10 @@ pub(super) struct Batch<'a> {
 
 impl Band {
     fn add(&mut self, batch: &Batch<'_>) -> Given {
-        let mut room = || self.spare.pop().unwrap_or_default();
+        let mut room = || self.spare.pop().unwrap_or_else(|| SpanSamples::with_capacity(ROOM));
         let mut long: Vec<[SpanSamples; 2]> = batch.carry.iter().map(|_| [room(), room()]).collect();
         let mut short = ShortSpans::new(batch, room);
+        let mut doubtful = Vec::with_capacity(CHUNK);
         let mut root = SpanSamples::with_capacity(if batch.is_last { self.pixels } else { 0 });
         for (index, open) in self.chunks.iter_mut().enumerate() {
             let first = self.first + index * CHUNK;
@@ -189,27 +193,28 @@ impl Band {
             let count_invalid =
                 |run: &FrameRun<'_>| run.inverse_depth[..pixels].iter().filter(|w| **w < 0.0).count();
             let mut sums = SpanSums::of(&runs, pixels);
-            for pixel in 0..pixels {
+            sums.list_doubtful(&sums, batch.test, &mut doubtful);
+            for &pixel in &doubtful {
+                let pixel = pixel as usize;
                 if !sums.is_static(pixel, batch.test) {
-                    short.descend(batch, &runs, first, pixel);
+                    short.push(batch, &runs, first, pixel);
                     sums.close(pixel);
                 }
             }
+            short.descend(batch, &runs, first);
             if sums.lacks_depth() {
                 self.invalid += runs.iter().map(|run| count_invalid(run) as u64).sum::<u64>();
             }
             for given in &mut long {
                 let Some(left) = open.pop() else { break };
-                sums = union(left, &sums, batch.test, first, given);
+                left.list_doubtful(&sums, batch.test, &mut doubtful);
+                sums = union(left, &sums, batch.test, (first, &doubtful), given);
             }
             if batch.is_last {
                 let means = sums.mean_colors();
-                for pixel in 0..pixels {
-                    self.shares.add(&sums, &means, pixel, batch.test);
-                    if sums.is_open(pixel) {
-                        give(&mut root, first, pixel, &sums, means[pixel]);
-                    }
-                }
+                let (color, depth) = (sums.color_ranges_steps(), sums.depth_ranges_relative());
+                self.shares.count(&color, &depth, &means, batch.test);
+                give_open(&mut root, first, &sums, &means);
             } else {
                 open.push(sums);
             }
@@ -230,15 +235,16 @@ fn run_of(frame: &Frame, first: usize) -> FrameRun<'_> {
     }
 }
 
-/// The sums over two spans together. Where they are not static, the static ones of the two become samples.
+/// The sums over two spans together. Where they are not static, which is asked of the `doubtful` pixels, the static ones of the two
+/// become samples.
 fn union(
     mut left: SpanSums,
     right: &SpanSums,
     test: &StaticTest,
-    first: usize,
+    (first, doubtful): (usize, &[u16]),
     given: &mut [SpanSamples; 2],
 ) -> SpanSums {
-    for pixel in 0..left.pixels() {
+    for pixel in doubtful.iter().map(|pixel| *pixel as usize) {
         if left.is_static_with(right, pixel, test) {
             continue;
         }
@@ -251,6 +257,18 @@ fn union(
     }
     left.merge(right);
     left
+}
+
+/// Every pixel that is open becomes a sample.
+fn give_open(samples: &mut SpanSamples, first: usize, sums: &SpanSums, means: &[[f16; 3]]) {
+    if !sums.is_all_open() || sums.has_normals() {
+        let open = (0..sums.pixels()).filter(|pixel| sums.is_open(*pixel));
+        open.for_each(|pixel| give(samples, first, pixel, sums, means[pixel]));
+        return;
+    }
+    samples.pixels.extend(first as u32..(first + sums.pixels()) as u32);
+    samples.color.extend_from_slice(means);
+    samples.inverse_depth.extend((0..sums.pixels()).map(|pixel| sums.mean_inverse_depth(pixel)));
 }
 
 fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums, mean_color: [f16; 3]) {

@@ -7,9 +7,11 @@
 //! static over a span is then static over every part of it; with the narrower range of fewer draws one pixel in a few
 //! thousand would fail in each of the many short spans, and be stored many times over for it.
 
+use std::collections::VecDeque;
+
 use half::f16;
 
-use super::noise::{BRIGHTNESS_BINS, Noise, granted_range_sigmas};
+use super::noise::{Noise, granted_range_sigmas};
 use crate::color;
 use crate::settings::SpanSettings;
 
@@ -25,15 +27,28 @@ pub struct StaticTest {
     noisy_color_steps: Vec<f32>,
     /// Depth range that is granted, relative.
     depth_relative: f32,
-    /// See [`StaticTest::is_clearly_static`].
-    clear_bits: [u16; EXPONENTS],
+    /// See [`StaticTest::is_clearly_static`]; by the bits of the larger half float.
+    margins: Vec<u16>,
+    /// The same in few steps: the least from some bits up to the next. Ascending.
+    margin_steps: [(i16, i16); MARGIN_STEPS],
 }
 
-/// Exponents of half floats.
-const EXPONENTS: usize = 32;
+/// The bit of the color that a channel belongs to.
+const COLOR_BITS: [u32; 48] = {
+    let mut bits = [0; 48];
+    let mut i = 0;
+    while i < 48 {
+        bits[i] = 1 << (i / 3);
+        i += 1;
+    }
+    bits
+};
 
-/// Color ranges below this, 8-bit sRGB steps, reach over one brightness class at most.
-const ONE_CLASS: f32 = 256.0 / BRIGHTNESS_BINS as f32;
+/// [`StaticTest::doubtful_colors`] tells halves of octaves apart: what is darker than 2⁻⁹ counts as the first, what is brighter
+/// than 1.5 as the last.
+const MARGIN_STEPS: usize = 20;
+const DARKEST: usize = 6 << 10;
+const HALF_OCTAVE: usize = 1 << 9;
 
 impl StaticTest {
     /// The rule under `settings` for a camera of this noise, whose depth was rounded to relative steps of
@@ -47,9 +62,18 @@ impl StaticTest {
             color_steps + sigmas * noise.color_at(steps)
         };
         let noisy_color_steps: Vec<f32> = (0..POSITIVE_HALVES as u16).map(granted).collect();
+        let margins = margins(&noisy_color_steps);
+        let margin_step = |step: usize| {
+            let first = if step == 0 { 0 } else { DARKEST + step * HALF_OCTAVE };
+            let end =
+                if step + 1 == MARGIN_STEPS { POSITIVE_HALVES } else { DARKEST + (step + 1) * HALF_OCTAVE };
+            let least = margins[first..end].iter().copied().fold(i16::MAX as u16, u16::min);
+            (first as i16, least as i16)
+        };
         Self {
             color_steps,
-            clear_bits: std::array::from_fn(|exponent| clear_bits(&noisy_color_steps, exponent as u16)),
+            margin_steps: std::array::from_fn(margin_step),
+            margins,
             noisy_color_steps,
             // A difference of one quantization step either way is no difference.
             depth_relative: settings.depth_tolerance.max(2.0 * depth_step_relative)
@@ -71,7 +95,25 @@ impl StaticTest {
     #[inline(always)]
     #[must_use]
     pub fn is_clearly_static(&self, low: i16, high: i16) -> bool {
-        (high - low) as u16 <= self.clear_bits[(high >> 10) as usize & (EXPONENTS - 1)]
+        (high - low) as u16 <= self.margins[high as usize & (POSITIVE_HALVES - 1)]
+    }
+
+    /// Which of sixteen colors are not clearly static, one bit each, by [`StaticTest::is_clearly_static`] of their channels,
+    /// three to a color; of dark and very bright ones by a narrower margin.
+    #[inline(always)]
+    #[must_use]
+    pub(super) fn doubtful_colors(&self, low: &[i16; 48], high: &[i16; 48]) -> u32 {
+        let mut margin = [0; 48];
+        for &(from, least) in &self.margin_steps {
+            for i in 0..48 {
+                margin[i] = if high[i] >= from { least } else { margin[i] };
+            }
+        }
+        let mut doubtful = [0; 48];
+        for i in 0..48 {
+            doubtful[i] = if high[i] - low[i] > margin[i] { COLOR_BITS[i] } else { 0 };
+        }
+        doubtful.iter().fold(0, |all, bits| all | bits)
     }
 
     /// Whether a color whose half floats have these smallest and largest bits, none below 0, is static around its mean, which
@@ -125,25 +167,28 @@ impl StaticTest {
     }
 }
 
-/// How far apart two half floats may lie, the larger of this exponent, that certainly are within the color range granted to
-/// any mean between them.
-///
-/// Within an exponent the curve from bits to steps is concave, and it begins the steeper the larger the exponent: so the
-/// first step of the larger one's exponent is the longest on the way.
-fn clear_bits(granted: &[f32], exponent: u16) -> u16 {
-    let steps = |bits: u16| color::steps_from_linear(f16::from_bits(bits));
-    let first = exponent << 10;
-    if f16::from_bits(first + 1).is_nan() {
-        return 0;
-    }
-    let mut lowest = first;
-    while lowest > 0 && steps(first) - steps(lowest) <= ONE_CLASS {
-        lowest = lowest.saturating_sub(64);
-    }
-    let least = granted[lowest as usize..=(first + 1023) as usize].iter().copied().fold(ONE_CLASS, f32::min);
-    let longest = (1..4).map(|i| steps(first + i) - steps(first + i - 1)).fold(1e-6, f32::max);
-    // The margin covers what the steps were rounded with.
-    (0.999 * least / longest).min(f32::from(first + 1023)) as u16
+/// How far apart two half floats may lie, by the bits of the larger one, that certainly are within the color range granted to any
+/// mean between them.
+fn margins(granted: &[f32]) -> Vec<u16> {
+    let steps = color::steps_table();
+    let mut low = 0;
+    // Bits from `low` on of which none after them is granted less, ascending: the first is granted the least of all.
+    let mut least = VecDeque::new();
+    let margin = |high: usize| {
+        while least.back().is_some_and(|&other: &usize| granted[other] >= granted[high]) {
+            least.pop_back();
+        }
+        least.push_back(high);
+        // Means are rounded, and so are steps.
+        while low < high && steps[high] - steps[low] > 0.999 * granted[least[0]] {
+            low += 1;
+            if least[0] < low {
+                least.pop_front();
+            }
+        }
+        if f16::from_bits(high as u16).is_finite() { (high - low) as u16 } else { 0 }
+    };
+    (0..POSITIVE_HALVES).map(margin).collect()
 }
 
 #[cfg(test)]
