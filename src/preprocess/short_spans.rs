@@ -208,7 +208,7 @@ impl Work for Descend<'_> {
                 let samples = &mut given[index].1;
                 samples.pixels.push((first + pixel) as u32);
                 samples.color.push(match runs {
-                    [run] => [0, 1, 2].map(|channel| f16::from_bits(run.color[3 * pixel + channel] as u16)),
+                    [run] => bytemuck::cast(*run.color[3 * pixel..].first_chunk::<3>().unwrap_or(&[0; 3])),
                     runs => mean(runs, pixel).map(f16::from_f32),
                 });
                 samples.inverse_depth.push(mean_depth(runs, pixel, range.low_depth[i], range.high_depth[i]));

@@ -158,7 +158,8 @@ impl ExrFile {
         for &channel in wanted {
             self.check_length(self.data[self.channels[channel].part])?;
         }
-        let mut planes = vec![vec![f32::NAN; window.width * window.height]; wanted.len()];
+        let pixels = window.width * window.height;
+        let mut planes: Vec<Plane> = wanted.iter().map(|_| vec![f32::NAN; pixels]).collect();
         guarded(&self.place, || self.decode_blocks(wanted, window, &mut planes))?;
         Ok(planes)
     }
