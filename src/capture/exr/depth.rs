@@ -114,16 +114,14 @@ impl DepthRules {
         if depth_z >= far { 0.0 } else { inverse }
     }
 
-    /// Inverse planar z of every pixel of `camera` from a plane of raw values, row-major.
+    /// Inverse planar z of every pixel of `camera` in place of a plane of raw values, row-major.
     #[must_use]
-    pub fn inverse_depth_plane(&self, values: &[f32], camera: &Camera) -> Vec<f32> {
+    pub fn inverse_depth_plane(&self, mut values: Vec<f32>, camera: &Camera) -> Vec<f32> {
         let width = camera.intrinsics.size().0.max(1);
-        let mut inverse_depth = vec![0.0; values.len()];
-        let rows = inverse_depth.chunks_mut(width).zip(values.chunks(width)).enumerate();
-        for (y, (inverse_depth, values)) in rows {
-            simd::run(Row { rules: *self, intrinsics: camera.intrinsics, y, values, inverse_depth });
+        for (y, values) in values.chunks_mut(width).enumerate() {
+            simd::run(Row { rules: *self, intrinsics: camera.intrinsics, y, values });
         }
-        inverse_depth
+        values
     }
 
     /// Inverse planar z of every pixel of `camera` from planes of world-space positions, row-major. A position of
@@ -151,13 +149,12 @@ impl DepthRules {
     }
 }
 
-/// One row of pixels to be read.
+/// One row of raw values that become inverse depths.
 struct Row<'a> {
     rules: DepthRules,
     intrinsics: Intrinsics,
     y: usize,
-    values: &'a [f32],
-    inverse_depth: &'a mut [f32],
+    values: &'a mut [f32],
 }
 
 impl Work for Row<'_> {
@@ -165,15 +162,15 @@ impl Work for Row<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { rules, intrinsics, y, values, inverse_depth } = self;
+        let Self { rules, intrinsics, y, values } = self;
         if matches!(rules.kind, DepthKind::PlanarZ | DepthKind::WorldPosition) {
-            for (inverse, &value) in inverse_depth.iter_mut().zip(values) {
-                *inverse = rules.inverse_depth(value, 1.0);
+            for value in values {
+                *value = rules.inverse_depth(*value, 1.0);
             }
         } else {
-            for (x, (inverse, &value)) in inverse_depth.iter_mut().zip(values).enumerate() {
+            for (x, value) in values.iter_mut().enumerate() {
                 let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                *inverse = rules.inverse_depth(value, intrinsics.ray_in_camera(pixel).length());
+                *value = rules.inverse_depth(*value, intrinsics.ray_in_camera(pixel).length());
             }
         }
     }
@@ -208,7 +205,7 @@ mod tests {
         ];
         for (kind, values) in planes {
             let rules = DepthRules { kind, near_clip: near, ..DepthRules::default() };
-            for inverse in rules.inverse_depth_plane(&values, &camera) {
+            for inverse in rules.inverse_depth_plane(values, &camera) {
                 assert!((1.0 / inverse - 3.0).abs() < 1e-5, "{kind:?}");
             }
         }

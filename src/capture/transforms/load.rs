@@ -224,8 +224,7 @@ fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
         return Ok(planes.take_depth(channels, &picture, camera));
     }
     let rules = files.png_depth_rules();
-    let inverse_depth =
-        rules.inverse_depth_plane(&png::depth(path, place, camera.intrinsics.size())?, camera);
+    let inverse_depth = rules.inverse_depth_plane(png::depth(path, place, camera.intrinsics.size())?, camera);
     // Whole numbers have no one relative error: a unit is the coarser the nearer. That of nearly the nearest depth stands for
     // all, as a few stray hits must not.
     let step_relative = 0.5 * rules.unit_scale as f32 * quantile_of_hits(&inverse_depth, NEARLY_ALL);
@@ -285,7 +284,7 @@ impl Planes {
                 let channel = &picture.file.channels()[index];
                 let rules = picture.files.depth_rules(kind, channel.is_half);
                 DepthPart {
-                    inverse_depth: rules.inverse_depth_plane(&self.take(), camera),
+                    inverse_depth: rules.inverse_depth_plane(self.take(), camera),
                     step_relative: channel.step_relative,
                     name: channel.name.clone(),
                 }
