@@ -77,17 +77,7 @@ impl SpanSums {
     #[inline(always)]
     #[must_use]
     pub fn is_static(&self, pixel: usize, test: &StaticTest) -> bool {
-        if !self.is_open[pixel]
-            || relative_range(self.min_inverse_depth[pixel], self.max_inverse_depth[pixel])
-                > test.granted_depth()
-        {
-            return false;
-        }
-        let of = |plane: &[i16]| [plane[3 * pixel], plane[3 * pixel + 1], plane[3 * pixel + 2]];
-        let count = self.frames as f32;
-        test.is_color_static(of(&self.min_color), of(&self.max_color), || {
-            [0, 1, 2].map(|channel| self.color[3 * pixel + channel] / count)
-        })
+        self.is_static_with(self, pixel, test)
     }
 
     /// Whether the pixel is open in both and stays within the tolerance over both together.
@@ -382,6 +372,31 @@ impl Work for Merge<'_> {
         }
         for (sum, &other) in sums.normal.iter_mut().zip(&later.normal) {
             *sum += other;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_floats_are_widened_and_added_up_exactly() {
+        let halves: Vec<f16> = (0..=u16::MAX).map(f16::from_bits).filter(|half| half.is_finite()).collect();
+        let bits: Vec<i16> = halves.iter().map(|half| half.to_bits() as i16).collect();
+        for (half, bits) in halves.iter().zip(&bits) {
+            assert_eq!(widened(*bits).to_bits(), half.to_f32().to_bits(), "{half:?}");
+        }
+        let pixels = halves.len() / 3;
+        let inverse_depth = vec![1.0; pixels];
+        let run = FrameRun { color: &bits, inverse_depth: &inverse_depth, normal: &[] };
+        let sums = SpanSums::of(&[run; 4], pixels);
+        for pixel in 0..pixels {
+            assert_eq!(
+                sums.mean_color(pixel),
+                [0, 1, 2].map(|channel| halves[3 * pixel + channel]),
+                "{pixel}"
+            );
         }
     }
 }
