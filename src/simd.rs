@@ -115,6 +115,26 @@ pub(crate) fn run<W: Work>(work: W) -> W::Output {
     run_at(Level::allowed(), work)
 }
 
+/// All bits together.
+#[inline(always)]
+pub(crate) fn joined<const N: usize>(bits: &[u32; N]) -> u32 {
+    let mut all = 0;
+    for i in 0..N {
+        all |= bits[i];
+    }
+    all
+}
+
+/// A mask of those of sixteen for which `holds`.
+#[inline(always)]
+pub(crate) fn mask(holds: impl Fn(usize) -> bool) -> u32 {
+    let mut bits = [0; 16];
+    for i in 0..16 {
+        bits[i] = u32::from(holds(i)) << i;
+    }
+    joined(&bits)
+}
+
 /// Asks for an element to be fetched into the cache while other work goes on. Changes no result; nothing happens where there
 /// is no such element or no such instruction.
 #[inline(always)]

@@ -8,6 +8,7 @@ use super::pruning::{Pass, Rig};
 use super::registration::{Block, Carried, LANES, Registration, SameSurface, lanes_of};
 use super::same_surface::IN_VIEW;
 use crate::capture::INVALID_INVERSE_DEPTH;
+use crate::simd;
 
 /// Another camera that may show something of a band.
 pub(super) struct Rival<'a> {
@@ -144,7 +145,7 @@ pub(super) fn hold_row(
 
 #[inline(always)]
 fn any(lanes: &[u32; LANES]) -> bool {
-    lanes.iter().fold(0, |all, lane| all | lane) != 0
+    simd::joined(lanes) != 0
 }
 
 /// How the contest went for each sample of a block: the best sample so far, at first its own, by both rate models.

@@ -88,13 +88,8 @@ impl Ranges {
     /// The pixels that have a depth in every frame, whose relative range does not exceed `granted`: one bit each.
     #[inline(always)]
     fn with_static_depth(&self, granted: f32) -> u32 {
-        let mut bits = [0; LANES];
-        for i in 0..LANES {
-            let (farthest, nearest) =
-                (f32::from_bits(self.low_depth[i] as u32), f32::from_bits(self.high_depth[i] as u32));
-            bits[i] = u32::from(relative_range(farthest, nearest) <= granted) << i;
-        }
-        joined(&bits)
+        let depth = |bits: i32| f32::from_bits(bits as u32);
+        simd::mask(|i| relative_range(depth(self.low_depth[i]), depth(self.high_depth[i])) <= granted)
     }
 
     /// Whether the color of one pixel stays within the tolerance; see [`StaticTest::is_color_static`].
@@ -103,11 +98,6 @@ impl Ranges {
         let of = |color: &[[i16; LANES]; 3]| [color[0][i], color[1][i], color[2][i]];
         test.is_color_static(of(&self.low_color), of(&self.high_color), mean)
     }
-}
-
-#[inline(always)]
-fn joined(bits: &[u32; LANES]) -> u32 {
-    bits.iter().fold(0, |all, bits| all | bits)
 }
 
 impl ShortSpans {

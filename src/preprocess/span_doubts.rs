@@ -2,7 +2,7 @@
 //! static beyond doubt, and need no look of their own.
 
 use super::span_sums::{HELD, SpanSums, larger, smaller};
-use super::static_test::StaticTest;
+use super::static_test::{CHANNELS, StaticTest};
 use crate::simd::{self, Work};
 
 impl SpanSums {
@@ -38,9 +38,6 @@ impl Work for Doubt<'_> {
     }
 }
 
-/// Channels of the colors that are looked at together.
-const CHANNELS: usize = 3 * HELD;
-
 /// The doubtful ones of the pixels from `first` on, one bit each; nothing where there are fewer than are looked at together.
 #[inline(always)]
 fn doubts([sums, later]: [&SpanSums; 2], test: &StaticTest, first: usize) -> Option<u32> {
@@ -61,16 +58,15 @@ fn doubts([sums, later]: [&SpanSums; 2], test: &StaticTest, first: usize) -> Opt
         [at(&sums.min_inverse_depth, first)?, at(&later.min_inverse_depth, first)?];
     let nearest: [&[f32; HELD]; 2] =
         [at(&sums.max_inverse_depth, first)?, at(&later.max_inverse_depth, first)?];
-    let mut bits = [0_u32; HELD];
-    for i in 0..HELD {
+    let doubtful_depth = simd::mask(|i| {
         let farthest = smaller(farthest[0][i], farthest[1][i]);
         let nearest = larger(nearest[0][i], nearest[1][i]);
         // What `relative_range` says, without its branches.
         let is_static = (farthest == nearest) | ((nearest - farthest) / nearest <= test.granted_depth());
-        bits[i] = if (farthest >= 0.0) & is_static { 0 } else { 1 << i };
-    }
-    let doubtful_depth = bits.iter().fold(0, |all, bits| all | bits);
-    let (is_open, later_is_open) = (bits_of(at(&sums.is_open, first)?), bits_of(at(&later.is_open, first)?));
+        !((farthest >= 0.0) & is_static)
+    });
+    let open: [&[bool; HELD]; 2] = [at(&sums.is_open, first)?, at(&later.is_open, first)?];
+    let (is_open, later_is_open) = (simd::mask(|i| open[0][i]), simd::mask(|i| open[1][i]));
     // What is open in one of them alone becomes its sample.
     Some((doubtful_color | doubtful_depth | is_open ^ later_is_open) & (is_open | later_is_open))
 }
@@ -79,16 +75,6 @@ fn doubts([sums, later]: [&SpanSums; 2], test: &StaticTest, first: usize) -> Opt
 #[inline(always)]
 fn at<T, const COUNT: usize>(plane: &[T], first: usize) -> Option<&[T; COUNT]> {
     plane.get(first..)?.first_chunk()
-}
-
-/// One bit for each that holds.
-#[inline(always)]
-fn bits_of(which: &[bool; HELD]) -> u32 {
-    let mut bits = [0; HELD];
-    for i in 0..HELD {
-        bits[i] = if which[i] { 1 << i } else { 0 };
-    }
-    bits.iter().fold(0, |all, bits| all | bits)
 }
 
 #[cfg(test)]

@@ -279,3 +279,35 @@ fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums, 
         samples.normal.push(normal);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::preprocess::noise::measure_pairs;
+    use crate::settings::{CaptureSettings, SpanSettings};
+    use crate::simd;
+
+    #[test]
+    fn every_instruction_set_finds_the_same_spans() {
+        let spec = DemoSpec {
+            scene: "nine-cameras".to_owned(),
+            cameras: Some(1),
+            frames: Some(40),
+            size: Some((75, 50)),
+            noise: None,
+        };
+        let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
+        let frames: Vec<_> = (0..40).map(|frame| capture.frame(0, frame).unwrap()).collect();
+        let noise = measure_pairs(&[[&frames[0], &frames[1]]]);
+        let test = StaticTest::new(&SpanSettings::default(), &noise, 0.0, frames.len());
+        let found = simd::at_every_level(|| {
+            let mut split = Split::new(75 * 50, frames.len(), test.clone());
+            let given: Vec<Given> = frames.chunks(BATCH).map(|frames| split.add(frames)).collect();
+            (given, split.shares().facts(&test))
+        });
+        let short = found[0].0.iter().flatten().filter(|(span, _)| span.len() < 40);
+        assert!(short.map(|(_, samples)| samples.len()).sum::<usize>() > 500);
+        assert!(found.iter().all(|other| *other == found[0]));
+    }
+}

@@ -14,6 +14,7 @@ use half::f16;
 use super::noise::{Noise, granted_range_sigmas};
 use crate::color;
 use crate::settings::SpanSettings;
+use crate::simd;
 
 /// Half floats from 0 up, finite or not.
 const POSITIVE_HALVES: usize = 1 << 15;
@@ -33,11 +34,14 @@ pub struct StaticTest {
     margin_steps: [(i16, i16); MARGIN_STEPS],
 }
 
+/// Channels of the sixteen colors that are looked at together.
+pub(super) const CHANNELS: usize = 3 * 16;
+
 /// The bit of the color that a channel belongs to.
-const COLOR_BITS: [u32; 48] = {
-    let mut bits = [0; 48];
+const COLOR_BITS: [u32; CHANNELS] = {
+    let mut bits = [0; CHANNELS];
     let mut i = 0;
-    while i < 48 {
+    while i < CHANNELS {
         bits[i] = 1 << (i / 3);
         i += 1;
     }
@@ -102,18 +106,18 @@ impl StaticTest {
     /// three to a color; of dark and very bright ones by a narrower margin.
     #[inline(always)]
     #[must_use]
-    pub(super) fn doubtful_colors(&self, low: &[i16; 48], high: &[i16; 48]) -> u32 {
-        let mut margin = [0; 48];
+    pub(super) fn doubtful_colors(&self, low: &[i16; CHANNELS], high: &[i16; CHANNELS]) -> u32 {
+        let mut margin = [0; CHANNELS];
         for &(from, least) in &self.margin_steps {
-            for i in 0..48 {
+            for i in 0..CHANNELS {
                 margin[i] = if high[i] >= from { least } else { margin[i] };
             }
         }
-        let mut doubtful = [0; 48];
-        for i in 0..48 {
+        let mut doubtful = [0; CHANNELS];
+        for i in 0..CHANNELS {
             doubtful[i] = if high[i] - low[i] > margin[i] { COLOR_BITS[i] } else { 0 };
         }
-        doubtful.iter().fold(0, |all, bits| all | bits)
+        simd::joined(&doubtful)
     }
 
     /// Whether a color whose half floats have these smallest and largest bits, none below 0, is static around its mean, which

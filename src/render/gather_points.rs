@@ -5,9 +5,9 @@
 use super::frame_samples::f32_from_f16_bits;
 use super::gather::{BESIDE_EDGE, EXACT, Gather, MAX_SUBPIXELS, SUBPIXEL_WIDTH, View};
 use super::places::{Places, agrees, bilinear, carried};
-use super::surface::joined;
-use super::surface_points::{MOST, SurfacePoints, mask};
+use super::surface_points::{MOST, SurfacePoints};
 use super::window::{LANES, Lanes, Quads, Windows};
+use crate::simd::{joined, mask};
 
 /// A camera that shows less of the surface than this share knows nothing of it.
 const LEAST_KNOWN: f32 = 1e-3;

@@ -2,8 +2,9 @@
 
 use super::gather::{Gather, View};
 use super::project::Projector;
-use super::surface::{joined, whole};
+use super::surface::whole;
 use super::window::{LANES, Lanes};
+use crate::simd::joined;
 
 /// Sixteen points in one camera.
 pub(super) struct Places {

@@ -12,8 +12,8 @@
 
 use super::gather::BLOCK;
 use super::keys::{CORE, inverse_depth_of, key, nearness, slot_of};
-use super::surface::joined;
 use super::votes::Votes;
+use crate::simd::joined;
 
 /// A pixel is the nearer surface's by `LEAST + SLOPE · s` for a supporting share `s`. Fitted once to how often the nearer
 /// surface was truly there, on a rendered capture: shares understate it, as samples beside an edge agree less exactly.

@@ -18,7 +18,7 @@ use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::TILE;
 use crate::settings::Kernel;
-use crate::simd::{self, Work};
+use crate::simd::{self, Work, joined};
 
 /// A sample belongs to the core of a pixel that gets at least this share of it by bilinear weights, and else to its
 /// fringe. The fringe fills pixels that are no sample's core; elsewhere it stays away, so that silhouettes do not grow.
@@ -320,16 +320,6 @@ impl Splat for Planes {
 #[inline(always)]
 pub(super) fn whole(number: f32) -> u32 {
     (number + 8_388_608.0).to_bits() & 0x7f_ffff
-}
-
-/// All bits together.
-#[inline(always)]
-pub(super) fn joined(bits: &[u32; TILE]) -> u32 {
-    let mut all = 0;
-    for i in 0..TILE {
-        all |= bits[i];
-    }
-    all
 }
 
 /// Inverse depth of a sample's plane at the center of pixel `(x, y)`, never negative.

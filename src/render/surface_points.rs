@@ -2,8 +2,8 @@
 
 use super::gather::{BLOCK, ENOUGH, OWN_SHARE};
 use super::keys::inverse_depth_of;
-use super::surface::joined;
 use super::window::LANES;
+use crate::simd::mask;
 
 /// Surface points that a block has at most: two in each pixel.
 pub(super) const MOST: usize = 2 * BLOCK * BLOCK;
@@ -175,14 +175,4 @@ impl SurfacePoints {
 #[inline(always)]
 fn sixteen<T: Copy + Default>(numbers: &[T; MOST], first: usize) -> [T; LANES] {
     numbers[first..].first_chunk::<LANES>().copied().unwrap_or_default()
-}
-
-/// A mask of the points for which `holds`.
-#[inline(always)]
-pub(super) fn mask(holds: impl Fn(usize) -> bool) -> u32 {
-    let mut bits = [0; LANES];
-    for i in 0..LANES {
-        bits[i] = u32::from(holds(i)) << i;
-    }
-    joined(&bits)
 }

@@ -11,8 +11,8 @@
 use super::dense_tile::MISSING;
 use super::frame_samples::FrameTile;
 use super::lookup::Lookup;
-use super::surface::joined;
 use crate::preprocess::{TILE, TILE_SAMPLES};
+use crate::simd::joined;
 
 /// Points that are looked up together.
 pub(super) const LANES: usize = 16;
