@@ -8,7 +8,7 @@ seconds=${1:-35}
 cargo build --release --quiet
 folder=$(mktemp -d)
 exec 3>"$folder/display"
-Xvfb -displayfd 3 -screen 0 1280x800x24 -nolisten tcp 2>/dev/null &
+Xvfb -displayfd 3 -screen 0 1280x800x24 -nolisten tcp -noreset 2>/dev/null &
 server=$!
 trap 'kill $server 2>/dev/null; rm -rf "$folder"' EXIT
 until [ -s "$folder/display" ]; do sleep 0.1; done

@@ -4,6 +4,7 @@
 mod builder;
 
 use std::io::{self, Seek, SeekFrom, Write};
+use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -44,7 +45,8 @@ fn a_killed_writer_leaves_the_store_before_it_whole() {
     let longest_us = 2 * set_off.elapsed().as_micros().max(20_000) as u64;
     let mut seed = 7_u64;
     let mut replaced = 0;
-    for _ in 0..KILLS {
+    for nth in 0..KILLS {
+        let before = std::fs::metadata(&path).unwrap().ino();
         let mut child = Command::new(std::env::current_exe().unwrap())
             .args(["--exact", "a_child_writes_stores_until_it_is_killed"])
             .env(TARGET, &path)
@@ -52,11 +54,16 @@ fn a_killed_writer_leaves_the_store_before_it_whole() {
             .spawn()
             .unwrap();
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        while !started.exists() {
+        // Every other child is killed at once when it has put a store in place of the one before, however slow it is.
+        let is_late = nth % 2 == 1;
+        let is_time = || started.exists() && !(is_late && std::fs::metadata(&path).unwrap().ino() == before);
+        while !is_time() {
             assert!(child.try_wait().unwrap().is_none(), "the child ended on its own");
             std::thread::sleep(Duration::from_micros(200));
         }
-        std::thread::sleep(Duration::from_micros((seed >> 33) % longest_us));
+        if !is_late {
+            std::thread::sleep(Duration::from_micros((seed >> 33) % longest_us));
+        }
         child.kill().unwrap();
         child.wait().unwrap();
         std::fs::remove_file(&started).unwrap();

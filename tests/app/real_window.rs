@@ -2,6 +2,7 @@
 //!
 //! Needs Xvfb and xdotool; where they are missing the test says so and checks nothing.
 
+use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -25,10 +26,11 @@ fn has(program: &str) -> bool {
     Command::new("which").arg(program).stdout(Stdio::null()).status().is_ok_and(|status| status.success())
 }
 
-/// Starts Xvfb on a display that it picks itself and tells on its standard output.
+/// Starts Xvfb on a display that it picks itself and tells on its standard output. By itself it would start anew whenever its last
+/// client leaves, and who comes at that moment is turned away.
 fn start_display() -> (Guard, String) {
     let mut server = Command::new("Xvfb")
-        .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
+        .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp", "-noreset"])
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
@@ -88,6 +90,7 @@ fn can_drive_a_window() -> bool {
 
 /// The program on a display of its own, with the keyboard.
 fn start_program(display: &str, folder: &Path, arguments: &[&Path]) -> Guard {
+    let said = folder.join("said.txt");
     let program = Command::new(env!("CARGO_BIN_EXE_overlook"))
         .args(arguments)
         .env("DISPLAY", display)
@@ -96,12 +99,16 @@ fn start_program(display: &str, folder: &Path, arguments: &[&Path]) -> Guard {
         // No dialog of somebody's desktop: the window's own path field takes over.
         .env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/nonexistent")
         .env("PATH", folder)
-        .stderr(Stdio::null())
+        .stderr(File::create(&said).unwrap())
         .spawn()
         .unwrap();
-    let program = Guard(program);
-    let id =
-        wait_for("the window", || xdotool(display, &["search", "--onlyvisible", "--name", "^Overlook$"]));
+    let mut program = Guard(program);
+    let id = wait_for("the window", || {
+        let ended = program.0.try_wait().unwrap();
+        let said = || std::fs::read_to_string(&said).unwrap();
+        assert!(ended.is_none(), "the program ended before it had a window, {ended:?}: {}", said());
+        xdotool(display, &["search", "--onlyvisible", "--name", "^Overlook$"])
+    });
     let id = id.lines().next().unwrap().to_owned();
     // Without a window manager nothing gives the window the keyboard.
     wait_for("the keyboard", || xdotool(display, &["windowfocus", "--sync", &id]));
