@@ -61,12 +61,11 @@ impl SpanSamples {
         self.normal.extend_from_slice(&later.normal);
     }
 
-    /// Takes all samples away and keeps the room.
-    pub fn clear(&mut self) {
-        self.pixels.clear();
-        self.color.clear();
-        self.inverse_depth.clear();
-        self.normal.clear();
+    /// Makes room for so many more (normals aside).
+    pub fn reserve(&mut self, count: usize) {
+        self.pixels.reserve_exact(count);
+        self.color.reserve_exact(count);
+        self.inverse_depth.reserve_exact(count);
     }
 
     fn bytes(&self) -> usize {

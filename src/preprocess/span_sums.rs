@@ -4,13 +4,8 @@
 //! below 0 counts as 0, as it does when shown. Sums are exact whatever their order: a half float has 11 digits and `f32` 24,
 //! an `f32` 24 and `f64` 53, which leaves room for thousands of frames of about one size.
 
-use glam::Vec3;
-use half::f16;
-use half::slice::HalfFloatSliceExt;
-
 use super::static_test::StaticTest;
 use crate::capture::INVALID_INVERSE_DEPTH;
-use crate::color;
 use crate::simd::{self, Work};
 
 /// A frame from some pixel on, flat: color three to a pixel, inverse depth one, normals (where given) three.
@@ -33,12 +28,12 @@ pub struct SpanSums {
     pub(super) is_open: Vec<bool>,
     pub(super) min_color: Vec<i16>,
     pub(super) max_color: Vec<i16>,
-    color: Vec<f32>,
+    pub(super) color: Vec<f32>,
     pub(super) min_inverse_depth: Vec<f32>,
     pub(super) max_inverse_depth: Vec<f32>,
-    inverse_depth: Vec<f64>,
+    pub(super) inverse_depth: Vec<f64>,
     /// Empty where the capture gives none.
-    normal: Vec<f32>,
+    pub(super) normal: Vec<f32>,
 }
 
 impl SpanSums {
@@ -100,66 +95,6 @@ impl SpanSums {
         let mean =
             |channel: usize| (self.color[3 * pixel + channel] + later.color[3 * pixel + channel]) / frames;
         test.is_color_static([0, 1, 2].map(low), [0, 1, 2].map(high), || [0, 1, 2].map(mean))
-    }
-
-    /// Range of color of every pixel, the widest of the three channels, 8-bit sRGB steps.
-    #[must_use]
-    pub fn color_ranges_steps(&self) -> Vec<f32> {
-        let steps = color::steps_table();
-        let (lows, highs) = (self.min_color.chunks_exact(3), self.max_color.chunks_exact(3));
-        let range = |(low, high): (&[i16], &[i16])| {
-            if low == high {
-                return 0.0;
-            }
-            let range = |channel: usize| {
-                steps[high[channel] as usize & 0x7fff] - steps[low[channel] as usize & 0x7fff]
-            };
-            range(0).max(range(1)).max(range(2))
-        };
-        lows.zip(highs).map(range).collect()
-    }
-
-    /// Range of inverse depth of every pixel as a share of its maximum, 0 to 1; infinite where some frame has no depth.
-    #[must_use]
-    pub fn depth_ranges_relative(&self) -> Vec<f32> {
-        let ranges = self.min_inverse_depth.iter().zip(&self.max_inverse_depth);
-        ranges.map(|(farthest, nearest)| relative_range(*farthest, *nearest)).collect()
-    }
-
-    /// Mean color, linear.
-    #[inline(always)]
-    #[must_use]
-    pub fn mean_color(&self, pixel: usize) -> [f16; 3] {
-        let count = self.frames as f32;
-        [0, 1, 2].map(|channel| f16::from_f32(self.color[3 * pixel + channel] / count))
-    }
-
-    /// [`SpanSums::mean_color`] of every pixel.
-    #[must_use]
-    pub fn mean_colors(&self) -> Vec<[f16; 3]> {
-        let count = self.frames as f32;
-        let means: Vec<f32> = self.color.iter().map(|sum| sum / count).collect();
-        let mut halves = vec![[f16::ZERO; 3]; self.pixels()];
-        halves.as_flattened_mut().convert_from_f32_slice(&means);
-        halves
-    }
-
-    /// Mean inverse depth; exactly what was recorded where that is the same in every frame.
-    #[must_use]
-    pub fn mean_inverse_depth(&self, pixel: usize) -> f32 {
-        let farthest = self.min_inverse_depth[pixel];
-        if farthest == self.max_inverse_depth[pixel] {
-            farthest
-        } else {
-            (self.inverse_depth[pixel] / f64::from(self.frames)) as f32
-        }
-    }
-
-    /// Mean direction of the given normals; `None` where the capture gives none.
-    #[must_use]
-    pub fn mean_normal(&self, pixel: usize) -> Option<Vec3> {
-        let normal = self.normal.get(3 * pixel..3 * pixel + 3)?;
-        Some(Vec3::from_slice(normal).normalize_or_zero())
     }
 
     /// Adds the frames that follow.
@@ -378,6 +313,8 @@ impl Work for Merge<'_> {
 
 #[cfg(test)]
 mod tests {
+    use half::f16;
+
     use super::*;
 
     #[test]

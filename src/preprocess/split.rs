@@ -18,11 +18,11 @@
 
 use std::sync::Arc;
 
-use half::f16;
 use rayon::prelude::*;
 
 use super::Span;
 use super::range_shares::RangeShares;
+use super::root_samples::{RootBand, RootSamples};
 use super::short_spans::ShortSpans;
 use super::span_samples::SpanSamples;
 use super::span_sums::{FrameRun, SpanSums};
@@ -40,7 +40,10 @@ const CHUNK: usize = 2048;
 /// Pixels that one task works on.
 const BAND: usize = 4 * CHUNK;
 
-/// Samples that a span of a band has room for at first.
+/// Bands that are worked on one after the other, at most.
+const JOB_BANDS: usize = 8;
+
+/// Samples that a span has room for at first.
 const ROOM: usize = 256;
 
 /// The split of one camera while its frames come in.
@@ -60,8 +63,6 @@ struct Band {
     chunks: Vec<Vec<SpanSums>>,
     invalid: u64,
     shares: RangeShares,
-    /// Room for samples that was used before.
-    spare: Vec<SpanSamples>,
 }
 
 /// Samples of some spans, in no order of spans.
@@ -79,7 +80,6 @@ impl Split {
                 chunks: vec![Vec::new(); count.div_ceil(CHUNK)],
                 invalid: 0,
                 shares: RangeShares::default(),
-                spare: Vec::new(),
             }
         });
         Self {
@@ -104,13 +104,25 @@ impl Split {
             carry: &carry,
             is_last: span.end == self.tree.root().end,
         };
-        let given: Vec<Given> = self.bands.par_iter_mut().map(|band| band.add(&batch)).collect();
-        let joined = join(&given);
-        for (band, given) in self.bands.iter_mut().zip(given) {
-            band.spare.extend(given.into_iter().map(|(_, mut samples)| {
-                samples.clear();
-                samples
-            }));
+        let pixels = self.bands.iter().map(|band| band.pixels).sum();
+        let normals = frames.first().is_some_and(|frame| frame.normal_in_world.is_some());
+        let mut root = RootSamples::of(if batch.is_last { pixels } else { 0 }, normals);
+        let mut roots: Vec<Option<RootBand<'_>>> = root.bands(BAND).into_iter().map(Some).collect();
+        roots.resize_with(self.bands.len(), || None);
+        let bands = self.bands.par_iter_mut().zip(&mut roots).with_max_len(JOB_BANDS);
+        let found = bands.fold(
+            || Found::new(&batch),
+            |mut found, (band, root)| {
+                band.add(&batch, root.as_mut(), &mut found);
+                found
+            },
+        );
+        let found: Vec<Found> = found.collect();
+        let counts: Vec<usize> = roots.iter().flatten().map(RootBand::count).collect();
+        let mut joined = join(found, &batch);
+        let root = root.joined(&counts, BAND);
+        if !root.is_empty() {
+            joined.push((self.tree.root(), root));
         }
         joined
     }
@@ -153,22 +165,44 @@ impl Split {
     }
 }
 
-/// The samples of all bands, those of a span together.
-fn join(bands: &[Given]) -> Given {
-    let mut counts: Vec<(Span, usize)> = Vec::new();
-    for (span, samples) in bands.iter().flatten().filter(|(_, samples)| !samples.is_empty()) {
-        match counts.iter_mut().find(|(other, _)| other == span) {
-            Some((_, count)) => *count += samples.len(),
-            None => counts.push((*span, samples.len())),
+/// The samples that were found in bands that follow one another.
+struct Found {
+    short: ShortSpans,
+    /// For each pair of spans in [`Batch::carry`].
+    long: Vec<[SpanSamples; 2]>,
+    /// Pixels of a chunk that need a look of their own.
+    doubtful: Vec<u16>,
+}
+
+impl Found {
+    fn new(batch: &Batch<'_>) -> Self {
+        let room = || SpanSamples::with_capacity(ROOM);
+        Self {
+            short: ShortSpans::new(batch, room),
+            long: batch.carry.iter().map(|_| [room(), room()]).collect(),
+            doubtful: Vec::with_capacity(CHUNK),
         }
     }
-    let joined = counts.into_par_iter().map(|(span, count)| {
-        let mut all = SpanSamples::with_capacity(count);
-        let of_span = bands.iter().flatten().filter(|(other, _)| *other == span);
-        of_span.for_each(|(_, samples)| all.extend(samples));
-        (span, all)
+
+    fn given(self, batch: &Batch<'_>) -> Given {
+        let long =
+            batch.carry.iter().zip(self.long).flat_map(|(spans, given)| spans.iter().copied().zip(given));
+        self.short.given.into_iter().chain(long).collect()
+    }
+}
+
+/// The samples of all bands, those of a span together.
+fn join(found: Vec<Found>, batch: &Batch<'_>) -> Given {
+    let mut parts = found.into_iter().map(|found| found.given(batch));
+    let Some(mut joined) = parts.next() else { return Given::new() };
+    let later: Vec<Given> = parts.collect();
+    joined.par_iter_mut().enumerate().for_each(|(nth, (_, samples))| {
+        let later = || later.iter().map(|given| &given[nth].1);
+        samples.reserve(later().map(SpanSamples::len).sum());
+        later().for_each(|later| samples.extend(later));
     });
-    joined.collect()
+    joined.retain(|(_, samples)| !samples.is_empty());
+    joined
 }
 
 pub(super) struct Batch<'a> {
@@ -180,12 +214,9 @@ pub(super) struct Batch<'a> {
 }
 
 impl Band {
-    fn add(&mut self, batch: &Batch<'_>) -> Given {
-        let mut room = || self.spare.pop().unwrap_or_else(|| SpanSamples::with_capacity(ROOM));
-        let mut long: Vec<[SpanSamples; 2]> = batch.carry.iter().map(|_| [room(), room()]).collect();
-        let mut short = ShortSpans::new(batch, room);
-        let mut doubtful = Vec::with_capacity(CHUNK);
-        let mut root = SpanSamples::with_capacity(if batch.is_last { self.pixels } else { 0 });
+    /// `root` is there with the last frames.
+    fn add(&mut self, batch: &Batch<'_>, mut root: Option<&mut RootBand<'_>>, found: &mut Found) {
+        let Found { short, long, doubtful } = found;
         for (index, open) in self.chunks.iter_mut().enumerate() {
             let first = self.first + index * CHUNK;
             let pixels = CHUNK.min(self.first + self.pixels - first);
@@ -193,8 +224,8 @@ impl Band {
             let count_invalid =
                 |run: &FrameRun<'_>| run.inverse_depth[..pixels].iter().filter(|w| **w < 0.0).count();
             let mut sums = SpanSums::of(&runs, pixels);
-            sums.list_doubtful(&sums, batch.test, &mut doubtful);
-            for &pixel in &doubtful {
+            sums.list_doubtful(&sums, batch.test, doubtful);
+            for &pixel in doubtful.iter() {
                 let pixel = pixel as usize;
                 if !sums.is_static(pixel, batch.test) {
                     short.push(batch, &runs, first, pixel);
@@ -205,23 +236,20 @@ impl Band {
             if sums.lacks_depth() {
                 self.invalid += runs.iter().map(|run| count_invalid(run) as u64).sum::<u64>();
             }
-            for given in &mut long {
+            for given in &mut *long {
                 let Some(left) = open.pop() else { break };
-                left.list_doubtful(&sums, batch.test, &mut doubtful);
-                sums = union(left, &sums, batch.test, (first, &doubtful), given);
+                left.list_doubtful(&sums, batch.test, doubtful);
+                sums = union(left, &sums, batch.test, (first, doubtful), given);
             }
-            if batch.is_last {
-                let means = sums.mean_colors();
+            if let Some(root) = &mut root {
+                let means = root.write(first, &sums);
                 let (color, depth) = (sums.color_ranges_steps(), sums.depth_ranges_relative());
-                self.shares.count(&color, &depth, &means, batch.test);
-                give_open(&mut root, first, &sums, &means);
+                self.shares.count(&color, &depth, means, batch.test);
+                root.take(&sums);
             } else {
                 open.push(sums);
             }
         }
-        let long = batch.carry.iter().zip(long).flat_map(|(spans, given)| spans.iter().copied().zip(given));
-        let whole = Span { start: 0, end: batch.span.end };
-        short.given.into_iter().chain(long).chain(std::iter::once((whole, root))).collect()
     }
 }
 
@@ -250,7 +278,7 @@ fn union(
         }
         for (sums, given) in [&left, right].into_iter().zip(&mut *given) {
             if sums.is_open(pixel) {
-                give(given, first, pixel, sums, sums.mean_color(pixel));
+                give(given, first, pixel, sums);
             }
         }
         left.close(pixel);
@@ -259,21 +287,9 @@ fn union(
     left
 }
 
-/// Every pixel that is open becomes a sample.
-fn give_open(samples: &mut SpanSamples, first: usize, sums: &SpanSums, means: &[[f16; 3]]) {
-    if !sums.is_all_open() || sums.has_normals() {
-        let open = (0..sums.pixels()).filter(|pixel| sums.is_open(*pixel));
-        open.for_each(|pixel| give(samples, first, pixel, sums, means[pixel]));
-        return;
-    }
-    samples.pixels.extend(first as u32..(first + sums.pixels()) as u32);
-    samples.color.extend_from_slice(means);
-    samples.inverse_depth.extend((0..sums.pixels()).map(|pixel| sums.mean_inverse_depth(pixel)));
-}
-
-fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums, mean_color: [f16; 3]) {
+fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums) {
     samples.pixels.push((first + pixel) as u32);
-    samples.color.push(mean_color);
+    samples.color.push(sums.mean_color(pixel));
     samples.inverse_depth.push(sums.mean_inverse_depth(pixel));
     if let Some(normal) = sums.mean_normal(pixel) {
         samples.normal.push(normal);
