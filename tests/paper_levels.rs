@@ -12,7 +12,7 @@ use overlook::capture::demo::{Demo, DemoSpec};
 use overlook::capture::{Capture, Frame};
 use overlook::color::steps_from_linear;
 use overlook::job::Job;
-use overlook::preprocess::noise::granted_range_sigmas;
+use overlook::preprocess::noise_range::granted_range_sigmas;
 use overlook::preprocess::{Span, TemporalScan, preprocess, scan};
 use overlook::settings::{CaptureSettings, PruningMethod, Settings, SpanLevels};
 use scene::{Scene, Sphere, arc};

@@ -25,6 +25,7 @@ pub mod inspection;
 pub mod layer;
 pub mod mixed_pixels;
 pub mod noise;
+pub mod noise_range;
 mod noisy_colors;
 pub mod normal_errors;
 mod normal_lanes;

@@ -1,15 +1,19 @@
-//! Noise measured from the capture itself, and the range that noise alone explains.
+//! Noise measured from the capture itself.
 //!
 //! Purpose: a pixel that shows the same surface in every frame still differs from frame to frame where the renderer
 //! samples light at random or the sensor is noisy. The standard deviation is taken from differences of successive
 //! frames, whose median is blind to the few pixels that really move:
 //! `σ = median |x(t+1) − x(t)| / (√2 · 0.6745)` for a normal distribution.
 //!
-//! Source: the median absolute deviation (Hampel 1974) of first differences; the range of `n` normal draws is that of
-//! Tippett, *On the extreme individuals and the range of samples*, Biometrika 1925:
-//! `P(range ≤ r) = n ∫ φ(x) [Φ(x + r) − Φ(x)]^(n−1) dx`.
+//! Light that moves changes many pixels, but neighbors alike; noise does not. Of the relative changes of color `d` in a row
+//! of pixels, only `d(i−2) − 2d(i) + d(i+2)` counts, which is √6 times as wide as that of `d(i)` where they are independent
+//! and 0 where they grow evenly, whatever pattern the surface has.
+//!
+//! Source: the median absolute deviation (Hampel 1974) of first differences; second differences in space are those of
+//! Immerkær, *Fast Noise Variance Estimation*, CVIU 1996.
 //! What differs: color noise is measured per brightness, because a renderer's noise grows with light.
 
+use half::f16;
 use serde::{Deserialize, Serialize};
 
 use crate::capture::Frame;
@@ -35,11 +39,17 @@ const MIN_DIFFERENCES: u64 = 500;
 const MAX_COLOR_STEPS: f32 = 8.0;
 const MAX_DEPTH_RELATIVE: f32 = 0.01;
 
+/// Pixels between those whose changes are compared: a renderer's pixel filter makes nearer ones alike.
+const APART: usize = 2;
+
+/// √(1 + 2² + 1): the standard deviation of `a − 2b + c`, of independent numbers, over that of one of them.
+const SECOND_DIFFERENCE: f32 = 2.449_49;
+
+/// Darker colors are taken for this one, 8-bit sRGB steps, where changes are compared as parts of them.
+const DARKEST_STEPS: f32 = 8.0;
+
 /// √2 · Φ⁻¹(0.75): from the median absolute difference of two draws to their standard deviation.
 const MEDIAN_DIFFERENCE_PER_SIGMA: f32 = 0.953_87;
-
-/// Share of static pixels that the granted range must hold; what is lost goes to the foreground, which costs bytes only.
-const STATIC_SHARE: f64 = 0.9998;
 
 /// Where fewer than one in so many pixels of resting surfaces change at all, light moves and nothing is noisy.
 const FEWEST_REDRAWN: u64 = 10;
@@ -75,11 +85,10 @@ fn brightness_bin(steps: f32) -> usize {
 }
 
 /// Collects differences of successive frames. Counting is exact, so the order of calls does not matter.
-#[derive(Clone)]
-pub struct NoiseMeter {
+struct NoiseMeter {
     color: Vec<u64>,
     depth: Vec<u64>,
-    /// Pixels that were looked at for a change of color, and those that had one, where they are told apart.
+    /// Pixels that were looked at for a change of color, and those that had one.
     looked_at: u64,
     redrawn: u64,
 }
@@ -97,13 +106,43 @@ impl Default for NoiseMeter {
 
 impl NoiseMeter {
     /// Counts the change of one color channel between two frames, 8-bit sRGB steps.
-    pub fn add_color(&mut self, before_steps: f32, after_steps: f32) {
-        let bin = (((after_steps - before_steps).abs() / COLOR_BIN_STEPS) as usize).min(COLOR_BINS - 1);
-        self.color[brightness_bin(before_steps) * COLOR_BINS + bin] += 1;
+    fn add_color(&mut self, steps: f32, change_steps: f32) {
+        let bin = ((change_steps.abs() / COLOR_BIN_STEPS) as usize).min(COLOR_BINS - 1);
+        self.color[brightness_bin(steps) * COLOR_BINS + bin] += 1;
+    }
+
+    /// Counts what the changes of color between two frames have of their own beside those of their neighbors. A surface is the
+    /// same in both where its relative inverse depths differ by no more than `limit`.
+    fn add_colors(&mut self, [before, after]: [&Frame; 2], limit: f32) {
+        let mut changes = Vec::new();
+        for y in (0..after.size().1).step_by(NOISE_ROW_STRIDE) {
+            let depths = before.inverse_depth.row(y).iter().zip(after.inverse_depth.row(y));
+            let colors = before.color.row(y).iter().zip(after.color.row(y));
+            changes.clear();
+            changes.extend(depths.zip(colors).map(|((&w_before, &w_after), (&c_before, &c_after))| {
+                let is_there = w_before > 0.0 && w_after > 0.0;
+                let is_same = is_there && (w_after - w_before).abs() <= limit * w_before.max(w_after);
+                is_same.then(|| Change::between([c_before, c_after]))
+            }));
+            self.looked_at += changes.iter().flatten().count() as u64;
+            self.redrawn += changes.iter().flatten().filter(|change| change.is_redrawn).count() as u64;
+            for window in changes.windows(2 * APART + 1) {
+                if let (Some(left), Some(here), Some(right)) =
+                    (&window[0], &window[APART], &window[2 * APART])
+                    && here.is_redrawn
+                {
+                    for channel in 0..3 {
+                        let [left, own, right] = [left, here, right].map(|change| change.relative[channel]);
+                        let steps = here.mean_steps[channel];
+                        self.add_color(steps, steps * (left - 2.0 * own + right) / SECOND_DIFFERENCE);
+                    }
+                }
+            }
+        }
     }
 
     /// Counts the change of a finite depth between two frames, given as inverse depths (both above 0).
-    pub fn add_depth(&mut self, before: f32, after: f32) {
+    fn add_depth(&mut self, before: f32, after: f32) {
         let relative = (after - before).abs() / before.max(after);
         let bin = if relative == 0.0 {
             0
@@ -115,8 +154,7 @@ impl NoiseMeter {
     }
 
     /// The standard deviations that the counted differences speak for.
-    #[must_use]
-    pub fn noise(&self) -> Noise {
+    fn noise(&self) -> Noise {
         let mut overall = vec![0; COLOR_BINS];
         for class in self.color.chunks_exact(COLOR_BINS) {
             overall.iter_mut().zip(class).for_each(|(sum, count)| *sum += count);
@@ -154,16 +192,28 @@ impl NoiseMeter {
     }
 }
 
-/// Counts the changes of every pixel between two successive frames.
-pub fn measure_noise(meter: &mut NoiseMeter, before: &Frame, after: &Frame) {
-    let steps = color::steps_table();
-    for_each_pair(before, after, |depths, colors| {
-        meter.add_depth(depths[0], depths[1]);
-        for channel in 0..3 {
-            let [before, after] = colors.map(|color| steps[color[channel].to_bits() as usize]);
-            meter.add_color(before, after);
+/// How the color of a pixel changed from one frame to the next, per channel.
+struct Change {
+    /// Whether it did.
+    is_redrawn: bool,
+    /// 8-bit sRGB, at least [`DARKEST_STEPS`].
+    mean_steps: [f32; 3],
+    /// Relative to that.
+    relative: [f32; 3],
+}
+
+impl Change {
+    fn between(colors: [[f16; 3]; 2]) -> Self {
+        let table = color::steps_table();
+        let [before, after] = colors.map(|color| color.map(|channel| table[channel.to_bits() as usize]));
+        let mean_steps =
+            [0, 1, 2].map(|channel| (0.5 * (before[channel] + after[channel])).max(DARKEST_STEPS));
+        Self {
+            is_redrawn: before != after,
+            mean_steps,
+            relative: [0, 1, 2].map(|channel| (after[channel] - before[channel]) / mean_steps[channel]),
         }
-    });
+    }
 }
 
 /// The noise of a camera from some pairs of successive frames.
@@ -175,42 +225,18 @@ pub fn measure_noise(meter: &mut NoiseMeter, before: &Frame, after: &Frame) {
 pub fn measure_pairs(pairs: &[[&Frame; 2]]) -> Noise {
     let mut meter = NoiseMeter::default();
     for [before, after] in pairs {
-        for_each_pair(before, after, |depths, _| meter.add_depth(depths[0], depths[1]));
-    }
-    let limit = SAME_SURFACE_RELATIVE.max(SAME_SURFACE_SIGMAS * meter.noise().depth_relative);
-    let steps = color::steps_table();
-    for [before, after] in pairs {
-        for_each_pair(before, after, |[before, after], colors| {
-            if (after - before).abs() > limit * before.max(after) {
-                return;
-            }
-            meter.looked_at += 1;
-            if colors[0] == colors[1] {
-                return;
-            }
-            meter.redrawn += 1;
-            for channel in 0..3 {
-                let [before, after] = colors.map(|color| steps[color[channel].to_bits() as usize]);
-                meter.add_color(before, after);
-            }
-        });
-    }
-    meter.noise()
-}
-
-/// Calls `add` with the inverse depths and colors of pixels that have a finite depth in both frames.
-fn for_each_pair(before: &Frame, after: &Frame, mut add: impl FnMut([f32; 2], [[half::f16; 3]; 2])) {
-    let (_, height) = after.size();
-    for y in (0..height).step_by(NOISE_ROW_STRIDE) {
-        let depths = before.inverse_depth.row(y).iter().zip(after.inverse_depth.row(y));
-        let colors = before.color.row(y).iter().zip(after.color.row(y));
-        for ((&w_before, &w_after), (&c_before, &c_after)) in depths.zip(colors) {
+        for y in (0..after.size().1).step_by(NOISE_ROW_STRIDE) {
+            let rows = before.inverse_depth.row(y).iter().zip(after.inverse_depth.row(y));
             // The sky is often a constant and would speak for a noise-free scene.
-            if w_before > 0.0 && w_after > 0.0 {
-                add([w_before, w_after], [c_before, c_after]);
-            }
+            rows.filter(|(before, after)| **before > 0.0 && **after > 0.0)
+                .for_each(|(before, after)| meter.add_depth(*before, *after));
         }
     }
+    let limit = SAME_SURFACE_RELATIVE.max(SAME_SURFACE_SIGMAS * meter.noise().depth_relative);
+    for pair in pairs {
+        meter.add_colors(*pair, limit);
+    }
+    meter.noise()
 }
 
 /// Position of the median in a histogram, in bins, interpolated within its bin; `None` where nothing was counted.
@@ -231,53 +257,11 @@ fn median_bin(bins: &[u64]) -> Option<f32> {
     None
 }
 
-/// The range, in standard deviations, that all but a fraction of a permille of static pixels keep within over `draws`
-/// frames. 0 for fewer than two draws.
-#[must_use]
-pub fn granted_range_sigmas(draws: usize) -> f32 {
-    if draws < 2 {
-        return 0.0;
-    }
-    let (mut low, mut high) = (0.0_f64, 20.0_f64);
-    for _ in 0..40 {
-        let middle = f64::midpoint(low, high);
-        if range_probability(draws, middle) < STATIC_SHARE { low = middle } else { high = middle }
-    }
-    high as f32
-}
-
-/// `P(range ≤ r)` of `draws` standard normal draws, by the trapezoidal rule (spectrally accurate on this integrand).
-fn range_probability(draws: usize, r: f64) -> f64 {
-    const STEP: f64 = 0.02;
-    let density = |x: f64| (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
-    let cumulative: Vec<f64> = {
-        let mut sum = 0.0;
-        (-500..=1600)
-            .map(|i| {
-                let cell = density(f64::from(i) * STEP) * STEP;
-                sum += cell;
-                sum - 0.5 * cell
-            })
-            .collect()
-    };
-    let shift = r / STEP;
-    let mut probability = 0.0;
-    for (i, &below) in cumulative.iter().enumerate().take(1001) {
-        let x = (i as f64 - 500.0) * STEP;
-        let position = (i as f64 + shift).min(cumulative.len() as f64 - 2.0);
-        let cell = position.floor();
-        let above = {
-            let (a, b) = (cumulative[cell as usize], cumulative[cell as usize + 1]);
-            a + (b - a) * (position - cell)
-        };
-        probability += density(x) * (above - below).max(0.0).powi(draws as i32 - 1) * STEP;
-    }
-    draws as f64 * probability
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::settings::CaptureSettings;
 
     /// Sum of twelve uniform draws, less 6: normal enough up to four standard deviations.
     fn normal_draw(state: &mut u64) -> f32 {
@@ -298,7 +282,7 @@ mod tests {
         for i in 0..40_000 {
             let (a, b) = (normal_draw(&mut state), normal_draw(&mut state));
             let moved = if i % 4 == 0 { 60.0 } else { 0.0 };
-            meter.add_color(100.0 + 1.5 * a, 100.0 + 1.5 * b + moved);
+            meter.add_color(100.0 + 1.5 * a, 1.5 * (b - a) + moved);
             meter.add_depth(0.5 * (1.0 + 1e-3 * a), 0.5 * (1.0 + 1e-3 * b) + moved);
         }
         let noise = meter.noise();
@@ -311,7 +295,7 @@ mod tests {
     fn a_picture_that_moves_as_a_whole_is_not_taken_for_a_noisy_one() {
         let mut meter = NoiseMeter::default();
         for i in 0..2000 {
-            meter.add_color(20.0, 220.0);
+            meter.add_color(20.0, 200.0);
             meter.add_depth(0.1 + i as f32 * 1e-4, 0.9);
         }
         let noise = meter.noise();
@@ -323,7 +307,7 @@ mod tests {
         let frame = |shift: &dyn Fn(usize, &mut u64) -> f32| {
             let mut state = 7;
             let color: Vec<_> =
-                (0..80 * 80).map(|pixel| [half::f16::from_f32(0.3 + shift(pixel, &mut state)); 3]).collect();
+                (0..80 * 80).map(|pixel| [f16::from_f32(0.3 + shift(pixel, &mut state)); 3]).collect();
             Frame {
                 color: crate::grid::Grid::from_vec(80, 80, color),
                 inverse_depth: crate::grid::Grid::filled(80, 80, 0.5),
@@ -345,24 +329,69 @@ mod tests {
         assert!((0.7..1.3).contains(&noise.color_at(150.0)), "{noise:?}");
     }
 
+    fn demo(scene: &str) -> Demo {
+        let (scene, size) = (scene.to_owned(), Some((200, 150)));
+        Demo::new(&DemoSpec { scene, cameras: Some(2), frames: Some(48), size, noise: None }).unwrap()
+    }
+
+    /// What [`measure_pairs`] says of some frames and those after them.
+    fn measured(demo: &Demo, camera: usize, frames: [usize; 3]) -> Noise {
+        let capture = demo.capture(&CaptureSettings::default());
+        let pairs = frames.map(|first| [first, first + 1].map(|frame| capture.frame(camera, frame).unwrap()));
+        let pairs: Vec<[&Frame; 2]> = pairs.iter().map(|[before, after]| [&**before, &**after]).collect();
+        measure_pairs(&pairs)
+    }
+
+    #[test]
+    fn the_noise_of_a_scene_is_that_which_was_put_in() {
+        let noise = measured(&demo("nine-cameras"), 0, [0, 20, 40]);
+        let steps = |linear: f32| color::steps_from_linear(f16::from_f32(linear));
+        for linear in [0.1_f32, 0.2, 0.3] {
+            // See `capture::demo::camera_noise`: a relative deviation of 0.03.
+            let sigma = 0.03 * (linear * (linear + 0.02)).sqrt();
+            let expected = 0.5 * (steps(linear + sigma) - steps(linear - sigma));
+            let ratio = noise.color_at(steps(linear)) / expected;
+            assert!((0.85..1.15).contains(&ratio), "{linear}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn shadows_that_sweep_over_a_scene_are_no_noise() {
+        let demo = demo("orrery");
+        for camera in 0..2 {
+            let steps = measured(&demo, camera, [0, 23, 46]).color_steps_overall;
+            assert!(steps < 0.15, "camera {camera}: {steps}");
+        }
+    }
+
+    #[test]
+    fn light_that_dims_over_a_patterned_surface_is_no_noise() {
+        let mut state = 5;
+        let albedo: Vec<f32> = (0..80 * 80).map(|_| 0.35 + 0.04 * normal_draw(&mut state)).collect();
+        let frame = |dim: f32| {
+            let light = |pixel: usize| 1.0 - dim * (pixel % 80) as f32 / 80.0;
+            let color =
+                albedo.iter().enumerate().map(|(pixel, albedo)| [f16::from_f32(albedo * light(pixel)); 3]);
+            Frame {
+                color: crate::grid::Grid::from_vec(80, 80, color.collect()),
+                inverse_depth: crate::grid::Grid::filled(80, 80, 0.5),
+                normal_in_world: None,
+                depth_step_relative: 0.0,
+            }
+        };
+        let noise = measure_pairs(&[[&frame(0.0), &frame(0.1)]]);
+        // What is left is the rounding of half floats.
+        assert!(noise.color_steps_overall < 0.1, "{noise:?}");
+    }
+
     #[test]
     fn noise_free_input_measures_exactly_zero() {
         let mut meter = NoiseMeter::default();
         for i in 0..1000 {
             let moved = if i % 3 == 0 { 40.0 } else { 0.0 };
-            meter.add_color(80.0, 80.0 + moved);
+            meter.add_color(80.0, moved);
             meter.add_depth(0.25, 0.25 + moved);
         }
         assert_eq!(meter.noise(), Noise::default());
-    }
-
-    #[test]
-    fn the_range_distribution_meets_published_tables() {
-        // Upper 5 % points of the studentized range with infinite degrees of freedom (Harter 1960).
-        for (draws, point) in [(2, 2.772), (5, 3.858), (10, 4.474), (60, 5.764)] {
-            assert!((range_probability(draws, point) - 0.95).abs() < 2e-3, "{draws}");
-        }
-        assert!(granted_range_sigmas(60) > granted_range_sigmas(2));
-        assert_eq!(granted_range_sigmas(1), 0.0);
     }
 }

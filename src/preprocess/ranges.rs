@@ -8,22 +8,17 @@
 //! over time belongs to the camera's background image, all others to the foreground image of their frame.
 //! What differs: see [`static_test`](super::static_test); a background sample is the mean over all frames.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 use half::f16;
 use rayon::prelude::*;
 
-use super::noise::{NoiseMeter, measure_noise};
-use super::normal_errors::{NormalErrors, compare_with_given};
 use super::range_shares::RangeShares;
 use super::span_samples::SpanSamples;
 use super::static_test::StaticTest;
-use super::temporal::CameraScan;
-use crate::capture::{Camera, Frame, INVALID_INVERSE_DEPTH};
+use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
 use crate::color;
 use crate::grid::Grid;
-use crate::settings::{NormalSettings, SpanLevels, SpanSettings};
+use crate::settings::{SpanLevels, SpanSettings};
 
 /// Threshold-independent facts about one camera over all frames.
 #[derive(Debug)]
@@ -108,33 +103,16 @@ const EMPTY_SUM: PixelSum = PixelSum {
 pub(super) struct CameraSum {
     width: usize,
     pixels: Vec<PixelSum>,
-    meter: NoiseMeter,
-    previous: Option<Arc<Frame>>,
-    depth_step_relative: f32,
     has_normals: bool,
-    normal_errors: Vec<NormalErrors>,
 }
 
 impl CameraSum {
     pub(super) fn new(width: usize, height: usize) -> Self {
-        Self {
-            width,
-            pixels: vec![EMPTY_SUM; width * height],
-            meter: NoiseMeter::default(),
-            previous: None,
-            depth_step_relative: 0.0,
-            has_normals: false,
-            normal_errors: Vec::new(),
-        }
-    }
-
-    /// Compares estimated normals with those given in the first frame.
-    pub(super) fn compare_normals(&mut self, first: &Frame, camera: &Camera, settings: &NormalSettings) {
-        self.normal_errors = compare_with_given(first, camera, settings);
+        Self { width, pixels: vec![EMPTY_SUM; width * height], has_normals: false }
     }
 
     /// Adds the next frame. Frames must come in order: floating-point sums depend on it.
-    pub(super) fn add(&mut self, frame: Arc<Frame>) {
+    pub(super) fn add(&mut self, frame: &Frame) {
         let width = self.width.max(1);
         let steps = color::steps_table();
         self.pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
@@ -149,15 +127,11 @@ impl CameraSum {
                 }
             }
         });
-        if let Some(previous) = &self.previous {
-            measure_noise(&mut self.meter, previous, &frame);
-        }
-        self.depth_step_relative = self.depth_step_relative.max(frame.depth_step_relative);
         self.has_normals |= frame.normal_in_world.is_some();
-        self.previous = Some(frame);
     }
 
-    pub(super) fn finish(self, frames: usize) -> CameraScan {
+    /// Ranges and means over so many frames, and pixels without depth.
+    pub(super) fn finish(self, frames: usize) -> (Ranges, u64) {
         let (width, height) = (self.width, self.pixels.len() / self.width.max(1));
         let grid = |values| Grid::from_vec(width, height, values);
         let count = frames as f32;
@@ -187,14 +161,7 @@ impl CameraSum {
                 )
             }),
         };
-        CameraScan {
-            ranges: Some(ranges),
-            shares: None,
-            invalid: pixels.iter().map(|sum| u64::from(sum.invalid)).sum(),
-            depth_step_relative: self.depth_step_relative,
-            noise: self.meter.noise(),
-            normal_errors: self.normal_errors,
-        }
+        (ranges, pixels.iter().map(|sum| u64::from(sum.invalid)).sum())
     }
 }
 

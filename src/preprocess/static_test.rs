@@ -11,7 +11,8 @@ use std::collections::VecDeque;
 
 use half::f16;
 
-use super::noise::{Noise, granted_range_sigmas};
+use super::noise::Noise;
+use super::noise_range::granted_range_sigmas;
 use crate::color;
 use crate::settings::SpanSettings;
 use crate::simd;

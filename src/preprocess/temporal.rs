@@ -4,9 +4,9 @@
 //! every span; for the paper's two lengths ([`ranges`](super::ranges)) the range and mean of every pixel over all frames,
 //! from which the background follows.
 //!
-//! Thresholds of the tree multiply the noise, which therefore has to be known before: it is measured on three pairs of
-//! successive frames, from the beginning, the middle and the end. These frames are kept until their turn comes, so that
-//! every frame is decoded once.
+//! Thresholds multiply the noise, which the tree therefore has to know before: it is measured on three pairs of successive
+//! frames, from the beginning, the middle and the end. These frames are kept until their turn comes, so that every frame is
+//! decoded once.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -89,39 +89,14 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Tempora
     let frames = capture.frame_count();
     job.start("Reading frames", frames * capture.cameras.len());
     let (cameras, spans) = if settings.spans.levels == SpanLevels::Tree {
-        let (cameras, spans) = scan_spans(capture, settings, job)?;
-        (cameras, Some(spans))
+        let memory = (settings.capture.cache as usize) << 20;
+        let store = Mutex::new(SpanStore::new(memory / SAMPLES_SHARE));
+        let cameras = scan_cameras(capture, |camera| scan_spans(capture, camera, settings, &store, job))?;
+        (cameras, Some(store.into_inner().unwrap_or_else(PoisonError::into_inner)))
     } else {
-        (scan_ranges(capture, settings, job)?, None)
+        (scan_cameras(capture, |camera| scan_ranges(capture, camera, settings, job))?, None)
     };
     Ok(TemporalScan { frames, cameras, spans, made_with: settings.spans.clone(), memo: Memo::default() })
-}
-
-fn scan_ranges(capture: &Capture, settings: &Settings, job: &Job) -> Result<Vec<CameraScan>> {
-    let frames = capture.frame_count();
-    let mut sums: Vec<CameraSum> = capture
-        .cameras
-        .iter()
-        .map(|camera| {
-            let (width, height) = camera.intrinsics.size();
-            CameraSum::new(width, height)
-        })
-        .collect();
-    let batch = rayon::current_num_threads().div_ceil(capture.cameras.len().max(1)).max(1);
-    for start in (0..frames).step_by(batch) {
-        let range = start..(start + batch).min(frames);
-        sums.par_iter_mut().enumerate().try_for_each(|(camera, sum)| {
-            let decoded = decode(capture, camera, range.clone(), &BTreeMap::new(), job)?;
-            if let (0, Some(first)) = (range.start, decoded.first()) {
-                sum.compare_normals(first, &capture.cameras[camera], &settings.normals);
-            }
-            for frame in decoded {
-                sum.add(frame);
-            }
-            Ok(())
-        })?;
-    }
-    Ok(sums.into_par_iter().map(|sum| sum.finish(frames)).collect())
 }
 
 /// Share of the memory setting that samples take before they go to a temporary file.
@@ -130,20 +105,20 @@ const SAMPLES_SHARE: usize = 16;
 /// Cameras that are scanned side by side: while one waits for the last frame of a batch, the other has work.
 const SIDE_BY_SIDE: usize = 2;
 
-fn scan_spans(capture: &Capture, settings: &Settings, job: &Job) -> Result<(Vec<CameraScan>, SpanStore)> {
-    let memory = (settings.capture.cache as usize) << 20;
-    let store = Mutex::new(SpanStore::new(memory / SAMPLES_SHARE));
+fn scan_cameras(
+    capture: &Capture,
+    scan: impl Fn(usize) -> Result<CameraScan> + Sync,
+) -> Result<Vec<CameraScan>> {
     let mut cameras = Vec::with_capacity(capture.cameras.len());
     let indices: Vec<usize> = (0..capture.cameras.len()).collect();
     for indices in indices.chunks(SIDE_BY_SIDE) {
-        let scanned: Vec<Result<CameraScan>> =
-            indices.par_iter().map(|&camera| scan_camera(capture, camera, settings, &store, job)).collect();
+        let scanned: Vec<Result<CameraScan>> = indices.par_iter().map(|&camera| scan(camera)).collect();
         // One after the other, so that of two errors the first camera's is told.
         for scan in scanned {
             cameras.push(scan?);
         }
     }
-    Ok((cameras, store.into_inner().unwrap_or_else(PoisonError::into_inner)))
+    Ok(cameras)
 }
 
 /// Frames looked at for the noise: pairs from the beginning, the middle and the end.
@@ -163,56 +138,103 @@ fn batch_size(capture: &Capture, camera: usize, settings: &Settings) -> usize {
     BATCH.min(1 << affordable.max(1).ilog2())
 }
 
-fn scan_camera(
+/// What is known of a camera before the pass over its frames.
+struct Preview {
+    noise: Noise,
+    depth_step_relative: f32,
+    normal_errors: Vec<NormalErrors>,
+    /// The frames that were looked at, by their index.
+    held: BTreeMap<usize, Arc<Frame>>,
+}
+
+impl Preview {
+    fn of(capture: &Capture, camera: usize, settings: &Settings, job: &Job) -> Result<Self> {
+        let frames = capture.frame_count();
+        let pairs = noise_pairs(frames);
+        let mut looked_at: Vec<usize> = pairs.iter().flatten().copied().chain(0..frames.min(1)).collect();
+        looked_at.sort_unstable();
+        looked_at.dedup();
+        let held: Vec<(usize, Arc<Frame>)> = looked_at
+            .into_par_iter()
+            .map(|frame| {
+                job.check()?;
+                Ok((frame, capture.frame(camera, frame)?))
+            })
+            .collect::<Result<_>>()?;
+        let held: BTreeMap<usize, Arc<Frame>> = held.into_iter().collect();
+        let pairs: Vec<[&Frame; 2]> = pairs.iter().map(|pair| pair.map(|frame| &*held[&frame])).collect();
+        Ok(Self {
+            noise: measure_pairs(&pairs),
+            // A step belongs to the files' format, which is one for all frames of a camera.
+            depth_step_relative: held.values().map(|frame| frame.depth_step_relative).fold(0.0, f32::max),
+            normal_errors: held.get(&0).map_or_else(Vec::new, |first| {
+                compare_with_given(first, &capture.cameras[camera], &settings.normals)
+            }),
+            held,
+        })
+    }
+
+    /// With what the pass over the frames told.
+    fn with(self, ranges: Option<Ranges>, shares: Option<RangeShares>, invalid: u64) -> CameraScan {
+        let Self { noise, depth_step_relative, normal_errors, held: _ } = self;
+        CameraScan { ranges, shares, invalid, depth_step_relative, noise, normal_errors }
+    }
+}
+
+fn scan_ranges(capture: &Capture, camera: usize, settings: &Settings, job: &Job) -> Result<CameraScan> {
+    let preview = Preview::of(capture, camera, settings, job)?;
+    let (width, height) = capture.cameras[camera].intrinsics.size();
+    let mut sum = CameraSum::new(width, height);
+    pass_over((capture, camera), &preview.held, settings, job, |frames| {
+        for frame in frames {
+            sum.add(frame);
+        }
+        Ok(())
+    })?;
+    let (ranges, invalid) = sum.finish(capture.frame_count());
+    Ok(preview.with(Some(ranges), None, invalid))
+}
+
+fn scan_spans(
     capture: &Capture,
     camera: usize,
     settings: &Settings,
     store: &Mutex<SpanStore>,
     job: &Job,
 ) -> Result<CameraScan> {
+    let preview = Preview::of(capture, camera, settings, job)?;
     let frames = capture.frame_count();
-    let pairs = noise_pairs(frames);
-    let mut looked_at: Vec<usize> = pairs.iter().flatten().copied().chain(0..frames.min(1)).collect();
-    looked_at.sort_unstable();
-    looked_at.dedup();
-    let held: Vec<(usize, Arc<Frame>)> = looked_at
-        .into_par_iter()
-        .map(|frame| {
-            job.check()?;
-            Ok((frame, capture.frame(camera, frame)?))
-        })
-        .collect::<Result<_>>()?;
-    let held: BTreeMap<usize, Arc<Frame>> = held.into_iter().collect();
-    let pairs: Vec<[&Frame; 2]> = pairs.iter().map(|pair| pair.map(|frame| &*held[&frame])).collect();
-    let noise = measure_pairs(&pairs);
-    // A step belongs to the files' format, which is one for all frames of a camera.
-    let depth_step_relative = held.values().map(|frame| frame.depth_step_relative).fold(0.0, f32::max);
-    let normal_errors = held.get(&0).map_or_else(Vec::new, |first| {
-        compare_with_given(first, &capture.cameras[camera], &settings.normals)
-    });
-    let test = StaticTest::new(&settings.spans, &noise, depth_step_relative, frames);
+    let test = StaticTest::new(&settings.spans, &preview.noise, preview.depth_step_relative, frames);
     let mut split = Split::new(capture.cameras[camera].intrinsics.pixel_count(), frames, test);
+    pass_over((capture, camera), &preview.held, settings, job, |frames| {
+        let given = split.add(frames);
+        let mut store = store.lock().unwrap_or_else(PoisonError::into_inner);
+        given.into_iter().try_for_each(|(span, samples)| store.insert(camera, span, samples))
+    })?;
+    Ok(preview.with(None, Some(split.shares()), split.invalid()))
+}
+
+/// Gives all frames of a camera to `take`, a batch at a time; meanwhile the next batch is decoded.
+fn pass_over(
+    (capture, camera): (&Capture, usize),
+    held: &BTreeMap<usize, Arc<Frame>>,
+    settings: &Settings,
+    job: &Job,
+    mut take: impl FnMut(&[Arc<Frame>]) -> Result<()> + Send,
+) -> Result<()> {
+    let frames = capture.frame_count();
     let batch = batch_size(capture, camera, settings);
     let range_from = |start: usize| start..(start + batch).min(frames);
-    let mut current = decode(capture, camera, range_from(0), &held, job)?;
-    while split.frames() < frames {
-        let next = range_from(split.frames() + current.len());
-        let (given, decoded) =
-            rayon::join(|| split.add(&current), || decode(capture, camera, next, &held, job));
+    let mut done = 0;
+    let mut current = decode(capture, camera, range_from(0), held, job)?;
+    while done < frames {
+        done += current.len();
+        let (taken, decoded) =
+            rayon::join(|| take(&current), || decode(capture, camera, range_from(done), held, job));
+        taken?;
         current = decoded?;
-        let mut store = store.lock().unwrap_or_else(PoisonError::into_inner);
-        for (span, samples) in given {
-            store.insert(camera, span, samples)?;
-        }
     }
-    Ok(CameraScan {
-        ranges: None,
-        shares: Some(split.shares()),
-        invalid: split.invalid(),
-        depth_step_relative,
-        noise,
-        normal_errors,
-    })
+    Ok(())
 }
 
 /// Frames of a camera, those that are `held` already from there.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::preprocess::noise::granted_range_sigmas;
+use crate::preprocess::noise_range::granted_range_sigmas;
 use crate::preprocess::ranges::Ranges;
 use crate::preprocess::registration::Outcome;
 use crate::preprocess::static_test::StaticTest;
