@@ -4,7 +4,6 @@
 mod builder;
 
 use std::io::{self, Seek, SeekFrom, Write};
-use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -46,7 +45,8 @@ fn a_killed_writer_leaves_the_store_before_it_whole() {
     let mut seed = 7_u64;
     let mut replaced = 0;
     for nth in 0..KILLS {
-        let before = std::fs::metadata(&path).unwrap().ino();
+        let changed = || std::fs::metadata(&path).unwrap().modified().unwrap();
+        let before = changed();
         let mut child = Command::new(std::env::current_exe().unwrap())
             .args(["--exact", "a_child_writes_stores_until_it_is_killed"])
             .env(TARGET, &path)
@@ -56,7 +56,7 @@ fn a_killed_writer_leaves_the_store_before_it_whole() {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         // Every other child is killed at once when it has put a store in place of the one before, however slow it is.
         let is_late = nth % 2 == 1;
-        let is_time = || started.exists() && !(is_late && std::fs::metadata(&path).unwrap().ino() == before);
+        let is_time = || started.exists() && !(is_late && changed() == before);
         while !is_time() {
             assert!(child.try_wait().unwrap().is_none(), "the child ended on its own");
             std::thread::sleep(Duration::from_micros(200));

@@ -105,7 +105,7 @@ impl Default for NoiseMeter {
 }
 
 impl NoiseMeter {
-    /// Counts the change of one color channel between two frames, 8-bit sRGB steps.
+    /// Counts the change of a color channel of this brightness between two frames, both 8-bit sRGB steps.
     fn add_color(&mut self, steps: f32, change_steps: f32) {
         let bin = ((change_steps.abs() / COLOR_BIN_STEPS) as usize).min(COLOR_BINS - 1);
         self.color[brightness_bin(steps) * COLOR_BINS + bin] += 1;
@@ -115,21 +115,20 @@ impl NoiseMeter {
     /// same in both where its relative inverse depths differ by no more than `limit`.
     fn add_colors(&mut self, [before, after]: [&Frame; 2], limit: f32) {
         let mut changes = Vec::new();
-        for y in (0..after.size().1).step_by(NOISE_ROW_STRIDE) {
-            let depths = before.inverse_depth.row(y).iter().zip(after.inverse_depth.row(y));
+        for y in looked_at_rows(after) {
             let colors = before.color.row(y).iter().zip(after.color.row(y));
             changes.clear();
-            changes.extend(depths.zip(colors).map(|((&w_before, &w_after), (&c_before, &c_after))| {
-                let is_there = w_before > 0.0 && w_after > 0.0;
-                let is_same = is_there && (w_after - w_before).abs() <= limit * w_before.max(w_after);
-                is_same.then(|| Change::between([c_before, c_after]))
+            changes.extend(finite_depths(before, after, y).zip(colors).map(|(depths, (&before, &after))| {
+                let is_same =
+                    |[before, after]: &[f32; 2]| (after - before).abs() <= limit * before.max(*after);
+                depths.filter(is_same).map(|_| Change::between([before, after]))
             }));
             self.looked_at += changes.iter().flatten().count() as u64;
-            self.redrawn += changes.iter().flatten().filter(|change| change.is_redrawn).count() as u64;
+            self.redrawn += changes.iter().flatten().filter(|change| change.is_redrawn()).count() as u64;
             for window in changes.windows(2 * APART + 1) {
                 if let (Some(left), Some(here), Some(right)) =
                     (&window[0], &window[APART], &window[2 * APART])
-                    && here.is_redrawn
+                    && here.is_redrawn()
                 {
                     for channel in 0..3 {
                         let [left, own, right] = [left, here, right].map(|change| change.relative[channel]);
@@ -194,8 +193,6 @@ impl NoiseMeter {
 
 /// How the color of a pixel changed from one frame to the next, per channel.
 struct Change {
-    /// Whether it did.
-    is_redrawn: bool,
     /// 8-bit sRGB, at least [`DARKEST_STEPS`].
     mean_steps: [f32; 3],
     /// Relative to that.
@@ -209,11 +206,29 @@ impl Change {
         let mean_steps =
             [0, 1, 2].map(|channel| (0.5 * (before[channel] + after[channel])).max(DARKEST_STEPS));
         Self {
-            is_redrawn: before != after,
             mean_steps,
             relative: [0, 1, 2].map(|channel| (after[channel] - before[channel]) / mean_steps[channel]),
         }
     }
+
+    fn is_redrawn(&self) -> bool {
+        self.relative != [0.0; 3]
+    }
+}
+
+fn looked_at_rows(frame: &Frame) -> impl Iterator<Item = usize> {
+    (0..frame.size().1).step_by(NOISE_ROW_STRIDE)
+}
+
+/// Inverse depths of a row of pixels in two frames, where both are finite. The sky is often a constant and would speak for a
+/// noise-free scene.
+fn finite_depths<'a>(
+    before: &'a Frame,
+    after: &'a Frame,
+    y: usize,
+) -> impl Iterator<Item = Option<[f32; 2]>> + 'a {
+    let rows = before.inverse_depth.row(y).iter().zip(after.inverse_depth.row(y));
+    rows.map(|(&before, &after)| (before > 0.0 && after > 0.0).then_some([before, after]))
 }
 
 /// The noise of a camera from some pairs of successive frames.
@@ -225,11 +240,9 @@ impl Change {
 pub fn measure_pairs(pairs: &[[&Frame; 2]]) -> Noise {
     let mut meter = NoiseMeter::default();
     for [before, after] in pairs {
-        for y in (0..after.size().1).step_by(NOISE_ROW_STRIDE) {
-            let rows = before.inverse_depth.row(y).iter().zip(after.inverse_depth.row(y));
-            // The sky is often a constant and would speak for a noise-free scene.
-            rows.filter(|(before, after)| **before > 0.0 && **after > 0.0)
-                .for_each(|(before, after)| meter.add_depth(*before, *after));
+        for y in looked_at_rows(after) {
+            let depths = finite_depths(before, after, y).flatten();
+            depths.for_each(|[before, after]| meter.add_depth(before, after));
         }
     }
     let limit = SAME_SURFACE_RELATIVE.max(SAME_SURFACE_SIGMAS * meter.noise().depth_relative);
@@ -261,6 +274,7 @@ fn median_bin(bins: &[u64]) -> Option<f32> {
 mod tests {
     use super::*;
     use crate::capture::demo::{Demo, DemoSpec};
+    use crate::grid::Grid;
     use crate::settings::CaptureSettings;
 
     /// Sum of twelve uniform draws, less 6: normal enough up to four standard deviations.
@@ -302,18 +316,22 @@ mod tests {
         assert!(noise.color_at(20.0) <= MAX_COLOR_STEPS && noise.depth_relative <= MAX_DEPTH_RELATIVE);
     }
 
+    /// 80×80 pixels of these linear brightnesses, all at one depth.
+    fn gray(brightness: impl FnMut(usize) -> f32) -> Frame {
+        let color = (0..80 * 80).map(brightness).map(|value| [f16::from_f32(value); 3]);
+        Frame {
+            color: Grid::from_vec(80, 80, color.collect()),
+            inverse_depth: Grid::filled(80, 80, 0.5),
+            normal_in_world: None,
+            depth_step_relative: 0.0,
+        }
+    }
+
     #[test]
     fn noise_is_that_of_the_pixels_drawn_anew_and_light_that_moves_over_few_is_none() {
         let frame = |shift: &dyn Fn(usize, &mut u64) -> f32| {
             let mut state = 7;
-            let color: Vec<_> =
-                (0..80 * 80).map(|pixel| [f16::from_f32(0.3 + shift(pixel, &mut state)); 3]).collect();
-            Frame {
-                color: crate::grid::Grid::from_vec(80, 80, color),
-                inverse_depth: crate::grid::Grid::filled(80, 80, 0.5),
-                normal_in_world: None,
-                depth_step_relative: 0.0,
-            }
+            gray(|pixel| 0.3 + shift(pixel, &mut state))
         };
         let still = frame(&|_, _| 0.0);
         let shadow = frame(&|pixel, _| if pixel % 80 < 4 { -0.2 } else { 0.0 });
@@ -368,17 +386,7 @@ mod tests {
     fn light_that_dims_over_a_patterned_surface_is_no_noise() {
         let mut state = 5;
         let albedo: Vec<f32> = (0..80 * 80).map(|_| 0.35 + 0.04 * normal_draw(&mut state)).collect();
-        let frame = |dim: f32| {
-            let light = |pixel: usize| 1.0 - dim * (pixel % 80) as f32 / 80.0;
-            let color =
-                albedo.iter().enumerate().map(|(pixel, albedo)| [f16::from_f32(albedo * light(pixel)); 3]);
-            Frame {
-                color: crate::grid::Grid::from_vec(80, 80, color.collect()),
-                inverse_depth: crate::grid::Grid::filled(80, 80, 0.5),
-                normal_in_world: None,
-                depth_step_relative: 0.0,
-            }
-        };
+        let frame = |dim: f32| gray(|pixel| albedo[pixel] * (1.0 - dim * (pixel % 80) as f32 / 80.0));
         let noise = measure_pairs(&[[&frame(0.0), &frame(0.1)]]);
         // What is left is the rounding of half floats.
         assert!(noise.color_steps_overall < 0.1, "{noise:?}");

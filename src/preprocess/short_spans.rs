@@ -101,7 +101,8 @@ impl Ranges {
 }
 
 impl ShortSpans {
-    pub(super) fn new(batch: &Batch<'_>, mut room: impl FnMut() -> SpanSamples) -> Self {
+    /// With room for so many samples of each span at first.
+    pub(super) fn new(batch: &Batch<'_>, room: usize) -> Self {
         let mut spans = vec![batch.span];
         let mut nodes = Vec::new();
         let mut next = 0;
@@ -116,7 +117,7 @@ impl ShortSpans {
             next += 1;
         }
         let ranges = vec![Ranges::NOTHING; spans.len()];
-        let given = spans.into_iter().map(|span| (span, room())).collect();
+        let given = spans.into_iter().map(|span| (span, SpanSamples::with_capacity(room))).collect();
         Self { given, nodes, ranges, waiting: [0; LANES], waiting_count: 0 }
     }
 

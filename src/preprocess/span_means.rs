@@ -5,7 +5,7 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 
 use super::span_sums::{SpanSums, relative_range};
-use super::static_test::CHANNELS;
+use super::static_test::{CHANNELS, color_range_steps};
 use crate::color;
 use crate::simd::{self, Work};
 
@@ -13,15 +13,9 @@ impl SpanSums {
     /// Range of color of every pixel, the widest of the three channels, 8-bit sRGB steps.
     #[must_use]
     pub fn color_ranges_steps(&self) -> Vec<f32> {
-        let steps = color::steps_table();
+        let table = color::steps_table();
         let (lows, highs) = (self.min_color.as_chunks::<3>().0, self.max_color.as_chunks::<3>().0);
-        let range = |(low, high): (&[i16; 3], &[i16; 3])| {
-            let range = |channel: usize| {
-                steps[high[channel] as usize & 0x7fff] - steps[low[channel] as usize & 0x7fff]
-            };
-            range(0).max(range(1)).max(range(2))
-        };
-        lows.iter().zip(highs).map(range).collect()
+        lows.iter().zip(highs).map(|(low, high)| color_range_steps(table, low, high)).collect()
     }
 
     /// Range of inverse depth of every pixel as a share of its maximum, 0 to 1; infinite where some frame has no depth.

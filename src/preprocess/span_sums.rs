@@ -114,12 +114,6 @@ impl SpanSums {
         self.is_open.iter().fold(true, |all, open| all & open)
     }
 
-    /// Whether the capture gives normals.
-    #[must_use]
-    pub fn has_normals(&self) -> bool {
-        !self.normal.is_empty()
-    }
-
     /// Whether the pixel was not taken out, here or in a part of the span.
     #[must_use]
     pub fn is_open(&self, pixel: usize) -> bool {

@@ -127,12 +127,6 @@ impl Split {
         joined
     }
 
-    /// Frames added.
-    #[must_use]
-    pub fn frames(&self) -> usize {
-        self.added as usize
-    }
-
     /// Pixels without depth, over all frames added.
     #[must_use]
     pub fn invalid(&self) -> u64 {
@@ -178,7 +172,7 @@ impl Found {
     fn new(batch: &Batch<'_>) -> Self {
         let room = || SpanSamples::with_capacity(ROOM);
         Self {
-            short: ShortSpans::new(batch, room),
+            short: ShortSpans::new(batch, ROOM),
             long: batch.carry.iter().map(|_| [room(), room()]).collect(),
             doubtful: Vec::with_capacity(CHUNK),
         }

@@ -132,10 +132,7 @@ impl StaticTest {
 
     #[cold]
     fn is_color_static_at(&self, low: [i16; 3], high: [i16; 3], mean: [f32; 3]) -> bool {
-        let table = color::steps_table();
-        let steps =
-            |channel: usize| table[high[channel] as usize & 0x7fff] - table[low[channel] as usize & 0x7fff];
-        let range = steps(0).max(steps(1)).max(steps(2));
+        let range = color_range_steps(color::steps_table(), &low, &high);
         range <= self.color_steps || range <= self.granted_around(mean)
     }
 
@@ -170,6 +167,15 @@ impl StaticTest {
     pub fn granted_depth(&self) -> f32 {
         self.depth_relative
     }
+}
+
+/// How far a color ranges whose half floats have these smallest and largest bits, none below 0: the widest of the three channels,
+/// by the table of 8-bit sRGB steps.
+#[inline(always)]
+pub(super) fn color_range_steps(table: &[f32], low: &[i16; 3], high: &[i16; 3]) -> f32 {
+    let steps =
+        |channel: usize| table[high[channel] as usize & 0x7fff] - table[low[channel] as usize & 0x7fff];
+    steps(0).max(steps(1)).max(steps(2))
 }
 
 /// How far apart two half floats may lie, by the bits of the larger one, that certainly are within the color range granted to any
