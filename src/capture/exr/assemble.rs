@@ -5,9 +5,8 @@
 //! color. Where nothing was hit but color is there, the pixel is a sample at infinity.
 
 use glam::{DMat3, DVec2, DVec3};
-use half::f16;
-use half::slice::HalfFloatSliceExt;
 
+use super::color_planes::ColorPlanes;
 use crate::capture::{Camera, Frame, INVALID_INVERSE_DEPTH};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
@@ -42,7 +41,7 @@ impl NormalSpace {
 #[derive(Clone, Debug)]
 pub struct Layers {
     /// Linear red, green, blue; not yet checked.
-    pub color: [Vec<f32>; 3],
+    pub color: ColorPlanes,
     /// Coverage, where the picture has it.
     pub alpha: Option<Vec<f32>>,
     /// As [`Frame::inverse_depth`].
@@ -62,7 +61,13 @@ impl Layers {
     /// `Invalid` where not a single pixel has a depth.
     pub fn into_frame(mut self, camera: &Camera, place: &str) -> Result<Frame> {
         let (width, height) = camera.intrinsics.size();
-        let without_color = self.invalidate_pixels_without_color();
+        let (color, mut without_color) = self.color.into_halves(&mut self.inverse_depth);
+        for (inverse, alpha) in self.inverse_depth.iter_mut().zip(self.alpha.iter().flatten()) {
+            if *alpha <= 0.0 && *inverse == 0.0 {
+                *inverse = INVALID_INVERSE_DEPTH;
+                without_color += 1;
+            }
+        }
         if self.inverse_depth.iter().all(|&inverse| inverse < 0.0) {
             let color_share = 100.0 * without_color as f64 / self.inverse_depth.len().max(1) as f64;
             return Err(Error::invalid(
@@ -77,53 +82,12 @@ impl Layers {
             Grid::from_vec(width, height, world_normals(planes, *space, &self.inverse_depth, camera))
         });
         Ok(Frame {
-            color: Grid::from_vec(width, height, finite_halves(&self.color)),
+            color: Grid::from_vec(width, height, color),
             inverse_depth: Grid::from_vec(width, height, self.inverse_depth),
             normal_in_world,
             depth_step_relative: self.depth_step_relative,
         })
     }
-
-    /// Marks pixels whose color is not finite or is not there as invalid, and says how many there were.
-    fn invalidate_pixels_without_color(&mut self) -> usize {
-        let [red, green, blue] = &self.color;
-        let mut without_color = 0;
-        for (((inverse, r), g), b) in self.inverse_depth.iter_mut().zip(red).zip(green).zip(blue) {
-            let is_finite = r.is_finite() & g.is_finite() & b.is_finite();
-            *inverse = if is_finite { *inverse } else { INVALID_INVERSE_DEPTH };
-            without_color += usize::from(!is_finite);
-        }
-        for (inverse, alpha) in self.inverse_depth.iter_mut().zip(self.alpha.iter().flatten()) {
-            if *alpha <= 0.0 && *inverse == 0.0 {
-                *inverse = INVALID_INVERSE_DEPTH;
-                without_color += 1;
-            }
-        }
-        without_color
-    }
-}
-
-/// Pixels whose color is narrowed at a time: alone, each half float would ask the processor what it can do.
-const NARROWED: usize = 256;
-
-/// The nearest half floats, channel by channel in turn; beyond the largest one the largest, and 0 where there is no color.
-fn finite_halves(planes: &[Vec<f32>; 3]) -> Vec<[f16; 3]> {
-    let mut color = vec![[f16::ZERO; 3]; planes[0].len()];
-    let mut finite = [0.0; NARROWED];
-    let mut halves = [f16::ZERO; NARROWED];
-    for (index, color) in color.chunks_mut(NARROWED).enumerate() {
-        for (channel, plane) in planes.iter().enumerate() {
-            for (finite, value) in finite.iter_mut().zip(&plane[index * NARROWED..]) {
-                let within = value.max(f16::MIN.to_f32_const()).min(f16::MAX.to_f32_const());
-                *finite = if value.is_finite() { within } else { 0.0 };
-            }
-            halves.convert_from_f32_slice(&finite);
-            for (color, half) in color.iter_mut().zip(&halves) {
-                color[channel] = *half;
-            }
-        }
-    }
-    color
 }
 
 /// Unit normals toward the camera; zero where nothing was hit or none is recorded. Blender filters normals as it does
@@ -158,6 +122,8 @@ fn world_normals(
 
 #[cfg(test)]
 mod tests {
+    use half::f16;
+
     use super::*;
     use crate::capture::Intrinsics;
 
@@ -168,7 +134,7 @@ mod tests {
 
     fn layers() -> Layers {
         Layers {
-            color: [vec![0.5; 4], vec![0.25; 4], vec![1e9; 4]],
+            color: ColorPlanes::Single([vec![0.5; 4], vec![0.25; 4], vec![1e9; 4]]),
             alpha: Some(vec![1.0, 0.0, 1.0, 0.0]),
             inverse_depth: vec![0.5, 0.0, 0.0, 0.25],
             depth_step_relative: 0.0,
@@ -187,7 +153,7 @@ mod tests {
     #[test]
     fn a_pixel_whose_color_is_not_a_number_is_invalid() {
         let mut layers = layers();
-        layers.color[1][0] = f32::NAN;
+        layers.color = ColorPlanes::Single([vec![0.5; 4], vec![f32::NAN, 0.25, 0.25, 0.25], vec![1.0; 4]]);
         let frame = layers.into_frame(&camera(), "test").unwrap();
         assert_eq!(frame.invalid_pixels(), 2);
         assert_eq!(frame.color[(0, 0)][1], f16::ZERO);

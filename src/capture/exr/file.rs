@@ -1,4 +1,4 @@
-//! One OpenEXR file: its channels by their full names, and planes of `f32` on demand.
+//! One OpenEXR file: its channels by their full names, and their planes on demand.
 //!
 //! Files are read through the block interface of the `exr` crate, so that parts without a wanted channel are neither
 //! inflated nor stored, and so that sizes are checked before anything is allocated for them.
@@ -12,10 +12,10 @@ use exr::block::reader::ChunksReader;
 use exr::compression::Compression;
 use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
-use half::f16;
-use half::slice::HalfFloatSliceExt;
 
 use super::guard::{self, guarded};
+use super::plane::Plane;
+use super::zip::Inflater;
 use crate::error::{Error, Result};
 
 /// Largest width and height that is believed.
@@ -50,9 +50,6 @@ pub struct Window {
     /// Rows.
     pub height: usize,
 }
-
-/// One channel as `f32`, row-major over the asked-for window; NaN where the file's data window does not reach.
-pub type Plane = Vec<f32>;
 
 /// An OpenEXR file whose header has been read and found believable.
 pub struct ExrFile {
@@ -159,7 +156,8 @@ impl ExrFile {
             self.check_length(self.data[self.channels[channel].part])?;
         }
         let pixels = window.width * window.height;
-        let mut planes: Vec<Plane> = wanted.iter().map(|_| vec![f32::NAN; pixels]).collect();
+        let unknown = |&channel: &usize| Plane::unknown(self.channels[channel].is_half, pixels);
+        let mut planes: Vec<Plane> = wanted.iter().map(unknown).collect();
         guarded(&self.place, || self.decode_blocks(wanted, window, &mut planes))?;
         Ok(planes)
     }
@@ -189,10 +187,11 @@ impl ExrFile {
         let expected = chunks.expected_chunk_count();
         let meta = chunks.meta_data().clone();
         let mut seen = HashSet::with_capacity(expected.min(MAX_SIDE));
+        let mut inflater = Inflater::new();
         for chunk in chunks {
             let chunk = chunk?;
             guard::check_chunk(&chunk, &meta)?;
-            let block = UncompressedBlock::decompress_chunk(chunk, &meta, false)?;
+            let block = inflater.pixels(chunk, &meta)?;
             seen.insert((block.index.layer, block.index.pixel_position));
             self.copy_block(&meta.headers[block.index.layer], &block, wanted, window, planes);
         }
@@ -225,50 +224,15 @@ impl ExrFile {
                 continue;
             }
             let first_x = origin.x + line.location.position.0 as i64 - window.x;
-            let row = y as usize * window.width;
-            let row = &mut planes[slot][row..row + window.width];
             let start = (-first_x).max(0) as usize;
             let end = (window.width as i64 - first_x).clamp(0, line.location.sample_count as i64) as usize;
             if start >= end {
                 continue;
             }
-            let target = &mut row[(first_x + start as i64) as usize..][..end - start];
-            match header.channels.list[line.location.channel].sample_type {
-                SampleType::F16 => widen_halves(line.value, start, target),
-                SampleType::F32 => copy_samples(line.value, start, target, f32::from_ne_bytes),
-                SampleType::U32 => copy_samples(line.value, start, target, f32_from_integer),
-            }
+            let at = y as usize * window.width + (first_x + start as i64) as usize;
+            let is_whole = header.channels.list[line.location.channel].sample_type == SampleType::U32;
+            planes[slot].set(at, end - start, line.value, start, is_whole);
         }
-    }
-}
-
-fn copy_samples<const BYTES: usize>(
-    bytes: &[u8],
-    start: usize,
-    target: &mut [f32],
-    decode: impl Fn([u8; BYTES]) -> f32,
-) {
-    let (samples, _) = bytes.as_chunks::<BYTES>();
-    for (value, sample) in target.iter_mut().zip(&samples[start..]) {
-        *value = decode(*sample);
-    }
-}
-
-fn f32_from_integer(bytes: [u8; 4]) -> f32 {
-    u32::from_ne_bytes(bytes) as f32
-}
-
-/// Half floats that are widened at a time: alone, each would ask the processor what it can do.
-const HALVES: usize = 256;
-
-fn widen_halves(bytes: &[u8], start: usize, target: &mut [f32]) {
-    let (samples, _) = bytes.as_chunks::<2>();
-    let mut halves = [f16::ZERO; HALVES];
-    for (target, samples) in target.chunks_mut(HALVES).zip(samples[start..].chunks(HALVES)) {
-        for (half, sample) in halves.iter_mut().zip(samples) {
-            *half = f16::from_ne_bytes(*sample);
-        }
-        halves[..target.len()].convert_to_f32_slice(target);
     }
 }
 

@@ -1,20 +1,25 @@
 //! Reading OpenEXR frames as renderers write them.
 //!
 //! ```text
-//! bytes ── file ── planes of f32 ─┐
-//!            │                    ├─ depth (inverse depth), assemble (frame)
-//!        channels (who is who) ───┘
+//! bytes ── file, zip ── planes ─┐
+//!            │                  ├─ depth (inverse depth), color_planes, assemble (frame)
+//!        channels (who is who) ─┘
 //! ```
 //!
 //! Nothing is decoded before the header has been checked, and only the parts that hold a wanted channel are.
 
 pub mod assemble;
 pub mod channels;
+pub mod color_planes;
 pub mod depth;
 pub mod file;
 mod guard;
+pub mod plane;
+mod zip;
 
 pub use assemble::{Layers, NormalSpace};
 pub use channels::{ChannelNames, ChannelWishes};
+pub use color_planes::ColorPlanes;
 pub use depth::{DepthKind, DepthRules};
-pub use file::{ExrFile, MAX_SIDE, Plane, Window};
+pub use file::{ExrFile, MAX_SIDE, Window};
+pub use plane::Plane;

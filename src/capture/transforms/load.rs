@@ -4,7 +4,9 @@ use std::path::Path;
 
 use super::files::{Format, PictureFiles, format_of};
 use super::png;
-use crate::capture::exr::{ChannelNames, ChannelWishes, DepthKind, ExrFile, Layers, Plane, Window};
+use crate::capture::exr::{
+    ChannelNames, ChannelWishes, ColorPlanes, DepthKind, ExrFile, Layers, Plane, Window,
+};
 use crate::capture::{Camera, Frame};
 use crate::color::linear_from_srgb;
 use crate::error::{Error, Result};
@@ -136,12 +138,11 @@ fn no_depth(place: &str) -> Error {
 }
 
 /// The planes read so far.
-#[derive(Default)]
 struct Parts {
-    color: [Plane; 3],
-    alpha: Option<Plane>,
+    color: ColorPlanes,
+    alpha: Option<Vec<f32>>,
     depth: Option<DepthPart>,
-    normal: Option<[Plane; 3]>,
+    normal: Option<[Vec<f32>; 3]>,
 }
 
 struct DepthPart {
@@ -189,7 +190,7 @@ fn read_color_file(files: &PictureFiles, camera: &Camera, place: &str, need: Nee
     let size = camera.intrinsics.size();
     if format_of(&files.color, place)? == Format::Png {
         let (color, alpha) = png::color(&files.color, place, size, files.is_linear.unwrap_or(false))?;
-        return Ok(Parts { color, alpha, ..Parts::default() });
+        return Ok(Parts { color: ColorPlanes::Single(color), alpha, depth: None, normal: None });
     }
     let picture = Picture::open(&files.color, files, &files.wishes_of_color_file(), camera, place)?;
     let depth = match (&files.depth, need) {
@@ -205,11 +206,14 @@ fn read_color_file(files: &PictureFiles, camera: &Camera, place: &str, need: Nee
         wanted.extend(picture.normal()?);
     }
     let mut planes = Planes::decode(&picture, &wanted)?;
-    let mut color = planes.take_three();
-    if files.is_linear == Some(false) {
-        color.iter_mut().flatten().for_each(|value| *value = linear_from_srgb(*value));
-    }
-    let alpha = picture.names.alpha.map(|_| planes.take());
+    let color = if files.is_linear == Some(false) {
+        let mut encoded = planes.take_three();
+        encoded.iter_mut().flatten().for_each(|value| *value = linear_from_srgb(*value));
+        ColorPlanes::Single(encoded)
+    } else {
+        ColorPlanes::from([(); 3].map(|()| planes.take()))
+    };
+    let alpha = picture.names.alpha.map(|_| planes.take_single());
     let depth = depth.map(|channels| planes.take_depth(channels, &picture, camera));
     let normal = wants_normals.then(|| planes.take_three());
     Ok(Parts { color, alpha, depth, normal })
@@ -242,7 +246,12 @@ fn quantile_of_hits(values: &[f32], share: f64) -> f32 {
     if hits.is_empty() { 0.0 } else { *hits.select_nth_unstable_by(rank, f32::total_cmp).1 }
 }
 
-fn read_normal_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<[Plane; 3]> {
+fn read_normal_file(
+    path: &Path,
+    files: &PictureFiles,
+    camera: &Camera,
+    place: &str,
+) -> Result<[Vec<f32>; 3]> {
     let place = &format!("{place}, normal file {}", path.display());
     if format_of(path, place)? == Format::Png {
         return Err(Error::unsupported(place, "normals in PNG are too coarse; save them as EXR"));
@@ -271,11 +280,15 @@ impl Planes {
     }
 
     fn take(&mut self) -> Plane {
-        self.0.next().unwrap_or_default()
+        self.0.next().unwrap_or(Plane::Single(Vec::new()))
     }
 
-    fn take_three(&mut self) -> [Plane; 3] {
-        [(); 3].map(|()| self.take())
+    fn take_single(&mut self) -> Vec<f32> {
+        self.take().into_single()
+    }
+
+    fn take_three(&mut self) -> [Vec<f32>; 3] {
+        [(); 3].map(|()| self.take_single())
     }
 
     fn take_depth(&mut self, channels: DepthChannels, picture: &Picture, camera: &Camera) -> DepthPart {
@@ -284,7 +297,7 @@ impl Planes {
                 let channel = &picture.file.channels()[index];
                 let rules = picture.files.depth_rules(kind, channel.is_half);
                 DepthPart {
-                    inverse_depth: rules.inverse_depth_plane(self.take(), camera),
+                    inverse_depth: rules.inverse_depth_plane(self.take_single(), camera),
                     step_relative: channel.step_relative,
                     name: channel.name.clone(),
                 }

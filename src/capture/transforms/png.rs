@@ -44,7 +44,7 @@ fn decode(path: &Path, place: &str, expected: (usize, usize)) -> Result<DynamicI
 }
 
 /// Red, green and blue, and alpha where there is one, row-major.
-type ColorPlanes = ([Vec<f32>; 3], Option<Vec<f32>>);
+type ColorAndAlpha = ([Vec<f32>; 3], Option<Vec<f32>>);
 
 /// Linear red, green and blue, and alpha where the file has it. `is_linear` leaves values as they are; otherwise they
 /// are sRGB.
@@ -53,7 +53,7 @@ pub(super) fn color(
     place: &str,
     expected: (usize, usize),
     is_linear: bool,
-) -> Result<ColorPlanes> {
+) -> Result<ColorAndAlpha> {
     let picture = decode(path, place, expected)?;
     let has_alpha = picture.color().has_alpha();
     let rgba = picture.into_rgba16();

@@ -1,0 +1,130 @@
+//! Red, green and blue of one picture, and the half-float pixels that they make.
+
+use half::f16;
+use half::slice::HalfFloatSliceExt;
+
+use super::plane::Plane;
+use crate::capture::INVALID_INVERSE_DEPTH;
+use crate::simd::{self, Work};
+
+/// Linear red, green and blue, row-major, not yet checked.
+#[derive(Clone, Debug)]
+pub enum ColorPlanes {
+    /// As most renderers write them.
+    Half([Vec<f16>; 3]),
+    /// Where one of them is more precise.
+    Single([Vec<f32>; 3]),
+}
+
+impl From<[Plane; 3]> for ColorPlanes {
+    fn from(planes: [Plane; 3]) -> Self {
+        match planes {
+            [Plane::Half(red), Plane::Half(green), Plane::Half(blue)] => Self::Half([red, green, blue]),
+            planes => Self::Single(planes.map(Plane::into_single)),
+        }
+    }
+}
+
+/// Pixels whose color is narrowed at a time: alone, each half float would ask the processor what it can do.
+const NARROWED: usize = 256;
+
+/// Sign taken off and with these bits set, a half float is infinite or not a number.
+const NOT_FINITE: u16 = 0x7c00;
+
+impl ColorPlanes {
+    /// The nearest half floats, channel by channel in turn; beyond the largest one the largest, and 0 for channels that are not
+    /// finite. Pixels with such a channel lose their inverse depth; how many there were comes back too.
+    ///
+    /// # Panics
+    /// Where planes are not of one size.
+    #[must_use]
+    pub fn into_halves(self, inverse_depth: &mut [f32]) -> (Vec<[f16; 3]>, usize) {
+        let mut color = vec![[f16::ZERO; 3]; inverse_depth.len()];
+        let without = match self {
+            Self::Half(planes) => {
+                let planes = planes.each_ref().map(|plane| &plane[..inverse_depth.len()]);
+                simd::run(Halves { planes, inverse_depth, color: &mut color })
+            }
+            Self::Single(planes) => narrow(&planes, inverse_depth, &mut color),
+        };
+        (color, without)
+    }
+}
+
+struct Halves<'a> {
+    planes: [&'a [f16]; 3],
+    inverse_depth: &'a mut [f32],
+    color: &'a mut [[f16; 3]],
+}
+
+impl Work for Halves<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run(self) -> usize {
+        let Self { planes: [red, green, blue], inverse_depth, color } = self;
+        let finite = |half: f16| half.to_bits() & NOT_FINITE != NOT_FINITE;
+        let kept = |half: f16| f16::from_bits(if finite(half) { half.to_bits() } else { 0 });
+        let mut without = 0_u32;
+        for (((red, green), blue), inverse) in red.iter().zip(green).zip(blue).zip(inverse_depth) {
+            let is_finite = finite(*red) & finite(*green) & finite(*blue);
+            *inverse = if is_finite { *inverse } else { INVALID_INVERSE_DEPTH };
+            without += u32::from(!is_finite);
+        }
+        for (((red, green), blue), color) in red.iter().zip(green).zip(blue).zip(color) {
+            *color = [kept(*red), kept(*green), kept(*blue)];
+        }
+        without as usize
+    }
+}
+
+fn narrow(planes: &[Vec<f32>; 3], inverse_depth: &mut [f32], color: &mut [[f16; 3]]) -> usize {
+    let [red, green, blue] = planes;
+    let mut without = 0;
+    for (((inverse, red), green), blue) in inverse_depth.iter_mut().zip(red).zip(green).zip(blue) {
+        let is_finite = red.is_finite() & green.is_finite() & blue.is_finite();
+        *inverse = if is_finite { *inverse } else { INVALID_INVERSE_DEPTH };
+        without += usize::from(!is_finite);
+    }
+    let mut finite = [0.0; NARROWED];
+    let mut halves = [f16::ZERO; NARROWED];
+    for (index, color) in color.chunks_mut(NARROWED).enumerate() {
+        for (channel, plane) in planes.iter().enumerate() {
+            for (finite, value) in finite.iter_mut().zip(&plane[index * NARROWED..]) {
+                let within = value.max(f16::MIN.to_f32_const()).min(f16::MAX.to_f32_const());
+                *finite = if value.is_finite() { within } else { 0.0 };
+            }
+            halves.convert_from_f32_slice(&finite);
+            for (color, half) in color.iter_mut().zip(&halves) {
+                color[channel] = *half;
+            }
+        }
+    }
+    without
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_floats_make_the_pixels_that_the_same_numbers_in_single_precision_make() {
+        let halves: [Vec<f16>; 3] = [0, 7, 311].map(|shift| {
+            (0..=u16::MAX)
+                .map(|bits: u16| f16::from_bits(bits.wrapping_mul(31).wrapping_add(shift)))
+                .collect()
+        });
+        let single = ColorPlanes::Single(halves.each_ref().map(|plane| plane.to_f32_vec()));
+        let made = |planes: ColorPlanes| {
+            let mut inverse_depth = vec![0.5; 1 << 16];
+            let (color, without) = planes.into_halves(&mut inverse_depth);
+            let bits: Vec<u16> = color.as_flattened().iter().map(|half| half.to_bits()).collect();
+            (bits, inverse_depth, without)
+        };
+        let expected = made(single);
+        assert!(expected.2 > 1000 && expected.1.iter().filter(|w| **w < 0.0).count() == expected.2);
+        assert!(
+            simd::at_every_level(|| made(ColorPlanes::Half(halves.clone()))).iter().all(|it| *it == expected)
+        );
+    }
+}

@@ -1,0 +1,52 @@
+//! The numbers of one channel, as precise as the file holds them: half floats stay what they are, as color does in the end.
+
+use half::f16;
+use half::slice::HalfFloatSliceExt;
+
+/// One channel, row-major over the asked-for window; NaN where the file's data window does not reach.
+#[derive(Clone, Debug)]
+pub enum Plane {
+    /// Of a channel of half floats.
+    Half(Vec<f16>),
+    /// Of a channel of floats or whole numbers.
+    Single(Vec<f32>),
+}
+
+impl Plane {
+    /// A plane of which nothing is known yet.
+    pub(super) fn unknown(is_half: bool, pixels: usize) -> Self {
+        if is_half { Self::Half(vec![f16::NAN; pixels]) } else { Self::Single(vec![f32::NAN; pixels]) }
+    }
+
+    /// The numbers in single precision.
+    #[must_use]
+    pub fn into_single(self) -> Vec<f32> {
+        match self {
+            Self::Half(values) => values.to_f32_vec(),
+            Self::Single(values) => values,
+        }
+    }
+
+    /// Sets some numbers from `at` on to those of a line of the file, of which the first `start` are skipped.
+    pub(super) fn set(&mut self, at: usize, count: usize, line: &[u8], start: usize, is_whole: bool) {
+        match self {
+            Self::Half(values) => read(line, start, &mut values[at..at + count], f16::from_ne_bytes),
+            Self::Single(values) if is_whole => {
+                read(line, start, &mut values[at..at + count], |bytes| u32::from_ne_bytes(bytes) as f32);
+            }
+            Self::Single(values) => read(line, start, &mut values[at..at + count], f32::from_ne_bytes),
+        }
+    }
+}
+
+fn read<const BYTES: usize, T>(
+    line: &[u8],
+    start: usize,
+    target: &mut [T],
+    decode: impl Fn([u8; BYTES]) -> T,
+) {
+    let (samples, _) = line.as_chunks::<BYTES>();
+    for (value, sample) in target.iter_mut().zip(&samples[start..]) {
+        *value = decode(*sample);
+    }
+}
