@@ -21,6 +21,10 @@ impl OverlookApp {
             Command::Probe(spot) => probe.spot = spot,
             Command::Pin(pinned) => {
                 probe.pinned = pinned && probe.spot.is_some();
+                // A pixel that is kept while frames pass is meant at this one, and its verdict takes longer than a frame.
+                if probe.pinned && state.timeline.playing {
+                    state.timeline.playing = false;
+                }
                 if !pinned {
                     probe.spot = None;
                 } else if let Some(probed) =

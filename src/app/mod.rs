@@ -70,6 +70,8 @@ const DONE_STAYS: Duration = Duration::from_secs(8);
 pub enum Start {
     /// A built-in scene.
     Demo(DemoSpec),
+    /// A built-in scene that starts to move once all about it is known, unless the person at the window takes over before.
+    Welcome(DemoSpec),
     /// A capture folder, a `transforms.json` or a store.
     Path(PathBuf),
 }
@@ -130,8 +132,9 @@ impl OverlookApp {
             window: window.cloned(),
             stages: std::collections::HashMap::new(),
         };
+        app.state.timeline.will_play = matches!(start, Start::Welcome(_));
         match start {
-            Start::Demo(spec) => app.open_demo(spec),
+            Start::Demo(spec) | Start::Welcome(spec) => app.open_demo(spec),
             Start::Path(path) => app.open_path(path),
         }
         Ok(app)
@@ -351,7 +354,13 @@ fn fresh_state() -> State {
         stopped: false,
         inspected: None,
         accuracy: None,
-        timeline: Timeline { frame: 0, playing: false, frames_per_second: 24.0, elapsed_secs: 0.0 },
+        timeline: Timeline {
+            frame: 0,
+            playing: false,
+            will_play: false,
+            frames_per_second: 24.0,
+            elapsed_secs: 0.0,
+        },
         source: SourceLook {
             camera: 0,
             overlay: views::source_image::Overlay::Color,

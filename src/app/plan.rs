@@ -8,7 +8,7 @@ use super::inspector::InspectorPlan;
 use super::lanes::{InspectRequest, Lanes, MeasureRequest, WholeRequest};
 use super::state::{State, method_of};
 use super::views::live_image::LiveKey;
-use super::views::source_image::{Overlay, SourceKey};
+use super::views::source_image::SourceKey;
 use crate::preprocess::SampleSet;
 use crate::render::Vantage;
 use crate::settings::{Backend, Settings};
@@ -86,9 +86,7 @@ impl Plan {
 
     fn ask_inspection(&mut self, state: &State, lanes: &Lanes) {
         let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
-        // In motion the whole capture's samples feed the right view, and the bare picture needs no verdicts.
-        let current = state.whole.is_some() && !state.is_stale();
-        if state.timeline.playing && current && !needs_verdicts(state.source.overlay) {
+        if state.skips_verdicts() {
             return;
         }
         let key = InspectKey {
@@ -137,7 +135,7 @@ impl Plan {
         let inspection = state
             .inspected
             .as_ref()
-            .filter(|_| needs_verdicts(state.source.overlay))
+            .filter(|_| state.source.overlay.needs_verdicts())
             .map(|inspected| inspected.inspection.clone());
         let key = SourceKey {
             scene: scene.id,
@@ -235,8 +233,4 @@ impl Plan {
             self.measure = Some((whole.samples.clone(), state.settings.clone()));
         }
     }
-}
-
-fn needs_verdicts(overlay: Overlay) -> bool {
-    !matches!(overlay, Overlay::Color | Overlay::Depth)
 }

@@ -78,6 +78,8 @@ impl OverlookApp {
                 if Some(scene) == current && settings == self.state.settings =>
             {
                 self.state.accuracy = accuracy;
+                let will_play = std::mem::take(&mut self.state.timeline.will_play);
+                self.state.timeline.playing |= will_play && self.state.frame_count() > 1;
             }
             Message::Probed { scene, spot, probed } if Some(scene) == current => self.probed(spot, probed),
             Message::Thumbnails { scene, pictures } if Some(scene) == current => {

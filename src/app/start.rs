@@ -18,7 +18,7 @@ pub fn run(path: Option<PathBuf>) -> Result<()> {
                 .to_owned(),
         });
     }
-    let start = path.map_or_else(|| Start::Demo(default_demo()), Start::Path);
+    let start = path.map_or_else(|| Start::Welcome(default_demo()), Start::Path);
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Overlook")

@@ -70,6 +70,8 @@ pub(super) struct Timeline {
     pub frame: usize,
     /// Whether it advances.
     pub playing: bool,
+    /// Whether it will by itself, once all is known of what is open.
+    pub will_play: bool,
     /// How fast.
     pub frames_per_second: f32,
     /// Seconds since the last advance.
@@ -199,6 +201,13 @@ impl State {
     /// Whether the whole-capture numbers were made with other settings than those on the sliders.
     pub(super) fn is_stale(&self) -> bool {
         self.whole.as_ref().is_some_and(|whole| method_of(&whole.settings) != method_of(&self.settings))
+    }
+
+    /// Whether frames pass without verdicts: in motion the whole capture's samples feed the right view, and the bare picture on
+    /// the left needs none.
+    pub(super) fn skips_verdicts(&self) -> bool {
+        let current = self.whole.is_some() && !self.is_stale();
+        self.timeline.playing && current && !self.source.overlay.needs_verdicts()
     }
 
     /// The account of the open capture or store.

@@ -19,6 +19,7 @@ use crate::settings::Settings;
 impl OverlookApp {
     /// Carries out one command.
     pub(super) fn apply(&mut self, command: Command) {
+        self.state.timeline.will_play &= leaves_time_alone(&command);
         match command {
             Command::OpenDemo(scene) => {
                 self.open_demo(DemoSpec { scene, cameras: None, frames: None, size: None, noise: None });
@@ -264,4 +265,24 @@ impl OverlookApp {
             self.cancel();
         }
     }
+}
+
+/// Whether a command only looks around, so that a scene that was about to move still may.
+fn leaves_time_alone(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Probe(_)
+            | Command::LiveSize(_)
+            | Command::Orbit(_)
+            | Command::Pan(_)
+            | Command::Dolly(_)
+            | Command::DollyTo { .. }
+            | Command::Fly(_)
+            | Command::JumpTo(_)
+            | Command::Home
+            | Command::ColorBy(_)
+            | Command::ShowCameras(_)
+            | Command::Callout(_)
+            | Command::Dark(_)
+    )
 }

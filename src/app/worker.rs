@@ -21,8 +21,8 @@ use crate::job::{Job, Progress};
 pub(super) enum Supersede {
     /// It is cancelled.
     Always,
-    /// It is cancelled unless the one before it was: under a stream of requests, as from a slider in motion, every
-    /// second one still arrives.
+    /// It is cancelled unless the one before it was: under a stream of requests, as from a slider in motion or from time that
+    /// passes, every second job that is begun still arrives.
     Alternate,
     /// It finishes, as it takes no longer than a picture on the screen does.
     Never,
@@ -31,6 +31,9 @@ pub(super) enum Supersede {
 struct Slot<R> {
     waiting: Option<(R, Arc<Job>)>,
     running: Option<Arc<Job>>,
+    /// Whether what runs was cancelled for a newer request.
+    is_superseded: bool,
+    /// Whether what ran before was.
     last_was_superseded: bool,
     closed: bool,
 }
@@ -86,7 +89,13 @@ impl<R: Send + 'static> Lane<R> {
         outbox: Outbox,
         mut work: impl FnMut(R, &Job) -> Result<Message> + Send + 'static,
     ) -> Result<Self> {
-        let slot = Slot { waiting: None, running: None, last_was_superseded: false, closed: false };
+        let slot = Slot {
+            waiting: None,
+            running: None,
+            is_superseded: false,
+            last_was_superseded: false,
+            closed: false,
+        };
         let shared = Arc::new(Shared { slot: Mutex::new(slot), arrived: Condvar::new() });
         let inbox = shared.clone();
         let thread = std::thread::Builder::new()
@@ -113,7 +122,7 @@ impl<R: Send + 'static> Lane<R> {
                 Supersede::Alternate => !slot.last_was_superseded,
                 Supersede::Never => false,
             };
-            slot.last_was_superseded = cancels;
+            slot.is_superseded |= cancels;
             if cancels {
                 job.cancel();
             }
@@ -165,6 +174,7 @@ fn next<R>(shared: &Shared<R>) -> Option<(R, Arc<Job>)> {
         }
         if let Some((request, job)) = slot.waiting.take() {
             slot.running = Some(job.clone());
+            slot.last_was_superseded = std::mem::take(&mut slot.is_superseded);
             return Some((request, job));
         }
         slot = shared.arrived.wait(slot).unwrap_or_else(PoisonError::into_inner);
@@ -200,6 +210,7 @@ fn run<R>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::atomic::{AtomicU32, Ordering};
     use std::sync::mpsc::{Receiver, sync_channel};
     use std::time::Duration;
 
@@ -238,6 +249,41 @@ mod tests {
         lane.submit(2);
         assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
         assert!(matches!(received(&receiver), Message::Saved { bytes: Some(2), .. }));
+    }
+
+    #[test]
+    fn however_fast_requests_come_every_second_job_that_is_begun_arrives() {
+        let done = Arc::new(AtomicU32::new(0));
+        let may_end = done.clone();
+        let (lane, receiver) = lane(Supersede::Alternate, move |number, job| {
+            while may_end.load(Ordering::Relaxed) < number {
+                job.check()?;
+                std::thread::yield_now();
+            }
+            Ok(saved(number))
+        });
+        let wait_for_job = || {
+            while lane.shared.lock().waiting.is_some() {
+                std::thread::yield_now();
+            }
+        };
+        let mut number = 0;
+        for _ in 0..3 {
+            lane.submit(number + 1);
+            wait_for_job();
+            lane.submit(number + 2);
+            assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
+            wait_for_job();
+            (number + 3..number + 6).for_each(|number| lane.submit(number));
+            done.store(number + 2, Ordering::Relaxed);
+            let answer = received(&receiver);
+            assert!(
+                matches!(answer, Message::Saved { bytes: Some(bytes), .. } if bytes == u64::from(number + 2))
+            );
+            done.store(number + 5, Ordering::Relaxed);
+            assert!(matches!(received(&receiver), Message::Saved { .. }));
+            number += 5;
+        }
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! How the window behaves beside its work: it explains itself, asks before it closes, and does anything by name.
 
-use super::driver::{SIZE, Window, click, drag, open, open_view, settle, shows, small_demo, type_path, wait};
+use super::driver::{
+    SIZE, Window, click, drag, look_at, open, open_view, settle, shows, small_demo, type_path, wait,
+};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use overlook::app::OverlookApp;
+use overlook::app::{OverlookApp, Start};
 
 #[derive(Default)]
 struct Storage(std::collections::HashMap<String, String>);
@@ -72,6 +74,41 @@ fn closing_with_changed_thresholds_asks_first() {
     assert!(shows(&window, "Close without saving?"));
     click(&mut window, "Stay");
     assert!(!shows(&window, "Close without saving?"));
+}
+
+/// What the program opens by itself, small.
+fn welcome() -> Start {
+    let Start::Demo(spec) = small_demo() else { unreachable!("the small demo is one") };
+    Start::Welcome(spec)
+}
+
+#[test]
+fn the_scene_of_a_start_without_a_path_moves_by_itself_and_a_clicked_pixel_stops_it() {
+    let mut window = open(welcome(), SIZE);
+    wait(&mut window, "time to pass", |window| window.state().frame() > 0);
+    assert!(shows(&window, "dB by pruning"), "what pruning cost was known before");
+    let picture = window.get_by_label("Source picture").rect();
+    window.hover_at(picture.center());
+    wait(&mut window, "a word on why there is no verdict", |window| {
+        shows(window, "In motion: pause, or click")
+    });
+    assert!(!shows(&window, "Infinitely far"), "nothing is said of a depth that nobody asked for");
+    look_at(&mut window, "Source picture", vec2(0.5, 0.6));
+    settle(&mut window);
+    assert!(shows(&window, "its own pixel") && window.query_by_label("Play").is_some());
+    let frame = window.state().frame();
+    window.run_steps(20);
+    assert_eq!(window.state().frame(), frame);
+}
+
+#[test]
+fn whoever_takes_over_before_is_not_set_in_motion() {
+    let mut window = open(welcome(), SIZE);
+    window.key_press(Key::Period);
+    settle(&mut window);
+    window.run_steps(20);
+    assert!(shows(&window, "dB by pruning") && window.query_by_label("Play").is_some());
+    assert!(window.state().frame() <= 1);
 }
 
 #[test]

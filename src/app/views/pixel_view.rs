@@ -101,17 +101,21 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &Scene, probed: &Probed, comman
         }
     } else {
         let text = if state.has_capture() {
-            "Its verdict is being worked out."
+            words::pending_verdict(state.timeline.playing)
         } else {
             "A kept sample. The store does not say what it was kept against; open its capture for that."
         };
         ui.add(Label::new(RichText::new(text).color(tokens.text_weak)).wrap());
     }
     let point = match probed.point_in_world {
-        Some(p) => format!("Point {:.3}, {:.3}, {:.3}", p.x, p.y, p.z),
-        None => "Infinitely far, or without depth".to_owned(),
+        Some(p) => Some(format!("Point {:.3}, {:.3}, {:.3}", p.x, p.y, p.z)),
+        // Before the capture was asked, nothing is known of it.
+        None if probed.argument.is_none() && state.has_capture() => None,
+        None => Some("Infinitely far, or without depth".to_owned()),
     };
-    ui.label(RichText::new(point).small().color(tokens.text_weak));
+    if let Some(point) = point {
+        ui.label(RichText::new(point).small().color(tokens.text_weak));
+    }
     spans_ui(ui, state, probed);
 }
 

@@ -27,8 +27,16 @@ pub(super) fn readout_ui(ui: &mut Ui, state: &State, pixel: Option<(usize, usize
 
 /// The camera shown at this frame, in figures.
 fn camera_facts(state: &State) -> String {
-    let Some(inspected) = state.inspected.as_ref().filter(|_| state.inspection_here().is_some()) else {
-        return "Working out what is redundant here.".to_owned();
+    // In motion verdicts come a few frames late, and so do the pictures that show them.
+    let in_motion = state.timeline.playing && !state.skips_verdicts();
+    let Some(inspected) = state.inspected.as_ref().filter(|_| in_motion || state.inspection_here().is_some())
+    else {
+        let text = if state.skips_verdicts() {
+            "In motion: pause, or choose an overlay above, to see what is redundant."
+        } else {
+            "Working out what is redundant here."
+        };
+        return text.to_owned();
     };
     let pixels = inspected.inspection.cameras[state.source.camera].verdict.len() as u64;
     let kept = inspected.kept[state.source.camera];
@@ -42,7 +50,7 @@ fn camera_facts(state: &State) -> String {
 
 fn about_pixel(state: &State, x: usize, y: usize) -> [String; 2] {
     let (Some(scene), Some(inspection)) = (&state.scene, state.inspection_here()) else {
-        return ["Its verdict is being worked out.".to_owned(), format!("Pixel {x}, {y}")];
+        return [words::pending_verdict(state.timeline.playing).to_owned(), format!("Pixel {x}, {y}")];
     };
     let camera = &inspection.cameras[state.source.camera];
     let Some(verdict) = camera.verdict.get(x, y) else { return Default::default() };

@@ -34,6 +34,11 @@ pub(crate) enum Overlay {
 }
 
 impl Overlay {
+    /// Whether it shows what became of the pixels.
+    pub(crate) fn needs_verdicts(self) -> bool {
+        !matches!(self, Self::Color | Self::Depth)
+    }
+
     /// Every overlay, in the order of the menu.
     pub(crate) const ALL: [Self; 8] = [
         Self::Color,

@@ -23,6 +23,15 @@ pub(super) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
     }
 }
 
+/// What stands for a verdict that is not known yet.
+pub(super) fn pending_verdict(in_motion: bool) -> &'static str {
+    if in_motion {
+        "In motion: pause, or click a pixel, to read its verdict."
+    } else {
+        "Its verdict is being worked out."
+    }
+}
+
 /// Column and row of a pixel index.
 pub(super) fn column_and_row(camera: &Camera, pixel: u32) -> (u32, u32) {
     let width = camera.intrinsics.width.max(1);
