@@ -7,9 +7,10 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::color_planes::ColorPlanes;
-use crate::capture::{Camera, Frame, INVALID_INVERSE_DEPTH};
+use crate::capture::{Camera, Frame, INVALID_INVERSE_DEPTH, Intrinsics};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
+use crate::simd::{self, Work};
 
 /// A normal must lean this far away from the viewer, as a cosine, before it counts as the back of a two-sided surface
 /// and is turned. Smooth shading tips normals slightly past the silhouette; turning those would be worse than leaving.
@@ -103,21 +104,80 @@ fn world_normals(
         NormalSpace::World => DMat3::IDENTITY,
         NormalSpace::Camera => world_from_camera * DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)),
     };
-    let width = camera.intrinsics.size().0;
-    let [xs, ys, zs] = planes;
-    (0..inverse_depth.len())
-        .map(|index| {
-            let recorded = DVec3::new(f64::from(xs[index]), f64::from(ys[index]), f64::from(zs[index]));
-            let Some(normal) = (world_from_recorded * recorded).try_normalize() else { return [0.0; 3] };
-            if inverse_depth[index] <= 0.0 {
-                return [0.0; 3];
+    let width = camera.intrinsics.size().0.max(1);
+    let mut normals = vec![[0.0; 3]; inverse_depth.len()];
+    for (y, normals) in normals.chunks_mut(width).enumerate() {
+        let row = y * width..y * width + normals.len();
+        simd::run(NormalRow {
+            recorded: planes.each_ref().map(|plane| &plane[row.clone()]),
+            inverse_depth: &inverse_depth[row.clone()],
+            world_from_recorded,
+            world_from_camera,
+            intrinsics: camera.intrinsics,
+            y,
+            normals,
+        });
+    }
+    normals
+}
+
+/// Pixels whose normals are worked out together.
+const LANES: usize = 16;
+
+/// One row of normals.
+struct NormalRow<'a> {
+    recorded: [&'a [f32]; 3],
+    inverse_depth: &'a [f32],
+    world_from_recorded: DMat3,
+    world_from_camera: DMat3,
+    intrinsics: Intrinsics,
+    y: usize,
+    normals: &'a mut [[f32; 3]],
+}
+
+impl Work for NormalRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            recorded,
+            inverse_depth,
+            world_from_recorded,
+            world_from_camera,
+            intrinsics,
+            y: row,
+            normals,
+        } = self;
+        let count = normals.len().min(inverse_depth.len());
+        for first in (0..count).step_by(LANES) {
+            let lanes = LANES.min(count - first);
+            let mut found = [[0.0_f32; LANES]; 3];
+            let (mut x, mut y, mut z) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+            let mut w = [0.0; LANES];
+            x[..lanes].copy_from_slice(&recorded[0][first..first + lanes]);
+            y[..lanes].copy_from_slice(&recorded[1][first..first + lanes]);
+            z[..lanes].copy_from_slice(&recorded[2][first..first + lanes]);
+            w[..lanes].copy_from_slice(&inverse_depth[first..first + lanes]);
+            for i in 0..LANES {
+                let recorded = DVec3::new(f64::from(x[i]), f64::from(y[i]), f64::from(z[i]));
+                let normal = world_from_recorded * recorded;
+                let reciprocal = 1.0 / normal.length();
+                let normal = normal * reciprocal;
+                let pixel = DVec2::new((first + i) as f64 + 0.5, row as f64 + 0.5);
+                let ray = world_from_camera * intrinsics.ray_in_camera(pixel);
+                let is_back = normal.dot(ray) > BACK_FACING_COSINE * ray.length();
+                let is_there = (reciprocal > 0.0) & (reciprocal < f64::INFINITY) & (w[i] > 0.0);
+                let side = if is_back { -1.0 } else { 1.0 };
+                found[0][i] = if is_there { (normal.x * side) as f32 } else { 0.0 };
+                found[1][i] = if is_there { (normal.y * side) as f32 } else { 0.0 };
+                found[2][i] = if is_there { (normal.z * side) as f32 } else { 0.0 };
             }
-            let pixel = DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
-            let ray = world_from_camera * camera.intrinsics.ray_in_camera(pixel);
-            let is_back = normal.dot(ray) > BACK_FACING_COSINE * ray.length();
-            (if is_back { -normal } else { normal }).as_vec3().to_array()
-        })
-        .collect()
+            for (i, normal) in normals[first..first + lanes].iter_mut().enumerate() {
+                *normal = [found[0][i], found[1][i], found[2][i]];
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -125,7 +185,6 @@ mod tests {
     use half::f16;
 
     use super::*;
-    use crate::capture::Intrinsics;
 
     fn camera() -> Camera {
         let intrinsics = Intrinsics::from_horizontal_angle(4, 1, 0.5);
