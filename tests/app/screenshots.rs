@@ -1,5 +1,5 @@
-//! Pictures of the window. With `OVERLOOK_UPDATE_SCREENSHOTS=1` they are written to `screenshots/`; otherwise smaller
-//! ones are drawn and checked to hold something.
+//! Pictures of the window. With `OVERLOOK_UPDATE_SCREENSHOTS=1` they are written to `screenshots/` (by `cargo test --release`, as
+//! they show how long things take); otherwise smaller ones are drawn and checked to hold something.
 
 use super::driver::{
     Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, type_path, wait,

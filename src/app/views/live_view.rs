@@ -21,6 +21,9 @@ const ORBIT_PER_POINT: f64 = 0.008;
 /// Largest side of the live view in pixels that is asked for, so that turning stays smooth on large displays.
 const LARGEST_SIDE: f32 = 1600.0;
 
+/// Length of a camera's pyramid, as a share of its distance to what all look at.
+const PYRAMID: f64 = 0.12;
+
 /// Depths that differ by less than this share are taken for one surface.
 const NEARLY: f64 = 0.03;
 
@@ -140,24 +143,28 @@ fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State
     for (index, camera) in scene.cameras.iter().enumerate() {
         let to_pivot = (scene.pivot_in_world - camera.position_in_world()).length();
         let apart = (vantage.position_in_world() - camera.position_in_world()).length();
-        // Standing in a camera, its own pyramid would only frame the picture.
-        if apart < 0.02 * to_pivot {
+        let length = PYRAMID * to_pivot;
+        // From inside, a pyramid would only cross the picture: coming near, it fades.
+        let presence = (apart / length - 1.0).clamp(0.0, 1.0) as f32;
+        if presence == 0.0 {
             continue;
         }
-        let shape = frustum(camera, &vantage, 0.12 * to_pivot);
+        let shape = frustum(camera, &vantage, length);
         let selected = index == state.source.camera && state.has_capture();
-        let stroke = egui::Stroke::new(if selected { 2.5 } else { 1.5 }, colormap::camera(index));
+        let color = colormap::camera(index).gamma_multiply(presence);
+        let stroke = egui::Stroke::new(if selected { 2.5 } else { 1.5 }, color);
         for line in shape.lines {
             painter.line_segment(line.map(|point| canvas.min + point.to_vec2()), stroke);
         }
         let Some(apex) = shape.apex.map(|apex| canvas.min + apex.to_vec2()) else { continue };
         if canvas.contains(apex) {
-            let galley = painter.layout_no_wrap(camera.name.clone(), font.clone(), tokens.on_scrim);
+            let text = tokens.on_scrim.gamma_multiply(presence);
+            let galley = painter.layout_no_wrap(camera.name.clone(), font.clone(), text);
             let size = galley.size() + vec2(8.0, 4.0);
             let corner = (apex + vec2(6.0, -18.0)).clamp(canvas.min, (canvas.max - size).max(canvas.min));
             let plate = Rect::from_min_size(corner, size);
-            painter.rect_filled(plate, 4.0, tokens.scrim);
-            painter.galley(plate.min + vec2(4.0, 2.0), galley, tokens.on_scrim);
+            painter.rect_filled(plate, 4.0, tokens.scrim.gamma_multiply(presence));
+            painter.galley(plate.min + vec2(4.0, 2.0), galley, text);
         }
     }
 }
