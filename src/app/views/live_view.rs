@@ -139,7 +139,7 @@ fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State
     let tokens = Tokens::in_ui(ui);
     let (Some(scene), Some(rig)) = (&state.scene, &state.live.rig) else { return };
     let vantage = rig.camera(canvas.width() as u32, canvas.height() as u32);
-    let font = egui::TextStyle::Small.resolve(ui.style());
+    let mut names = Vec::new();
     for (index, camera) in scene.cameras.iter().enumerate() {
         let to_pivot = (scene.pivot_in_world - camera.position_in_world()).length();
         let apart = (vantage.position_in_world() - camera.position_in_world()).length();
@@ -156,16 +156,27 @@ fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State
         for line in shape.lines {
             painter.line_segment(line.map(|point| canvas.min + point.to_vec2()), stroke);
         }
-        let Some(apex) = shape.apex.map(|apex| canvas.min + apex.to_vec2()) else { continue };
-        if canvas.contains(apex) {
-            let text = tokens.on_scrim.gamma_multiply(presence);
-            let galley = painter.layout_no_wrap(camera.name.clone(), font.clone(), text);
-            let size = galley.size() + vec2(8.0, 4.0);
-            let corner = (apex + vec2(6.0, -18.0)).clamp(canvas.min, (canvas.max - size).max(canvas.min));
-            let plate = Rect::from_min_size(corner, size);
-            painter.rect_filled(plate, 4.0, tokens.scrim.gamma_multiply(presence));
-            painter.galley(plate.min + vec2(4.0, 2.0), galley, text);
+        let apex = shape.apex.map(|apex| canvas.min + apex.to_vec2());
+        if let Some(apex) = apex.filter(|apex| canvas.contains(*apex)) {
+            names.push((!selected, apart, apex, camera.name.clone(), presence));
         }
+    }
+    // Names that would lie over one another cannot be read: the chosen camera's and the nearest go first.
+    names.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let mut plates: Vec<Rect> = Vec::new();
+    for (_, _, apex, name, presence) in names {
+        let text = tokens.on_scrim.gamma_multiply(presence);
+        let galley = painter.layout_no_wrap(name, font.clone(), text);
+        let size = galley.size() + vec2(8.0, 4.0);
+        let corner = (apex + vec2(6.0, -18.0)).clamp(canvas.min, (canvas.max - size).max(canvas.min));
+        let plate = Rect::from_min_size(corner, size);
+        if plates.iter().any(|other| other.intersects(plate)) {
+            continue;
+        }
+        plates.push(plate);
+        painter.rect_filled(plate, 4.0, tokens.scrim.gamma_multiply(presence));
+        painter.galley(plate.min + vec2(4.0, 2.0), galley, text);
     }
 }
 
