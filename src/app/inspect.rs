@@ -22,9 +22,7 @@ impl OverlookApp {
             Command::Pin(pinned) => {
                 probe.pinned = pinned && probe.spot.is_some();
                 // A pixel that is kept while frames pass is meant at this one, and its verdict takes longer than a frame.
-                if probe.pinned && state.timeline.playing {
-                    state.timeline.playing = false;
-                }
+                state.timeline.playing &= !probe.pinned;
                 if !pinned {
                     probe.spot = None;
                 } else if let Some(probed) =

@@ -136,7 +136,6 @@ fn shows(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> bool {
 }
 
 fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State) {
-    let tokens = Tokens::in_ui(ui);
     let (Some(scene), Some(rig)) = (&state.scene, &state.live.rig) else { return };
     let vantage = rig.camera(canvas.width() as u32, canvas.height() as u32);
     let mut names = Vec::new();
@@ -158,16 +157,32 @@ fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State
         }
         let apex = shape.apex.map(|apex| canvas.min + apex.to_vec2());
         if let Some(apex) = apex.filter(|apex| canvas.contains(*apex)) {
-            names.push((!selected, apart, apex, camera.name.clone(), presence));
+            names.push(CameraName { name: &camera.name, apex, is_chosen: selected, apart, presence });
         }
     }
-    // Names that would lie over one another cannot be read: the chosen camera's and the nearest go first.
-    names.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    names_overlay(ui, painter, canvas, names);
+}
+
+/// The name of a camera in view.
+struct CameraName<'a> {
+    name: &'a str,
+    apex: egui::Pos2,
+    is_chosen: bool,
+    /// How far away the camera is.
+    apart: f64,
+    /// How much of it is to be seen, 0 to 1.
+    presence: f32,
+}
+
+/// Names that would lie over one another cannot be read: the chosen camera's and the nearest go first.
+fn names_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, mut names: Vec<CameraName<'_>>) {
+    let tokens = Tokens::in_ui(ui);
     let font = egui::TextStyle::Small.resolve(ui.style());
+    names.sort_by(|a, b| b.is_chosen.cmp(&a.is_chosen).then(a.apart.total_cmp(&b.apart)));
     let mut plates: Vec<Rect> = Vec::new();
-    for (_, _, apex, name, presence) in names {
+    for CameraName { name, apex, presence, .. } in names {
         let text = tokens.on_scrim.gamma_multiply(presence);
-        let galley = painter.layout_no_wrap(name, font.clone(), text);
+        let galley = painter.layout_no_wrap(name.to_owned(), font.clone(), text);
         let size = galley.size() + vec2(8.0, 4.0);
         let corner = (apex + vec2(6.0, -18.0)).clamp(canvas.min, (canvas.max - size).max(canvas.min));
         let plate = Rect::from_min_size(corner, size);

@@ -51,6 +51,22 @@ impl ColorPlanes {
     }
 }
 
+/// Takes the inverse depth from pixels of which a channel is not finite, and says how many there are.
+#[inline(always)]
+fn invalidate<T: Copy>(
+    [red, green, blue]: [&[T]; 3],
+    inverse_depth: &mut [f32],
+    is_finite: impl Fn(T) -> bool,
+) -> usize {
+    let mut without = 0_u32;
+    for (((red, green), blue), inverse) in red.iter().zip(green).zip(blue).zip(inverse_depth) {
+        let are_finite = is_finite(*red) & is_finite(*green) & is_finite(*blue);
+        *inverse = if are_finite { *inverse } else { INVALID_INVERSE_DEPTH };
+        without += u32::from(!are_finite);
+    }
+    without as usize
+}
+
 struct Halves<'a> {
     planes: [&'a [f16]; 3],
     inverse_depth: &'a mut [f32],
@@ -65,27 +81,16 @@ impl Work for Halves<'_> {
         let Self { planes: [red, green, blue], inverse_depth, color } = self;
         let finite = |half: f16| half.to_bits() & NOT_FINITE != NOT_FINITE;
         let kept = |half: f16| f16::from_bits(if finite(half) { half.to_bits() } else { 0 });
-        let mut without = 0_u32;
-        for (((red, green), blue), inverse) in red.iter().zip(green).zip(blue).zip(inverse_depth) {
-            let is_finite = finite(*red) & finite(*green) & finite(*blue);
-            *inverse = if is_finite { *inverse } else { INVALID_INVERSE_DEPTH };
-            without += u32::from(!is_finite);
-        }
+        let without = invalidate([red, green, blue], inverse_depth, finite);
         for (((red, green), blue), color) in red.iter().zip(green).zip(blue).zip(color) {
             *color = [kept(*red), kept(*green), kept(*blue)];
         }
-        without as usize
+        without
     }
 }
 
 fn narrow(planes: &[Vec<f32>; 3], inverse_depth: &mut [f32], color: &mut [[f16; 3]]) -> usize {
-    let [red, green, blue] = planes;
-    let mut without = 0;
-    for (((inverse, red), green), blue) in inverse_depth.iter_mut().zip(red).zip(green).zip(blue) {
-        let is_finite = red.is_finite() & green.is_finite() & blue.is_finite();
-        *inverse = if is_finite { *inverse } else { INVALID_INVERSE_DEPTH };
-        without += usize::from(!is_finite);
-    }
+    let without = invalidate(planes.each_ref().map(Vec::as_slice), inverse_depth, f32::is_finite);
     let mut finite = [0.0; NARROWED];
     let mut halves = [f16::ZERO; NARROWED];
     for (index, color) in color.chunks_mut(NARROWED).enumerate() {

@@ -230,8 +230,8 @@ impl ExrFile {
                 continue;
             }
             let at = y as usize * window.width + (first_x + start as i64) as usize;
-            let is_whole = header.channels.list[line.location.channel].sample_type == SampleType::U32;
-            planes[slot].set(at, end - start, line.value, start, is_whole);
+            let kind = header.channels.list[line.location.channel].sample_type;
+            planes[slot].set(at..at + end - start, &line.value[start * kind.bytes_per_sample()..], kind);
         }
     }
 }

@@ -24,11 +24,7 @@ pub(super) fn check_chunk(chunk: &Chunk, meta: &MetaData) -> exr::error::Result<
     let Some(header) = meta.headers.get(chunk.layer_index) else {
         return Err(exr::error::Error::Invalid("a block of a part that is not there".into()));
     };
-    let bytes = match &chunk.compressed_block {
-        CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
-        CompressedBlock::Tile(block) => &block.compressed_pixels_le,
-        _ => return Ok(()),
-    };
+    let Some(bytes) = packed_bytes(&chunk.compressed_block) else { return Ok(()) };
     if !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
         return Ok(());
     }
@@ -42,6 +38,15 @@ pub(super) fn check_chunk(chunk: &Chunk, meta: &MetaData) -> exr::error::Result<
         Ok(())
     } else {
         Err(exr::error::Error::Invalid("a DWA block claims more bytes than its pixels have".into()))
+    }
+}
+
+/// The bytes that a compressed block holds; of a deep one none.
+pub(super) fn packed_bytes(block: &CompressedBlock) -> Option<&[u8]> {
+    match block {
+        CompressedBlock::ScanLine(block) => Some(&block.compressed_pixels_le),
+        CompressedBlock::Tile(block) => Some(&block.compressed_pixels_le),
+        _ => None,
     }
 }
 

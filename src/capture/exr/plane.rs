@@ -1,5 +1,8 @@
 //! The numbers of one channel, as precise as the file holds them: half floats stay what they are, as color does in the end.
 
+use std::ops::Range;
+
+use exr::meta::attribute::SampleType;
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 
@@ -27,26 +30,21 @@ impl Plane {
         }
     }
 
-    /// Sets some numbers from `at` on to those of a line of the file, of which the first `start` are skipped.
-    pub(super) fn set(&mut self, at: usize, count: usize, line: &[u8], start: usize, is_whole: bool) {
-        match self {
-            Self::Half(values) => read(line, start, &mut values[at..at + count], f16::from_ne_bytes),
-            Self::Single(values) if is_whole => {
-                read(line, start, &mut values[at..at + count], |bytes| u32::from_ne_bytes(bytes) as f32);
+    /// Sets some numbers to those of a line of the file.
+    pub(super) fn set(&mut self, range: Range<usize>, line: &[u8], kind: SampleType) {
+        match (self, kind) {
+            (Self::Half(values), _) => read(line, &mut values[range], f16::from_ne_bytes),
+            (Self::Single(values), SampleType::U32) => {
+                read(line, &mut values[range], |bytes| u32::from_ne_bytes(bytes) as f32);
             }
-            Self::Single(values) => read(line, start, &mut values[at..at + count], f32::from_ne_bytes),
+            (Self::Single(values), _) => read(line, &mut values[range], f32::from_ne_bytes),
         }
     }
 }
 
-fn read<const BYTES: usize, T>(
-    line: &[u8],
-    start: usize,
-    target: &mut [T],
-    decode: impl Fn([u8; BYTES]) -> T,
-) {
+fn read<const BYTES: usize, T>(line: &[u8], target: &mut [T], decode: impl Fn([u8; BYTES]) -> T) {
     let (samples, _) = line.as_chunks::<BYTES>();
-    for (value, sample) in target.iter_mut().zip(&samples[start..]) {
+    for (value, sample) in target.iter_mut().zip(samples) {
         *value = decode(*sample);
     }
 }

@@ -5,7 +5,7 @@
 //! high bytes of half floats stand together. What differs from the `exr` crate, which reads every other compression and all that
 //! stands around blocks: `libdeflate` inflates, as in OpenEXR itself, and bytes are added up and put in place 64 at a time.
 
-use exr::block::chunk::{Chunk, CompressedBlock};
+use exr::block::chunk::Chunk;
 use exr::block::{BlockIndex, UncompressedBlock};
 use exr::compression::Compression;
 use exr::error::{Error, Result};
@@ -13,6 +13,7 @@ use exr::meta::MetaData;
 use exr::meta::header::Header;
 use libdeflater::Decompressor;
 
+use super::guard::packed_bytes;
 use crate::simd::{self, Work};
 
 /// Makes pixels of the blocks of one file.
@@ -32,33 +33,25 @@ impl Inflater {
     /// # Errors
     /// `Invalid` for a damaged block, `NotSupported` for a compression that nothing here reads.
     pub(super) fn pixels(&mut self, chunk: Chunk, meta: &MetaData) -> Result<UncompressedBlock> {
-        let header = meta.headers.get(chunk.layer_index);
-        match header.and_then(|header| Some((header, zipped(header, &chunk.compressed_block)?))) {
-            Some((header, zipped)) => self.unzip(header, chunk.layer_index, &chunk.compressed_block, zipped),
+        match self.unzip(&chunk, meta)? {
+            Some(block) => Ok(block),
             None => UncompressedBlock::decompress_chunk(chunk, meta, false),
         }
     }
 
-    fn unzip(
-        &mut self,
-        header: &Header,
-        part: usize,
-        block: &CompressedBlock,
-        zipped: &[u8],
-    ) -> Result<UncompressedBlock> {
-        let place = header.get_block_data_indices(block)?;
+    /// The pixels of a block that ZIP packed; `None` for others, and for those that would not have got shorter and are stored as
+    /// they are.
+    fn unzip(&mut self, chunk: &Chunk, meta: &MetaData) -> Result<Option<UncompressedBlock>> {
+        let header = meta.headers.get(chunk.layer_index).filter(|header| is_zipped(header));
+        let Some((header, zipped)) = header.zip(packed_bytes(&chunk.compressed_block)) else {
+            return Ok(None);
+        };
+        let place = header.get_block_data_indices(&chunk.compressed_block)?;
         let pixels = header.get_absolute_block_pixel_coordinates(place)?;
         pixels.validate(Some(header.layer_size))?;
-        let index = BlockIndex {
-            layer: part,
-            level: place.level_index,
-            pixel_position: pixels.position.to_usize("block position")?,
-            pixel_size: pixels.size,
-        };
         let length = pixels.size.area() * header.channels.bytes_per_pixel;
-        // A block that would not get shorter is stored as it is.
         if zipped.len() == length {
-            return Ok(UncompressedBlock { index, data: zipped.to_vec() });
+            return Ok(None);
         }
         self.bytes.resize(length, 0);
         let inflated = self.decompressor.zlib_decompress(zipped, &mut self.bytes);
@@ -68,21 +61,20 @@ impl Inflater {
         simd::run(AddUp(&mut self.bytes));
         let mut data = vec![0; length];
         simd::run(Interleave { bytes: &self.bytes, to: &mut data });
-        Ok(UncompressedBlock { index, data })
+        let index = BlockIndex {
+            layer: chunk.layer_index,
+            level: place.level_index,
+            pixel_position: pixels.position.to_usize("block position")?,
+            pixel_size: pixels.size,
+        };
+        Ok(Some(UncompressedBlock { index, data }))
     }
 }
 
-/// The bytes of a block that ZIP packed; on a machine of another byte order, of none.
-fn zipped<'a>(header: &Header, block: &'a CompressedBlock) -> Option<&'a [u8]> {
+/// Whether ZIP packed the blocks, in an order of bytes that is read here.
+fn is_zipped(header: &Header) -> bool {
     let is_zip = matches!(header.compression, Compression::ZIP1 | Compression::ZIP16);
-    if !is_zip || header.deep || cfg!(target_endian = "big") {
-        return None;
-    }
-    match block {
-        CompressedBlock::ScanLine(block) => Some(&block.compressed_pixels_le),
-        CompressedBlock::Tile(block) => Some(&block.compressed_pixels_le),
-        _ => None,
-    }
+    is_zip && !header.deep && cfg!(target_endian = "little")
 }
 
 /// Bytes that are added up together, in words.
@@ -207,7 +199,8 @@ mod tests {
                 let (mut inflater, mut stored, mut inflated) = (Inflater::new(), 0, 0);
                 for chunk in chunks.map(std::result::Result::unwrap) {
                     let expected = UncompressedBlock::decompress_chunk(chunk.clone(), &meta, true).unwrap();
-                    let zipped = zipped(&meta.headers[0], &chunk.compressed_block).unwrap().len();
+                    assert!(is_zipped(&meta.headers[0]));
+                    let zipped = packed_bytes(&chunk.compressed_block).unwrap().len();
                     *(if zipped == expected.data.len() { &mut stored } else { &mut inflated }) += 1;
                     let found = inflater.pixels(chunk, &meta).unwrap();
                     assert_eq!((found.index, found.data), (expected.index, expected.data));
