@@ -12,9 +12,11 @@ use super::pose;
 use crate::capture::{Camera, Intrinsics};
 use crate::error::{Error, Result};
 
-/// How far two poses may differ and be the same camera's: matrices that went through `f32` and six digits of text,
-/// relative to the camera's distance from the origin.
-const SAME_POSE_TOLERANCE: f64 = 1e-6;
+/// How far two places may lie apart and be the same camera's, relative to the distance from the origin: matrices that went
+/// through `f32` and six digits of text.
+const SAME_PLACE: f64 = 1e-6;
+/// How far the entries of two rotations may differ and be the same camera's: a fiftieth of a pixel at a focal length of 2000.
+const SAME_ROTATION: f64 = 1e-5;
 /// How far focal length and principal point may differ, pixels.
 const SAME_INTRINSICS_PX: f64 = 1e-3;
 
@@ -38,6 +40,11 @@ impl PlacedEntry {
     /// The camera of this entry alone, reading the picture's header where the manifest lacks its size.
     pub(super) fn camera(&self) -> Result<Camera> {
         self.camera_of_size(|| load::picture_size(&self.files.color, &self.place))
+    }
+
+    /// What the manifest says of it: the entry's own keys before those of the whole.
+    pub(super) fn keys(&self) -> &Keys {
+        &self.keys
     }
 
     fn camera_of_size(&self, size: impl FnOnce() -> Result<(usize, usize)>) -> Result<Camera> {
@@ -246,7 +253,9 @@ impl Recording {
 
 fn refuse_motion(first: &Camera, other: &Camera, first_number: i64, place: &str) -> Result<()> {
     let reach = first.position_in_world().length().max(1.0);
-    let is_still = first.world_from_camera.abs_diff_eq(other.world_from_camera, SAME_POSE_TOLERANCE * reach);
+    let (a, b) = (&first.world_from_camera, &other.world_from_camera);
+    let is_still = a.matrix3.abs_diff_eq(b.matrix3, SAME_ROTATION)
+        && a.translation.abs_diff_eq(b.translation, SAME_PLACE * reach);
     if !is_still {
         return Err(Error::unsupported(
             place,
@@ -333,6 +342,21 @@ mod tests {
         assert_eq!(recording.frame_numbers, [0, 1, 2]);
         assert_eq!(recording.entries[0][1].file_path, "0.exr");
         assert_eq!(recording.warnings.len(), 1);
+    }
+
+    #[test]
+    fn a_camera_that_pans_is_refused_however_far_from_the_origin_it_stands() {
+        let at = |time: u32, angle: f64, east: f64| {
+            let (sine, cosine) = angle.sin_cos();
+            let place = [east, 4.6e6, 12.0];
+            json!({"camera": "a", "time": time, "transform_matrix": [
+                [cosine, 0.0, sine, place[0]], [0.0, 1.0, 0.0, place[1]], [-sine, 0.0, cosine, place[2]],
+            ]})
+        };
+        let refused = group(&[at(0, 0.0, 5e5), at(1, 0.001, 5e5)]).map(|_| ()).unwrap_err().to_string();
+        assert!(refused.contains("the camera moved since frame 0"), "{refused}");
+        assert!(group(&[at(0, 0.3, 5e5), at(1, 0.3 + 1e-7, 5e5 + 0.1)]).is_ok());
+        assert!(group(&[at(0, 0.3, 5e5), at(1, 0.3, 5e5 + 20.0)]).is_err());
     }
 
     #[test]
