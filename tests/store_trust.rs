@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use overlook::error::Error;
 use overlook::job::Job;
+use overlook::preprocess::SampleSet;
 use overlook::store::{self, Extras, InputFiles, Playback, Provenance, Rivals, Store};
 
 use builder::{any_set, moving_set, small_report, small_set};
@@ -151,7 +152,7 @@ fn provenance_and_unknown_chunks_stay_when_a_store_is_written_again() {
         ..Provenance::default()
     };
     let unknown = vec![(*b"ANNO", b"by hand".to_vec()), (*b"XTRA", Vec::new())];
-    let extras = Extras { provenance: provenance.clone(), unknown: unknown.clone() };
+    let extras = Extras { provenance: provenance.clone(), unknown: unknown.clone(), held_to: None };
     store::write_with(&first, &moving_set(), &small_report(), &extras, &Job::new()).unwrap();
 
     let output = Command::new(env!("CARGO_BIN_EXE_overlook"))
@@ -239,6 +240,9 @@ proptest::proptest! {
         set.settings.set_text(&format!("store.depth_precision={footprints}")).unwrap();
         store::write(&path, &set, &small_report(), &Job::new()).unwrap();
         let (read, _) = store::read(&path, &Job::new()).unwrap();
+        // What a store leaves out, it leaves out once.
+        store::write_again(&path, &Store::open(&path).unwrap(), None, &Job::new()).unwrap();
+        proptest::prop_assert_eq!(&store::read(&path, &Job::new()).unwrap().0.images, &read.images);
         let steps = overlook::color::steps_from_linear;
         let half_step = 127.5 / ((1_u64 << bits) - 1) as f32;
         proptest::prop_assert_eq!(read.images.len(), set.images.len());
@@ -257,4 +261,33 @@ proptest::proptest! {
             }
         }
     }
+}
+
+#[test]
+fn a_store_that_is_held_to_less_again_keeps_the_bound_of_the_capture_and_none_becomes_more_precise() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, coarser) = (folder.path().join("scene.ovl"), folder.path().join("coarser.ovl"));
+    let mut set = moving_set();
+    set.settings.set_text("store.precision=bits10").unwrap();
+    store::write(&path, &set, &small_report(), &Job::new()).unwrap();
+    let store = Store::open(&path).unwrap();
+    let again = |text: &str| {
+        let mut settings = set.settings.clone();
+        settings.set_text(text).unwrap();
+        store::write_again(&coarser, &store, Some(&settings.store), &Job::new())
+    };
+    for text in ["store.precision=bits12", "store.precision=lossless", "store.depth_precision=0.01"] {
+        let refused = again(text).unwrap_err().to_string();
+        assert!(refused.contains("any more") || refused.contains("cannot hold depth"), "{refused}");
+        assert!(!coarser.exists());
+    }
+    again("store.precision=bits8").unwrap();
+    let (read, _) = store::read(&coarser, &Job::new()).unwrap();
+    let steps = overlook::color::steps_from_linear;
+    let colors =
+        |set: &SampleSet| set.images.iter().flat_map(|image| image.color.clone()).collect::<Vec<_>>();
+    let (before, after) = (colors(&set), colors(&read));
+    let pairs = before.iter().flatten().zip(after.iter().flatten());
+    assert!(pairs.clone().any(|(a, b)| a != b));
+    assert!(pairs.into_iter().all(|(a, b)| (steps(*a) - steps(*b)).abs() <= 0.5));
 }

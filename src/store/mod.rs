@@ -32,7 +32,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{Report, SampleSet};
-use crate::settings::{Precision, StoreSettings};
+use crate::settings::StoreSettings;
 
 pub use header::{ImageEntry, MAX_REFERENCES, VERSION};
 pub use images::{BlockEntry, ImageHead};
@@ -47,7 +47,8 @@ pub use writer::{Extras, write, write_to, write_with};
 /// not to be as before. Gives its size in bytes. `path` may be the store's own.
 ///
 /// # Errors
-/// As [`write()`]; `Invalid` where some of it is damaged, since nothing would say so any more.
+/// As [`write()`]; `Invalid` where some of it is damaged, since nothing would say so any more, and where it was held to less
+/// precision than `storage` asks for.
 pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, job: &Job) -> Result<u64> {
     let (mut samples, report) = store.read_all(job)?;
     if let Some(damage) = store.damage().first() {
@@ -56,15 +57,12 @@ pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, 
             format!("is not written, since there is damage: {damage}"),
         ));
     }
-    let before = samples.settings.store.precision;
+    let held_to = Some(samples.settings.store.clone());
     if let Some(storage) = storage {
-        if before != Precision::Lossless && storage.precision == Precision::Lossless {
-            let what = format!("cannot be lossless any more: the store has a precision of {before}");
-            return Err(Error::invalid(path.display(), what));
-        }
         samples.settings.store = storage.clone();
     }
-    let extras = Extras { provenance: store.info().provenance.clone(), unknown: store.unknown_chunks()? };
+    let (provenance, unknown) = (store.info().provenance.clone(), store.unknown_chunks()?);
+    let extras = Extras { provenance, unknown, held_to };
     write_with(path, &samples, &report, &extras, job)
 }
 

@@ -62,7 +62,7 @@ pub(super) struct Palette {
 
 impl Palette {
     /// In which every half that is used is found as it is.
-    pub(super) fn lossless(used: &Used) -> Self {
+    fn lossless(used: &Used) -> Self {
         let (Some(first), Some(last)) = (used.codes().next(), used.codes().next_back()) else {
             return Self::of(vec![code_of(f16::ZERO)]);
         };
@@ -71,21 +71,23 @@ impl Palette {
         Self::of(if occurring.len() * 2 < between { occurring } else { (first..=last).collect() })
     }
 
-    /// In which every half that is used has one within half a step of a display of `bits` bits.
-    pub(super) fn within(used: &Used, bits: u32) -> Self {
-        let half_step = half_step(bits);
+    /// In which every half that is used has one within `room`, in 8-bit display steps.
+    pub(super) fn within(used: &Used, room: f32) -> Self {
+        if room <= 0.0 {
+            return Self::lossless(used);
+        }
         let steps_of = |code: u16| steps_table()[half_of(code).to_bits() as usize];
         let mut codes: Vec<u16> = Vec::new();
         let mut covered_to = f32::NEG_INFINITY;
         for code in used.codes() {
             let steps = steps_of(code);
-            if steps <= covered_to && codes.last().is_some_and(|last| steps - steps_of(*last) <= half_step) {
+            if steps <= covered_to && codes.last().is_some_and(|last| steps - steps_of(*last) <= room) {
                 continue;
             }
             // The brightest half that still stands for this one stands for most.
-            let beyond = (code..=code_of(f16::MAX)).find(|code| steps_of(*code) - steps > half_step);
+            let beyond = (code..=code_of(f16::MAX)).find(|code| steps_of(*code) - steps > room);
             let entry = beyond.map_or(code_of(f16::MAX), |beyond| beyond - 1).max(code);
-            covered_to = steps_of(entry) + half_step;
+            covered_to = steps_of(entry) + room;
             codes.push(entry);
         }
         if codes.is_empty() { Self::lossless(used) } else { Self::of(codes) }
@@ -211,14 +213,14 @@ mod tests {
         let steps = |half: f16| steps_table()[half.to_bits() as usize];
         for bits in [8, 10, 12, 16] {
             let halves = || (0..31_000_u16).map(f16::from_bits).chain([f16::from_f32(-2.0)]);
-            let palette = Palette::within(&used(halves().map(f16::to_f32)), bits);
+            let palette = Palette::within(&used(halves().map(f16::to_f32)), half_step(bits));
             for half in halves() {
                 let shown = palette.color(palette.rank(half)).unwrap();
                 assert!((steps(shown) - steps(half)).abs() <= half_step(bits), "{half} as {shown}");
             }
             assert_eq!(Palette::decode(&palette.encode()).unwrap(), palette);
         }
-        let displayed = Palette::within(&used((0..=1000).map(|i| i as f32 / 1000.0)), 8);
+        let displayed = Palette::within(&used((0..=1000).map(|i| i as f32 / 1000.0)), half_step(8));
         assert!(displayed.len() <= 256, "{}", displayed.len());
     }
 

@@ -10,15 +10,51 @@ use crate::color::steps_from_linear;
 use crate::preprocess::{DepthPlane, SampleImage};
 use crate::settings::{Precision, StoreSettings};
 
-/// Bits of a display whose half step bounds the error of color, or `None` where there is none.
-pub(super) fn color_bits(settings: &StoreSettings) -> Option<u32> {
+/// The largest error of color that the settings grant, in 8-bit display steps; 0 where there is none.
+fn color_error(settings: &StoreSettings) -> f32 {
     match settings.precision {
-        Precision::Lossless => None,
-        Precision::Bits16 => Some(16),
-        Precision::Bits12 => Some(12),
-        Precision::Bits10 => Some(10),
-        Precision::Bits8 => Some(8),
+        Precision::Lossless => 0.0,
+        Precision::Bits16 => half_step(16),
+        Precision::Bits12 => half_step(12),
+        Precision::Bits10 => half_step(10),
+        Precision::Bits8 => half_step(8),
     }
+}
+
+/// How far colors that were held to `before` may be moved, in 8-bit display steps, and still be held to `settings`; 0 where they
+/// may not be moved.
+pub(super) fn color_room(settings: &StoreSettings, before: Option<&StoreSettings>) -> f32 {
+    (color_error(settings) - before.map_or(0.0, color_error)).max(0.0)
+}
+
+/// Whether samples that were held to `before` can be held to `settings`: what was left out is not known any more.
+///
+/// # Errors
+/// What cannot be.
+pub(super) fn check_again(
+    settings: &StoreSettings,
+    before: &StoreSettings,
+    cameras: &[Camera],
+) -> Result<(), String> {
+    let what = settings.precision;
+    if before.precision == Precision::Lossless {
+        return Ok(());
+    }
+    if color_error(settings) < color_error(before) {
+        return Err(format!("cannot be {what} any more: the store has a precision of {}", before.precision));
+    }
+    let errs = |camera: &Camera| {
+        let (now, earlier) = (depth_shift(camera, settings), depth_shift(camera, before));
+        let rounding = |shift: u32| if shift == 0 { 0.0 } else { f64::from(1_u32 << (shift - 1)) };
+        now != earlier && rounding(now) + rounding(earlier) > depth_error(camera, settings) * UNITS
+    };
+    if cameras.iter().any(errs) {
+        let (now, earlier) = (settings.depth_precision, before.depth_precision);
+        return Err(format!(
+            "cannot hold depth to {now} footprints: the store has held it to {earlier}; keep that, or preprocess the capture again"
+        ));
+    }
+    Ok(())
 }
 
 /// The relative error of inverse depth that the settings grant for a camera.
@@ -26,23 +62,26 @@ fn depth_error(camera: &Camera, settings: &StoreSettings) -> f64 {
     f64::from(settings.depth_precision) / camera.intrinsics.fx.max(camera.intrinsics.fy)
 }
 
+/// A float's fraction has 24 bits; a relative error of 1 is at least so many of its lowest.
+const UNITS: f64 = (1 << 23) as f64;
+
 /// Lowest bits of inverse depth that may be left off: 2^(shift − 1) in the 24 bits of a float's fraction is the error.
 pub(super) fn depth_shift(camera: &Camera, settings: &StoreSettings) -> u32 {
     if settings.precision == Precision::Lossless {
         return 0;
     }
-    let units = depth_error(camera, settings) * f64::from(1 << 23);
+    let units = depth_error(camera, settings) * UNITS;
     (0..=16).rev().find(|shift| *shift == 0 || f64::from(1 << (shift - 1)) <= units).unwrap_or(0)
 }
 
-/// The image as the store will hold it.
+/// The image as the store will hold it: colors by the palette, which may move them by `color_room`.
 ///
 /// # Errors
 /// Where a sample would err by more than the settings grant: that would be a defect of this program.
 pub(super) fn reduce(
     image: &SampleImage,
     camera: &Camera,
-    palette: &Palette,
+    (palette, color_room): (&Palette, f32),
     settings: &StoreSettings,
 ) -> Result<SampleImage, String> {
     let shift = depth_shift(camera, settings);
@@ -63,12 +102,9 @@ pub(super) fn reduce(
     if before.iter().zip(&after).any(|(a, b)| far(a, b) && *a >= f32::MIN_POSITIVE) {
         return Err("an inverse depth errs by more than the precision that is set".to_owned());
     }
-    if let Some(bits) = color_bits(settings) {
-        let pairs = image.color.iter().flatten().zip(reduced.color.iter().flatten());
-        let error = |a, b| (steps_from_linear(a) - steps_from_linear(b)).abs();
-        if pairs.into_iter().any(|(a, b)| error(*a, *b) > half_step(bits)) {
-            return Err("a color errs by more than the precision that is set".to_owned());
-        }
+    let mut pairs = image.color.iter().flatten().zip(reduced.color.iter().flatten());
+    if pairs.any(|(a, b)| (steps_from_linear(*a) - steps_from_linear(*b)).abs() > color_room) {
+        return Err("a color errs by more than the precision that is set".to_owned());
     }
     Ok(reduced)
 }

@@ -23,7 +23,7 @@ use super::{images, precision};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{Report, SampleImage, SampleSet, Span};
-use crate::settings;
+use crate::settings::{self, StoreSettings};
 
 /// Images that are encoded at a time: enough for every thread, few enough to be held in memory.
 const BATCH: usize = 64;
@@ -35,6 +35,9 @@ pub struct Extras {
     pub provenance: Provenance,
     /// Chunks of another store that this Overlook does not know, to be kept: id and payload as it is.
     pub unknown: Vec<(ChunkId, Vec<u8>)>,
+    /// What a store held the samples to from which they were read: what the new one grants counts from the samples as they were
+    /// before. `None` where they come from no store.
+    pub held_to: Option<StoreSettings>,
 }
 
 /// Writes a store: to a temporary file beside `path`, which is synced and then renamed over it. Gives its size in bytes.
@@ -96,7 +99,11 @@ pub fn write_to(
     let head = encode_head(samples).map_err(invalid)?;
     let report = encode_report(report).map_err(invalid)?;
     job.start("Writing the store", 2 * samples.images.len());
-    let prepared = Prepared::of(samples, path, job)?;
+    if let Some(before) = &extras.held_to {
+        let again = precision::check_again(&samples.settings.store, before, &samples.cameras);
+        again.map_err(|what| Error::invalid(path.display(), what))?;
+    }
+    let prepared = Prepared::of(samples, extras.held_to.as_ref(), path, job)?;
 
     let is_plain = samples.settings.store.coding == settings::Coding::Plain;
     let planes = (!is_plain).then_some(prepared.planes);
@@ -170,7 +177,7 @@ struct Prepared {
 }
 
 impl Prepared {
-    fn of(samples: &SampleSet, path: &Path, job: &Job) -> Result<Self> {
+    fn of(samples: &SampleSet, held_to: Option<&StoreSettings>, path: &Path, job: &Job) -> Result<Self> {
         let place = |image: &SampleImage| {
             let SampleImage { camera, span: Span { start, end }, .. } = image;
             format!("{}: the image of camera {camera} for frames {start}..{end}", path.display())
@@ -184,16 +191,14 @@ impl Prepared {
         });
         let used = used.try_reduce(Used::new, |used, more| Ok::<_, Error>(used.plus(&more)))?;
         let settings = &samples.settings.store;
-        let palette = match precision::color_bits(settings) {
-            Some(bits) => Palette::within(&used, bits),
-            None => Palette::lossless(&used),
-        };
+        let color_room = precision::color_room(settings, held_to);
+        let palette = Palette::within(&used, color_room);
         let images = if settings.precision == settings::Precision::Lossless {
             samples.images.clone()
         } else {
             let reduce = |image: &Arc<SampleImage>| {
                 let camera = &samples.cameras[image.camera as usize];
-                let reduced = precision::reduce(image, camera, &palette, settings);
+                let reduced = precision::reduce(image, camera, (&palette, color_room), settings);
                 reduced.map(Arc::new).map_err(|what| Error::invalid(place(image), what))
             };
             samples.images.par_iter().map(reduce).collect::<Result<_>>()?
