@@ -8,6 +8,9 @@ use glam::{DVec2, DVec3};
 use half::f16;
 use image::{ImageBuffer, Luma, Rgba};
 use overlook::capture::transforms;
+use overlook::job::Job;
+use overlook::preprocess::preprocess;
+use overlook::settings::Settings;
 use serde_json::json;
 
 /// Blender's passes in full names, with those that only end as depth and normal do.
@@ -165,6 +168,43 @@ fn given_keys_decide_what_names_leave_open() {
     assert_eq!((capture.has_normals, capture.antialiased_color), (false, false));
     assert_eq!(capture.up_in_world, DVec3::Y);
     assert!(capture.warnings[0].contains("ACEScg"));
+    let mut alone = entry("a.exr", "a", 0);
+    alone["color_space"] = "ACEScg".into();
+    alone["antialiased_color"] = false.into();
+    alone["up"] = json!([0, 1, 0]);
+    let capture = folder.open(json!({"color_space": "linear"}), &[alone.clone()]).unwrap();
+    assert_eq!((capture.up_in_world, capture.antialiased_color), (DVec3::Y, false));
+    assert!(capture.warnings[0].contains("ACEScg"));
+    let refused = folder.open(json!({}), &[alone, entry("a.exr", "b", 0)]).unwrap_err().to_string();
+    assert!(refused.contains("\"up\" differs"), "{refused}");
+}
+
+#[test]
+fn a_frame_that_alone_says_it_has_no_normals_gets_estimated_ones() {
+    let folder = Folder::new();
+    folder.put("a.exr", &picture(&[("", blender_channels())]));
+    let mut without = entry("a.exr", "a", 2);
+    without["normal_space"] = serde_json::Value::Null;
+    let entries = [entry("a.exr", "a", 0), entry("a.exr", "a", 1), without];
+    let capture = folder.open(json!({}), &entries).unwrap();
+    let normals = |frame: usize| capture.frame(0, frame).unwrap().normal_in_world.clone().unwrap();
+    assert!(normals(0).as_slice().iter().any(|normal| *normal != [0.0; 3]));
+    assert!(normals(2).as_slice().iter().all(|normal| *normal == [0.0; 3]));
+    let done = preprocess(&capture, &Settings::default(), &Job::new()).unwrap();
+    assert!(done.samples.images.iter().any(|image| !image.is_empty()));
+}
+
+#[test]
+fn a_camera_into_whose_view_nothing_has_come_yet_has_a_frame_without_samples() {
+    let folder = Folder::new();
+    let channel = |name| (name, flat(0.0));
+    let layer =
+        |depth: f32| vec![("A", flat(0.0)), channel("B"), channel("G"), channel("R"), ("Z", flat(depth))];
+    folder.put("empty.exr", &picture(&[("", layer(1e10))]));
+    let capture = folder.open(json!({}), &[entry("empty.exr", "a", 0)]).unwrap();
+    assert_eq!(capture.frame(0, 0).unwrap().invalid_pixels(), PIXELS);
+    let done = preprocess(&capture, &Settings::default(), &Job::new()).unwrap();
+    assert!(done.samples.images.iter().all(|image| image.is_empty()));
 }
 
 #[test]

@@ -56,19 +56,14 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Makes the frame; `place` names file and frame in errors.
+    /// Makes the frame; `place` names file and frame in errors. On a transparent film in whose view nothing stands, no pixel is
+    /// a sample, and nothing is wrong.
     ///
     /// # Errors
     /// `Invalid` where not a single pixel has a depth.
     pub fn into_frame(mut self, camera: &Camera, place: &str) -> Result<Frame> {
         let (width, height) = camera.intrinsics.size();
-        let (color, mut without_color) = self.color.into_halves(&mut self.inverse_depth);
-        for (inverse, alpha) in self.inverse_depth.iter_mut().zip(self.alpha.iter().flatten()) {
-            if *alpha <= 0.0 && *inverse == 0.0 {
-                *inverse = INVALID_INVERSE_DEPTH;
-                without_color += 1;
-            }
-        }
+        let (color, without_color) = self.color.into_halves(&mut self.inverse_depth);
         if self.inverse_depth.iter().all(|&inverse| inverse < 0.0) {
             let color_share = 100.0 * without_color as f64 / self.inverse_depth.len().max(1) as f64;
             return Err(Error::invalid(
@@ -78,6 +73,11 @@ impl Layers {
                     self.depth_name
                 ),
             ));
+        }
+        for (inverse, alpha) in self.inverse_depth.iter_mut().zip(self.alpha.iter().flatten()) {
+            if *alpha <= 0.0 && *inverse == 0.0 {
+                *inverse = INVALID_INVERSE_DEPTH;
+            }
         }
         let normal_in_world = self.normal.as_ref().map(|(planes, space)| {
             Grid::from_vec(width, height, world_normals(planes, *space, &self.inverse_depth, camera))
@@ -207,6 +207,12 @@ mod tests {
         let frame = layers().into_frame(&camera(), "test").unwrap();
         assert_eq!(frame.inverse_depth.as_slice(), [0.5, -1.0, 0.0, 0.25]);
         assert_eq!(frame.color[(0, 0)], [f16::from_f32(0.5), f16::from_f32(0.25), f16::MAX]);
+    }
+
+    #[test]
+    fn a_transparent_film_in_whose_view_nothing_stands_is_a_frame_without_samples() {
+        let layers = Layers { alpha: Some(vec![0.0; 4]), inverse_depth: vec![0.0; 4], ..layers() };
+        assert_eq!(layers.into_frame(&camera(), "test").unwrap().invalid_pixels(), 4);
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::simd::{self, Work};
 /// Depth at or beyond this was not hit: Blender writes 1e10, others `f32::MAX` or infinity.
 const MISS_DEPTH: f32 = 1e9;
 /// The largest half float, to which half-float depth saturates.
-const HALF_MAX: f32 = 65_504.0;
+pub const HALF_MAX: f32 = 65_504.0;
 /// Slack of comparisons with given limits, which passed through `f32` once or twice.
 const RELATIVE_SLACK: f64 = 1e-6;
 
@@ -60,8 +60,8 @@ pub struct DepthRules {
     pub far_clip: Option<f64>,
     /// World units per unit of the file.
     pub unit_scale: f64,
-    /// Whether 65504 is saturation rather than a distance.
-    pub is_half: bool,
+    /// The largest value that the file's numbers can have, which stands for all that lies farther: 65504 for half floats.
+    pub saturates_at: f32,
     /// Whether 0 means "not measured" (depth sensors) rather than "nothing hit" (renderers).
     pub zero_is_unknown: bool,
 }
@@ -74,7 +74,7 @@ impl Default for DepthRules {
             near_clip: 0.0,
             far_clip: None,
             unit_scale: 1.0,
-            is_half: false,
+            saturates_at: f32::INFINITY,
             zero_is_unknown: false,
         }
     }
@@ -94,14 +94,18 @@ impl DepthRules {
             DepthKind::RayDistanceFromNearClip => scaled / ray_length + self.near_clip,
         };
         // No branches but on what is the same for a whole plane: sixteen pixels are worked on at once.
-        let miss = self.miss_value.unwrap_or(f64::NAN);
-        let is_given_miss = (raw == miss) | ((raw - miss).abs() <= RELATIVE_SLACK * miss.abs());
-        let is_miss = is_given_miss | (value >= MISS_DEPTH) | (self.is_half & (value >= HALF_MAX));
+        let is_miss = self.is_given_miss(raw) | (value >= MISS_DEPTH) | (value >= self.saturates_at);
         let at_zero = if self.zero_is_unknown { INVALID_INVERSE_DEPTH } else { 0.0 };
         let inverse = self.inverse_of_planar(depth_z);
         let inverse = if value > 0.0 { inverse } else { INVALID_INVERSE_DEPTH };
         let inverse = if value == 0.0 { at_zero } else { inverse };
         if is_miss { 0.0 } else { inverse }
+    }
+
+    #[inline(always)]
+    fn is_given_miss(&self, raw: f64) -> bool {
+        let miss = self.miss_value.unwrap_or(f64::NAN);
+        (raw == miss) | ((raw - miss).abs() <= RELATIVE_SLACK * miss.abs())
     }
 
     #[inline(always)]
@@ -124,8 +128,8 @@ impl DepthRules {
         values
     }
 
-    /// Inverse planar z of every pixel of `camera` from planes of world-space positions, row-major. A position of
-    /// exactly zero is Blender's "nothing hit".
+    /// Inverse planar z of every pixel of `camera` from planes of world-space positions, in the file's unit, row-major. A
+    /// position of exactly zero is Blender's "nothing hit"; so is one whose every coordinate is the given miss value.
     #[must_use]
     pub fn inverse_depth_from_positions(&self, xyz: [&[f32]; 3], camera: &Camera) -> Vec<f32> {
         let eye = camera.position_in_world();
@@ -136,12 +140,14 @@ impl DepthRules {
             .zip(zs)
             .map(|((&x, &y), &z)| {
                 let largest = x.abs().max(y.abs()).max(z.abs());
+                let is_miss = largest == 0.0 || largest >= MISS_DEPTH.min(self.saturates_at);
                 if x.is_nan() || y.is_nan() || z.is_nan() {
                     INVALID_INVERSE_DEPTH
-                } else if largest == 0.0 || largest >= MISS_DEPTH || (self.is_half && largest >= HALF_MAX) {
+                } else if is_miss || [x, y, z].iter().all(|value| self.is_given_miss(f64::from(*value))) {
                     0.0
                 } else {
-                    let point_in_world = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
+                    let point_in_world =
+                        DVec3::new(f64::from(x), f64::from(y), f64::from(z)) * self.unit_scale;
                     self.inverse_of_planar((point_in_world - eye).dot(forward))
                 }
             })
@@ -216,6 +222,11 @@ mod tests {
         for inverse in DepthRules::default().inverse_depth_from_positions([&x, &y, &z], &camera) {
             assert!((1.0 / inverse - 3.0).abs() < 1e-5);
         }
+        let in_cm = [&x, &y, &z].map(|axis| axis.iter().map(|value| value * 100.0).collect::<Vec<f32>>());
+        let rules = DepthRules { unit_scale: 0.01, ..DepthRules::default() };
+        for inverse in rules.inverse_depth_from_positions(in_cm.each_ref().map(Vec::as_slice), &camera) {
+            assert!((1.0 / inverse - 3.0).abs() < 1e-5);
+        }
     }
 
     #[test]
@@ -233,7 +244,7 @@ mod tests {
     #[test]
     fn saturated_half_floats_and_unmeasured_zeros_are_told_from_distances() {
         let float = DepthRules::default();
-        let half = DepthRules { is_half: true, ..float };
+        let half = DepthRules { saturates_at: HALF_MAX, ..float };
         let sensor = DepthRules { zero_is_unknown: true, unit_scale: 1e-3, ..float };
         assert_eq!(half.inverse_depth(65_504.0, 1.0), 0.0);
         assert!(float.inverse_depth(65_504.0, 1.0) > 0.0);
@@ -249,5 +260,7 @@ mod tests {
         let inverse =
             DepthRules::default().inverse_depth_from_positions([&planes[0], &planes[1], &planes[2]], &camera);
         assert_eq!(inverse, [INVALID_INVERSE_DEPTH, 0.0, INVALID_INVERSE_DEPTH]);
+        let rules = DepthRules { miss_value: Some(-1.0), ..DepthRules::default() };
+        assert_eq!(rules.inverse_depth_from_positions([&[-1.0], &[-1.0], &[-1.0]], &camera), [0.0]);
     }
 }

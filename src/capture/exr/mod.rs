@@ -20,6 +20,6 @@ mod zip;
 pub use assemble::{Layers, NormalSpace};
 pub use channels::{ChannelNames, ChannelWishes};
 pub use color_planes::ColorPlanes;
-pub use depth::{DepthKind, DepthRules};
+pub use depth::{DepthKind, DepthRules, HALF_MAX};
 pub use file::{ExrFile, MAX_SIDE, Window};
 pub use plane::Plane;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::manifest::{Keys, NormalSpaceName};
-use crate::capture::exr::{ChannelWishes, DepthKind, DepthRules, NormalSpace};
+use crate::capture::exr::{ChannelWishes, DepthKind, DepthRules, HALF_MAX, NormalSpace};
 use crate::error::{Error, Result};
 
 /// nerfstudio's unit of depth in PNG files: millimeters.
@@ -151,13 +151,15 @@ impl PictureFiles {
             kind: self.depth_kind.unwrap_or_default(),
             unit_scale: self.unit_scale.unwrap_or(PNG_UNIT_SCALE),
             zero_is_unknown: true,
+            saturates_at: f32::from(u16::MAX),
             ..self.rules
         }
     }
 
     /// The rules for a depth channel of an EXR file.
     pub(super) fn depth_rules(&self, kind: DepthKind, is_half: bool) -> DepthRules {
-        DepthRules { kind, is_half, unit_scale: self.unit_scale.unwrap_or(1.0), ..self.rules }
+        let saturates_at = if is_half { HALF_MAX } else { f32::INFINITY };
+        DepthRules { kind, saturates_at, unit_scale: self.unit_scale.unwrap_or(1.0), ..self.rules }
     }
 }
 

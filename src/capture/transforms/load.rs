@@ -10,6 +10,7 @@ use crate::capture::exr::{
 use crate::capture::{Camera, Frame};
 use crate::color::linear_from_srgb;
 use crate::error::{Error, Result};
+use crate::grid::Grid;
 
 /// What must be in the files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,7 +184,13 @@ pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: Ne
         normal: parts.normal.zip(files.normal_space),
         depth_name: depth.name,
     };
-    layers.into_frame(camera, place)
+    let mut frame = layers.into_frame(camera, place)?;
+    if wants_normals {
+        // Where this frame alone says that it has none, its normals are unknown.
+        let (width, height) = camera.intrinsics.size();
+        frame.normal_in_world.get_or_insert_with(|| Grid::filled(width, height, [0.0; 3]));
+    }
+    Ok(frame)
 }
 
 fn read_color_file(files: &PictureFiles, camera: &Camera, place: &str, need: Need) -> Result<Parts> {
@@ -309,8 +316,11 @@ impl Planes {
                 let rules = picture.files.depth_rules(DepthKind::WorldPosition, channel.is_half);
                 let inverse_depth = rules.inverse_depth_from_positions(xyz, camera);
                 // A position errs by a share of its coordinates, which may be larger than its depth.
+                let scale = rules.unit_scale as f32;
                 let coordinate_per_depth = xyz
-                    .map(|axis| axis.iter().zip(&inverse_depth).map(|(value, w)| value.abs() * w).collect())
+                    .map(|axis| {
+                        axis.iter().zip(&inverse_depth).map(|(value, w)| value.abs() * scale * w).collect()
+                    })
                     .map(|shares: Vec<f32>| quantile_of_hits(&shares, 0.5))
                     .into_iter()
                     .fold(1.0, f32::max);

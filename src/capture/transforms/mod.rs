@@ -19,6 +19,7 @@ mod pose;
 mod source;
 mod write;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -27,9 +28,9 @@ use glam::DVec3;
 use super::{Capture, CaptureParts, View};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
-use cameras::Recording;
+use cameras::{PlacedEntry, Recording};
 use load::Need;
-use manifest::Manifest;
+use manifest::{Keys, Manifest};
 use source::FileSource;
 
 pub use write::{ManifestEntry, ManifestFacts, write_capture, write_manifest};
@@ -50,8 +51,11 @@ pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     recording.check_files_exist()?;
     let mut warnings = std::mem::take(&mut recording.warnings);
     let has_normals = source::normals_in_all_cameras(&recording, &mut warnings)?;
-    warnings.extend(unknown_color_space(&manifest));
-    let up_in_world = up_in_world(&manifest, &path)?;
+    let keys = || recording.entries.iter().flatten().map(PlacedEntry::keys);
+    warnings.extend(unknown_color_spaces(keys()));
+    let up_in_world = up_in_world(keys(), &path)?;
+    // Renderers filter color unless they were told not to.
+    let antialiased_color = keys().any(|keys| keys.antialiased_color.unwrap_or(true));
     Ok(Capture::new(
         CaptureParts {
             name: capture_name(&path),
@@ -59,8 +63,7 @@ pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
             frame_numbers: recording.frame_numbers.clone(),
             up_in_world,
             has_normals,
-            // Renderers filter color unless they were told not to.
-            antialiased_color: manifest.keys.antialiased_color.unwrap_or(true),
+            antialiased_color,
             warnings,
             source: Arc::new(FileSource { recording, has_normals }),
         },
@@ -110,18 +113,28 @@ fn capture_name(manifest: &Path) -> String {
     folder.map_or_else(|| "capture".to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
-/// A warning for a color space that is neither ours nor sRGB.
-fn unknown_color_space(manifest: &Manifest) -> Option<String> {
-    let color_space = manifest.keys.color_space.as_ref()?;
-    let lower = color_space.to_ascii_lowercase();
-    let is_known = ["linear", "srgb", "709", "raw"].iter().any(|known| lower.contains(known));
-    (!is_known)
-        .then(|| format!("color space '{color_space}' is not converted; colors are taken as linear Rec.709"))
+/// A warning for each color space that is neither ours nor sRGB.
+fn unknown_color_spaces<'a>(keys: impl Iterator<Item = &'a Keys>) -> Vec<String> {
+    let is_known = |color_space: &str| {
+        let lower = color_space.to_ascii_lowercase();
+        ["linear", "srgb", "709", "raw"].iter().any(|known| lower.contains(known))
+    };
+    let given: BTreeSet<&str> = keys.filter_map(|keys| keys.color_space.as_deref()).collect();
+    let unknown = given.into_iter().filter(|color_space| !is_known(color_space));
+    let warning = |name| format!("color space '{name}' is not converted; colors are taken as linear Rec.709");
+    unknown.map(warning).collect()
 }
 
 /// The manifest's `up`, or +z as Blender and nerfstudio have it.
-fn up_in_world(manifest: &Manifest, path: &Path) -> Result<DVec3> {
-    let Some(up) = manifest.keys.up else { return Ok(DVec3::Z) };
+fn up_in_world<'a>(mut keys: impl Iterator<Item = &'a Keys>, path: &Path) -> Result<DVec3> {
+    let up = keys.next().and_then(|keys| keys.up);
+    if keys.any(|keys| keys.up != up) {
+        return Err(Error::invalid(
+            path.display(),
+            "\"up\" differs between entries; write one for all of them, beside \"frames\"",
+        ));
+    }
+    let Some(up) = up else { return Ok(DVec3::Z) };
     DVec3::from(up).try_normalize().ok_or_else(|| {
         Error::invalid(path.display(), "\"up\" is no direction; write it as three numbers, as in [0, 0, 1]")
     })
