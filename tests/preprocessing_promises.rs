@@ -179,13 +179,37 @@ fn averaging_over_the_span_takes_the_noise_out_of_the_background() {
     assert!(error(&averaged) < 0.25 * error(capture.frame(0, 0).unwrap().color.as_slice()));
 }
 
+/// Three cameras beside each other that look down at the ground through lenses of so many radians.
+fn through_lens(radians: f64) -> Vec<Camera> {
+    let beside = |east: f64| DVec3::new(east - 0.9, -1.5, 4.4 + 0.3 * east);
+    let names = [("left", -0.3), ("middle", 0.0), ("right", 0.4)];
+    let cameras = names.map(|(name, east)| camera(name, beside(east), DVec3::new(-0.9, -1.0, 0.0), 64));
+    let lens = Intrinsics::from_horizontal_angle(64, 64, radians);
+    cameras.into_iter().map(|camera| Camera { intrinsics: lens, ..camera }).collect()
+}
+
 #[test]
-fn half_float_depth_prunes_nearly_as_well_as_exact_depth() {
-    let kept = |half_depth| {
-        let scene = Scene { half_depth, ..Scene::still_life() };
-        run(&scene.record(arc(3, 64), 2), &Settings::default()).report.samples_kept as f64
+fn half_float_depth_prunes_as_well_as_exact_depth_through_any_lens() {
+    for radians in [0.9, 0.03, 0.015] {
+        let kept = |half_depth| {
+            let scene = Scene { half_depth, ..Scene::still_life() };
+            run(&scene.record(through_lens(radians), 2), &Settings::default()).report.samples_kept as f64
+        };
+        let (half, exact) = (kept(true), kept(false));
+        assert!(half < 1.01 * exact, "{radians}: {half} against {exact}");
+    }
+}
+
+#[test]
+fn depth_that_is_noisy_is_pruned_within_its_measured_noise() {
+    let kept = |depth_noise, frames| {
+        let scene = Scene { depth_noise, ..Scene::still_life() };
+        run(&scene.record(through_lens(0.1), frames), &Settings::default()).report.samples_kept as f64
     };
-    assert!(kept(true) < 1.15 * kept(false), "{} against {}", kept(true), kept(false));
+    for frames in [2, 6] {
+        let (noisy, exact) = (kept(0.003, frames), kept(0.0, frames));
+        assert!(noisy < 1.1 * exact, "{frames} frames: {noisy} against {exact}");
+    }
 }
 
 #[test]

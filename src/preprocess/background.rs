@@ -146,6 +146,8 @@ impl TemporalScan {
             };
             let mut layer = Layer::empty(width, height);
             layer.noise = scan.noise.clone();
+            // Those of all frames are their means.
+            layer.noise_share = vec![(self.frames.max(1) as f32).sqrt().recip()];
             layer.depth_step_relative = scan.depth_step_relative;
             put(&mut layer, ROOT, &samples);
             builder.estimate_normals(&mut layer, camera, &samples.pixels);

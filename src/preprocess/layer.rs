@@ -185,10 +185,27 @@ impl Layer {
             && self.noise.color_steps.iter().any(|steps| *steps > 0.0)
     }
 
+    /// Whether any sample may hold depth noise.
+    #[must_use]
+    pub fn has_depth_noise(&self) -> bool {
+        self.noise_share.iter().any(|share| *share > 0.0) && self.noise.depth_relative > 0.0
+    }
+
+    /// Relative standard deviation of the depth noise left in the sample at `pixel`.
+    #[must_use]
+    pub fn depth_noise(&self, pixel: usize) -> f32 {
+        self.noise_share_at(pixel) * self.noise.depth_relative
+    }
+
+    /// How much of the noise of a single frame is left in the sample at `pixel`.
+    fn noise_share_at(&self, pixel: usize) -> f32 {
+        self.noise_share.get(usize::from(self.level[pixel])).copied().unwrap_or(0.0)
+    }
+
     /// Standard deviation of the color noise left in the sample at `pixel`, 8-bit sRGB steps.
     #[must_use]
     pub fn color_noise(&self, pixel: usize, steps: f32) -> f32 {
-        let share = self.noise_share.get(usize::from(self.level[pixel])).copied().unwrap_or(0.0);
+        let share = self.noise_share_at(pixel);
         if share == 0.0 { 0.0 } else { share * self.noise.color_at(steps) }
     }
 }

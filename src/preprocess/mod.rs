@@ -27,6 +27,7 @@ pub mod mixed_pixels;
 pub mod noise;
 pub mod noise_range;
 mod noisy_colors;
+mod noisy_depths;
 pub mod normal_errors;
 mod normal_lanes;
 pub mod normals;

@@ -9,10 +9,13 @@
 //! |n·(q/w − rayₜ/wₜ)| ≤ τ max(s/w, sₜ/wₜ) + step/w + stepₜ/wₜ     s: side of a pixel at depth 1, τ: tolerance in footprints
 //! |n·(q wₜ − rayₜ w)| ≤ τ max(s wₜ, sₜ w) + step wₜ + stepₜ w
 //! ```
+//!
+//! `step` is what depths are rounded by. Where depth is noisy, so many standard deviations of both samples' noise come to it.
 
 use super::facet::{COLOR_STEPS, Facet, Look, MIXED};
 use super::layer::{Layer, Level};
 use super::noisy_colors::{allow_noise, tell_noise};
+use super::noisy_depths::{granted_to_noise, noise_there};
 use super::registration::{Block, Carried, LANES, Registration, whole};
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::settings::Settings;
@@ -47,6 +50,7 @@ pub struct SameSurface {
     normal_cosine: f32,
     pub(super) color_steps: f32,
     pub(super) noise_sigmas: f32,
+    depth_sigmas: f32,
     overlap: bool,
     /// Samples of deeper levels do not take part.
     deepest: u32,
@@ -54,8 +58,8 @@ pub struct SameSurface {
     has_deeper: bool,
 }
 
-/// Two noisy colors of one surface differ by less than this many standard deviations of their difference.
-const COLOR_SIGMAS: f32 = 3.0;
+/// Two noisy colors of one surface, and two noisy depths, differ by less than this many standard deviations of their difference.
+const SIGMAS: f32 = 3.0;
 
 /// A position this close to a pixel's center, in pixels, is that pixel: no neighbor takes part in interpolating there.
 const CENTERED: f32 = 1.0 / 16.0;
@@ -68,7 +72,8 @@ impl SameSurface {
             depth_footprints: settings.pruning.depth_tolerance,
             normal_cosine: settings.pruning.normal_tolerance.to_radians().cos(),
             color_steps: settings.pruning.color_tolerance,
-            noise_sigmas: settings.spans.noise * COLOR_SIGMAS,
+            noise_sigmas: settings.spans.noise * SIGMAS,
+            depth_sigmas: settings.spans.noise * SIGMAS,
             overlap: settings.pruning.overlap,
             deepest: u32::from(Level::MAX),
             has_deeper: true,
@@ -83,6 +88,7 @@ impl SameSurface {
             normal_cosine: f32::NEG_INFINITY,
             color_steps: f32::from(u16::MAX),
             noise_sigmas: 0.0,
+            depth_sigmas: 0.0,
             overlap: false,
             deepest: u32::from(Level::MAX),
             has_deeper: true,
@@ -99,7 +105,12 @@ impl SameSurface {
     #[must_use]
     pub fn between(self, source: &Layer, target: &Layer) -> Self {
         let noisy = source.has_color_noise() || target.has_color_noise();
-        Self { noise_sigmas: if noisy { self.noise_sigmas } else { 0.0 }, ..self }
+        let noisy_depth = source.has_depth_noise() || target.has_depth_noise();
+        Self {
+            noise_sigmas: if noisy { self.noise_sigmas } else { 0.0 },
+            depth_sigmas: if noisy_depth { self.depth_sigmas } else { 0.0 },
+            ..self
+        }
     }
 
     /// These thresholds for a target of which is known whether it has samples of deeper levels.
@@ -216,6 +227,10 @@ impl Registration {
         for i in 0..N {
             found[i] = target.facets[carried.pixel[i] as usize];
         }
+        let mut granted = [0.0; N];
+        if limits.depth_sigmas > 0.0 {
+            granted = granted_to_noise((source, block), (target, carried, &found), limits.depth_sigmas);
+        }
         let mut answers = Answers { bits: carried.bits, pixel: carried.pixel, level: [0; N] };
         let lens = &self.target;
         let [ax, ay, az] = self.axes;
@@ -228,7 +243,7 @@ impl Registration {
             let [nx, ny, nz] = facet.normal_in_camera;
             let distance = nx * (qx * there - x * w) + ny * (qy * there - y * w) + nz * (qz * there - w);
             let footprint = (self.source_side * there).max(lens.side * w);
-            let step = source.depth_step_relative * there + target.depth_step_relative * w;
+            let step = source.depth_step_relative * there + target.depth_step_relative * w + granted[i];
             let both_or_neither_finite = (w == 0.0) == (there == 0.0);
             let on_surface =
                 (distance.abs() <= limits.depth_footprints * footprint + step) & both_or_neither_finite;
@@ -348,6 +363,10 @@ impl Registration {
                 }
             }
         }
+        let mut noise = [0.0; N];
+        if limits.depth_sigmas > 0.0 {
+            noise = noise_there(target, carried, limits.depth_sigmas);
+        }
         for i in 0..N {
             let facet = &found[i];
             let here = facet.inverse_depth;
@@ -361,9 +380,13 @@ impl Registration {
             for (corner, shift) in [across, down, across + down].into_iter().enumerate() {
                 let there = depths[corner][i];
                 let distance = along * (here - there) + here * shift;
-                let limit = limits.depth_footprints * lens.side * here.max(there);
+                let footprint = lens.side * here.max(there);
+                // Both are rounded, and both are noisy.
+                let step = target.depth_step_relative * (here + there)
+                    + noise[i] * (here * here + there * there).sqrt();
+                let limit = limits.depth_footprints * footprint + step;
                 if TELLING {
-                    needs.depth[i] = needs.depth[i].max(needed(distance.abs(), lens.side * here.max(there)));
+                    needs.depth[i] = needs.depth[i].max(needed(distance.abs() - step, footprint));
                 }
                 let both_or_neither_finite = (here == 0.0) == (there == 0.0);
                 all &= (there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite;

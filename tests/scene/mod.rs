@@ -34,6 +34,8 @@ pub(crate) struct Scene {
     pub(crate) ground: bool,
     /// Relative standard deviation of color noise that differs from frame to frame.
     pub(crate) color_noise: f32,
+    /// Relative standard deviation of depth noise that differs from frame to frame.
+    pub(crate) depth_noise: f32,
     /// Whether depth is rounded to half floats.
     pub(crate) half_depth: bool,
     /// Whether frames carry normals.
@@ -123,6 +125,8 @@ impl Scene {
                 let hit = self.hit(frame, camera.position_in_world(), ray);
                 let noise = 1.0 + self.color_noise * normal_draw((x + 1000 * y, frame, seed));
                 let (w, n, c) = hit.map_or((0.0, DVec3::ZERO, SKY), |(t, n, c)| (1.0 / t, n, c));
+                let depth_noise = self.depth_noise * normal_draw((x + 1000 * y, frame, seed + 100));
+                let w = w / f64::from(1.0 + depth_noise);
                 let w = if self.half_depth { 1.0 / f64::from(f16::from_f64(1.0 / w).to_f32()) } else { w };
                 let c = if self.color_rays > 1 { self.average_color(camera, frame, (x, y)) } else { c };
                 color[(x, y)] = c.map(|c| f16::from_f32(c * noise));
@@ -206,6 +210,7 @@ impl std::fmt::Debug for Scene {
         f.debug_struct("Scene")
             .field("spheres", &self.spheres.len())
             .field("color_noise", &self.color_noise)
+            .field("depth_noise", &self.depth_noise)
             .field("half_depth", &self.half_depth)
             .field("normals", &self.normals)
             .field("color_rays", &self.color_rays)

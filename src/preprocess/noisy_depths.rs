@@ -1,0 +1,33 @@
+//! Depths that differ by more than the tolerance, but by no more than the noise of both cameras explains.
+
+use super::facet::Facet;
+use super::layer::Layer;
+use super::registration::{Block, Carried};
+
+/// By how much the noise of both cameras may move the points of a block off the surfaces that the target found: for each its
+/// distance along the ray, times both inverse depths as in the [comparison](super::same_surface).
+#[cold]
+#[inline(never)]
+pub(super) fn granted_to_noise<const N: usize>(
+    (source, block): (&Layer, &Block<N>),
+    (target, carried, found): (&Layer, &Carried<N>, &[Facet; N]),
+    sigmas: f32,
+) -> [f32; N] {
+    let mut granted = [0.0; N];
+    for (lane, granted) in granted.iter_mut().enumerate() {
+        let (w, there) = (block.inverse_depth[lane], found[lane].inverse_depth);
+        if w > 0.0 && there > 0.0 {
+            let pixel = block.row * source.width + block.column + lane;
+            let own = source.depth_noise(pixel) * there;
+            *granted = sigmas * own.hypot(target.depth_noise(carried.pixel[lane] as usize) * w);
+        }
+    }
+    granted
+}
+
+/// The noise of each sample that the target found, relative, times `sigmas`.
+#[cold]
+#[inline(never)]
+pub(super) fn noise_there<const N: usize>(target: &Layer, carried: &Carried<N>, sigmas: f32) -> [f32; N] {
+    carried.pixel.map(|pixel| sigmas * target.depth_noise(pixel as usize))
+}
