@@ -29,14 +29,16 @@ pub struct FrameCache {
     cache: Cache<FrameKey, Arc<Frame>, BytesWeighter>,
 }
 
-/// Number of frames the cache sizes its tables for; more or fewer work as well.
-const EXPECTED_FRAMES: usize = 256;
+/// Number of things that a cache of heavy ones sizes its tables for; more or fewer work as well. For more than these it would be
+/// cut into parts, the more of them the more processors there are, and each would hold its share of the bytes: less, perhaps,
+/// than one of the things takes.
+pub(crate) const EXPECTED_IN_ONE_PIECE: usize = 32;
 
 impl FrameCache {
     /// A cache that holds at most `capacity_bytes` of decoded frames.
     #[must_use]
     pub fn new(capacity_bytes: usize) -> Self {
-        Self { cache: Cache::with_weighter(EXPECTED_FRAMES, capacity_bytes as u64, BytesWeighter) }
+        Self { cache: Cache::with_weighter(EXPECTED_IN_ONE_PIECE, capacity_bytes as u64, BytesWeighter) }
     }
 
     /// The frame from the cache, or decoded by `load` and kept where it fits.
@@ -80,6 +82,17 @@ mod tests {
         for number in 0..100 {
             cache.get_or_load((0, number), || Ok(frame(1000))).unwrap();
             assert!(cache.bytes() <= 100_000);
+        }
+    }
+
+    #[test]
+    fn two_frames_that_take_nearly_half_of_the_cache_each_are_both_kept() {
+        let cache = FrameCache::new(100_000);
+        for number in [0, 1, 0, 1] {
+            cache.get_or_load((0, number), || Ok(frame(4500))).unwrap();
+        }
+        for number in [0, 1] {
+            cache.get_or_load((0, number), || Err(crate::error::Error::Cancelled)).unwrap();
         }
     }
 

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The set of a frame has every image of the store in its place, those of other frames without samples. Images that two frames
-//! share are the very same in both sets, so that what a renderer keeps of a background stays good. Asked for what a vantage needs
+//! share are the very same in both sets, as long as the cache holds them, so that what a renderer keeps of a background stays good. Asked for what a vantage needs
 //! ([`Playback::seen_from`]), an image holds the blocks that any vantage has needed so far; others are decoded when they are asked for.
 
 use std::ops::Range;
@@ -21,6 +21,7 @@ use super::header::chain;
 use super::reader::Store;
 use super::sight::{self, Places};
 use crate::capture::Camera;
+use crate::capture::sequence::EXPECTED_IN_ONE_PIECE;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::SampleSet;
@@ -34,9 +35,6 @@ impl Weighter<usize, Arc<Decoded>> for BytesWeighter {
         (decoded.image.bytes() + blocks) as u64 + 1
     }
 }
-
-/// Number of images the cache sizes its tables for; more or fewer work as well.
-const EXPECTED_IMAGES: usize = 1024;
 
 /// Bytes of decoded images that are kept unless told otherwise.
 pub const DEFAULT_CACHE_BYTES: u64 = 1 << 30;
@@ -54,7 +52,11 @@ impl Playback {
     #[must_use]
     pub fn new(store: Store, cache_bytes: u64) -> Self {
         let outline = Arc::new(store.outline());
-        Self { store, outline, cache: Cache::with_weighter(EXPECTED_IMAGES, cache_bytes, BytesWeighter) }
+        Self {
+            store,
+            outline,
+            cache: Cache::with_weighter(EXPECTED_IN_ONE_PIECE, cache_bytes, BytesWeighter),
+        }
     }
 
     /// The store, which also says what of it could not be read.
