@@ -70,6 +70,25 @@ fn every_dropped_pixel_is_outweighed_by_its_winner_in_the_numbers_shown() {
 }
 
 #[test]
+fn what_is_kept_as_the_only_witness_is_shown_by_no_sample_that_stays_in_the_table() {
+    let (_, inspection) = inspected(&capture(), &Settings::default());
+    let (mut alone, mut shorter) = (0, 0);
+    for argument in arguments(&inspection) {
+        let rows = || argument.testimonies.iter();
+        shorter += rows().filter(|row| row.outcome == Some(Outcome::ShorterSpan)).count();
+        if argument.verdict.rule == Rule::OnlyWitness {
+            alone += 1;
+            let shown_by = rows().find(|row| {
+                let same = matches!(row.outcome, Some(Outcome::Same(_)));
+                same && row.verdict.is_some_and(|verdict| verdict.is_kept())
+            });
+            assert!(shown_by.is_none(), "{argument:?}");
+        }
+    }
+    assert!(alone > 50 && shorter > 50, "{alone}, {shorter}");
+}
+
+#[test]
 fn a_camera_that_is_blocked_found_something_nearer_and_one_that_looks_past_something_farther() {
     let (_, inspection) = inspected(&capture(), &Settings::default());
     let (mut blocked, mut past) = (0, 0);

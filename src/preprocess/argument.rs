@@ -46,7 +46,7 @@ impl FrameInspection {
         let asker = Asker::new(self, camera, x, y);
         argument.point_in_world = asker.point_in_world();
         let rig = Rig::new(&self.samples.cameras);
-        let limits = SameSurface::new(&self.settings);
+        let limits = self.limits_of(layer, y * layer.width + x);
         argument.testimonies =
             (0..self.layers.len()).map(|other| asker.testimony(&rig, &limits, other)).collect();
         argument.winner = if verdict.is_kept() {
@@ -54,8 +54,13 @@ impl FrameInspection {
         } else {
             (verdict.witness_camera != Verdict::NO_CAMERA).then_some(verdict.witness_camera as usize)
         };
-        argument.chain = self.chain(&rig, &limits, camera, (y * layer.width + x) as u32);
+        argument.chain = self.chain(&rig, camera, (y * layer.width + x) as u32);
         Some(argument)
+    }
+
+    /// What a sample is held against: others of its level and of longer spans.
+    fn limits_of(&self, layer: &Layer, pixel: usize) -> SameSurface {
+        SameSurface::new(&self.settings).at_level(layer.level[pixel])
     }
 
     fn verdict_of(&self, camera: usize, pixel: u32) -> Verdict {
@@ -63,14 +68,14 @@ impl FrameInspection {
         self.cameras[camera].verdict[(pixel as usize % width, pixel as usize / width)]
     }
 
-    fn chain(&self, rig: &Rig<'_>, limits: &SameSurface, camera: usize, pixel: u32) -> Vec<ChainLink> {
+    fn chain(&self, rig: &Rig<'_>, camera: usize, pixel: u32) -> Vec<ChainLink> {
         let mut chain: Vec<ChainLink> = Vec::new();
         let mut next = Some((camera, pixel));
         while let Some((camera, pixel)) = next {
             let verdict = self.verdict_of(camera, pixel);
             chain.push(ChainLink { camera, pixel, verdict });
             next = if verdict.rule == Rule::Coverage {
-                self.best_other(rig, limits, camera, pixel)
+                self.best_other(rig, camera, pixel)
             } else {
                 (!verdict.is_kept() && verdict.witness_camera != Verdict::NO_CAMERA)
                     .then_some((verdict.witness_camera as usize, verdict.witness_pixel))
@@ -82,21 +87,16 @@ impl FrameInspection {
     }
 
     /// The best-ranked sample of another camera that shows the same point and is better.
-    fn best_other(
-        &self,
-        rig: &Rig<'_>,
-        limits: &SameSurface,
-        camera: usize,
-        pixel: u32,
-    ) -> Option<(usize, u32)> {
+    fn best_other(&self, rig: &Rig<'_>, camera: usize, pixel: u32) -> Option<(usize, u32)> {
         let layer = &self.layers[camera];
+        let limits = self.limits_of(layer, pixel as usize);
         let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
         let own = (layer.ranks[pixel as usize].rank, camera);
         (0..self.layers.len())
             .filter(|&other| other != camera)
             .filter_map(|other| {
                 let target = &self.layers[other];
-                match rig.registration(camera, other).test(layer, target, x, y, limits) {
+                match rig.registration(camera, other).test(layer, target, x, y, &limits) {
                     Outcome::Same(found) => Some((target.ranks[found as usize].rank, other, found)),
                     _ => None,
                 }
@@ -114,7 +114,6 @@ impl FrameInspection {
         let pairs: usize = self.layers.iter().map(|layer| layer.inverse_depth.len()).sum::<usize>() * cameras;
         let stride = (pairs.div_ceil(at_most.max(1)) as f64).sqrt().ceil().max(1.0) as usize;
         let rig = Rig::new(&self.samples.cameras);
-        let limits = SameSurface::new(&self.settings);
         let mut quantities = Vec::new();
         for (camera, layer) in self.layers.iter().enumerate() {
             for y in (stride / 2..layer.height()).step_by(stride) {
@@ -122,6 +121,7 @@ impl FrameInspection {
                     if layer.inverse_depth[y * layer.width + x] <= 0.0 {
                         continue;
                     }
+                    let limits = self.limits_of(layer, y * layer.width + x);
                     let asker = Asker::new(self, camera, x, y);
                     quantities.extend(
                         (0..cameras)

@@ -89,7 +89,9 @@ impl Rule {
     pub fn sentence(self) -> &'static str {
         match self {
             Self::NoSample => "No sample: the pixel has no depth.",
-            Self::OnlyWitness => "Kept: no other camera sees this surface point.",
+            Self::OnlyWitness => {
+                "Kept: no other camera has a sample left that shows this surface point throughout its span."
+            }
             Self::BestRate => "Kept: no other camera samples this point more densely.",
             Self::Coverage => {
                 "Kept: the better sample was itself dropped for one that does not see this point."
@@ -205,7 +207,8 @@ impl FrameInspection {
     }
 
     /// log₂ r of every pixel of `camera` against camera `against`, or against whichever other camera samples the point
-    /// best: negative where `camera` samples more densely; NaN where the other does not see the same surface point.
+    /// best: negative where `camera` samples more densely; NaN where the other does not see the same surface point. Samples
+    /// count however long their spans are.
     #[must_use]
     pub fn log2_sampling_ratio(&self, camera: usize, against: Option<usize>) -> Grid<f32> {
         let rig = Rig::new(self.rig_cameras());
@@ -236,7 +239,7 @@ impl FrameInspection {
             return Vec::new();
         }
         let rig = Rig::new(self.rig_cameras());
-        let limits = SameSurface::new(&self.settings);
+        let limits = SameSurface::new(&self.settings).at_level(layer.level[y * layer.width + x]);
         (0..self.layers.len())
             .filter(|&other| other != camera)
             .map(|other| self.ask(&rig, &limits, camera, other, x, y))

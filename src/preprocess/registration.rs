@@ -234,7 +234,11 @@ impl Registration {
         if carried.bits[0] & IN_VIEW == 0 {
             return if carried.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
         }
-        self.compare(source, target, &block, &carried, limits, [1]).outcome(0)
+        let answers = self.compare(source, target, &block, &carried, limits, [1]);
+        match answers.outcome(0) {
+            Outcome::NoDepth if limits.hides(answers.level[0]) => Outcome::ShorterSpan,
+            outcome => outcome,
+        }
     }
 
     /// Carries the samples of a block.

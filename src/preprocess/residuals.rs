@@ -294,7 +294,11 @@ impl Work for Compare<'_> {
             );
             for lane in (0..LANES).filter(|lane| wanted[*lane] != 0) {
                 match answers.outcome(lane) {
-                    Outcome::Occluded | Outcome::NoDepth | Outcome::OutsideView | Outcome::Behind => {}
+                    Outcome::Occluded
+                    | Outcome::NoDepth
+                    | Outcome::ShorterSpan
+                    | Outcome::OutsideView
+                    | Outcome::Behind => {}
                     Outcome::SeesPast | Outcome::NormalDiffers => {
                         readings.footprints.count(needs.depth[lane]);
                     }

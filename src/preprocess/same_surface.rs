@@ -29,6 +29,8 @@ pub enum Outcome {
     OutsideView,
     /// The camera recorded no depth at that pixel.
     NoDepth,
+    /// What the camera has at that pixel holds for a shorter span only: it is decided later, and stands for no longer one.
+    ShorterSpan,
     /// The camera sees something nearer at that pixel.
     Occluded,
     /// The camera sees something farther at that pixel: it looks past the point.
@@ -93,6 +95,11 @@ impl SameSurface {
             deepest: u32::from(Level::MAX),
             has_deeper: true,
         }
+    }
+
+    /// Whether samples of `level` do not exist yet.
+    pub(super) fn hides(&self, level: u32) -> bool {
+        level > self.deepest
     }
 
     /// These thresholds for samples of `level`, to which those of deeper levels do not exist yet.

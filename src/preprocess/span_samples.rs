@@ -1,5 +1,5 @@
 //! The samples of one camera over one span before pruning: a sparse picture. There are many of them; beyond a bound they
-//! wait in a temporary file, so that memory does not grow with the number of frames.
+//! wait in a temporary file. What of them pruning keeps stays in memory until the store is written, 9 bytes a sample.
 //!
 //! ```text
 //! record in the file: pixel u32 …, inverse depth f32 …, [normal 3 × f32 …,] color 3 × f16 …    machine's byte order

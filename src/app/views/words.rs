@@ -46,6 +46,7 @@ pub(super) fn sees(outcome: Option<Outcome>) -> &'static str {
         Some(Outcome::Behind) => "behind it",
         Some(Outcome::OutsideView) => "out of view",
         Some(Outcome::NoDepth) => "no depth there",
+        Some(Outcome::ShorterSpan) => "shorter span",
         Some(Outcome::Occluded) => "hidden from it",
         Some(Outcome::SeesPast) => "looks past it",
         Some(Outcome::NormalDiffers) => "other normal",
@@ -64,6 +65,9 @@ pub(super) fn why(outcome: Option<Outcome>) -> &'static str {
         Some(Outcome::Behind) => "The point lies behind this camera.",
         Some(Outcome::OutsideView) => "The point falls outside this camera's picture.",
         Some(Outcome::NoDepth) => "The camera recorded no depth where the point falls.",
+        Some(Outcome::ShorterSpan) => {
+            "What the camera has where the point falls holds for a shorter span, and is decided after this sample."
+        }
         Some(Outcome::Occluded) => "The camera recorded something nearer where the point falls.",
         Some(Outcome::SeesPast) => "The camera recorded something farther where the point falls.",
         Some(Outcome::NormalDiffers) => "The depth agrees, but the surfaces face different ways.",
