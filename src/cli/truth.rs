@@ -36,7 +36,7 @@ impl TruthArgs {
         let beside = || if self.cross_validate { None } else { transforms::truth_beside(path) };
         match self.views.clone().or_else(beside) {
             Some(views) => Ok(Truth::Views(transforms::open_views(&views)?)),
-            None if capture.cameras.len() > 1 => Ok(Truth::HoldOut),
+            None if capture.cameras.len() >= Truth::HoldOut.least_cameras() => Ok(Truth::HoldOut),
             None => Err(Failure::Usage(format!(
                 "{} comes without truth views and has a single camera, which cannot be left out; name views with --views",
                 path.display()

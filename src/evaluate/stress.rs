@@ -129,7 +129,9 @@ pub fn run(
     let steps: Vec<(Disturbance, f64)> = plan
         .disturbances
         .iter()
-        .flat_map(|&disturbance| disturbance.dial(capture).into_iter().map(move |dial| (disturbance, dial)))
+        .flat_map(|&disturbance| {
+            disturbance.dial(capture, truth).into_iter().map(move |dial| (disturbance, dial))
+        })
         .collect();
     let total = steps.len() * plan.methods.len();
     let (started, mut measured, mut points) = (Instant::now(), 0, Vec::with_capacity(total));

@@ -62,6 +62,15 @@ impl Recorded {
 }
 
 impl Truth {
+    /// The fewest cameras that a model can be made of and held against this: where each is left out in turn, one must stay.
+    #[must_use]
+    pub fn least_cameras(&self) -> usize {
+        match self {
+            Self::Views(_) => 1,
+            Self::HoldOut => 2,
+        }
+    }
+
     /// Loads and masks the truth of every fold.
     ///
     /// # Errors

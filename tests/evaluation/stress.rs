@@ -5,13 +5,13 @@ use overlook::evaluate::truth::Truth;
 use overlook::job::Job;
 use overlook::settings::Settings;
 
-use crate::scenes::orrery;
+use crate::scenes::{orrery, still};
 
 #[test]
 fn every_disturbance_leaves_the_capture_alone_at_the_start_of_its_dial_and_not_at_its_end() {
     let scene = orrery(4);
     for disturbance in Disturbance::ALL {
-        let dial = disturbance.dial(&scene.capture);
+        let dial = disturbance.dial(&scene.capture, &scene.truth);
         let under = |value| disturbance.apply(&scene.capture, value).unwrap();
         let (start, end) = (under(dial[0]), under(dial[dial.len() - 1]));
         let differs = |recorded: &stress::Recorded| {
@@ -68,4 +68,20 @@ fn one_decibel_is_interpolated_between_values_of_the_dial() {
     let failures = stress::failures(&points);
     assert!((failures[0].dial.unwrap() - 0.2).abs() < 1e-9 && failures[0].worst_loss_db == 9.0);
     assert_eq!(stress::failures(&points[..2])[0].dial, None);
+}
+
+#[test]
+fn cameras_go_one_by_one_until_as_few_are_left_as_the_truth_needs() {
+    let scene = still(1);
+    let mut plan =
+        Plan { disturbances: vec![Disturbance::FewerCameras], ..Plan::standard(&Settings::default()) };
+    plan.methods.truncate(1);
+    let points = stress::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, _| ()).unwrap();
+    let gone: Vec<f64> = points.iter().map(|point| point.dial).collect();
+    assert_eq!(gone, [0.0, 1.0], "of three cameras two stay, so that one can be left out");
+
+    let views = Truth::Views(Vec::new());
+    assert_eq!(Disturbance::FewerCameras.dial(&scene.capture, &views), [0.0, 1.0, 2.0]);
+    let pair = scene.capture.with_cameras(|index, _| index < 2);
+    assert_eq!(Disturbance::FewerCameras.dial(&pair, &Truth::HoldOut), [0.0]);
 }

@@ -11,7 +11,7 @@ use crate::capture::{Camera, Capture, CaptureParts, Frame};
 use crate::error::Result;
 use crate::evaluate::baselines::mix;
 use crate::evaluate::subset::{DERIVED_CACHE_BYTES, parts_of};
-use crate::evaluate::truth::{Recorded, TruthEdit};
+use crate::evaluate::truth::{Recorded, Truth, TruthEdit};
 
 /// Something that goes wrong, or a scene that is difficult.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -125,9 +125,9 @@ impl Disturbance {
         }
     }
 
-    /// Values of the dial, the undisturbed one first, the worst last.
+    /// Values of the dial, the undisturbed one first, the worst last. As many cameras stay as the truth needs.
     #[must_use]
-    pub fn dial(self, capture: &Capture) -> Vec<f64> {
+    pub fn dial(self, capture: &Capture, truth: &Truth) -> Vec<f64> {
         match self {
             Self::DepthNoise => vec![0.0, 0.1, 0.3, 1.0, 3.0],
             Self::DepthSteps => vec![24.0, 12.0, 10.0, 8.0, 6.0],
@@ -138,7 +138,10 @@ impl Disturbance {
             Self::NormalsNoisy => vec![0.0, 5.0, 15.0, 45.0],
             Self::CameraPose => vec![0.0, 0.05, 0.2, 0.5, 1.0],
             Self::OutOfSync => vec![0.0, 1.0, 2.0, 4.0],
-            Self::FewerCameras => (0..capture.cameras.len().min(5)).map(|gone| gone as f64).collect(),
+            Self::FewerCameras => {
+                let gone = capture.cameras.len().saturating_sub(truth.least_cameras()).min(4);
+                (0..=gone).map(|gone| gone as f64).collect()
+            }
             Self::ThinStructures => vec![8.0, 4.0, 2.0, 1.0, 0.5],
             Self::GrazingViews => vec![0.0, 45.0, 70.0, 80.0, 87.0],
             Self::NarrowFrusta => vec![100.0, 80.0, 60.0, 40.0],
