@@ -8,6 +8,7 @@ mod demo;
 mod evaluate;
 mod export;
 mod info;
+mod inputs;
 mod machine;
 mod output;
 mod picture;

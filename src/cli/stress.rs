@@ -51,7 +51,8 @@ impl StressArgs {
         if !self.only.is_empty() {
             plan.disturbances.retain(|disturbance| self.only.iter().any(|name| name == disturbance.name()));
         }
-        let journal = results::Journal::open(&self.out, "stress", &self.truth.fingerprint(&capture, &truth))?;
+        let fingerprint = self.truth.fingerprint(&self.capture, &capture, &truth)?;
+        let journal = results::Journal::open(&self.out, "stress", &fingerprint)?;
         plan.done = journal.points();
         let points = results::recorded(Some(&journal), |job, keep| {
             stress::run(&capture, &plan, &truth, job, |point, _| keep(point))

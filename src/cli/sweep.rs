@@ -50,9 +50,10 @@ impl SweepArgs {
         let mut settings = self.settings.over(Settings::default())?;
         self.painting.apply(&mut settings.render);
         let opened = super::open_capture(&self.capture, &settings.capture)?;
-        let (capture, truth) = self.truth.open(&self.capture, opened)?;
+        let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         let mut plan = self.plan(&settings, &capture)?;
-        let journal = results::Journal::open(&self.out, "sweep", &self.truth.fingerprint(&capture, &truth))?;
+        let fingerprint = self.truth.fingerprint(&self.capture, &opened, &truth)?;
+        let journal = results::Journal::open(&self.out, "sweep", &fingerprint)?;
         plan.done = journal.points();
         let points = results::recorded(Some(&journal), |job, keep| {
             sweep::run(&capture, &plan, &truth, job, |point, _| keep(point))

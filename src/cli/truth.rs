@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::Failure;
-use crate::capture::{Camera, Capture, transforms};
+use super::{Failure, inputs};
+use crate::capture::{Capture, transforms};
 use crate::evaluate::subset;
 use crate::evaluate::truth::Truth;
 
@@ -25,16 +25,21 @@ pub(super) struct TruthArgs {
 
 impl TruthArgs {
     /// The capture to work on, and its truth.
-    pub(super) fn open(&self, path: &Path, capture: Capture) -> Result<(Capture, Truth), Failure> {
-        let truth = self.truth(path, &capture)?;
-        let Some(frames) = self.frames else { return Ok((capture, truth)) };
-        Ok(subset::frames(&capture, truth, frames)?)
+    pub(super) fn open(&self, path: &Path, opened: &Capture) -> Result<(Capture, Truth), Failure> {
+        let truth = self.truth(path, opened)?;
+        let Some(frames) = self.frames else { return Ok((opened.clone(), truth)) };
+        Ok(subset::frames(opened, truth, frames)?)
+    }
+
+    /// The manifest of the views that are the truth, where they are.
+    fn views(&self, path: &Path) -> Option<PathBuf> {
+        let beside = || if self.cross_validate { None } else { transforms::truth_beside(path) };
+        self.views.clone().or_else(beside)
     }
 
     /// The truth at all frames.
     pub(super) fn truth(&self, path: &Path, capture: &Capture) -> Result<Truth, Failure> {
-        let beside = || if self.cross_validate { None } else { transforms::truth_beside(path) };
-        match self.views.clone().or_else(beside) {
+        match self.views(path) {
             Some(views) => Ok(Truth::Views(transforms::open_views(&views)?)),
             None if capture.cameras.len() >= Truth::HoldOut.least_cameras() => Ok(Truth::HoldOut),
             None => Err(Failure::Usage(format!(
@@ -57,19 +62,20 @@ impl TruthArgs {
         )
     }
 
-    /// Tells results apart that must not be mixed.
-    pub(super) fn fingerprint(&self, capture: &Capture, truth: &Truth) -> String {
-        let cameras: Vec<_> = capture
-            .cameras
-            .iter()
-            .map(|Camera { name, intrinsics: i, .. }| (name, i.width, i.height))
-            .collect();
-        format!(
-            "{} {} {cameras:?} {:?} {}",
+    /// Tells results apart that must not be mixed. `opened` is the capture of `path` with all its frames.
+    pub(super) fn fingerprint(
+        &self,
+        path: &Path,
+        opened: &Capture,
+        truth: &Truth,
+    ) -> Result<String, Failure> {
+        Ok(format!(
+            "{} {} {:?} {} {}",
             env!("CARGO_PKG_VERSION"),
-            capture.name,
-            capture.frame_numbers,
-            self.words(capture, truth)
-        )
+            opened.name,
+            opened.frame_numbers,
+            self.words(opened, truth),
+            inputs::state(path, opened, self.views(path).as_deref())?
+        ))
     }
 }

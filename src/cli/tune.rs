@@ -42,11 +42,12 @@ pub(super) struct TuneArgs {
 impl TuneArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let settings = self.settings.over(Settings::default())?;
-        let capture = super::open_capture(&self.capture, &settings.capture)?;
-        let (capture, truth) = self.truth.open(&self.capture, capture)?;
+        let opened = super::open_capture(&self.capture, &settings.capture)?;
+        let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         let journal = match &self.journal {
             Some(folder) => {
-                Some(results::Journal::open(folder, "tune", &self.truth.fingerprint(&capture, &truth))?)
+                let fingerprint = self.truth.fingerprint(&self.capture, &opened, &truth)?;
+                Some(results::Journal::open(folder, "tune", &fingerprint)?)
             }
             None => None,
         };
