@@ -249,4 +249,14 @@ fn a_view_that_would_leave_the_output_folder_is_refused_before_anything_is_paint
     std::fs::write(here.join("views.json"), manifest.to_string()).unwrap();
     let line = trouble(here, &["render", "scene.ovl", "--views", "views.json", "--out", "pictures"]);
     assert!(line.contains("a/b.exr") && line.contains("77"), "{line}");
+
+    // Nor is the truth painted over.
+    let truth = here.join("scene/novel").join(manifest["frames"][0]["file_path"].as_str().unwrap());
+    let before = std::fs::read(&truth).unwrap();
+    let views = "scene/novel/transforms.json";
+    let line = trouble(here, &["render", "scene.ovl", "--views", views, "--out", "scene/novel"]);
+    assert!(line.contains("written over") && line.contains("--out"), "{line}");
+    assert!(std::fs::read(&truth).unwrap() == before && !truth.with_extension("png").exists());
+    let line = trouble(here, &["export", "points", "scene.ovl", "--static", "--out", "./scene.ovl"]);
+    assert!(line.contains("is what is read"), "{line}");
 }

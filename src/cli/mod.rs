@@ -21,6 +21,7 @@ mod settings;
 mod sizes;
 mod stress;
 mod sweep;
+mod targets;
 mod truth;
 mod tune;
 mod verify;

@@ -7,7 +7,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::picture::PicturePaths;
-use super::{Failure, SettingsArgs, output, progress};
+use super::{Failure, SettingsArgs, output, progress, targets};
 use crate::capture::{View, transforms};
 use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, Scoreboard, render_view};
@@ -102,7 +102,9 @@ impl RenderArgs {
             }
             Ok(paths)
         };
-        views.iter().map(path_of).collect()
+        let paths = views.iter().map(path_of).collect::<Result<Vec<_>>>()?;
+        targets::apart_from_pictures_of(&self.views, &paths)?;
+        Ok(paths)
     }
 }
 

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::super::picture::PicturePaths;
 use super::super::render::PaintingArgs;
-use super::super::{Failure, SettingsArgs, output, progress};
+use super::super::{Failure, SettingsArgs, output, progress, targets};
 use super::path::{self, Stops};
 use crate::error::Result;
 use crate::job::Job;
@@ -69,10 +69,11 @@ impl PicturesArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let playback = Arc::new(super::open(&self.film.store)?);
         let (stops, settings) = self.film.plan(&playback)?;
+        let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));
+        let paths = stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;
+        targets::apart_from_pictures_of(&self.film.path, &paths)?;
         progress::watched(|job| {
-            paint(&playback, &stops, &settings, job, |nth, picture| {
-                PicturePaths::below(&self.out, &format!("{:04}", stops.numbers[nth]))?.write(picture)
-            })
+            paint(&playback, &stops, &settings, job, |nth, picture| paths[nth].write(picture))
         })?;
         output::warn(&playback.store().damage());
         output::print(&format!(

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::super::{Failure, output, progress};
+use super::super::{Failure, output, progress, targets};
 use super::ply;
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -28,6 +28,7 @@ pub(super) struct PointsArgs {
 
 impl PointsArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
+        targets::apart_from(&self.store, &self.out)?;
         let playback = super::open(&self.store)?;
         let (files, points) = progress::watched(|job| self.write(&playback, job))?;
         output::warn(&playback.store().damage());

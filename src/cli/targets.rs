@@ -1,0 +1,83 @@
+//! Where results go, looked at before the work: long work must end neither in "no such folder" nor in what it was made from.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use super::inputs;
+use super::picture::PicturePaths;
+use crate::error::{Error, Result};
+
+/// Refuses pictures that would lie where those of the manifest are looked for: a true picture must not be painted over, nor what is
+/// painted be held for one the next time.
+///
+/// # Errors
+/// `Invalid` naming the first; whatever the manifest gives.
+pub(super) fn apart_from_pictures_of(manifest: &Path, targets: &[PicturePaths]) -> Result<()> {
+    let own: HashSet<PathBuf> = inputs::pictures_of(manifest)?.iter().map(|path| resolved(path)).collect();
+    let written = targets.iter().flat_map(|paths| [&paths.exr, &paths.png]);
+    match written.into_iter().find(|path| own.contains(&resolved(path))) {
+        None => Ok(()),
+        Some(taken) => Err(Error::invalid(
+            taken.display(),
+            format!(
+                "is where {} looks for a picture of its own, which would be written over; name another folder with --out",
+                manifest.display()
+            ),
+        )),
+    }
+}
+
+/// Refuses to write over the file that is read.
+///
+/// # Errors
+/// `Invalid` where it is the same.
+pub(super) fn apart_from(input: &Path, out: &Path) -> Result<()> {
+    if resolved(input) != resolved(out) {
+        return Ok(());
+    }
+    Err(Error::invalid(out.display(), "is what is read; name another file with --out"))
+}
+
+/// One name for whatever is the same file, or would be.
+fn resolved(path: &Path) -> PathBuf {
+    let absolute = || std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    path.canonicalize().unwrap_or_else(|_| match (path.parent(), path.file_name()) {
+        (Some(folder), Some(name)) if !folder.as_os_str().is_empty() => resolved(folder).join(name),
+        _ => absolute(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_that_would_replace_their_truth_are_refused_whatever_the_path_is_called() {
+        let folder = tempfile::tempdir().unwrap();
+        let here = folder.path();
+        std::fs::create_dir_all(here.join("novel/a")).unwrap();
+        std::fs::create_dir(here.join("other")).unwrap();
+        std::fs::write(here.join("novel/a/1.exr"), "the truth").unwrap();
+        let manifest = here.join("novel/transforms.json");
+        let entries = ["a/1.exr", "a/2.png", "b/3"]
+            .map(|name| format!(r#"{{"file_path":"{name}","transform_matrix":[]}}"#));
+        std::fs::write(&manifest, format!(r#"{{"frames":[{}]}}"#, entries.join(","))).unwrap();
+        let refused = |out: &Path, name: &str| {
+            let targets = [PicturePaths::below(out, name).unwrap()];
+            let outcome = [&manifest, &here.join("novel")].map(|it| apart_from_pictures_of(it, &targets));
+            assert_eq!(outcome[0].is_err(), outcome[1].is_err());
+            outcome[0].as_ref().err().map(ToString::to_string)
+        };
+        for name in ["a/1.exr", "./a/1", "a/2.png", "b/3"] {
+            let said = refused(&here.join("other/../novel"), name).unwrap();
+            assert!(said.contains("--out") && said.contains("novel"), "{said}");
+            assert_eq!(refused(&here.join("other"), name), None);
+        }
+        assert_eq!(refused(&here.join("novel"), "a/11.exr"), None);
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(here.join("novel"), here.join("link")).unwrap();
+            assert!(refused(&here.join("link"), "a/1.exr").is_some());
+        }
+    }
+}
