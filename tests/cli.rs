@@ -166,12 +166,30 @@ fn the_whole_chain_runs_from_a_demo_to_scores() {
     // Through the file or not: the same samples, the same pictures.
     assert_eq!(painted["mean"]["psnr_db"], scored["mean"]["psnr_db"]);
     filling_is_chosen_and_keeps_the_mask(here, views, &painted);
-    assert_keys(&scored, &["no_pruning", "first_camera", "samples_kept", "bytes_memory"]);
+    assert_keys(&scored, &["no_pruning", "first_camera", "samples_kept", "bytes_memory", "bytes_store"]);
+    what_the_store_gives_up_shows_in_the_scores(here, views, &scored);
     for view in painted["views"].as_array().unwrap() {
         let exr = here.join("pictures").join(view["file_path"].as_str().unwrap());
         let png = image::open(exr.with_extension("png")).unwrap();
         assert_eq!((png.width(), png.height()), (64, 48));
         assert!(exr.is_file());
+    }
+}
+
+/// `lossless` is what `evaluate` says of a store that keeps every bit.
+fn what_the_store_gives_up_shows_in_the_scores(here: &Path, views: &str, lossless: &Value) {
+    let rounded = ["--set", "store.precision=bits8"];
+    let point = ["--kernel", "point", "--json"];
+    let scored = json(here, &[["evaluate", "scene"].as_slice(), &rounded, &point].concat());
+    success(here, &[["export", "store", "scene.ovl", "--out", "rounded.ovl"].as_slice(), &rounded].concat());
+    let render = ["render", "rounded.ovl", "--views", views, "--out", "rounded"];
+    let painted = json(here, &[render.as_slice(), &point].concat());
+    assert_eq!(scored["mean"]["psnr_db"], painted["mean"]["psnr_db"]);
+    assert_ne!(scored["mean"]["psnr_db"], lossless["mean"]["psnr_db"]);
+    for method in [&["bytes_store"][..], &["no_pruning", "bytes_store"]] {
+        let bytes =
+            |document: &Value| method.iter().fold(document.clone(), |it, key| it[*key].clone()).as_u64();
+        assert!(bytes(&scored).unwrap() < bytes(lossless).unwrap());
     }
 }
 

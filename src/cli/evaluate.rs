@@ -145,23 +145,25 @@ pub(super) fn painter_line(evaluation: &Evaluation) -> String {
 /// One line per way to prune.
 fn comparison_table(comparison: &Comparison) -> String {
     let mut text = format!(
-        "{:<16}{} {:>10} {:>14} {:>12}",
+        "{:<16}{} {:>10} {:>14} {:>12} {:>12}",
         "pruning",
         accuracy_head(),
         "ms",
         "samples kept",
-        "in memory"
+        "in memory",
+        "in the store"
     );
     for compared in [&comparison.as_set, &comparison.no_pruning, &comparison.first_camera] {
         let mean = &compared.evaluation.mean;
         let _ = write!(
             text,
-            "\n{:<16}{} {:>10.1} {:>14} {:>12}",
+            "\n{:<16}{} {:>10.1} {:>14} {:>12} {:>12}",
             compared.method.name(),
             accuracy_columns(of_mean(mean)),
             mean.milliseconds,
             output::count(compared.samples_kept),
-            output::bytes(compared.bytes_memory)
+            output::bytes(compared.bytes_memory),
+            output::bytes(compared.bytes_store)
         );
     }
     text

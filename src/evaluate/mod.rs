@@ -243,6 +243,8 @@ pub struct Compared {
     pub samples_kept: u64,
     /// Bytes of the kept samples in memory.
     pub bytes_memory: u64,
+    /// Bytes of the store.
+    pub bytes_store: u64,
     /// How close to the truth.
     #[serde(flatten)]
     pub evaluation: Evaluation,
@@ -259,20 +261,22 @@ pub struct Comparison {
     pub first_camera: Compared,
 }
 
-/// Scores the given settings, no pruning, and first camera wins. The frames are scanned once.
+/// Scores the given settings, no pruning, and first camera wins. The frames are scanned once. What is painted has been through
+/// the file, so that precision given up there shows in the scores.
 ///
 /// # Errors
-/// As [`preprocess::preprocess`] and [`evaluate`].
+/// As [`preprocess::preprocess`], [`crate::store::write`] and [`evaluate`].
 pub fn compare(capture: &Capture, views: &[View], settings: &Settings, job: &Job) -> Result<Comparison> {
     let mut renderer = Renderer::strict(settings.render.backend)?;
     let scan = preprocess::scan(capture, settings, job)?;
     let mut compared = |method| {
         let mut settings = settings.clone();
         settings.pruning.method = method;
-        let samples = preprocess::prune(capture, &scan, &settings, job)?.samples;
+        let pruned = preprocess::prune(capture, &scan, &settings, job)?;
+        let (samples, _, bytes_store) = trial::stored(&pruned.samples, &pruned.report, job)?;
         let evaluation = evaluate_with(&mut renderer, &samples, views, &settings.render, job)?;
         let (samples_kept, bytes_memory) = (samples.sample_count(), samples.bytes());
-        Ok(Compared { method, samples_kept, bytes_memory, evaluation })
+        Ok(Compared { method, samples_kept, bytes_memory, bytes_store, evaluation })
     };
     Ok(Comparison {
         as_set: compared(settings.pruning.method)?,

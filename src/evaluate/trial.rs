@@ -263,14 +263,15 @@ impl FoldState {
             self.models.insert(0, known);
             return Ok(self.models[0].1.clone());
         }
-        let model = Arc::new(match trial.thinning {
+        let model = match trial.thinning {
             Thinning::None => self.pruned(trial, job)?,
             thinning => {
                 let count = self.model(&Trial::new("reference", reference.clone()), reference, job)?;
                 self.thinned(trial, thinning, count.samples.sample_count(), job)?
             }
-        });
-        let model = Arc::new(stored(&model, job)?);
+        };
+        let (samples, report, bytes) = stored(&model.samples, &model.report, job)?;
+        let model = Arc::new(Model { samples, report, bytes, seconds: model.seconds });
         self.models.truncate(KEPT - 1);
         self.models.insert(0, (key, model.clone()));
         Ok(model)
@@ -333,13 +334,17 @@ impl FoldState {
     }
 }
 
-/// The model as it comes back from a file.
-fn stored(model: &Model, job: &Job) -> Result<Model> {
+/// Samples and report as they come back from a file, and the bytes it has.
+pub(super) fn stored(
+    samples: &SampleSet,
+    report: &Report,
+    job: &Job,
+) -> Result<(Arc<SampleSet>, Report, u64)> {
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
     let path = folder.path().join("trial.ovl");
-    let bytes = store::write(&path, &model.samples, &model.report, job)?;
+    let bytes = store::write(&path, samples, report, job)?;
     let (samples, report) = store::read(&path, job)?;
-    Ok(Model { samples: Arc::new(samples), report, bytes, seconds: model.seconds })
+    Ok((Arc::new(samples), report, bytes))
 }
 
 /// How much work a kernel does per sample, as a rule that is the same on every machine: ranks of the measured times.

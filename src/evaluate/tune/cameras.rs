@@ -12,7 +12,7 @@ use crate::evaluate::evaluate;
 use crate::evaluate::hold_out;
 use crate::evaluate::metrics::Scores;
 use crate::evaluate::sweep::Point;
-use crate::evaluate::trial::{Estimate, Trial};
+use crate::evaluate::trial::{Estimate, Trial, stored};
 use crate::evaluate::truth::Truth;
 use crate::preprocess;
 use crate::settings::{Fill, RenderSettings, Settings};
@@ -80,7 +80,8 @@ fn at_its_own_place(
 ) -> Result<f64> {
     let (_, views) = hold_out::split(capture, &[name.to_owned()])?;
     let rest = capture.with_cameras(|_, camera| without.contains(&camera.name));
-    let samples = preprocess::preprocess(&rest, settings, search.job)?.samples;
+    let pruned = preprocess::preprocess(&rest, settings, search.job)?;
+    let (samples, ..) = stored(&pruned.samples, &pruned.report, search.job)?;
     let filling = RenderSettings { fill: Fill::PushPull, ..settings.render.clone() };
     let evaluation = evaluate(&samples, &views, &filling, search.job)?;
     let scores: Vec<Scores> = evaluation.views.iter().filter_map(|view| view.scores).collect();
