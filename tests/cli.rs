@@ -59,6 +59,10 @@ fn bad_usage_exits_with_2() {
         &["demo", "atlantis", "--out", "x"],
         &["demo", "orrery", "--out", "x", "--size", "big"],
         &["demo", "orrery", "--out", "x", "--cameras", "0"],
+        &["render", "x", "--views", "y", "--out", "z", "--set", "pruning.rate=paper"],
+        &["export", "pictures", "x", "--path", "y", "--out", "z", "--set", "store.precision=bits8"],
+        &["export", "video", "x", "--path", "y", "--out", "z", "--set", "spans.levels=off"],
+        &["export", "store", "x", "--out", "z", "--set", "render.kernel=block"],
         &["evaluate", "x", "--views", "y", "--hold-out", "z"],
         &["info", "x", "--threads", "0"],
     ] {

@@ -119,6 +119,21 @@ impl SettingsArgs {
         }
         Ok(settings)
     }
+
+    /// Refuses to --set what is not in the one section that a command uses: it would change nothing. A file of settings may say
+    /// more, as it serves other commands too.
+    fn only(&self, section: &str) -> Result<(), Failure> {
+        for assignment in &self.set {
+            Settings::default().set_text(assignment).map_err(|error| Failure::Usage(error.to_string()))?;
+            if assignment.split('.').next().map(str::trim) != Some(section) {
+                return Err(Failure::Usage(format!(
+                    "--set {assignment}: of a store that is there, this command uses settings of '{section}' alone; the others are \
+                     those it was preprocessed with"
+                )));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Opens a capture and says on stderr what is odd about it.
@@ -240,5 +255,26 @@ mod tests {
         assert_eq!(args.over(base).unwrap().pruning.normal_tolerance, 50.0);
         args.set.push("pruning.nonsense=1".to_owned());
         assert!(matches!(args.over(Settings::default()), Err(Failure::Usage(_))));
+    }
+
+    #[test]
+    fn values_that_a_command_does_not_use_are_refused() {
+        let set = |assignment: &str| SettingsArgs { settings: None, set: vec![assignment.to_owned()] };
+        assert!(set("render.kernel=block").only("render").is_ok());
+        assert!(set(" store.precision = bits8").only("store").is_ok());
+        for (assignment, section) in [
+            ("pruning.rate=paper", "render"),
+            ("store.precision=bits8", "render"),
+            ("render.kernel=block", "store"),
+        ] {
+            let Err(Failure::Usage(said)) = set(assignment).only(section) else {
+                panic!("{assignment} passed")
+            };
+            assert!(said.contains(assignment) && said.contains(section), "{said}");
+        }
+        let Err(Failure::Usage(said)) = set("render.nonsense=1").only("store") else {
+            panic!("nonsense passed")
+        };
+        assert!(said.contains("no such setting"), "{said}");
     }
 }

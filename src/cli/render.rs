@@ -69,6 +69,7 @@ where
 
 impl RenderArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
+        self.settings.only("render")?;
         let playback = super::export::open(&self.store)?;
         let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
         self.painting.apply(&mut settings);

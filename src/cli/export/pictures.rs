@@ -20,7 +20,7 @@ use crate::store::Playback;
 #[derive(Debug, Args)]
 pub(super) struct FilmArgs {
     /// The store.
-    pub(super) store: PathBuf,
+    store: PathBuf,
     /// The camera path: a manifest of views, one place at a time; between them the camera moves smoothly.
     #[arg(long, value_name = "TRANSFORMS")]
     path: PathBuf,
@@ -31,12 +31,15 @@ pub(super) struct FilmArgs {
 }
 
 impl FilmArgs {
-    /// The stops of the path and the settings to paint with.
-    pub(super) fn plan(&self, playback: &Playback) -> Result<(Stops, RenderSettings), Failure> {
+    /// The open store, the stops of the path, and the settings to paint with.
+    pub(super) fn plan(&self) -> Result<(Arc<Playback>, Stops, RenderSettings), Failure> {
+        self.settings.only("render")?;
+        let playback = super::open(&self.store)?;
         let info = playback.store().info();
         let mut settings: Settings = self.settings.over(info.settings.clone())?;
         self.painting.apply(&mut settings.render);
-        Ok((path::along(&self.path, &info.frame_numbers)?, settings.render))
+        let stops = path::along(&self.path, &info.frame_numbers)?;
+        Ok((Arc::new(playback), stops, settings.render))
     }
 }
 
@@ -67,8 +70,7 @@ pub(super) struct PicturesArgs {
 
 impl PicturesArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let playback = Arc::new(super::open(&self.film.store)?);
-        let (stops, settings) = self.film.plan(&playback)?;
+        let (playback, stops, settings) = self.film.plan()?;
         let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));
         let paths = stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;
         targets::apart_from_pictures_of(&self.film.path, &paths)?;

@@ -22,6 +22,7 @@ pub(super) struct StoreArgs {
 
 impl StoreArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
+        self.settings.only("store")?;
         let opened = Store::open(&self.store)?;
         let settings = self.settings.over(opened.info().settings.clone())?;
         let bytes =

@@ -1,7 +1,6 @@
 //! `overlook export video`.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use clap::Args;
 
@@ -33,8 +32,7 @@ fn frames_per_second(text: &str) -> Result<f64, String> {
 
 impl VideoArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let playback = Arc::new(super::open(&self.film.store)?);
-        let (stops, settings) = self.film.plan(&playback)?;
+        let (playback, stops, settings) = self.film.plan()?;
         let (width, height) = stops.vantages[0].camera.intrinsics.size();
         let mut encoder = Encoder::start(&self.out, [width, height], self.fps)?;
         progress::watched(|job| {
