@@ -96,4 +96,13 @@ fn without_an_adapter_the_gpu_is_refused_in_one_line_and_auto_paints_on_the_cpu(
     let document: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(document["views"][0]["backend"], "cpu");
     assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+
+    // A sweep from settings that need none must not label the CPU's times with the GPU's name, nor find out last.
+    let sweep = ["sweep", "demo", "--backend", "cpu", "--vary", "render.backend=cpu,gpu", "--out", "sweep"];
+    let output = without_drivers(overlook(here, &sweep)).output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.lines().count() == 1 && stderr.contains("no adapter"), "{stderr}");
+    let journal = std::fs::read_to_string(here.join("sweep/sweep.journal")).unwrap();
+    assert_eq!(journal.lines().count(), 1, "nothing was measured");
 }

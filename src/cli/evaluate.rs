@@ -50,20 +50,22 @@ impl EvaluateArgs {
         let capture = super::open_capture(&self.capture, &settings.capture)?;
         let (capture, views) = self.truth(capture)?;
         let comparison = progress::watched(|job| compare(&capture, &views, &settings, job))?;
-        output::warn(comparison.as_set.evaluation.notice.as_slice());
+        let Comparison { as_set, no_pruning, first_camera } = &comparison;
+        let notices = [as_set, no_pruning, first_camera].map(|compared| compared.evaluation.notice.clone());
+        output::warn(&notices.into_iter().flatten().collect::<BTreeSet<_>>().into_iter().collect::<Vec<_>>());
         if self.json {
             return output::print_json(&EvaluateOutput {
-                as_set: &comparison.as_set,
-                no_pruning: &comparison.no_pruning,
-                first_camera: &comparison.first_camera,
+                as_set,
+                no_pruning,
+                first_camera,
                 hold_out: &self.hold_out,
                 settings: &settings,
             });
         }
         output::print(&format!(
             "{}\n{}\n\n{}",
-            view_table(&comparison.as_set.evaluation),
-            painter_line(&comparison.as_set.evaluation),
+            view_table(&as_set.evaluation),
+            painter_line(&as_set.evaluation),
             comparison_table(&comparison)
         ))
     }

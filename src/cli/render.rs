@@ -130,5 +130,5 @@ fn paint(
         scores.add(view, painted);
         job.advance(1);
     }
-    Ok(scores.finish(&renderer))
+    Ok(scores.finish())
 }

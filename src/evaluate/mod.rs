@@ -100,6 +100,7 @@ pub struct Evaluation {
 pub struct Scoreboard {
     views: Vec<ViewScore>,
     flicker: FlickerMeter,
+    notice: Option<String>,
 }
 
 impl Scoreboard {
@@ -109,11 +110,12 @@ impl Scoreboard {
             self.flicker.add(&view.camera, pair);
         }
         self.views.push(painted.score);
+        self.notice = self.notice.take().or(painted.notice);
     }
 
-    /// Scores and means of what `renderer` painted.
+    /// Scores and means of what was painted, and the first notice.
     #[must_use]
-    pub fn finish(self, renderer: &Renderer) -> Evaluation {
+    pub fn finish(self) -> Evaluation {
         let views = self.views;
         let mean_score = |value: &dyn Fn(&Scores) -> Option<f64>| {
             mean(views.iter().filter_map(|view| value(view.scores.as_ref()?)))
@@ -130,7 +132,7 @@ impl Scoreboard {
             milliseconds: mean(views.iter().map(|view| view.milliseconds)).unwrap_or_default(),
             samples: mean(views.iter().map(|view| view.samples as f64)).unwrap_or_default(),
         };
-        Evaluation { views, mean, notice: renderer.notice().map(str::to_owned) }
+        Evaluation { views, mean, notice: self.notice }
     }
 }
 
@@ -150,6 +152,8 @@ pub struct PaintedView {
     pub pair: Option<Pair>,
     /// The part of [`ViewScore::milliseconds`] that filling holes took.
     pub fill_ms: f64,
+    /// Why something else painted it than was asked for.
+    pub notice: Option<String>,
 }
 
 /// Paints one view and, where its truth is known, scores it. Nothing is kept from one view to the next, so that neither
@@ -194,7 +198,8 @@ pub fn render_view(
         samples: stats.samples,
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
     };
-    Ok(PaintedView { picture, score, pair, fill_ms: stats.fill_ms })
+    let notice = renderer.notice().map(str::to_owned);
+    Ok(PaintedView { picture, score, pair, fill_ms: stats.fill_ms, notice })
 }
 
 /// Scores the views whose truth is known.
@@ -231,7 +236,7 @@ fn evaluate_with(
         scores.add(view, render_view(renderer, samples, view, settings, job)?);
         job.advance(1);
     }
-    Ok(scores.finish(renderer))
+    Ok(scores.finish())
 }
 
 /// One way to prune: what it costs and how close to the truth it stays.

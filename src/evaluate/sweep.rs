@@ -149,6 +149,8 @@ pub fn run(
     let open = points.iter().filter(|point| point.is_none()).count();
     if open > 0 {
         let mut workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.reference, job)?;
+        let to_measure = plan.trials.iter().zip(&points).filter(|(_, point)| point.is_none());
+        workbench.open(to_measure.map(|(planned, _)| &planned.trial))?;
         let (started, mut measured) = (Instant::now(), 0);
         for (planned, slot) in plan.trials.iter().zip(&mut points) {
             if slot.is_some() {

@@ -10,6 +10,7 @@
 //! what it gains everywhere else.
 
 use std::collections::BTreeSet;
+use std::collections::hash_map::{Entry, HashMap};
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -23,7 +24,8 @@ use crate::job::Job;
 use crate::preprocess::{self, Report, SampleSet, TemporalScan};
 use crate::render::Renderer;
 use crate::settings::{
-    CaptureSettings, Fill, Kernel, NormalSettings, PruningMethod, RenderSettings, Settings, SpanSettings,
+    Backend, CaptureSettings, Fill, Kernel, NormalSettings, PruningMethod, RenderSettings, Settings,
+    SpanSettings,
 };
 use crate::store;
 
@@ -144,35 +146,42 @@ const KEPT: usize = 3;
 pub struct Workbench {
     folds: Vec<FoldState>,
     reference: Settings,
-    renderer: Renderer,
+    /// What paints, by what a trial asks for.
+    renderers: HashMap<Backend, Renderer>,
 }
 
 impl Workbench {
     /// Loads the truth. `reference` says how many samples the baselines may keep.
     ///
     /// # Errors
-    /// As [`Truth::folds`]; `Gpu` where the settings ask for a GPU and there is none.
+    /// As [`Truth::folds`].
     pub fn new(recorded: &Recorded, truth: &Truth, reference: &Settings, job: &Job) -> Result<Self> {
         let folds = truth.folds(recorded, job)?;
         let state = |fold| FoldState { fold, scans: Vec::new(), models: Vec::new() };
         Ok(Self {
             folds: folds.into_iter().map(state).collect(),
             reference: reference.clone(),
-            renderer: Renderer::strict(reference.render.backend)?,
+            renderers: HashMap::new(),
         })
     }
 
-    /// Why something else paints than was asked for.
-    #[must_use]
-    pub fn notice(&self) -> Option<&str> {
-        self.renderer.notice()
+    /// Opens what will paint the trials, so that what is not there is told before anything is measured.
+    ///
+    /// # Errors
+    /// `Gpu` where one asks for a GPU and there is none.
+    pub fn open<'a>(&mut self, trials: impl IntoIterator<Item = &'a Trial>) -> Result<()> {
+        trials
+            .into_iter()
+            .try_for_each(|trial| opened(&mut self.renderers, trial.settings.render.backend).map(|_| ()))
     }
 
     /// Tries one setting.
     ///
     /// # Errors
-    /// As [`preprocess::preprocess`], [`store::write`] and [`render_view`]; `Invalid` where no fold has a camera left.
+    /// As [`preprocess::preprocess`], [`store::write`] and [`render_view`]; `Invalid` where no fold has a camera left; `Gpu` where
+    /// the GPU is asked for and cannot paint: the CPU's times must not pass for its own.
     pub fn measure(&mut self, trial: &Trial, job: &Job) -> Result<Measured> {
+        let renderer = opened(&mut self.renderers, trial.settings.render.backend)?;
         let filling = RenderSettings { fill: Fill::PushPull, ..trial.settings.render.clone() };
         let (mut models, mut evaluations) = (Vec::new(), Vec::new());
         for fold in &mut self.folds {
@@ -184,14 +193,19 @@ impl Workbench {
             let mut scores = Scoreboard::default();
             for view in &fold.fold.views {
                 job.check()?;
-                let mut painted = render_view(&mut self.renderer, &model.samples, view, &filling, job)?;
+                let mut painted = render_view(renderer, &model.samples, view, &filling, job)?;
+                if let (Backend::Gpu, Some(why)) = (filling.backend, &painted.notice) {
+                    return Err(Error::Gpu {
+                        what: format!("'{}' asks for the GPU, but {why}", trial.label),
+                    });
+                }
                 if trial.settings.render.fill == Fill::None {
                     painted.score.milliseconds -= painted.fill_ms;
                 }
                 scores.add(view, painted);
                 job.advance(1);
             }
-            evaluations.push(scores.finish(&self.renderer));
+            evaluations.push(scores.finish());
             models.push(model);
         }
         if models.is_empty() {
@@ -218,6 +232,14 @@ impl Workbench {
             seconds_preprocess: mean(&|model| model.seconds),
         })
     }
+}
+
+/// The renderer for a backend, opened when it is first asked for.
+fn opened(renderers: &mut HashMap<Backend, Renderer>, backend: Backend) -> Result<&mut Renderer> {
+    Ok(match renderers.entry(backend) {
+        Entry::Occupied(known) => known.into_mut(),
+        Entry::Vacant(new) => new.insert(Renderer::strict(backend)?),
+    })
 }
 
 /// Samples that live longer than one frame.

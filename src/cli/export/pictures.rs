@@ -43,7 +43,8 @@ impl FilmArgs {
     }
 }
 
-/// Paints every stop in order and hands the pictures on, with their place in the film.
+/// Paints every stop in order and hands the pictures on, with their place in the film; says why something else painted than was
+/// asked for.
 ///
 /// # Errors
 /// Whatever painting and `take` give, and `Cancelled`.
@@ -53,9 +54,10 @@ pub(super) fn paint(
     settings: &RenderSettings,
     job: &Job,
     take: impl FnMut(usize, &Picture) -> Result<()>,
-) -> Result<()> {
+) -> Result<Option<String>> {
     let mut renderer = Renderer::strict(settings.backend)?;
-    film::paint(&Reel::Disk(playback.clone()), &stops.vantages, &mut renderer, settings, job, take)
+    film::paint(&Reel::Disk(playback.clone()), &stops.vantages, &mut renderer, settings, job, take)?;
+    Ok(renderer.notice().map(str::to_owned))
 }
 
 /// Arguments of `overlook export pictures`.
@@ -74,9 +76,10 @@ impl PicturesArgs {
         let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));
         let paths = stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;
         targets::apart_from_pictures_of(&self.film.path, &paths)?;
-        progress::watched(|job| {
+        let notice = progress::watched(|job| {
             paint(&playback, &stops, &settings, job, |nth, picture| paths[nth].write(picture))
         })?;
+        output::warn(notice.as_slice());
         output::warn(&playback.store().damage());
         output::print(&format!(
             "Wrote {} pictures (EXR and PNG) to {}",

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::super::{Failure, output, progress};
 use super::pictures::{FilmArgs, paint};
+use crate::error::Error;
 use crate::render::film::Encoder;
 
 /// Arguments of `overlook export video`.
@@ -35,10 +36,12 @@ impl VideoArgs {
         let (playback, stops, settings) = self.film.plan()?;
         let (width, height) = stops.vantages[0].camera.intrinsics.size();
         let mut encoder = Encoder::start(&self.out, [width, height], self.fps)?;
-        progress::watched(|job| {
-            paint(&playback, &stops, &settings, job, |_, picture| encoder.add(picture))?;
-            encoder.finish()
+        let notice = progress::watched(|job| {
+            let notice = paint(&playback, &stops, &settings, job, |_, picture| encoder.add(picture))?;
+            encoder.finish()?;
+            Ok::<_, Error>(notice)
         })?;
+        output::warn(notice.as_slice());
         output::warn(&playback.store().damage());
         output::print(&format!("Wrote {} frames to {}", stops.numbers.len(), self.out.display()))
     }
