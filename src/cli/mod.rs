@@ -26,10 +26,12 @@ mod truth;
 mod tune;
 mod verify;
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use crate::capture::{Capture, transforms};
 use crate::error::Error;
@@ -51,11 +53,14 @@ Examples:
 
 Exit codes: 0 success, 1 bad input (one line on stderr says what, where and what to do), 2 bad usage, 130 stopped by Ctrl-C.";
 
+/// A path or a command: clap would draw both in one line.
+const USAGE: &str = "overlook [OPTIONS] [PATH]\n       overlook [OPTIONS] <COMMAND>";
+
 /// See, prune and explore animated scenes recorded as color and depth by several static cameras.
 ///
 /// Without a command, a window opens on PATH, or on the built-in scene.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
+#[command(version, after_help = EXAMPLES, override_usage = USAGE)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -164,7 +169,7 @@ pub type OpenWindow = fn(Option<PathBuf>) -> Result<(), Error>;
 /// Runs the program with the arguments it was started with. The window is handed in: commands need none.
 #[must_use]
 pub fn run(open_window: OpenWindow) -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match Cli::read(std::env::args_os()) {
         Ok(cli) => cli,
         Err(error) => {
             // Where stdout or stderr is closed there is nobody to tell.
@@ -190,6 +195,21 @@ pub fn run(open_window: OpenWindow) -> ExitCode {
 }
 
 impl Cli {
+    /// As `Parser::try_parse`. Clap's own way to refuse PATH before a command finds no command after --threads either.
+    fn read(arguments: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
+        let cli = Self::try_parse_from(arguments)?;
+        match &cli {
+            Self { command: Some(_), path: Some(path), .. } => {
+                let what = format!(
+                    "'{}' stands before a command, which takes what it works on after its own name",
+                    path.display()
+                );
+                Err(Self::command().error(ErrorKind::ArgumentConflict, what))
+            }
+            _ => Ok(cli),
+        }
+    }
+
     fn run(self, open_window: OpenWindow) -> Result<(), Failure> {
         use_threads(self.threads)?;
         match self.command {
@@ -236,7 +256,40 @@ mod tests {
 
     #[test]
     fn the_command_line_is_consistent() {
-        <Cli as clap::CommandFactory>::command().debug_assert();
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn threads_may_stand_before_and_after_a_command_and_a_path() {
+        let read =
+            |arguments: &str| Cli::read(format!("overlook {arguments}").split(' ').map(OsString::from));
+        for arguments in ["--threads 2 bench", "bench --threads 2", "--threads=2 bench --quick"] {
+            let cli = read(arguments).unwrap();
+            assert!(matches!(cli.command, Some(Command::Bench(_))) && cli.path.is_none(), "{arguments}");
+            assert_eq!(cli.threads, Some(2), "{arguments}");
+        }
+        for arguments in
+            ["--threads 2 preprocess scene --out x.ovl", "preprocess scene --threads 2 --out x.ovl"]
+        {
+            let cli = read(arguments).unwrap();
+            assert!(matches!(cli.command, Some(Command::Preprocess(_))), "{arguments}");
+            assert_eq!(cli.threads, Some(2), "{arguments}");
+        }
+        for arguments in ["--threads 2 scene", "scene --threads 2"] {
+            let cli = read(arguments).unwrap();
+            assert!(cli.command.is_none() && cli.path == Some("scene".into()), "{arguments}");
+            assert_eq!(cli.threads, Some(2), "{arguments}");
+        }
+        assert_eq!(read("bench").unwrap().threads, None);
+        for arguments in ["scene bench", "scene --threads 2 bench", "--threads 2 scene info scene"] {
+            let refused = read(arguments).unwrap_err();
+            assert_eq!(
+                (refused.kind(), refused.exit_code()),
+                (ErrorKind::ArgumentConflict, 2),
+                "{arguments}"
+            );
+            assert!(refused.to_string().contains("'scene' stands before a command"), "{refused}");
+        }
     }
 
     #[test]
