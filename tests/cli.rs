@@ -87,10 +87,23 @@ fn bad_input_exits_with_1_and_one_line_that_names_it() {
     ] {
         assert!(trouble(folder.path(), arguments).contains("missing"));
     }
-    assert!(
-        trouble(folder.path(), &["preprocess", "x", "--out", "no/where.ovl"])
-            .contains("folder no does not exist")
-    );
+    // Where results go is looked at before anything else.
+    for arguments in [
+        ["preprocess", "x", "--out", "no/where.ovl"].as_slice(),
+        &["tune", "x", "--out", "no/where.toml"],
+        &["export", "store", "x", "--out", "no/where.ovl"],
+        &["export", "video", "x", "--path", "y", "--out", "no/where.mp4"],
+        &["export", "points", "x", "--static", "--out", "no/where.ply"],
+    ] {
+        assert!(trouble(folder.path(), arguments).contains("folder no does not exist"));
+    }
+    for arguments in [
+        ["render", "x", "--views", "y", "--out", "bad.toml/pictures"].as_slice(),
+        &["export", "pictures", "x", "--path", "y", "--out", "bad.toml"],
+        &["export", "points", "x", "--out", "bad.toml"],
+    ] {
+        assert!(trouble(folder.path(), arguments).contains("bad.toml: is a file"));
+    }
     assert!(trouble(folder.path(), &["preprocess", "x", "--out", "."]).contains("is a folder"));
     assert!(trouble(folder.path(), &["info", "broken.ovl"]).contains("broken.ovl"));
     assert!(

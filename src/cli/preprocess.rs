@@ -9,7 +9,7 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Failure, SettingsArgs, machine, output, progress, rivals};
+use super::{Failure, SettingsArgs, machine, output, progress, rivals, targets};
 use crate::capture::{Capture, transforms};
 use crate::error::{Error, Result};
 use crate::evaluate::hold_out;
@@ -72,7 +72,7 @@ struct PreprocessOutput {
 impl PreprocessArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let settings = self.settings.over(Settings::default())?;
-        self.check_out()?;
+        targets::file(&self.out, "scene.ovl")?;
         let capture = self.open(&frame_cache(&settings))?;
         output::warn(&capture.warnings);
         let seconds_decode_only = if self.measure_decode { Some(self.decode_seconds()?) } else { None };
@@ -103,24 +103,6 @@ impl PreprocessArgs {
             report,
         };
         if self.json { output::print_json(&result) } else { output::print(&self.text(&result)) }
-    }
-
-    /// Long work must not end in "no such folder".
-    fn check_out(&self) -> Result<()> {
-        let folder = self.out.parent().filter(|folder| !folder.as_os_str().is_empty());
-        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-            return Err(Error::invalid(
-                self.out.display(),
-                format!("the folder {} does not exist; create it first", folder.display()),
-            ));
-        }
-        if self.out.is_dir() {
-            return Err(Error::invalid(
-                self.out.display(),
-                "is a folder; name a file in it, as in scene.ovl",
-            ));
-        }
-        Ok(())
     }
 
     fn open(&self, settings: &CaptureSettings) -> Result<Capture> {

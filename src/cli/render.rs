@@ -70,6 +70,7 @@ where
 impl RenderArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         self.settings.only("render")?;
+        targets::folder(&self.out)?;
         let playback = super::export::open(&self.store)?;
         let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
         self.painting.apply(&mut settings);

@@ -7,6 +7,41 @@ use super::inputs;
 use super::picture::PicturePaths;
 use crate::error::{Error, Result};
 
+/// Refuses a file that cannot be written where it is named; `example` says how one is called.
+///
+/// # Errors
+/// `Invalid` where its folder does not exist, and where it is a folder itself.
+pub(super) fn file(out: &Path, example: &str) -> Result<()> {
+    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        return Err(Error::invalid(
+            out.display(),
+            format!("the folder {} does not exist; create it first", folder.display()),
+        ));
+    }
+    if out.is_dir() {
+        return Err(Error::invalid(
+            out.display(),
+            format!("is a folder; name a file in it, as in {example}"),
+        ));
+    }
+    Ok(())
+}
+
+/// Refuses a folder that cannot be made, since a file stands there or above.
+///
+/// # Errors
+/// `Invalid` naming the file.
+pub(super) fn folder(out: &Path) -> Result<()> {
+    match out.ancestors().find(|place| place.is_file()) {
+        None => Ok(()),
+        Some(file) => Err(Error::invalid(
+            file.display(),
+            "is a file; name a folder, or one that can be made, with --out",
+        )),
+    }
+}
+
 /// Refuses pictures that would lie where those of the manifest are looked for: a true picture must not be painted over, nor what is
 /// painted be held for one the next time.
 ///
@@ -50,6 +85,26 @@ fn resolved(path: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn results_go_into_folders_that_are_there_and_pictures_into_folders_that_can_be_made() {
+        let here = tempfile::tempdir().unwrap();
+        let at = |name: &str| here.path().join(name);
+        std::fs::write(at("taken"), "a file").unwrap();
+        let said = |outcome: Result<()>| outcome.unwrap_err().to_string();
+        assert!(file(&at("scene.ovl"), "scene.ovl").is_ok());
+        assert!(file(&at("taken"), "scene.ovl").is_ok(), "results may be replaced");
+        assert!(file(Path::new("scene.ovl"), "scene.ovl").is_ok());
+        assert!(said(file(&at("none/scene.ovl"), "scene.ovl")).contains("does not exist"));
+        assert!(said(file(&at("taken/scene.ovl"), "scene.ovl")).contains("does not exist"));
+        assert!(
+            said(file(here.path(), "scene.ovl")).contains("is a folder; name a file in it, as in scene.ovl")
+        );
+        assert!(folder(here.path()).is_ok() && folder(&at("a/b")).is_ok() && folder(Path::new("a")).is_ok());
+        for place in ["taken", "taken/a/b"] {
+            assert!(said(folder(&at(place))).contains("taken: is a file"), "{place}");
+        }
+    }
 
     #[test]
     fn pictures_that_would_replace_their_truth_are_refused_whatever_the_path_is_called() {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::truth::TruthArgs;
-use super::{Failure, SettingsArgs, output, results};
+use super::{Failure, SettingsArgs, output, results, targets};
 use crate::error::Error;
 use crate::evaluate::tune::{self, Budget, Plan};
 use crate::settings::Settings;
@@ -42,6 +42,7 @@ pub(super) struct TuneArgs {
 impl TuneArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let settings = self.settings.over(Settings::default())?;
+        targets::file(&self.out, "tuned.toml")?;
         let opened = super::open_capture(&self.capture, &settings.capture)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         let journal = match &self.journal {

@@ -72,6 +72,7 @@ pub(super) struct PicturesArgs {
 
 impl PicturesArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
+        targets::folder(&self.out)?;
         let (playback, stops, settings) = self.film.plan()?;
         let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));
         let paths = stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;

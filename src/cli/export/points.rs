@@ -29,6 +29,11 @@ pub(super) struct PointsArgs {
 impl PointsArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         targets::apart_from(&self.store, &self.out)?;
+        if self.frame.is_some() || self.still {
+            targets::file(&self.out, "points.ply")?;
+        } else {
+            targets::folder(&self.out)?;
+        }
         let playback = super::open(&self.store)?;
         let (files, points) = progress::watched(|job| self.write(&playback, job))?;
         output::warn(&playback.store().damage());

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::super::{Failure, SettingsArgs, output, progress};
+use super::super::{Failure, SettingsArgs, output, progress, targets};
 use crate::store::{self, Store};
 
 /// Arguments of `overlook export store`.
@@ -23,6 +23,7 @@ pub(super) struct StoreArgs {
 impl StoreArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         self.settings.only("store")?;
+        targets::file(&self.out, "scene.ovl")?;
         let opened = Store::open(&self.store)?;
         let settings = self.settings.over(opened.info().settings.clone())?;
         let bytes =

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::super::{Failure, output, progress};
+use super::super::{Failure, output, progress, targets};
 use super::pictures::{FilmArgs, paint};
 use crate::error::Error;
 use crate::render::film::Encoder;
@@ -33,6 +33,7 @@ fn frames_per_second(text: &str) -> Result<f64, String> {
 
 impl VideoArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
+        targets::file(&self.out, "film.mp4")?;
         let (playback, stops, settings) = self.film.plan()?;
         let (width, height) = stops.vantages[0].camera.intrinsics.size();
         let mut encoder = Encoder::start(&self.out, [width, height], self.fps)?;
