@@ -4,6 +4,7 @@
 //! on success, 1 on bad input (with one line that says what, where, and what to do) and 2 on bad usage.
 
 mod bench;
+mod clock;
 mod demo;
 mod evaluate;
 mod export;

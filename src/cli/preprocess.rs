@@ -9,6 +9,7 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::clock::Clock;
 use super::{Failure, SettingsArgs, machine, output, progress, rivals, targets};
 use crate::capture::{Capture, transforms};
 use crate::error::{Error, Result};
@@ -16,9 +17,9 @@ use crate::evaluate::hold_out;
 use crate::job::Job;
 use crate::preprocess::report::CameraReport;
 use crate::preprocess::residuals::PairResiduals;
-use crate::preprocess::{Report, preprocess};
+use crate::preprocess::{Preprocessed, Report, preprocess};
 use crate::settings::{CaptureSettings, Settings, SpanLevels};
-use crate::store::{self, Extras, Provenance};
+use crate::store::{self, Extras, Provenance, Rivals};
 
 /// Arguments of `overlook preprocess`.
 #[derive(Debug, Args)]
@@ -60,6 +61,7 @@ struct PreprocessOutput {
     bytes_raw: u64,
     bytes_memory: u64,
     bytes_store: u64,
+    /// From the open capture to the whole store, without what --measure-decode and --measure-rivals add.
     seconds_total: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     seconds_decode_only: Option<f64>,
@@ -76,17 +78,15 @@ impl PreprocessArgs {
         let capture = self.open(&frame_cache(&settings))?;
         output::warn(&capture.warnings);
         let seconds_decode_only = if self.measure_decode { Some(self.decode_seconds()?) } else { None };
-        let started = Instant::now();
+        let mut clock = Clock::start();
         let (report, bytes_store) = progress::watched(|job| {
-            let preprocessed = preprocess(&capture, &settings, job)?;
-            let bytes = store::write_with(
-                &self.out,
-                &preprocessed.samples,
-                &preprocessed.report,
-                &self.extras(&capture, job)?,
-                job,
-            )?;
-            Ok::<_, Error>((preprocessed.report, bytes))
+            let Preprocessed { samples, report } = preprocess(&capture, &settings, job)?;
+            let inputs = rivals::input_files(&capture, job)?;
+            let rivals = clock.aside(|| self.rivals(&capture, job))?;
+            let provenance = Provenance { inputs, rivals, ..Provenance::default() };
+            let extras = Extras { provenance, ..Extras::default() };
+            let bytes = store::write_with(&self.out, &samples, &report, &extras, job)?;
+            Ok::<_, Error>((report, bytes))
         })?;
         output::warn(&report.doubts());
         let result = PreprocessOutput {
@@ -95,7 +95,7 @@ impl PreprocessArgs {
             bytes_raw: report.bytes_raw,
             bytes_memory: report.bytes_memory,
             bytes_store,
-            seconds_total: started.elapsed().as_secs_f64(),
+            seconds_total: clock.seconds(),
             seconds_decode_only,
             peak_rss_bytes: machine::peak_rss_bytes(),
             pruned: report.pruned.clone(),
@@ -110,10 +110,8 @@ impl PreprocessArgs {
         if self.hold_out.is_empty() { Ok(capture) } else { Ok(hold_out::split(&capture, &self.hold_out)?.0) }
     }
 
-    fn extras(&self, capture: &Capture, job: &Job) -> Result<Extras> {
-        let inputs = rivals::input_files(capture, job)?;
-        let rivals = if self.measure_rivals { Some(rivals::measure(capture, job)?) } else { None };
-        Ok(Extras { provenance: Provenance { inputs, rivals, ..Provenance::default() }, ..Extras::default() })
+    fn rivals(&self, capture: &Capture, job: &Job) -> Result<Option<Rivals>> {
+        self.measure_rivals.then(|| rivals::measure(capture, job)).transpose()
     }
 
     /// Decodes every frame once, through a capture of its own so that neither cache helps the other.
