@@ -26,6 +26,8 @@ mod receive;
 mod scene;
 mod start;
 mod state;
+#[cfg(test)]
+mod tests;
 mod text;
 mod texture;
 mod theme;

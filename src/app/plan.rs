@@ -200,8 +200,9 @@ impl Plan {
         }
         let rested = self.changed_at.map_or(DEBOUNCE, |at| at.elapsed());
         if rested < DEBOUNCE {
-            // What runs now works with settings that no longer hold.
+            // What runs now works with settings that no longer hold; should they come back, it is asked for again.
             lanes.whole.cancel();
+            self.whole = None;
             return Some(DEBOUNCE.saturating_sub(rested));
         }
         lanes.whole.submit(WholeRequest {

@@ -1,0 +1,64 @@
+//! What the window does between commands and answers, without a picture of it.
+
+use std::time::{Duration, Instant};
+
+use super::command::Command;
+use super::{OverlookApp, Start};
+use crate::capture::demo::DemoSpec;
+use crate::settings::PruningMethod;
+
+/// Far longer than anything here takes.
+const PATIENCE: Duration = Duration::from_mins(3);
+
+fn orrery(cameras: usize, frames: usize) -> DemoSpec {
+    DemoSpec {
+        scene: "orrery".into(),
+        cameras: Some(cameras),
+        frames: Some(frames),
+        size: Some((48, 36)),
+        noise: None,
+    }
+}
+
+/// The window's logic on a small scene.
+fn start(cameras: usize, frames: usize) -> OverlookApp {
+    let ctx = egui::Context::default();
+    let mut app = OverlookApp::new(&ctx, None, None, Start::Demo(orrery(cameras, frames))).unwrap();
+    app.state.live.size = [48, 36];
+    app
+}
+
+/// What happens between two pictures of the window.
+fn step(app: &mut OverlookApp) {
+    let ctx = app.ctx.clone();
+    eframe::App::logic(app, &ctx, &mut eframe::Frame::_new_kittest());
+}
+
+fn wait(app: &mut OverlookApp, what: &str, mut condition: impl FnMut(&OverlookApp) -> bool) {
+    let started = Instant::now();
+    while !condition(app) {
+        assert!(started.elapsed() < PATIENCE, "waited too long for {what}; messages: {:?}", app.notices());
+        step(app);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn settle(app: &mut OverlookApp) {
+    step(app);
+    wait(app, "all work to be done", OverlookApp::is_idle);
+}
+
+fn set_method(app: &mut OverlookApp, method: PruningMethod) {
+    app.apply(Command::Set { path: "pruning.method", value: method.to_string().into() });
+}
+
+#[test]
+fn a_threshold_changed_and_taken_back_at_once_leaves_the_capture_to_be_pruned() {
+    let mut app = start(4, 60);
+    wait(&mut app, "the capture to be pruned", |app| !app.lanes.whole.is_idle());
+    set_method(&mut app, PruningMethod::Off);
+    step(&mut app);
+    set_method(&mut app, PruningMethod::HighestRate);
+    settle(&mut app);
+    assert!(app.state.whole.is_some() && !app.state.is_stale());
+}
