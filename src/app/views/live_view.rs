@@ -58,7 +58,7 @@ pub(crate) fn places_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>)
     if icon_button(ui, icon, name, name).clicked() {
         commands.push(Command::ShowCameras(!state.live.show_cameras));
     }
-    if icon_button(ui, ICON_HOME, "Reset view", "Back to the first vantage (F)").clicked() {
+    if icon_button(ui, ICON_HOME, "Reset view", "Back to the first vantage (Home)").clicked() {
         commands.push(Command::Home);
     }
     let mut places = vec![(usize::MAX, "Go to…".to_owned(), "Stand where a camera stood.".to_owned())];
