@@ -1,7 +1,8 @@
 //! The inspector, driven as a person does: pixels are argued about, views dock, numbers can be read.
 
 use super::driver::{
-    SIZE, Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, shows, small_demo, wait,
+    SIZE, Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, shows, small_demo,
+    type_path, wait,
 };
 use egui::{Key, vec2};
 use egui_kittest::kittest::Queryable;
@@ -217,4 +218,23 @@ fn a_sweep_draws_its_points_as_they_come_and_is_cancelled() {
     window.key_press(Key::Escape);
     settle(&mut window);
     assert!(window.state().notices().is_empty());
+}
+
+#[test]
+fn kernels_are_compared_on_an_opened_store() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("small.ovl");
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    type_path(&mut window, "Save", "Save store to path…", &path, "Save this path");
+    wait(&mut window, "the file", |_| path.is_file());
+    type_path(&mut window, "Open", "Open path…", &path, "Open this path");
+    wait(&mut window, "the store", |window| shows(window, "This store holds no source frames"));
+    settle(&mut window);
+    open_view(&mut window, "Compare");
+    pick(&mut window, "Left side", "Kernel point");
+    // Over the pictures the pointer asks for a pixel.
+    window.hover_at(egui::pos2(5.0, 5.0));
+    wait(&mut window, "the comparison", |window| shows(window, "of pixels are shown by one side alone"));
+    assert!(shows(&window, "dB apart"), "two empty pictures are equal");
 }

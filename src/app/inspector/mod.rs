@@ -269,7 +269,8 @@ impl InspectorPlan {
             sides: look.sides,
             place: look.place,
             vantage: shown.key.vantage.clone(),
-            samples: shown.key.samples.clone(),
+            // Of a store played from disk only the picture knows the samples.
+            samples: shown.picture.samples.clone(),
             scan: state.scan.clone(),
             settings: [now.clone(), history.of(Slot::A, now).clone(), history.of(Slot::B, now).clone()],
             measure: look.measure,
