@@ -274,6 +274,8 @@ impl OverlookApp {
             (lanes.file.progress(), true),
             (lanes.inspector.export.progress(), true),
             (lanes.inspector.study.progress(), true),
+            // Only where it reads the capture again, which takes long.
+            (lanes.inspector.compare.progress().filter(|progress| progress.total > 0), true),
             (lanes.measure.progress(), false),
         ];
         self.state.busy = watched

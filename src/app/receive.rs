@@ -219,6 +219,10 @@ impl OverlookApp {
             self.state.inspector.charts.studying = false;
         }
         if matches!(error, Error::Cancelled) {
+            if what == "Compare" && self.lanes.inspector.compare.is_idle() {
+                let text = "It was stopped; choose what to compare again.";
+                self.state.inspector.compare_trouble = Some(text.to_owned());
+            }
             return;
         }
         if what == "Prune" {

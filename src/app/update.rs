@@ -244,6 +244,7 @@ impl OverlookApp {
         self.lanes.measure.cancel();
         self.lanes.inspector.export.cancel();
         self.lanes.inspector.study.cancel();
+        self.lanes.inspector.compare.cancel();
     }
 
     fn escape(&mut self) {

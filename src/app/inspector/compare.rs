@@ -47,7 +47,7 @@ impl PartialEq for CompareKey {
             && self.sides == other.sides
             && self.place == other.place
             && Arc::ptr_eq(&self.samples, &other.samples)
-            && self.scan.is_some() == other.scan.is_some()
+            && self.scan.as_ref().map(Arc::as_ptr) == other.scan.as_ref().map(Arc::as_ptr)
             && self.settings[0] == other.settings[0]
             && (!uses(Side::A) || self.settings[1] == other.settings[1])
             && (!uses(Side::B) || self.settings[2] == other.settings[2])
@@ -68,10 +68,13 @@ pub(crate) struct Compared {
 }
 
 /// Samples made for comparisons: the last few are kept.
-#[derive(Default)]
 pub(crate) struct Comparer {
     renderer: Renderer,
     made: Vec<(Made, Arc<SampleSet>)>,
+    /// Passes over all frames of a scene, where the window's own does not serve the settings of a side.
+    scans: Vec<(u64, Arc<TemporalScan>)>,
+    /// What these passes run on, as they take as long as the capture does.
+    threads: Arc<rayon::ThreadPool>,
 }
 
 /// What samples were made from.
@@ -81,13 +84,22 @@ struct Made {
     frame: usize,
     method: Settings,
     left_out: Option<usize>,
+    /// Whether it was known what is the same over all frames: by a scan that serves the method.
     with_scan: bool,
 }
 
 /// Sample sets that are kept.
 const KEPT: usize = 4;
 
+/// Passes over all frames that are kept: one for each side.
+const KEPT_SCANS: usize = 2;
+
 impl Comparer {
+    /// One that has made nothing yet, and reads whole captures on `threads`.
+    pub(crate) fn new(threads: Arc<rayon::ThreadPool>) -> Self {
+        Self { renderer: Renderer::new(), made: Vec::new(), scans: Vec::new(), threads }
+    }
+
     /// Makes the comparison.
     ///
     /// # Errors
@@ -144,7 +156,10 @@ impl Comparer {
         let samples = if as_shown && left_out.is_none() {
             key.samples.clone()
         } else {
-            self.samples(key, &settings, vantage.frame, left_out, job)?
+            // What is known about time counts all cameras, and where every pixel is one of this frame it says nothing.
+            let frame_alone = left_out.is_some() || side == Side::Everything;
+            let scan = if frame_alone { None } else { self.scan(key, &settings, job)? };
+            self.samples(key, &settings, (vantage.frame, left_out), scan.as_deref(), job)?
         };
         self.renderer.forget_background();
         let (picture, _) = self.renderer.render(&samples, vantage, &render, job)?;
@@ -156,12 +171,34 @@ impl Comparer {
         Ok(difference::of_picture(&picture))
     }
 
+    /// What is the same over all frames by these settings; `None` while the window looks for the first time.
+    fn scan(
+        &mut self,
+        key: &CompareKey,
+        settings: &Settings,
+        job: &Job,
+    ) -> Result<Option<Arc<TemporalScan>>> {
+        let Some(scan) = &key.scan else { return Ok(None) };
+        self.scans.retain(|(scene, _)| *scene == key.scene.id);
+        let own = self.scans.iter().map(|(_, scan)| scan);
+        if let Some(scan) = own.chain([scan]).find(|scan| scan.serves(&settings.spans)) {
+            return Ok(Some(scan.clone()));
+        }
+        let capture = capture_of(&key.scene)?;
+        let scan = self.threads.install(|| preprocess::scan(capture, settings, job))?;
+        if self.scans.len() == KEPT_SCANS {
+            self.scans.remove(0);
+        }
+        self.scans.push((key.scene.id, scan.clone()));
+        Ok(Some(scan))
+    }
+
     fn samples(
         &mut self,
         key: &CompareKey,
         settings: &Settings,
-        frame: usize,
-        left_out: Option<usize>,
+        (frame, left_out): (usize, Option<usize>),
+        scan: Option<&TemporalScan>,
         job: &Job,
     ) -> Result<Arc<SampleSet>> {
         let capture = capture_of(&key.scene)?;
@@ -170,18 +207,17 @@ impl Comparer {
             frame,
             method: method_of(settings),
             left_out,
-            with_scan: key.scan.is_some(),
+            with_scan: scan.is_some(),
         };
         if let Some((_, samples)) = self.made.iter().find(|(known, _)| *known == made) {
             return Ok(samples.clone());
         }
         let samples = match left_out {
-            // What is known about time counts all cameras; the frame alone serves as well here.
             Some(left_out) => {
                 let others = capture.with_cameras(|index, _| index != left_out);
-                preprocess::inspect_frame(&others, None, settings, frame, job)?.samples
+                preprocess::inspect_frame(&others, scan, settings, frame, job)?.samples
             }
-            None => preprocess::inspect_frame(capture, key.scan.as_deref(), settings, frame, job)?.samples,
+            None => preprocess::inspect_frame(capture, scan, settings, frame, job)?.samples,
         };
         if self.made.len() == KEPT {
             self.made.remove(0);
@@ -229,5 +265,76 @@ fn place(key: &CompareKey) -> Result<(Vantage, Option<Arc<Frame>>)> {
             let load = view.truth.as_ref().map(|load| load()).transpose()?;
             Ok((Vantage { camera: view.camera.clone(), frame }, load.map(Arc::new)))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::lanes::pool;
+    use super::super::super::scene::Origin;
+    use super::*;
+    use crate::capture::demo::{Demo, DemoSpec};
+
+    /// A comparison of settings A, the defaults, with settings B, by a scan that serves A.
+    fn key(b: Settings) -> CompareKey {
+        let spec = DemoSpec {
+            scene: "orrery".into(),
+            cameras: Some(2),
+            frames: Some(8),
+            size: Some((48, 36)),
+            noise: None,
+        };
+        let demo = Demo::new(&spec).unwrap();
+        let a = Settings::default();
+        let capture = demo.capture(&a.capture);
+        let scan = preprocess::scan(&capture, &a, &Job::new()).unwrap();
+        let samples = preprocess::prune(&capture, &scan, &a, &Job::new()).unwrap().samples;
+        CompareKey {
+            scene: Arc::new(Scene::of_capture(Origin::Demo("orrery".into()), capture, Vec::new(), 1.0)),
+            sides: [Side::A, Side::B],
+            place: Place::Live,
+            vantage: Vantage { camera: demo.home(), frame: 3 },
+            samples,
+            scan: Some(scan),
+            settings: [a.clone(), a, b],
+            measure: Measure::Steps,
+            range: None,
+            dark: true,
+        }
+    }
+
+    fn comparer() -> Comparer {
+        Comparer::new(pool("test", 2, false).unwrap())
+    }
+
+    /// Lengths of the spans of what was made last.
+    fn lengths(comparer: &Comparer) -> Vec<usize> {
+        let (_, samples) = comparer.made.last().unwrap();
+        let mut lengths: Vec<usize> = samples.images.iter().map(|image| image.span.len()).collect();
+        lengths.sort_unstable();
+        lengths.dedup();
+        lengths
+    }
+
+    #[test]
+    fn each_side_is_made_with_the_spans_of_its_own_settings() {
+        let mut paper = Settings::default();
+        paper.spans.levels = SpanLevels::Paper;
+        let (mut comparer, key) = (comparer(), key(paper));
+        comparer.compare(&key, &Job::new()).unwrap();
+        assert_eq!(lengths(&comparer), [1, 8], "of the frames around it, the paper knows all or one");
+        let scanned = comparer.scans.len();
+        comparer.compare(&CompareKey { dark: false, ..key }, &Job::new()).unwrap();
+        assert_eq!((scanned, comparer.scans.len()), (1, 1), "the frames are read again once");
+    }
+
+    #[test]
+    fn all_samples_are_every_pixel_of_the_frame() {
+        let (mut comparer, key) = (comparer(), key(Settings::default()));
+        let key = CompareKey { sides: [Side::Everything, Side::Kept], ..key };
+        comparer.compare(&key, &Job::new()).unwrap();
+        assert_eq!(lengths(&comparer), [1]);
+        let (_, samples) = comparer.made.last().unwrap();
+        assert_eq!(samples.sample_count(), 2 * 48 * 36);
     }
 }

@@ -136,7 +136,8 @@ pub(crate) struct InspectorLanes {
     thumbs: Lane<(u64, Arc<FrameInspection>)>,
     memory: Lane<(u64, Arc<SampleSet>)>,
     histograms: Lane<HistogramRequest>,
-    compare: Lane<Box<CompareKey>>,
+    /// Two pictures of one place.
+    pub compare: Lane<Box<CompareKey>>,
     /// The pictures of the camera path.
     pub export: Lane<ExportRequest>,
     /// Sweeps and stress tests.
@@ -157,10 +158,10 @@ impl InspectorLanes {
     /// # Errors
     /// `Io` where the operating system gives no thread.
     pub(crate) fn start(outbox: &Outbox) -> Result<Self> {
-        let mut comparer = Comparer::default();
         let studying = outbox.clone();
         // Threads of their own: the pictures on screen must not wait for minutes of measuring.
         let threads = pool("study", rayon::current_num_threads(), true)?;
+        let mut comparer = Comparer::new(threads.clone());
         Ok(Self {
             probe: Lane::start("Pixel argument", Supersede::Never, outbox.clone(), |key: ProbeKey, _| {
                 let probed = probe::probe(&key).map(Arc::new);
