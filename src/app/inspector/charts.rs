@@ -8,7 +8,7 @@ use super::super::worker::Outbox;
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::evaluate::stress::{self, StressPoint};
-use crate::evaluate::sweep::{self, Point};
+use crate::evaluate::sweep::{self, Point, Series};
 use crate::evaluate::truth::Truth;
 use crate::job::Job;
 use crate::settings::Settings;
@@ -114,6 +114,20 @@ impl Charts {
         self.sweep.push(point);
         sweep::mark_pareto(&mut self.sweep, |point| point.bytes as f64, |point| point.psnr_filled_db);
     }
+
+    /// The point that shows what these settings give.
+    pub(crate) fn of(&self, settings: &Settings) -> Option<&Point> {
+        self.sweep.iter().find(|point| settings_alone(point) == Some(settings))
+    }
+}
+
+/// The settings that give a point; `None` where samples were thinned or cameras left out besides, so that they do not.
+pub(crate) fn settings_alone(point: &Point) -> Option<&Settings> {
+    let more_was_done = matches!(
+        point.series,
+        Series::Random | Series::VoxelGrid | Series::FirstCameraAtCount | Series::SingleCamera
+    );
+    (!more_was_done).then_some(&point.settings)
 }
 
 /// What to measure.
@@ -183,3 +197,31 @@ fn run_stress(
 
 /// Frames that a stress test in the window looks at: enough for what moves to move.
 const FRAMES: usize = 8;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::trial::{Measured, Trial};
+
+    #[test]
+    fn samples_that_were_thinned_are_not_what_their_settings_give() {
+        let settings = Settings::default();
+        let measured = Measured {
+            scores: Vec::new(),
+            flicker_steps: None,
+            samples: 1,
+            bytes: 1,
+            bytes_memory: 1,
+            samples_shared: 0,
+            spans: 1,
+            milliseconds: 1.0,
+            samples_painted: 1.0,
+            seconds_preprocess: 1.0,
+        };
+        let mut charts = Charts::default();
+        for series in [Series::Random, Series::SingleCamera, Series::NoPruning, Series::VoxelGrid] {
+            charts.add(Point::new(&Trial::new(series.name(), settings.clone()), series, &measured));
+        }
+        assert_eq!(charts.of(&settings).map(|point| point.series), Some(Series::NoPruning));
+    }
+}

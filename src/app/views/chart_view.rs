@@ -7,7 +7,7 @@ use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
 use egui_plot::{Legend, Line, MarkerShape, Plot, PlotPoint, PlotPoints, PlotUi, Points};
 
 use super::super::command::Command;
-use super::super::inspector::charts::{Quantity, Study};
+use super::super::inspector::charts::{Quantity, Study, settings_alone};
 use super::super::panels::{choice_ui, empty_ui};
 use super::super::state::State;
 use super::super::text;
@@ -56,7 +56,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
     let on_front = charts.sweep.iter().filter(|point| point.pareto && point.is_lossless());
     let mut front: Vec<[f64; 2]> = on_front.map(place).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let current = charts.sweep.iter().find(|point| point.settings == state.settings).map(place);
+    let current = charts.of(&state.settings).map(place);
     let plot = plot("tradeoff", along, up, &tokens);
     let shown = plot.show(ui, |plot_ui| {
         plot_ui.line(Line::new("best lossless for its size", front).color(tokens.text_weak).width(1.0));
@@ -73,16 +73,18 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
         .response
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Speed and accuracy chart"));
     if let Some(point) = shown.inner.and_then(|index| charts.sweep.get(index)) {
-        if shown.response.clicked() {
-            commands.push(Command::TakeSettings(Box::new(point.settings.clone())));
+        if let Some(settings) = settings_alone(point).filter(|_| shown.response.clicked()) {
+            commands.push(Command::TakeSettings(Box::new(settings.clone())));
         }
         shown.response.on_hover_text_at_pointer(words(point));
     }
 }
 
 fn words(point: &Point) -> String {
+    let advice =
+        if settings_alone(point).is_some() { "" } else { "\nOnly for comparison: no settings give it" };
     format!(
-        "{}\n{:.2} ± {:.2} dB, SSIM {:.3}, coverage {:.1} %\n{} in {} samples, {} ms a view",
+        "{}\n{:.2} ± {:.2} dB, SSIM {:.3}, coverage {:.1} %\n{} in {} samples, {} ms a view{advice}",
         point.label,
         point.psnr_filled_db,
         point.psnr_filled_db_se,
