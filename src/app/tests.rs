@@ -3,9 +3,11 @@
 use std::time::{Duration, Instant};
 
 use super::command::Command;
+use super::message::Purpose;
 use super::{OverlookApp, Start};
 use crate::capture::demo::DemoSpec;
 use crate::settings::PruningMethod;
+use crate::store::Store;
 
 /// Far longer than anything here takes.
 const PATIENCE: Duration = Duration::from_mins(3);
@@ -61,4 +63,17 @@ fn a_threshold_changed_and_taken_back_at_once_leaves_the_capture_to_be_pruned() 
     set_method(&mut app, PruningMethod::HighestRate);
     settle(&mut app);
     assert!(app.state.whole.is_some() && !app.state.is_stale());
+}
+
+#[test]
+fn a_store_records_how_it_was_painted_when_it_was_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("small.ovl");
+    let mut app = start(2, 2);
+    settle(&mut app);
+    app.apply(Command::Set { path: "render.kernel", value: "surfel".into() });
+    app.take_path(Purpose::SaveStore, path.clone());
+    settle(&mut app);
+    let settings = Store::open(&path).unwrap().info().settings.clone();
+    assert_eq!(settings.render, app.state.settings.render);
 }

@@ -1,6 +1,7 @@
 //! Carries out commands. Here and where answers are taken in is the only place where the state changes.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::OverlookApp;
@@ -198,7 +199,12 @@ impl OverlookApp {
                 self.lanes.file.submit(FileRequest::SaveAgain { path, playback });
                 return;
             }
-            (_, Some(whole)) if !stale => (whole.samples.clone(), whole.report.clone()),
+            (_, Some(whole)) if !stale => {
+                // How it is painted may have changed since; whoever opens it paints it as it was seen here.
+                let mut samples = (*whole.samples).clone();
+                samples.settings.render = self.state.settings.render.clone();
+                (Arc::new(samples), whole.report.clone())
+            }
             _ => {
                 let text = "The whole capture is not pruned with these settings yet; rerun it, then save.";
                 self.state.notify(NoticeKind::Warning, "Nothing to save yet", text);
