@@ -53,6 +53,11 @@ impl Plan {
         self.whole = None;
     }
 
+    /// Forgets that accuracy was asked for, so that it is asked for again.
+    pub(super) fn forget_accuracy(&mut self) {
+        self.measure = None;
+    }
+
     /// Whether everything that the state calls for was asked for and came back, whole-capture work aside where the person
     /// stopped it.
     pub(super) fn is_settled(&self, state: &State) -> bool {

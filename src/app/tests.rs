@@ -77,3 +77,32 @@ fn a_store_records_how_it_was_painted_when_it_was_saved() {
     let settings = Store::open(&path).unwrap().info().settings.clone();
     assert_eq!(settings.render, app.state.settings.render);
 }
+
+#[test]
+fn a_kernel_changed_while_time_passes_leaves_no_accuracy_of_the_one_before() {
+    let mut app = start(2, 4);
+    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
+    let gathered = app.state.accuracy.unwrap();
+    app.apply(Command::TogglePlay);
+    app.apply(Command::Set { path: "render.kernel", value: "point".into() });
+    step(&mut app);
+    assert!(app.state.accuracy.is_none());
+    // Back again, still in motion: what was asked for before is asked for again.
+    app.apply(Command::Reset("render.kernel"));
+    step(&mut app);
+    app.apply(Command::TogglePlay);
+    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
+    assert_eq!(app.state.accuracy.unwrap(), gathered);
+}
+
+#[test]
+fn accuracy_whose_measuring_was_stopped_is_measured_after_the_next_change() {
+    let mut app = start(2, 4);
+    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
+    app.apply(Command::Set { path: "render.kernel", value: "point".into() });
+    step(&mut app);
+    app.apply(Command::Cancel);
+    wait(&mut app, "the measuring to stop", |app| app.lanes.measure.is_idle());
+    app.apply(Command::Reset("render.kernel"));
+    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
+}

@@ -59,6 +59,7 @@ impl OverlookApp {
             Command::Rerun => {
                 self.state.stopped = false;
                 self.plan.forget_whole();
+                self.plan.forget_accuracy();
                 self.plan.changed_at = None;
             }
             Command::Cancel => self.cancel(),
@@ -235,6 +236,13 @@ impl OverlookApp {
             self.state.inspector.unsaved = self.state.has_capture();
             self.plan.changed_at = Some(Instant::now());
             self.state.stopped = false;
+        }
+        if settings.render != self.state.settings.render {
+            // It was that of pictures painted otherwise.
+            self.state.accuracy = None;
+        }
+        if self.state.accuracy.is_none() {
+            self.plan.forget_accuracy();
         }
         self.state.settings = settings;
     }

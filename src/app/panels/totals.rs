@@ -155,7 +155,7 @@ fn accuracy_figure(state: &State) -> Figure {
             "–".to_owned(),
             String::new(),
             "Accuracy is measured at vantages whose truth is known: built-in captures have them, and captures with a \
-             novel/transforms.json. There is none here, or it is not measured yet."
+             novel/transforms.json. There is none here, or it is not measured yet: while time passes and after Esc it is not."
                 .to_owned(),
         ),
     };
