@@ -83,6 +83,11 @@ impl OverlookApp {
     /// Measures with the settings on the sliders; goes on from what is known.
     fn study(&mut self, study: Study) {
         let Some(scene) = self.state.scene.clone() else { return };
+        if self.state.inspector.charts.studying {
+            let text = "A sweep or a stress test is under way; let it finish, or stop it (Esc) first.";
+            self.state.notify(NoticeKind::Warning, "Already measuring", text);
+            return;
+        }
         let charts = &mut self.state.inspector.charts;
         if study == Study::Stress {
             // Its points do not say which settings they were made with.

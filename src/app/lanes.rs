@@ -175,19 +175,22 @@ pub(super) fn pool(name: &'static str, threads: usize, makes_way: bool) -> Resul
 }
 
 fn open(request: OpenRequest, job: &Job) -> Result<Message> {
-    match request {
+    let opened = match request {
         OpenRequest::Demo { spec, settings } => {
             job.start(format!("Opening {}", spec.scene), 0);
             let demo = Demo::new(&spec)?;
             let capture = demo.capture(&settings);
             let truth = demo.truth_views();
-            open_capture(Origin::Demo(spec.scene), capture, truth)
+            open_capture(Origin::Demo(spec.scene), capture, truth, job)
         }
         OpenRequest::Path { path, settings } => {
             job.start(format!("Opening {}", path.display()), 0);
             open_path(path, &settings, job)
         }
-    }
+    }?;
+    // Who cancelled meanwhile, or opened something else, does not want it any more.
+    job.check()?;
+    Ok(opened)
 }
 
 fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Message> {
@@ -201,12 +204,14 @@ fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Mes
         return Err(Error::unsupported(path.display(), what));
     }
     let capture = transforms::open(&path, settings)?;
+    job.check()?;
     let truth = transforms::truth_beside(&path)
         .map_or_else(|| Ok(Vec::new()), |views| transforms::open_views(&views))?;
-    open_capture(Origin::Path(path), capture, truth)
+    open_capture(Origin::Path(path), capture, truth, job)
 }
 
-fn open_capture(origin: Origin, capture: Capture, truth: Vec<View>) -> Result<Message> {
+fn open_capture(origin: Origin, capture: Capture, truth: Vec<View>, job: &Job) -> Result<Message> {
+    job.check()?;
     if capture.cameras.is_empty() || capture.frame_count() == 0 {
         return Err(Error::invalid(&capture.name, "there is no camera or no frame in it"));
     }

@@ -85,7 +85,7 @@ pub(super) enum Message {
     /// A point of a stress test.
     Stressed { scene: u64, point: Box<StressPoint> },
     /// A sweep or a stress test is done.
-    Studied { scene: u64 },
+    Studied,
     /// The pictures or the film of the camera path are written.
     Exported { path: PathBuf, pictures: usize },
     /// Settings were read from a file.

@@ -104,9 +104,7 @@ impl OverlookApp {
             Message::Stressed { scene, point } if Some(scene) == current => {
                 self.state.inspector.charts.stress.push(*point);
             }
-            Message::Studied { scene } if Some(scene) == current => {
-                self.state.inspector.charts.studying = false;
-            }
+            Message::Studied => self.take_stock(),
             Message::Exported { path, pictures } => {
                 let text = format!("{pictures} pictures in {}", path.display());
                 self.state.notify(NoticeKind::Done, "Exported", text);
@@ -153,7 +151,9 @@ impl OverlookApp {
         if let Origin::Path(path) = &scene.origin {
             remember_recent(&mut state.recent, path);
         }
-        state.opening = None;
+        if self.lanes.open.is_idle() {
+            state.opening = None;
+        }
         state.scan = None;
         state.whole = None;
         state.stopped = false;
@@ -183,8 +183,20 @@ impl OverlookApp {
         let opened = format!("Opened {}", scene.name);
         state.inspector.log(NoticeKind::Done, opened);
         state.scene = Some(scene);
+        // What is closed needs no more work. Files of it that are being written were asked for, and are finished.
         self.lanes.whole.cancel();
+        self.lanes.measure.cancel();
+        self.lanes.inspector.study.cancel();
+        self.lanes.inspector.compare.cancel();
         self.plan = super::plan::Plan::default();
+    }
+
+    /// Whether something is being opened or measured: what gave way to newer work of its kind says nothing of that.
+    pub(super) fn take_stock(&mut self) {
+        if self.lanes.open.is_idle() {
+            self.state.opening = None;
+        }
+        self.state.inspector.charts.studying = !self.lanes.inspector.study.is_idle();
     }
 
     fn saved(&mut self, path: &Path, bytes: Option<u64>) {
@@ -212,20 +224,13 @@ impl OverlookApp {
     }
 
     fn failed(&mut self, what: &'static str, error: &Error) {
-        if what == "Open" {
-            self.state.opening = None;
-        }
-        if what == "Study" {
-            self.state.inspector.charts.studying = false;
+        if matches!(what, "Open" | "Study") {
+            self.take_stock();
         }
         if matches!(error, Error::Cancelled) {
-            if what == "Compare" && self.lanes.inspector.compare.is_idle() {
-                let text = "It was stopped; choose what to compare again.";
-                self.state.inspector.compare_trouble = Some(text.to_owned());
-            }
             return;
         }
-        if what == "Prune" {
+        if what == "Prune" && self.lanes.whole.is_idle() {
             self.state.stopped = true;
         }
         let title = match what {

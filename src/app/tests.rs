@@ -3,9 +3,11 @@
 use std::time::{Duration, Instant};
 
 use super::command::Command;
-use super::message::Purpose;
+use super::inspector::charts::Study;
+use super::message::{Message, Purpose};
 use super::{OverlookApp, Start};
 use crate::capture::demo::DemoSpec;
+use crate::error::Error;
 use crate::settings::PruningMethod;
 use crate::store::Store;
 
@@ -105,4 +107,48 @@ fn accuracy_whose_measuring_was_stopped_is_measured_after_the_next_change() {
     wait(&mut app, "the measuring to stop", |app| app.lanes.measure.is_idle());
     app.apply(Command::Reset("render.kernel"));
     wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
+}
+
+#[test]
+fn a_sweep_that_runs_is_not_begun_anew_and_ends_with_its_capture() {
+    let mut app = start(2, 2);
+    settle(&mut app);
+    app.apply(Command::Study(Study::Sweep));
+    wait(&mut app, "the first point", |app| !app.state.inspector.charts.sweep.is_empty());
+    app.apply(Command::Study(Study::Sweep));
+    step(&mut app);
+    assert!(app.state.inspector.charts.studying && app.notices()[0].starts_with("Already measuring"));
+    app.open_demo(orrery(2, 3));
+    wait(&mut app, "the other capture", |app| app.state.frame_count() == 3);
+    wait(&mut app, "the sweep to stop", |app| app.lanes.inspector.study.is_idle());
+    step(&mut app);
+    assert!(!app.state.inspector.charts.studying && app.state.inspector.charts.sweep.is_empty());
+}
+
+#[test]
+fn what_gave_way_to_newer_work_says_nothing_of_that() {
+    let mut app = start(2, 2);
+    settle(&mut app);
+    app.apply(Command::Study(Study::Sweep));
+    app.open_demo(orrery(2, 3));
+    let cancelled = |what| Message::Failed { what, error: Error::Cancelled };
+    let ctx = app.ctx.clone();
+    app.receive(cancelled("Open"), &ctx);
+    app.receive(cancelled("Study"), &ctx);
+    assert!(app.state.opening.is_some() && app.state.inspector.charts.studying);
+    app.lanes.inspector.study.cancel();
+    wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);
+}
+
+#[test]
+fn of_two_captures_opened_at_once_the_latter_appears() {
+    let mut app = start(2, 2);
+    app.open_demo(orrery(2, 3));
+    app.open_demo(orrery(2, 5));
+    wait(&mut app, "a capture", |app| app.state.scene.is_some() && app.state.opening.is_none());
+    assert_eq!(app.state.frame_count(), 5);
+    app.open_demo(orrery(2, 3));
+    app.apply(Command::Cancel);
+    wait(&mut app, "the end of opening", |app| app.state.opening.is_none());
+    assert_eq!(app.state.frame_count(), 5);
 }

@@ -252,6 +252,10 @@ impl OverlookApp {
             self.state.stopped = true;
             self.plan.forget_whole();
         }
+        if !self.lanes.inspector.compare.is_idle() {
+            let text = "It was stopped; choose what to compare again.";
+            self.state.inspector.compare_trouble = Some(text.to_owned());
+        }
         self.lanes.whole.cancel();
         self.lanes.open.cancel();
         self.lanes.file.cancel();
@@ -259,6 +263,7 @@ impl OverlookApp {
         self.lanes.inspector.export.cancel();
         self.lanes.inspector.study.cancel();
         self.lanes.inspector.compare.cancel();
+        self.take_stock();
     }
 
     fn escape(&mut self) {

@@ -191,6 +191,8 @@ fn run<R>(
     let outcome = catch_unwind(AssertUnwindSafe(|| work(request, job)));
     match outcome {
         Ok(Ok(message)) => message,
+        // Whatever went wrong, nobody waits for it any more.
+        Ok(Err(_)) if job.is_cancelled() => Message::Failed { what, error: Error::Cancelled },
         Ok(Err(error)) => Message::Failed { what, error },
         Err(panic) => {
             let reason = panic

@@ -160,7 +160,7 @@ pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result
         Study::Sweep => run_sweep(&scene, capture, &truth, request, outbox, job)?,
         Study::Stress => run_stress(&scene, capture, &truth, &request, outbox, job)?,
     }
-    Ok(Message::Studied { scene: scene.id })
+    Ok(Message::Studied)
 }
 
 fn run_sweep(
