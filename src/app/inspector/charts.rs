@@ -155,6 +155,13 @@ pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result
         ));
     };
     let known = truth.iter().any(|view| view.truth.is_some());
+    if !known && capture.cameras.len() < 2 {
+        return Err(Error::invalid(
+            &scene.name,
+            "there is no truth to measure against, and its only camera cannot be left out; record a second camera, or \
+             true pictures with a novel/transforms.json beside it",
+        ));
+    }
     let truth = if known { Truth::Views(truth.clone()) } else { Truth::HoldOut };
     match request.study {
         Study::Sweep => run_sweep(&scene, capture, &truth, request, outbox, job)?,
@@ -200,7 +207,9 @@ const FRAMES: usize = 8;
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::scene::Origin;
     use super::*;
+    use crate::capture::demo::{Demo, DemoSpec};
     use crate::evaluate::trial::{Measured, Trial};
 
     #[test]
@@ -223,5 +232,28 @@ mod tests {
             charts.add(Point::new(&Trial::new(series.name(), settings.clone()), series, &measured));
         }
         assert_eq!(charts.of(&settings).map(|point| point.series), Some(Series::NoPruning));
+    }
+
+    #[test]
+    fn a_single_camera_without_truth_is_not_measured_and_one_line_says_what_to_do() {
+        let spec = DemoSpec {
+            scene: "orrery".into(),
+            cameras: Some(1),
+            frames: Some(2),
+            size: Some((16, 12)),
+            noise: None,
+        };
+        let settings = Settings::default();
+        let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
+        let scene = Arc::new(Scene::of_capture(Origin::Demo("orrery".into()), capture, Vec::new(), 1.0));
+        let (sender, _inbox) = std::sync::mpsc::sync_channel(8);
+        let outbox = Outbox::new(sender, egui::Context::default());
+        for study in [Study::Sweep, Study::Stress] {
+            let request =
+                StudyRequest { scene: scene.clone(), study, settings: settings.clone(), known: Vec::new() };
+            let Err(error) = super::study(request, &outbox, &Job::new()) else { panic!("it was measured") };
+            assert!(error.to_string().contains("record a second camera"), "{error}");
+            assert!(!error.to_string().contains('\n'), "{error}");
+        }
     }
 }
