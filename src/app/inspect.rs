@@ -6,6 +6,7 @@ use super::inspector::charts::{Study, StudyRequest};
 use super::inspector::path::{ExportRequest, PathKey, Target};
 use super::inspector::presets::{self, PRESETS};
 use super::inspector::probe::Spot;
+use super::message::Purpose;
 use super::state::NoticeKind;
 use super::views::live_image::Pixels;
 use super::views::{marks, words};
@@ -166,11 +167,11 @@ impl OverlookApp {
 
     /// Exports the camera path.
     pub(super) fn export_path(&mut self, target: Target) {
-        let Some(samples) = self.state.whole_samples().cloned() else {
-            let text = "The whole capture is not pruned yet; the path is exported once it is.";
-            self.state.notify(NoticeKind::Warning, "Nothing to export yet", text);
+        // Thresholds may have been changed while a path was chosen.
+        if self.refuses(Purpose::ExportPictures) {
             return;
-        };
+        }
+        let Some(samples) = self.state.whole_samples().cloned() else { return };
         let path = self.state.inspector.path.clone();
         let size = self
             .state

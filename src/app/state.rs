@@ -246,6 +246,15 @@ impl State {
         self.inspection_here().map(|inspection| &inspection.samples).or(whole)
     }
 
+    /// Whether the samples of all frames are there, made with the settings on the sliders or played from a store.
+    pub(super) fn is_whole_ready(&self) -> bool {
+        match self.scene.as_ref().map(|scene| &scene.content) {
+            Some(Content::Store { .. }) => true,
+            Some(Content::Capture { .. }) => self.whole.is_some() && !self.is_stale(),
+            None => false,
+        }
+    }
+
     /// The samples of the whole capture or store, perhaps by older settings.
     pub(super) fn whole_samples(&self) -> Option<&Arc<SampleSet>> {
         match self.scene.as_ref().map(|scene| &scene.content) {

@@ -152,3 +152,25 @@ fn of_two_captures_opened_at_once_the_latter_appears() {
     wait(&mut app, "the end of opening", |app| app.state.opening.is_none());
     assert_eq!(app.state.frame_count(), 5);
 }
+
+#[test]
+fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = start(2, 2);
+    settle(&mut app);
+    for _ in 0..2 {
+        app.apply(Command::AddKey);
+    }
+    set_method(&mut app, PruningMethod::Off);
+    for purpose in [Purpose::SaveStore, Purpose::ExportPictures, Purpose::ExportFilm] {
+        app.apply(Command::TypePath(purpose));
+        assert!(app.state.typed_path.is_none(), "no path is asked for in vain");
+        app.take_path(purpose, folder.path().join("out"));
+        let told = app.state.notices.pop().unwrap();
+        assert!(told.text.contains("not pruned with these settings yet"), "{}", told.text);
+    }
+    assert!(app.lanes.file.is_idle() && app.lanes.inspector.export.is_idle());
+    settle(&mut app);
+    app.apply(Command::TypePath(Purpose::SaveStore));
+    assert!(app.state.typed_path.is_some());
+}

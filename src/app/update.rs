@@ -26,6 +26,8 @@ impl OverlookApp {
                 self.open_demo(DemoSpec { scene, cameras: None, frames: None, size: None, noise: None });
             }
             Command::OpenPath(path) => self.open_path(path),
+            // Before a path is chosen for nothing.
+            Command::AskPath(purpose) | Command::TypePath(purpose) if self.refuses(purpose) => {}
             Command::AskPath(purpose) => {
                 self.asked_at = Some(Instant::now());
                 self.lanes.dialog.submit(purpose);
@@ -192,27 +194,40 @@ impl OverlookApp {
     }
 
     fn save_store(&mut self, path: PathBuf) {
-        let stale = self.state.is_stale();
-        let content = self.state.scene.as_ref().map(|scene| &scene.content);
-        let (samples, report) = match (content, &self.state.whole) {
-            (Some(Content::Store { playback, .. }), _) => {
-                let playback = playback.clone();
-                self.lanes.file.submit(FileRequest::SaveAgain { path, playback });
-                return;
-            }
-            (_, Some(whole)) if !stale => {
-                // How it is painted may have changed since; whoever opens it paints it as it was seen here.
-                let mut samples = (*whole.samples).clone();
-                samples.settings.render = self.state.settings.render.clone();
-                (Arc::new(samples), whole.report.clone())
-            }
-            _ => {
-                let text = "The whole capture is not pruned with these settings yet; rerun it, then save.";
-                self.state.notify(NoticeKind::Warning, "Nothing to save yet", text);
-                return;
-            }
+        if self.refuses(Purpose::SaveStore) {
+            return;
+        }
+        let Some(scene) = &self.state.scene else { return };
+        if let Content::Store { playback, .. } = &scene.content {
+            self.lanes.file.submit(FileRequest::SaveAgain { path, playback: playback.clone() });
+        } else if let Some(whole) = &self.state.whole {
+            // How it is painted may have changed since; whoever opens it paints it as it was seen here.
+            let mut samples = (*whole.samples).clone();
+            samples.settings.render = self.state.settings.render.clone();
+            let (samples, report) = (Arc::new(samples), whole.report.clone());
+            self.lanes.file.submit(FileRequest::SaveStore { path, samples, report });
+        }
+    }
+
+    /// Whether there is nothing yet that a file of this purpose could hold; says so.
+    pub(super) fn refuses(&mut self, purpose: Purpose) -> bool {
+        let title = match purpose {
+            Purpose::SaveStore => "Nothing to save yet",
+            Purpose::ExportPictures | Purpose::ExportFilm => "Nothing to export yet",
+            _ => return false,
         };
-        self.lanes.file.submit(FileRequest::SaveStore { path, samples, report });
+        let ready = self.state.is_whole_ready();
+        if !ready {
+            let text = if self.state.scene.is_none() {
+                "Open a capture or a store first."
+            } else if self.state.stopped {
+                "The whole capture is not pruned with these settings; rerun it (below), then try again."
+            } else {
+                "The whole capture is not pruned with these settings yet; try again once the line at the bottom is done."
+            };
+            self.state.notify(NoticeKind::Warning, title, text);
+        }
+        !ready
     }
 
     fn set(&mut self, path: &'static str, value: toml::Value) {

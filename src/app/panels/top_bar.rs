@@ -93,24 +93,24 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     menu_ui(ui, ICON_SAVE, "Save", |ui| {
-        let ready = state.samples_here().is_some() && !state.is_stale();
+        let (ready, shown) = (state.is_whole_ready(), state.live_shown.is_some());
         for (name, keys, enabled, command) in [
             ("Save store…", "Ctrl+S", ready, Command::AskPath(Purpose::SaveStore)),
             ("Save store to path…", "", ready, Command::TypePath(Purpose::SaveStore)),
             ("Save settings…", "", true, Command::AskPath(Purpose::SaveSettings)),
-            ("Save picture…", "", state.live_shown.is_some(), Command::AskPath(Purpose::SavePicture)),
-            (
-                "Save picture to path…",
-                "",
-                state.live_shown.is_some(),
-                Command::TypePath(Purpose::SavePicture),
-            ),
-            ("Copy picture", "", state.live_shown.is_some(), Command::CopyPicture),
+            ("Save picture…", "", shown, Command::AskPath(Purpose::SavePicture)),
+            ("Save picture to path…", "", shown, Command::TypePath(Purpose::SavePicture)),
+            ("Copy picture", "", shown, Command::CopyPicture),
         ] {
+            let why_not = if shown {
+                "The whole capture is not pruned with these settings yet."
+            } else {
+                "Nothing is shown yet."
+            };
             let button = ui
                 .add_enabled(enabled, item(name, keys))
                 .accessible_name(name)
-                .on_disabled_hover_text("The whole capture is not pruned with these settings yet.");
+                .on_disabled_hover_text(why_not);
             if button.clicked() {
                 commands.push(command);
             }
