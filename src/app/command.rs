@@ -123,9 +123,9 @@ pub(super) enum Command {
     CheatSheet(bool),
     /// Show this callout of the first run next.
     Callout(usize),
-    /// Ask whether to close with something unsaved, or stop asking.
+    /// Ask whether to close with something unsaved or half written, or stop asking.
     AskToClose(bool),
-    /// Close with something unsaved.
+    /// Close, whatever is lost by it.
     CloseAnyway,
     /// Add a key to the camera path where the view stands.
     AddKey,

@@ -45,9 +45,9 @@ impl OverlookApp {
             Command::Palette(palette) => state.inspector.palette = palette,
             Command::CheatSheet(open) => state.inspector.cheat_sheet = open,
             Command::Callout(next) => state.inspector.callout = next,
-            Command::AskToClose(asks) => state.inspector.asks_to_close = asks,
+            Command::AskToClose(asks) => state.inspector.closing.asks = asks,
             Command::CloseAnyway => {
-                state.inspector.unsaved = false;
+                state.inspector.closing.anyway = true;
                 self.ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
             Command::Study(study) => self.study(study),

@@ -65,8 +65,8 @@ pub(super) struct MeasureRequest {
 
 /// Read or write a file.
 pub(super) enum FileRequest {
-    /// Write a store.
-    SaveStore { path: PathBuf, samples: Arc<SampleSet>, report: Arc<Report> },
+    /// Write what was pruned of a scene as a store.
+    SaveStore { path: PathBuf, scene: u64, samples: Arc<SampleSet>, report: Arc<Report> },
     /// The open store again, under another name.
     SaveAgain { path: PathBuf, playback: Arc<Playback> },
     /// Write settings.
@@ -273,22 +273,22 @@ fn measure(request: &MeasureRequest, job: &Job) -> Result<Message> {
 
 fn file(request: FileRequest, job: &Job) -> Result<Message> {
     match request {
-        FileRequest::SaveStore { path, samples, report } => {
+        FileRequest::SaveStore { path, scene, samples, report } => {
             job.start(format!("Saving {}", path.display()), 0);
             let bytes = store::write(&path, &samples, &report, job)?;
-            Ok(Message::Saved { path, bytes: Some(bytes) })
+            Ok(Message::Saved { path, bytes: Some(bytes), holds: Some((scene, samples.settings.clone())) })
         }
         FileRequest::SaveAgain { path, playback } => {
             let bytes = store::write_again(&path, playback.store(), None, job)?;
-            Ok(Message::Saved { path, bytes: Some(bytes) })
+            Ok(Message::Saved { path, bytes: Some(bytes), holds: None })
         }
         FileRequest::SaveSettings { path, settings } => {
             std::fs::write(&path, settings.to_toml()).map_err(|error| Error::io(&path, error))?;
-            Ok(Message::Saved { path, bytes: None })
+            Ok(Message::Saved { path, bytes: None, holds: None })
         }
         FileRequest::SavePicture { path, picture } => {
             write_png(&path, &picture)?;
-            Ok(Message::Saved { path, bytes: None })
+            Ok(Message::Saved { path, bytes: None, holds: None })
         }
         FileRequest::LoadSettings { path } => {
             let settings = Settings::load(&path)?;

@@ -78,8 +78,8 @@ pub(super) enum Message {
     Compared { key: Box<CompareKey>, outcome: Result<Comparison, String> },
     /// What takes the memory.
     MemoryMapped { scene: u64, blocks: Vec<Block> },
-    /// A file is written; `bytes` where it is a store.
-    Saved { path: PathBuf, bytes: Option<u64> },
+    /// A file is written; `bytes` where it is a store, `holds` where that holds what was pruned of a scene, by which settings.
+    Saved { path: PathBuf, bytes: Option<u64>, holds: Option<(u64, Settings)> },
     /// A point of a sweep.
     Swept { scene: u64, point: Box<Point> },
     /// A point of a stress test.

@@ -250,11 +250,15 @@ impl OverlookApp {
         ctx.request_repaint();
     }
 
-    /// Asks before the window closes with something unsaved.
+    /// Asks before the window closes with something unsaved or half written.
     fn watch_closing(&mut self, ctx: &egui::Context) {
-        if self.state.inspector.unsaved && ctx.input(|input| input.viewport().close_requested()) {
+        let inspector = &mut self.state.inspector;
+        let closing = &mut inspector.closing;
+        closing.writing = !self.lanes.file.is_idle() || !self.lanes.inspector.export.is_idle();
+        let loses = (inspector.unsaved || closing.writing) && !closing.anyway;
+        if loses && ctx.input(|input| input.viewport().close_requested()) {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.state.inspector.asks_to_close = true;
+            closing.asks = true;
         }
     }
 

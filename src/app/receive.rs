@@ -13,12 +13,13 @@ use super::inspector::probe::{Probed, Spot};
 use super::memory::remember_recent;
 use super::message::{Message, Purpose};
 use super::scene::{Origin, Scene};
-use super::state::{NoticeKind, Shown, Whole};
+use super::state::{NoticeKind, Shown, Whole, method_of};
 use super::text;
 use super::texture::Texture;
 use super::views::live_image::{LivePicture, Pixels};
 use super::views::rig::Rig;
 use crate::error::Error;
+use crate::settings::Settings;
 
 /// A dialog that is answered faster than this was not seen by a person: there is none on this system.
 const NO_DIALOG: Duration = Duration::from_millis(200);
@@ -97,7 +98,7 @@ impl OverlookApp {
             Message::MemoryMapped { scene, blocks } if Some(scene) == current => {
                 self.state.inspector.memory = Some(blocks);
             }
-            Message::Saved { path, bytes } => self.saved(&path, bytes),
+            Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
             Message::Swept { scene, point } if Some(scene) == current => {
                 self.state.inspector.charts.add(*point);
             }
@@ -199,11 +200,17 @@ impl OverlookApp {
         self.state.inspector.charts.studying = !self.lanes.inspector.study.is_idle();
     }
 
-    fn saved(&mut self, path: &Path, bytes: Option<u64>) {
+    fn saved(&mut self, path: &Path, bytes: Option<u64>, holds: Option<(u64, Settings)>) {
         let place = path.display();
+        // Thresholds may have been changed while it was written, and another capture opened.
+        let scene = self.state.scene.as_ref().map(|scene| scene.id);
+        if holds.is_some_and(|(of, settings)| {
+            Some(of) == scene && method_of(&settings) == method_of(&self.state.settings)
+        }) {
+            self.state.inspector.unsaved = false;
+        }
         let text = match bytes {
             Some(bytes) => {
-                self.state.inspector.unsaved = false;
                 remember_recent(&mut self.state.recent, path);
                 format!("{place} ({})", text::bytes(bytes))
             }

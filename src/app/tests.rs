@@ -154,6 +154,27 @@ fn of_two_captures_opened_at_once_the_latter_appears() {
 }
 
 #[test]
+fn thresholds_changed_while_a_store_is_written_are_still_unsaved() {
+    let mut app = start(2, 2);
+    settle(&mut app);
+    let (ctx, before) = (app.ctx.clone(), app.state.settings.clone());
+    set_method(&mut app, PruningMethod::Off);
+    let scene = app.state.scene.as_ref().unwrap().id;
+    let saved = |scene, settings| Message::Saved {
+        path: "capture.ovl".into(),
+        bytes: Some(1),
+        holds: Some((scene, settings)),
+    };
+    app.receive(saved(scene, before), &ctx);
+    assert!(app.state.inspector.unsaved);
+    let now = app.state.settings.clone();
+    app.receive(saved(scene + 1, now.clone()), &ctx);
+    assert!(app.state.inspector.unsaved, "another capture was saved");
+    app.receive(saved(scene, now), &ctx);
+    assert!(!app.state.inspector.unsaved);
+}
+
+#[test]
 fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = start(2, 2);

@@ -204,8 +204,8 @@ impl OverlookApp {
             // How it is painted may have changed since; whoever opens it paints it as it was seen here.
             let mut samples = (*whole.samples).clone();
             samples.settings.render = self.state.settings.render.clone();
-            let (samples, report) = (Arc::new(samples), whole.report.clone());
-            self.lanes.file.submit(FileRequest::SaveStore { path, samples, report });
+            let (scene, samples, report) = (scene.id, Arc::new(samples), whole.report.clone());
+            self.lanes.file.submit(FileRequest::SaveStore { path, scene, samples, report });
         }
     }
 
@@ -286,8 +286,8 @@ impl OverlookApp {
         let was_open = inspector.palette.take().is_some()
             | inspector.naming.take().is_some()
             | inspector.cheat_sheet
-            | inspector.asks_to_close;
-        (inspector.cheat_sheet, inspector.asks_to_close) = (false, false);
+            | inspector.closing.asks;
+        (inspector.cheat_sheet, inspector.closing.asks) = (false, false);
         if was_open || self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
             return;
         }

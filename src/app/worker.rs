@@ -226,7 +226,7 @@ mod tests {
     }
 
     fn saved(number: u32) -> Message {
-        Message::Saved { path: "x".into(), bytes: Some(u64::from(number)) }
+        Message::Saved { path: "x".into(), bytes: Some(u64::from(number)), holds: None }
     }
 
     fn received(receiver: &Receiver<Message>) -> Message {

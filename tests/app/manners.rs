@@ -57,15 +57,38 @@ fn a_first_run_explains_itself_and_the_next_one_remembers_layout_and_presets() {
     assert!(again.query_by_label("remembered").is_some());
 }
 
+/// What the cross in the window's corner does.
+fn close(window: &mut Window) {
+    let viewport = window.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
+    viewport.events.push(egui::ViewportEvent::Close);
+    window.run_steps(3);
+}
+
+#[test]
+fn closing_while_pictures_are_written_asks_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    open_view(&mut window, "Camera path");
+    for _ in 0..12 {
+        window.key_press(Key::K);
+        window.run_steps(2);
+    }
+    export_to(&mut window, "Pictures to path…", folder.path());
+    close(&mut window);
+    assert!(shows(&window, "Close before all is written?"));
+    click(&mut window, "Stay");
+    assert!(!shows(&window, "Close before all is written?"));
+    click(&mut window, "Cancel");
+    settle(&mut window);
+    close(&mut window);
+    assert!(!shows(&window, "Close before all is written?") && !shows(&window, "Close now?"));
+}
+
 #[test]
 fn closing_with_changed_thresholds_asks_first() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    let close = |window: &mut Window| {
-        let viewport = window.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
-        viewport.events.push(egui::ViewportEvent::Close);
-        window.run_steps(3);
-    };
     close(&mut window);
     assert!(!shows(&window, "Close without saving?"), "nothing was changed");
     drag(&mut window, "Pruning depth tolerance on its histogram", vec2(0.6, 0.6), vec2(30.0, 0.0));

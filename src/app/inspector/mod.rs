@@ -53,6 +53,17 @@ pub(crate) struct Probe {
     pub shown: Option<Arc<Probed>>,
 }
 
+/// What stands between the person and closing the window.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Closing {
+    /// Whether the question before closing is asked.
+    pub asks: bool,
+    /// Whether the window closes whatever is lost by it.
+    pub anyway: bool,
+    /// Whether a file, pictures or a film are being written.
+    pub writing: bool,
+}
+
 /// A line of the log.
 pub(crate) struct LogLine {
     /// When.
@@ -98,8 +109,8 @@ pub(crate) struct Inspector {
     pub callout: usize,
     /// Whether thresholds were changed since the last store was saved.
     pub unsaved: bool,
-    /// Whether the question before closing is asked.
-    pub asks_to_close: bool,
+    /// What stands between the person and closing the window.
+    pub closing: Closing,
     /// What happened, the latest last.
     pub log: VecDeque<LogLine>,
     /// What the window's own work takes.

@@ -1,4 +1,4 @@
-//! Three callouts on the first run, and the question before closing with something unsaved.
+//! Three callouts on the first run, and the question before closing with something unsaved or half written.
 
 use egui::{Align2, Area, Button, Frame, Id, Margin, Modal, Order, RichText, Stroke};
 
@@ -74,20 +74,30 @@ pub(super) fn callouts_ui(ctx: &egui::Context, state: &State, commands: &mut Vec
     );
 }
 
+const UNSAVED: &str = "Thresholds were changed since the last store was saved. They are remembered; the pruned samples are not.";
+const WRITING: &str = "A file, pictures or a film are still being written. Closing now abandons them; the line at the bottom says how far \
+     they are.";
+const WRITTEN: &str = "What was being written is done.";
+
 /// The question before closing, while it is asked.
 pub(super) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
-    if !state.inspector.asks_to_close {
+    if !state.inspector.closing.asks {
         return;
     }
     let modal = Modal::new(Id::unique("closing")).show(ctx, |ui| {
         ui.set_width(420.0);
-        ui.heading("Close without saving?");
-        ui.label(
-            "Thresholds were changed since the last store was saved. They are remembered; the pruned samples are not.",
-        );
+        let inspector = &state.inspector;
+        let (title, text) = match (inspector.closing.writing, inspector.unsaved) {
+            (true, _) => ("Close before all is written?", WRITING),
+            (false, true) => ("Close without saving?", UNSAVED),
+            (false, false) => ("Close now?", WRITTEN),
+        };
+        ui.heading(title);
+        ui.label(text);
         ui.add_space(space::MEDIUM);
         ui.horizontal(|ui| {
-            if ui.button("Save store…").accessible_name("Save before closing").clicked() {
+            let saves = inspector.unsaved && !inspector.closing.writing;
+            if saves && ui.button("Save store…").accessible_name("Save before closing").clicked() {
                 commands.push(Command::AskToClose(false));
                 commands.push(Command::AskPath(Purpose::SaveStore));
             }
