@@ -72,6 +72,7 @@ impl OverlookApp {
                 self.state.source_shown = Some(Shown { key, picture, texture });
             }
             Message::LivePainted { key, picture } if Some(key.scene) == current => {
+                self.state.tell_damage(&picture.damage);
                 let texture = self.texture_of(ctx, &picture);
                 self.state.live_shown = texture.map(|texture| Shown { key, picture, texture });
             }
@@ -177,9 +178,10 @@ impl OverlookApp {
             }
         }
         if let Some(playback) = scene.playback() {
-            for damage in playback.store().info().warnings.iter().chain(&playback.store().damage()) {
-                state.notify(NoticeKind::Warning, "While opening", damage.clone());
+            for warning in &playback.store().info().warnings {
+                state.notify(NoticeKind::Warning, "While opening", warning.clone());
             }
+            state.tell_damage(&playback.store().damage());
         }
         let opened = format!("Opened {}", scene.name);
         state.inspector.log(NoticeKind::Done, opened);

@@ -271,4 +271,23 @@ impl State {
         let id = self.notices.iter().map(|notice| notice.id).max().unwrap_or(0) + 1;
         self.notices.push(Notice { id, kind, title, text, since: Instant::now() });
     }
+
+    /// Says what could not be read of the open store, once: the first of many lines, and all of them in the log.
+    pub(super) fn tell_damage(&mut self, lines: &[String]) {
+        let told = &mut self.inspector.told_damage;
+        let new: Vec<&String> = lines.iter().filter(|line| told.insert((*line).clone())).collect();
+        let Some((first, others)) = new.split_first() else { return };
+        for line in others {
+            self.inspector.log(NoticeKind::Warning, (*line).clone());
+        }
+        self.notify(NoticeKind::Warning, "The store is damaged", and_others(first, others.len()));
+    }
+}
+
+/// One line for many.
+pub(super) fn and_others(first: &str, others: usize) -> String {
+    match others {
+        0 => first.to_owned(),
+        others => format!("{first} (and {others} more places: see the Log view)"),
+    }
 }

@@ -195,3 +195,45 @@ fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
     app.apply(Command::TypePath(Purpose::SaveStore));
     assert!(app.state.typed_path.is_some());
 }
+
+/// Opens a store of which nothing that is seen at its last frame alone can be read.
+fn open_damaged(folder: &std::path::Path) -> OverlookApp {
+    let path = folder.join("damaged.ovl");
+    let mut app = start(2, FRAMES);
+    settle(&mut app);
+    app.take_path(Purpose::SaveStore, path.clone());
+    settle(&mut app);
+    let mut bytes = std::fs::read(&path).unwrap();
+    let store = Store::open(&path).unwrap();
+    let last = store.info().images.iter().filter(|image| image.span.start as usize == FRAMES - 1);
+    for image in last {
+        let payload = image.offset as usize + 8;
+        bytes[payload..payload + image.length as usize].fill(0xEE);
+    }
+    std::fs::write(&path, bytes).unwrap();
+    app.open_path(path);
+    wait(&mut app, "the store", |app| app.state.scene.is_some() && !app.state.has_capture());
+    settle(&mut app);
+    app
+}
+
+const FRAMES: usize = 8;
+
+#[test]
+fn damage_that_is_met_while_a_store_plays_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = open_damaged(folder.path());
+    let about_damage = |app: &OverlookApp| {
+        app.notices().into_iter().filter(|notice| notice.starts_with("The store is damaged")).count()
+    };
+    assert_eq!(about_damage(&app), 0, "what is shown first is whole");
+    app.apply(Command::Frame(FRAMES - 1));
+    settle(&mut app);
+    wait(&mut app, "the warning", |app| about_damage(app) == 1);
+    app.state.notices.clear();
+    for frame in [0, FRAMES - 1] {
+        app.apply(Command::Frame(frame));
+        settle(&mut app);
+    }
+    assert_eq!(about_damage(&app), 0);
+}

@@ -13,7 +13,7 @@ pub(crate) mod presets;
 pub(crate) mod probe;
 mod thumbs;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -113,6 +113,8 @@ pub(crate) struct Inspector {
     pub closing: Closing,
     /// What happened, the latest last.
     pub log: VecDeque<LogLine>,
+    /// What could not be read of the open store, as far as it was told.
+    pub told_damage: BTreeSet<String>,
     /// What the window's own work takes.
     pub meter: Meter,
 }
@@ -130,6 +132,7 @@ impl Inspector {
         self.charts = Charts::default();
         self.unsaved = false;
         self.compare_trouble = None;
+        self.told_damage.clear();
     }
 
     /// Adds a line to the log.

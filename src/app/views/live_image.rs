@@ -116,6 +116,8 @@ pub(crate) struct LivePicture {
     pub painter: Painter,
     /// Why something else painted than was asked for.
     pub notice: Option<String>,
+    /// What could not be read of a store played from disk so far, one line each.
+    pub damage: Vec<String>,
 }
 
 /// Where the pixels of a picture are.
@@ -178,6 +180,7 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
         stats,
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
         notice: renderer.notice().map(str::to_owned),
+        damage: key.playback.as_ref().map_or_else(Vec::new, |playback| playback.store().damage()),
     })
 }
 
