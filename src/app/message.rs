@@ -7,6 +7,7 @@ use super::inspector::compare::CompareKey;
 use super::inspector::difference::Comparison;
 use super::inspector::histograms::Histogram;
 use super::inspector::memory_map::Block;
+use super::inspector::path::Exported;
 use super::inspector::probe::{Probed, Spot};
 use super::scene::Scene;
 use super::state::Inspected;
@@ -87,7 +88,7 @@ pub(super) enum Message {
     /// A sweep or a stress test is done.
     Studied,
     /// The pictures or the film of the camera path are written.
-    Exported { path: PathBuf, pictures: usize },
+    Exported { path: PathBuf, exported: Exported },
     /// Settings were read from a file.
     SettingsLoaded { path: PathBuf, settings: Settings },
     /// A dialog was answered; `None` where it was closed.

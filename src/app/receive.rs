@@ -9,11 +9,12 @@ use egui::{TextureFilter, TextureOptions};
 use super::OverlookApp;
 use super::inspector::compare::Compared;
 use super::inspector::difference::Comparison;
+use super::inspector::path::Exported;
 use super::inspector::probe::{Probed, Spot};
 use super::memory::remember_recent;
 use super::message::{Message, Purpose};
 use super::scene::{Origin, Scene};
-use super::state::{NoticeKind, Shown, Whole, method_of};
+use super::state::{NoticeKind, Shown, Whole, and_others, method_of};
 use super::text;
 use super::texture::Texture;
 use super::views::live_image::{LivePicture, Pixels};
@@ -107,10 +108,7 @@ impl OverlookApp {
                 self.state.inspector.charts.stress.push(*point);
             }
             Message::Studied => self.take_stock(),
-            Message::Exported { path, pictures } => {
-                let text = format!("{pictures} pictures in {}", path.display());
-                self.state.notify(NoticeKind::Done, "Exported", text);
-            }
+            Message::Exported { path, exported } => self.exported(&path, &exported),
             Message::SettingsLoaded { path, settings } => {
                 self.change_settings("file", settings);
                 self.state.notify(NoticeKind::Done, "Settings loaded", path.display().to_string());
@@ -219,6 +217,23 @@ impl OverlookApp {
             None => place.to_string(),
         };
         self.state.notify(NoticeKind::Done, "Saved", text);
+    }
+
+    fn exported(&mut self, path: &Path, exported: &Exported) {
+        let Exported { pictures, notice, damage } = exported;
+        let place = path.display();
+        self.state.notify(NoticeKind::Done, "Exported", format!("{pictures} pictures in {place}"));
+        if let Some(notice) = notice {
+            let text = format!("Of {place}: {notice}");
+            self.state.notify(NoticeKind::Warning, "Exported without the GPU", text);
+        }
+        if let Some((first, others)) = damage.split_first() {
+            let text = format!(
+                "Pictures in {place} that needed it have holes there: {}",
+                and_others(first, others.len())
+            );
+            self.state.notify(NoticeKind::Warning, "Exported from a damaged store", text);
+        }
     }
 
     fn path_chosen(&mut self, purpose: Purpose, path: Option<PathBuf>) {

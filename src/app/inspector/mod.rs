@@ -225,8 +225,8 @@ impl InspectorLanes {
                 Supersede::Never,
                 outbox.clone(),
                 |request: ExportRequest, job| {
-                    let pictures = path::export(&request, job)?;
-                    Ok(Message::Exported { path: request.target.path().to_path_buf(), pictures })
+                    let exported = path::export(&request, job)?;
+                    Ok(Message::Exported { path: request.target.path().to_path_buf(), exported })
                 },
             )?,
             thumbs: Lane::start(

@@ -107,11 +107,21 @@ pub(crate) struct ExportRequest {
     pub target: Target,
 }
 
-/// Paints and writes all pictures; gives their number.
+/// What came of an export.
+pub(crate) struct Exported {
+    /// Pictures painted and written.
+    pub pictures: usize,
+    /// Why something else painted than was asked for.
+    pub notice: Option<String>,
+    /// What could not be read of a store so far, one line each.
+    pub damage: Vec<String>,
+}
+
+/// Paints and writes all pictures.
 ///
 /// # Errors
 /// `Invalid` without a path, `Io` where nothing can be written there, whatever rendering and ffmpeg give, and `Cancelled`.
-pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<usize> {
+pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Exported> {
     let vantages = request.path.vantages(request.size, request.reel.frame_count());
     if vantages.is_empty() {
         return Err(Error::invalid("camera path", "it needs two keys at least; add them in the Path view"));
@@ -132,7 +142,11 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<usize> {
             encoder.finish()?;
         }
     }
-    Ok(vantages.len())
+    let damage = match &request.reel {
+        Reel::Memory(_) => Vec::new(),
+        Reel::Disk(playback) => playback.store().damage(),
+    };
+    Ok(Exported { pictures: vantages.len(), notice: renderer.notice().map(str::to_owned), damage })
 }
 
 #[cfg(test)]
