@@ -5,7 +5,7 @@ use overlook::capture::Capture;
 use overlook::capture::demo::{Demo, DemoSpec};
 use overlook::job::Job;
 use overlook::preprocess::registration::Outcome;
-use overlook::preprocess::{self, FrameInspection, PixelArgument, Rule, TemporalScan};
+use overlook::preprocess::{self, FrameInspection, PixelArgument, Rule, TemporalScan, Verdict};
 use overlook::render::{CpuRenderer, Vantage, pick};
 use overlook::settings::{Kernel, Settings};
 use std::sync::Arc;
@@ -80,7 +80,7 @@ fn what_is_kept_as_the_only_witness_is_shown_by_no_sample_that_stays_in_the_tabl
             alone += 1;
             let shown_by = rows().find(|row| {
                 let same = matches!(row.outcome, Some(Outcome::Same(_)));
-                same && row.verdict.is_some_and(|verdict| verdict.is_kept())
+                same && row.verdict.is_some_and(Verdict::is_kept)
             });
             assert!(shown_by.is_none(), "{argument:?}");
         }
