@@ -12,9 +12,15 @@ use super::pose;
 use crate::capture::{Camera, Intrinsics};
 use crate::error::{Error, Result};
 
-/// How far two places may lie apart and be the same camera's, relative to the distance from the origin: matrices that went
-/// through `f32` and six digits of text.
+/// How far two places may lie apart and be the same camera's, relative to the distance from the origin up to [`NEAR`]: matrices
+/// that went through six digits of text.
 const SAME_PLACE: f64 = 1e-6;
+/// The same farther out: matrices that went through `f32`.
+const SAME_PLACE_FAR: f64 = 1.2e-7;
+/// World units from the origin in which scenes are built.
+const NEAR: f64 = 1e3;
+/// Places that lie farther apart, relative to the distance from the origin, are worth a word.
+const SAID: f64 = 1e-9;
 /// How far the entries of two rotations may differ and be the same camera's: a fiftieth of a pixel at a focal length of 2000.
 const SAME_ROTATION: f64 = 1e-5;
 /// How far focal length and principal point may differ, pixels.
@@ -233,9 +239,17 @@ impl Recording {
         let Some(first) = frames.first() else { return Ok(()) };
         let camera = first.camera()?;
         let size = camera.intrinsics.size();
+        let mut moved: f64 = 0.0;
         for entry in &frames[1..] {
             let other = entry.camera_of_size(|| Ok(size))?;
             refuse_motion(&camera, &other, first.number, &entry.place)?;
+            moved = moved.max(camera.position_in_world().distance(other.position_in_world()));
+        }
+        if moved > SAID * camera.position_in_world().length().max(1.0) {
+            self.warnings.push(format!(
+                "camera '{name}' moves by up to {moved:.1e} units; that is taken for rounding, and frame {} says where it stands",
+                first.number
+            ));
         }
         self.cameras.push(camera);
         self.entries.push(frames);
@@ -252,10 +266,11 @@ impl Recording {
 }
 
 fn refuse_motion(first: &Camera, other: &Camera, first_number: i64, place: &str) -> Result<()> {
-    let reach = first.position_in_world().length().max(1.0);
+    let reach = first.position_in_world().length();
     let (a, b) = (&first.world_from_camera, &other.world_from_camera);
-    let is_still = a.matrix3.abs_diff_eq(b.matrix3, SAME_ROTATION)
-        && a.translation.abs_diff_eq(b.translation, SAME_PLACE * reach);
+    let apart = (SAME_PLACE * reach.clamp(1.0, NEAR)).max(SAME_PLACE_FAR * reach);
+    let is_still =
+        a.matrix3.abs_diff_eq(b.matrix3, SAME_ROTATION) && a.translation.abs_diff_eq(b.translation, apart);
     if !is_still {
         return Err(Error::unsupported(
             place,
@@ -355,8 +370,14 @@ mod tests {
         };
         let refused = group(&[at(0, 0.0, 5e5), at(1, 0.001, 5e5)]).map(|_| ()).unwrap_err().to_string();
         assert!(refused.contains("the camera moved since frame 0"), "{refused}");
-        assert!(group(&[at(0, 0.3, 5e5), at(1, 0.3 + 1e-7, 5e5 + 0.1)]).is_ok());
-        assert!(group(&[at(0, 0.3, 5e5), at(1, 0.3, 5e5 + 20.0)]).is_err());
+        let rounded = group(&[at(0, 0.3, 5e5), at(1, 0.3 + 1e-7, 5e5 + 0.1)]).unwrap();
+        assert!(
+            rounded.warnings[0].contains("camera 'a' moves by up to 1.0e-1 units"),
+            "{:?}",
+            rounded.warnings
+        );
+        assert!(group(&[at(0, 0.3, 5e5), at(1, 0.3, 5e5)]).unwrap().warnings.is_empty());
+        assert!(group(&[at(0, 0.3, 5e5), at(1, 0.3, 5e5 + 3.0)]).is_err());
     }
 
     #[test]

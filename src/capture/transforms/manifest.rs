@@ -142,10 +142,15 @@ fn present<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<N
 }
 
 impl Keys {
-    /// These keys, and where they are missing the file's.
+    /// These keys, and where they are missing the file's. Focal lengths and angles say one thing in several ways: where these keys
+    /// have one of them, none of the file's counts.
     #[must_use]
     pub fn or(self, file: &Self) -> Self {
-        let file = file.clone();
+        let mut file = file.clone();
+        let own = [self.fl_x, self.fl_y, self.camera_angle_x, self.camera_angle_y];
+        if own.iter().any(Option::is_some) {
+            (file.fl_x, file.fl_y, file.camera_angle_x, file.camera_angle_y) = (None, None, None, None);
+        }
         let distortion = |own: f64, files: f64| if own == 0.0 { files } else { own };
         Self {
             camera: self.camera.or(file.camera),
@@ -259,6 +264,15 @@ impl Manifest {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_entry_s_own_angle_counts_and_not_the_file_s_focal_length() {
+        let file = Keys { fl_x: Some(1000.0), fl_y: Some(900.0), w: Some(640.0), ..Keys::default() };
+        let entry = Keys { camera_angle_x: Some(0.5), ..Keys::default() };
+        let both = entry.or(&file);
+        assert_eq!((both.fl_x, both.fl_y, both.camera_angle_x, both.w), (None, None, Some(0.5), Some(640.0)));
+        assert_eq!(Keys::default().or(&file).fl_y, Some(900.0));
+    }
 
     const ENTRY: &str = r#"{"file_path": "a.exr", "transform_matrix": [], "w": 5, "normal_space": null}"#;
 
