@@ -56,7 +56,8 @@ section! {
         color_tolerance: f32 = 2.0, "8-bit steps", Kind::Number { min: 0.0, max: 64.0, log: false };
         /// A pixel is static while its depth stays within this relative range over the span, beyond what noise explains.
         depth_tolerance: f32 = 0.001, "relative", Kind::Number { min: 0.0, max: 0.1, log: true };
-        /// How many times the measured noise is granted on top of the tolerances; 0 trusts the tolerances alone.
+        /// How many times the measured noise is granted on top of the tolerances, over time and between cameras; 0 trusts the
+        /// tolerances alone.
         noise: f32 = 1.0, "× measured", Kind::Number { min: 0.0, max: 4.0, log: false };
     }
 }
