@@ -232,7 +232,7 @@ impl<'a> Asker<'a> {
         }
         let (distance, _) = self.plane_distance(target, layer, &found, (x, y, pixel))?;
         Some(PairQuantities {
-            outcome: rig.registration(self.camera, other).test(self.layer, layer, self.x, self.y, limits),
+            outcome: rig.registration(self.camera, other).explain(self.layer, layer, self.x, self.y, limits),
             plane_distance_footprints: distance as f32,
             normal_angle_degrees: angle_degrees(self.normal, layer.normal[pixel]) as f32,
             color_difference_steps: self.color_difference(layer, pixel) as f32,
@@ -244,7 +244,7 @@ impl<'a> Asker<'a> {
         let layer = &self.inspection.layers[other];
         let own = other == self.camera;
         let outcome = (!own)
-            .then(|| rig.registration(self.camera, other).test(self.layer, layer, self.x, self.y, limits));
+            .then(|| rig.registration(self.camera, other).explain(self.layer, layer, self.x, self.y, limits));
         let mut testimony = Testimony {
             camera: other,
             outcome,

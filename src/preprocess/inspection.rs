@@ -89,9 +89,7 @@ impl Rule {
     pub fn sentence(self) -> &'static str {
         match self {
             Self::NoSample => "No sample: the pixel has no depth.",
-            Self::OnlyWitness => {
-                "Kept: no other camera has a sample left that shows this surface point throughout its span."
-            }
+            Self::OnlyWitness => "Kept: no other camera has a sample of this point throughout its span.",
             Self::BestRate => "Kept: no other camera samples this point more densely.",
             Self::Coverage => {
                 "Kept: the better sample was itself dropped for one that does not see this point."
@@ -260,7 +258,7 @@ impl FrameInspection {
         let outcome = if layer.inverse_depth[pixel] < 0.0 {
             Outcome::NoDepth
         } else {
-            rig.registration(camera, other).test(layer, target, x, y, limits)
+            rig.registration(camera, other).explain(layer, target, x, y, limits)
         };
         let log2_ratio = match outcome {
             Outcome::Same(found) => (layer.footprint[pixel] / target.footprint[found as usize]).log2(),

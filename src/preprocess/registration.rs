@@ -9,7 +9,7 @@
 use glam::{DVec2, Vec3};
 
 use super::facet::{Facet, Look, Ranks};
-use super::layer::Layer;
+use super::layer::{Layer, Level};
 pub use super::same_surface::{Answers, Outcome, SameSurface};
 use super::same_surface::{IN_FRONT, IN_VIEW};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
@@ -234,10 +234,28 @@ impl Registration {
         if carried.bits[0] & IN_VIEW == 0 {
             return if carried.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
         }
-        let answers = self.compare(source, target, &block, &carried, limits, [1]);
-        match answers.outcome(0) {
-            Outcome::NoDepth if limits.hides(answers.level[0]) => Outcome::ShorterSpan,
-            outcome => outcome,
+        self.compare(source, target, &block, &carried, limits, [1]).outcome(0)
+    }
+
+    /// As [`Registration::test`], for the eye: where the target has samples that do not count because their spans are shorter, what
+    /// they would say.
+    #[must_use]
+    pub fn explain(
+        &self,
+        source: &Layer,
+        target: &Layer,
+        x: usize,
+        y: usize,
+        limits: &SameSurface,
+    ) -> Outcome {
+        let outcome = self.test(source, target, x, y, limits);
+        if !matches!(outcome, Outcome::NoDepth | Outcome::Seam) {
+            return outcome;
+        }
+        match self.test(source, target, x, y, &limits.at_level(Level::MAX)) {
+            Outcome::Same(_) => Outcome::ShorterSpan,
+            of_all if outcome == Outcome::NoDepth => of_all,
+            _ => outcome,
         }
     }
 

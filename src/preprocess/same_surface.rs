@@ -29,7 +29,8 @@ pub enum Outcome {
     OutsideView,
     /// The camera recorded no depth at that pixel.
     NoDepth,
-    /// What the camera has at that pixel holds for a shorter span only: it is decided later, and stands for no longer one.
+    /// The camera saw the same surface point, but for a shorter span only: its sample is decided later, and stands for no longer
+    /// one.
     ShorterSpan,
     /// The camera sees something nearer at that pixel.
     Occluded,
@@ -95,11 +96,6 @@ impl SameSurface {
             deepest: u32::from(Level::MAX),
             has_deeper: true,
         }
-    }
-
-    /// Whether samples of `level` do not exist yet.
-    pub(super) fn hides(&self, level: u32) -> bool {
-        level > self.deepest
     }
 
     /// These thresholds for samples of `level`, to which those of deeper levels do not exist yet.

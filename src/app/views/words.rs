@@ -46,7 +46,7 @@ pub(super) fn sees(outcome: Option<Outcome>) -> &'static str {
         Some(Outcome::Behind) => "behind it",
         Some(Outcome::OutsideView) => "out of view",
         Some(Outcome::NoDepth) => "no depth there",
-        Some(Outcome::ShorterSpan) => "shorter span",
+        Some(Outcome::ShorterSpan) => "not as long",
         Some(Outcome::Occluded) => "hidden from it",
         Some(Outcome::SeesPast) => "looks past it",
         Some(Outcome::NormalDiffers) => "other normal",
@@ -66,7 +66,7 @@ pub(super) fn why(outcome: Option<Outcome>) -> &'static str {
         Some(Outcome::OutsideView) => "The point falls outside this camera's picture.",
         Some(Outcome::NoDepth) => "The camera recorded no depth where the point falls.",
         Some(Outcome::ShorterSpan) => {
-            "What the camera has where the point falls holds for a shorter span, and is decided after this sample."
+            "It shows the same surface point, but for a shorter span: it is decided after this sample and cannot stand for it."
         }
         Some(Outcome::Occluded) => "The camera recorded something nearer where the point falls.",
         Some(Outcome::SeesPast) => "The camera recorded something farther where the point falls.",
