@@ -16,12 +16,21 @@ fn pruning_by_rate_costs_little_and_first_camera_wins_costs_clearly_more() {
     let views = open_views(&folder.join("novel/transforms.json")).unwrap();
     assert_eq!((capture.cameras.len(), capture.frame_count()), (4, 4));
 
-    // First camera wins loses three times the coverage of blocks. Footprints close many of its gaps as well: twice.
-    compare_rules(&capture, &views, Kernel::Block, 3.0);
-    compare_rules(&capture, &views, Kernel::Gather, 2.0);
+    // Measured in dB, by rate and by first camera wins: blocks 0.07 and 0.20; gathering, where looking a point up in fewer
+    // cameras may even bring the picture nearer, -0.01 and 0.37.
+    compare_rules(&capture, &views, Kernel::Block, &Bounds { lost_db: 0.15, margin_db: 0.07 });
+    compare_rules(&capture, &views, Kernel::Gather, &Bounds { lost_db: 0.1, margin_db: 0.2 });
 }
 
-fn compare_rules(capture: &Capture, views: &[View], kernel: Kernel, coverage_ratio: f64) {
+/// Where a picture has samples.
+struct Bounds {
+    /// What pruning by rate may lose.
+    lost_db: f64,
+    /// What first camera wins loses more, at least. A difference, as what pruning by rate loses may be nothing.
+    margin_db: f64,
+}
+
+fn compare_rules(capture: &Capture, views: &[View], kernel: Kernel, bounds: &Bounds) {
     let mut settings = Settings::default();
     settings.render.kernel = kernel;
     let comparison = compare(capture, views, &settings, &Job::new()).unwrap();
@@ -39,15 +48,14 @@ fn compare_rules(capture: &Capture, views: &[View], kernel: Kernel, coverage_rat
     println!(
         "{kernel} lost (dB where sampled, dB everywhere, coverage): by rate {ours:?}, first camera wins {first:?}"
     );
-    assert!(ours.0 <= 0.15, "pruning by rate loses {} dB", ours.0);
-    assert!(first.0 > 1.5 * ours.0, "first camera wins loses {} dB, by rate {}", first.0, ours.0);
-    assert!(first.1 > 2.0 * ours.1, "with holes black: {} dB, by rate {}", first.1, ours.1);
+    assert!(ours.0 <= bounds.lost_db, "{kernel}: pruning by rate loses {} dB", ours.0);
     assert!(
-        ours.2 < 0.005 && first.2 > coverage_ratio * ours.2,
-        "coverage lost: {} by rate, {}",
-        ours.2,
-        first.2
+        first.0 - ours.0 > bounds.margin_db,
+        "{kernel}: first camera wins loses {first:?}, by rate {ours:?}"
     );
+    // With holes black 0.01 dB and 0.05 dB were lost, of coverage at most 0.0004 and at least 0.0013.
+    assert!(ours.1 < 0.03 && first.1 - ours.1 > 0.02, "{kernel}, holes black: {first:?}, by rate {ours:?}");
+    assert!(ours.2 < 0.001 && first.2 - ours.2 > 0.0006, "{kernel}, coverage: {first:?}, by rate {ours:?}");
     let (ours, all) = (&comparison.as_set, &comparison.no_pruning);
     assert!(ours.samples_kept * 10 < all.samples_kept * 8, "{} of {}", ours.samples_kept, all.samples_kept);
 }
