@@ -28,33 +28,38 @@ fn run(capture: &Capture, levels: SpanLevels) -> Preprocessed {
     preprocess(capture, &with_levels(levels), &Job::new()).unwrap()
 }
 
-/// Pictures of `width` pixels in which a pixel shows one of a few values, changes now and then, and is without depth now
-/// and then.
+/// What a channel of color shows: of the first three, neighbors are granted and the first and last are not.
+const CHANNEL: [f32; 4] = [0.2, 0.205, 0.21, 0.6];
+
+/// Inverse depths: none, at infinity, three of which neighbors are granted and the first and last are not, and one far from them.
+const INVERSE_DEPTH: [f32; 6] = [INVALID_INVERSE_DEPTH, 0.0, 0.5, 0.499_65, 0.499_3, 0.25];
+
+/// Pictures of `width` pixels in which a channel of a pixel or its depth changes now and then.
 fn readings(width: usize, frames: usize, seed: u64) -> Vec<Arc<Frame>> {
     let mut state = seed;
-    let mut below = |bound: u64| {
+    let mut below = |bound: usize| {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) % bound
+        (state >> 33) as usize % bound
     };
-    let mut value: Vec<u64> = (0..width).map(|_| below(4)).collect();
-    let frame = |value: &[u64]| Frame {
-        color: Grid::from_vec(width, 1, value.iter().map(|v| [f16::from_f32(0.2 * *v as f32); 3]).collect()),
-        inverse_depth: Grid::from_vec(
-            width,
-            1,
-            value.iter().map(|v| if *v == 0 { INVALID_INVERSE_DEPTH } else { 0.5 }).collect(),
-        ),
-        normal_in_world: None,
-        depth_step_relative: 0.0,
-    };
+    let mut color: Vec<[usize; 3]> = (0..width).map(|_| std::array::from_fn(|_| below(4))).collect();
+    let mut depth: Vec<usize> = (0..width).map(|_| below(6)).collect();
     (0..frames)
         .map(|_| {
-            for value in &mut value {
-                if below(6) == 0 {
-                    *value = below(4);
+            for pixel in 0..width {
+                match below(24) {
+                    channel @ 0..3 => color[pixel][channel] = below(4),
+                    3 => depth[pixel] = below(6),
+                    _ => {}
                 }
             }
-            Arc::new(frame(&value))
+            let colors = color.iter().map(|color| color.map(|level| f16::from_f32(CHANNEL[level])));
+            let depths = depth.iter().map(|&level| INVERSE_DEPTH[level]);
+            Arc::new(Frame {
+                color: Grid::from_vec(width, 1, colors.collect()),
+                inverse_depth: Grid::from_vec(width, 1, depths.collect()),
+                normal_in_world: None,
+                depth_step_relative: 0.0,
+            })
         })
         .collect()
 }
@@ -70,10 +75,17 @@ fn split(frames: &[Arc<Frame>], batch: usize, noise: &Noise) -> Given {
 /// Whether a pixel is static over a span by definition, from all its readings.
 fn is_static(frames: &[Arc<Frame>], span: Span, pixel: usize) -> bool {
     let frames = &frames[span.start as usize..span.end as usize];
+    let tolerances = Settings::default().spans;
     let depths = || frames.iter().map(|frame| frame.inverse_depth.as_slice()[pixel]);
-    let steps = || frames.iter().map(|frame| color::steps_from_linear(frame.color.as_slice()[pixel][0]));
-    let range = steps().fold(0.0, f32::max) - steps().fold(f32::INFINITY, f32::min);
-    depths().all(|w| w >= 0.0) && range <= Settings::default().spans.color_tolerance
+    let (near, far) = (depths().fold(0.0, f32::max), depths().fold(f32::INFINITY, f32::min));
+    let color_range = |channel: usize| {
+        let steps =
+            || frames.iter().map(|frame| color::steps_from_linear(frame.color.as_slice()[pixel][channel]));
+        steps().fold(0.0, f32::max) - steps().fold(f32::INFINITY, f32::min)
+    };
+    depths().all(|w| w >= 0.0)
+        && (near == far || (near - far) / near <= tolerances.depth_tolerance)
+        && (0..3).map(color_range).fold(0.0, f32::max) <= tolerances.color_tolerance
 }
 
 proptest! {
