@@ -122,10 +122,6 @@ fn damaged_stores_never_allocate_more_than_a_multiple_of_their_size_nor_panic() 
     for seed in &seeds {
         assert!(read(seed));
     }
-    let largest = seeds.iter().map(Vec::len).max().unwrap();
-    let before = ALLOCATOR.allocated();
-    // A single allocation above this would abort the process.
-    ALLOCATOR.set_limit(before + FIXED + PER_BYTE * largest).unwrap();
     let (mut state, mut runs, mut opened) = (0x0123_4567_89AB_CDEF_u64, 0_u64, 0_u64);
     let mut random = move |below: usize| {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -134,6 +130,8 @@ fn damaged_stores_never_allocate_more_than_a_multiple_of_their_size_nor_panic() 
     let started = std::time::Instant::now();
     while started.elapsed() < fuzz_time() {
         let mut bytes = seeds[random(seeds.len())].clone();
+        // A single allocation above this aborts the process.
+        ALLOCATOR.set_limit(ALLOCATOR.allocated() + FIXED + PER_BYTE * bytes.len()).unwrap();
         for _ in 0..=random(4) {
             let (at, length) = (random(bytes.len()), 1 + random(6));
             let (end, to) = ((at + length).min(bytes.len()), random(bytes.len() - length));
