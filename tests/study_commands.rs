@@ -40,6 +40,23 @@ fn is_picture(path: &Path) {
     assert!(picture.width() > 400 && picture.height() > 300);
 }
 
+/// Every point of a document has what scripts may rely on.
+fn has_promised_keys(document: &Value) {
+    let points = document["points"].as_array().unwrap();
+    assert!(!points.is_empty());
+    for point in points {
+        assert!(point["label"].as_str().is_some_and(|label| !label.is_empty()), "{point}");
+        assert!(point["settings"]["pruning"]["depth_tolerance"].is_number(), "{point}");
+        for key in ["psnr_db", "psnr_db_se", "ssim", "coverage", "milliseconds"] {
+            assert!(point[key].as_f64().is_some_and(f64::is_finite), "{key} of {point}");
+        }
+        for key in ["samples", "bytes"] {
+            assert!(point[key].as_u64().is_some_and(|count| count > 0), "{key} of {point}");
+        }
+        assert!(point["pareto"].is_boolean(), "{point}");
+    }
+}
+
 const SWEEP: [&str; 7] =
     ["sweep", "scene", "--vary", "pruning.depth_tolerance=0.5,2", "--kernel", "block", "--out"];
 
@@ -65,7 +82,11 @@ fn a_sweep_leaves_a_table_a_document_and_a_chart_and_goes_on_from_its_journal() 
     let text = std::fs::read_to_string(&journal).unwrap();
     let kept: Vec<&str> = text.lines().collect();
     std::fs::write(&journal, kept[..kept.len() - 1].join("\n") + "\n").unwrap();
-    succeed(folder, &[&SWEEP[..], &["sweep"]].concat());
+    let printed = succeed(folder, &[&SWEEP[..], &["sweep", "--json"]].concat());
+    let printed: Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(printed, json(&folder.join("sweep/sweep.json")), "one document, the one in the file");
+    has_promised_keys(&printed);
+    assert!(points.iter().any(|point| point["pareto"] == true), "something is on the front");
     let times = |document: &Value| -> Vec<Value> {
         document["points"]
             .as_array()
@@ -84,23 +105,17 @@ fn a_sweep_leaves_a_table_a_document_and_a_chart_and_goes_on_from_its_journal() 
 fn stress_names_the_point_of_failure_of_every_method() {
     let folder = scene();
     let folder = folder.path();
-    let table = succeed(
-        folder,
-        &[
-            "stress",
-            "scene",
-            "--only",
-            "camera pose",
-            "--frames",
-            "1",
-            "--set",
-            "render.kernel=block",
-            "--out",
-            "stress",
-        ],
-    );
-    assert!(table.contains("camera pose, degrees"), "{table}");
+    let stress = "stress|scene|--only|camera pose|--frames|1|--set|render.kernel=block|--out|stress";
+    let stress: Vec<&str> = stress.split('|').collect();
+    let printed = succeed(folder, &[&stress[..], &["--json"]].concat());
+    let printed: Value = serde_json::from_str(&printed).unwrap();
     let document = json(&folder.join("stress/stress.json"));
+    assert_eq!(printed, document, "one document, the one in the file");
+    has_promised_keys(&printed);
+    // Everything is known by now, so that nothing is measured for the table.
+    let table = succeed(folder, &stress);
+    assert!(table.contains("camera pose, degrees"), "{table}");
+    assert_eq!(json(&folder.join("stress/stress.json")), document);
     let failures = document["failures"].as_array().unwrap();
     assert_eq!(failures.len(), 3, "ours, without defenses, the paper's");
     assert!(document["points"].as_array().unwrap().iter().all(|point| point["disturbance"] == "camera pose"));
