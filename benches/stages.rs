@@ -7,7 +7,9 @@ use std::time::Duration;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use overlook::evaluate::speed::scene::recorded;
 use overlook::job::Job;
+use overlook::preprocess::frame_layers::FrameLayers;
 use overlook::preprocess::noise::measure_pairs;
+use overlook::preprocess::pruning::Rig;
 use overlook::preprocess::split::{BATCH, Split};
 use overlook::preprocess::static_test::StaticTest;
 use overlook::preprocess::{inspect_frame, preprocess, scan};
@@ -38,18 +40,25 @@ fn preprocessing(c: &mut Criterion) {
     });
     let scanned = scan(&capture, &settings, &job).expect("a scan");
     group.throughput(Throughput::Elements(capture.pixel_count() / 3));
-    let mut tolerance = 24.0;
-    group.bench_function("one frame after a threshold change", |b| {
+    let rig = Rig::new(&capture.cameras);
+    let layers = FrameLayers::of(&capture, Some(&scanned), &rig, &settings, 1, &job).expect("layers");
+    layers.prepare(&rig, &settings, &job).expect("a docket").expect("one that fits into memory");
+    let mut changed = settings.clone();
+    group.bench_function("one prepared frame after a threshold change", |b| {
         b.iter(|| {
-            // Another value each time, so that nothing is taken from an earlier run.
-            tolerance = if tolerance > 30.0 { 24.0 } else { tolerance + 0.01 };
-            let mut changed = settings.clone();
-            changed.pruning.color_tolerance = tolerance;
-            inspect_frame(&capture, Some(&scanned), &changed, 1, &job).expect("an inspection")
+            // Another value each time, within what the frame was prepared for.
+            let tolerance = &mut changed.pruning.color_tolerance;
+            *tolerance = if *tolerance > 30.0 { 24.0 } else { *tolerance + 0.01 };
+            layers.prune(&rig, &changed, &job).expect("verdicts")
         });
     });
+    let mut frame = 0;
     group.bench_function("one frame more", |b| {
-        b.iter(|| inspect_frame(&capture, Some(&scanned), &settings, 1, &job).expect("an inspection"));
+        b.iter(|| {
+            // The one before is remembered, with what it was prepared for.
+            frame = 2 - frame;
+            inspect_frame(&capture, Some(&scanned), &settings, frame, &job).expect("an inspection")
+        });
     });
     group.finish();
 }
