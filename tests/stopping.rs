@@ -1,9 +1,22 @@
-//! Ctrl-C: work that is stopped leaves nothing half-made behind.
+//! Ctrl-C and Cancel: work that is stopped ends before it is done and leaves nothing half-made behind.
 #![cfg(unix)]
+
+mod scene;
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+
+use glam::DVec3;
+use overlook::capture::Capture;
+use overlook::error::{Error, Result};
+use overlook::job::Job;
+use overlook::preprocess::{prune, scan};
+use overlook::settings::Settings;
+use overlook::store;
+use scene::{Scene, arc};
 
 /// Everything takes far less.
 const PATIENCE: Duration = Duration::from_mins(1);
@@ -70,4 +83,67 @@ fn what_is_stopped_while_it_writes_leaves_no_temporary_file_and_says_so() {
         assert_eq!(temporary_files(folder.path()), Vec::<PathBuf>::new());
         assert!(!folder.path().join("scene.ovl").exists());
     }
+}
+
+/// Three cameras that see a sphere pass by.
+fn passing_sphere() -> Capture {
+    let mut scene = Scene::still_life();
+    scene.spheres[1].center = Arc::new(|frame| Some(DVec3::new(0.05 * frame as f64 - 1.0, -0.6, 0.4)));
+    scene.record(arc(3, 96), 40)
+}
+
+/// Runs `work`, and cancels it from another thread as soon as part of the stage called `stage` is done. Gives how much of it was
+/// done when the work ended; `None` where all was done before that.
+fn cancelled_within<T>(stage: &str, work: impl FnOnce(&Job) -> Result<T>) -> Option<f32> {
+    let (job, has_ended) = (Job::new(), AtomicBool::new(false));
+    let result = std::thread::scope(|threads| {
+        threads.spawn(|| {
+            while !has_ended.load(Ordering::Relaxed) {
+                let progress = job.progress();
+                if progress.stage == stage && progress.done > 0 {
+                    job.cancel();
+                    return;
+                }
+                std::thread::yield_now();
+            }
+        });
+        let result = work(&job);
+        has_ended.store(true, Ordering::Relaxed);
+        result.map(|_| ())
+    });
+    let progress = job.progress();
+    match result {
+        Err(Error::Cancelled) => {
+            assert_eq!(progress.stage, stage);
+            Some(progress.fraction())
+        }
+        Err(error) => panic!("{stage}: {error}"),
+        Ok(()) => None,
+    }
+}
+
+/// Tries a few times: on a machine that is busy, work may be done before the other thread has looked even once.
+fn assert_cancelled_within<T>(stage: &str, mut work: impl FnMut(&Job) -> Result<T>) {
+    let done = (0..5).find_map(|_| cancelled_within(stage, &mut work));
+    assert!(done.is_some_and(|done| done < 1.0), "{stage}: {done:?} of it was done");
+}
+
+#[test]
+fn scanning_pruning_and_writing_end_within_the_stage_in_which_they_are_cancelled() {
+    let (capture, settings) = (passing_sphere(), Settings::default());
+    assert_cancelled_within("Reading frames", |job| scan(&capture, &settings, job));
+    let scanned = scan(&capture, &settings, &Job::new()).unwrap();
+    assert_cancelled_within("Pruning frames", |job| prune(&capture, &scanned, &settings, job));
+    let preprocessed = prune(&capture, &scanned, &settings, &Job::new()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ovl");
+    std::fs::write(&path, "what was there before").unwrap();
+    let mut wrote_whole = false;
+    assert_cancelled_within("Writing the store", |job| {
+        let written = store::write(&path, &preprocessed.samples, &preprocessed.report, job);
+        wrote_whole |= written.is_ok();
+        written
+    });
+    assert_eq!(temporary_files(folder.path()), Vec::<PathBuf>::new());
+    assert!(wrote_whole || std::fs::read(&path).unwrap() == b"what was there before");
 }
