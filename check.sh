@@ -24,5 +24,6 @@ if [ -z "${XDG_RUNTIME_DIR:-}" ]; then
     mkdir -p target/runtime && chmod 700 target/runtime
     export XDG_RUNTIME_DIR="$PWD/target/runtime"
 fi
-# The software adapter was installed above: where it is missing, the renderer on it must not go untested.
-OVERLOOK_REQUIRE_GPU=1 cargo test --locked --no-fail-fast
+# The software adapter was installed above, and so was what a real window needs: where they are missing, the renderer on the one and
+# the program in the other must not go untested.
+OVERLOOK_REQUIRE_GPU=1 OVERLOOK_REQUIRE_WINDOW=1 cargo test --locked --no-fail-fast

@@ -1,11 +1,15 @@
 //! `overlook bench` as a script meets it: one JSON document with figures that can be true. How fast anything is, no test says.
 
+#[path = "common/skip.rs"]
+mod skip;
+
 use std::collections::BTreeSet;
 use std::process::{Command, Output};
 
 use overlook::render::{AdapterChoice, GpuRenderer};
 use overlook::settings::Kernel;
 use serde_json::Value;
+use skip::skip;
 
 fn bench(arguments: &[&str]) -> Output {
     bench_with("cpu", arguments)
@@ -138,11 +142,7 @@ fn a_stage_that_does_not_exist_is_named_beside_those_that_do() {
 #[test]
 fn a_graphics_adapter_is_measured_where_it_is_asked_for_and_held_against_its_memory() {
     if let Err(error) = GpuRenderer::new(AdapterChoice::Any) {
-        assert!(
-            std::env::var_os("OVERLOOK_REQUIRE_GPU").is_none(),
-            "OVERLOOK_REQUIRE_GPU is set, but {error}"
-        );
-        eprintln!("SKIPPED, nothing was measured: {error}");
+        skip(Some("OVERLOOK_REQUIRE_GPU"), &format!("nothing was measured: {error}"));
         return;
     }
     let output = bench_with("gpu", &["--only", "gpu/point/pruned/160x120", "--json"]);

@@ -4,6 +4,8 @@
 //! fails instead, so that a check that is meant to run them cannot pass without.
 
 mod scene;
+#[path = "common/skip.rs"]
+mod skip;
 
 use std::sync::Arc;
 
@@ -15,16 +17,14 @@ use overlook::render::gpu::GpuOptions;
 use overlook::render::{CpuRenderer, GpuRenderer, Picture, RenderStats, Vantage};
 use overlook::settings::{Kernel, PruningMethod, RenderSettings, Settings};
 use scene::{Scene, Sphere, arc, camera};
+use skip::skip;
 
 /// A renderer, or `None` where the machine cannot have one.
 fn gpu_with(options: &GpuOptions) -> Option<GpuRenderer> {
     match GpuRenderer::with_options(options) {
         Ok(renderer) => Some(renderer),
-        Err(error) if std::env::var_os("OVERLOOK_REQUIRE_GPU").is_some() => {
-            panic!("OVERLOOK_REQUIRE_GPU is set, but {error}")
-        }
         Err(error) => {
-            eprintln!("SKIPPED, nothing was compared: {error}");
+            skip(Some("OVERLOOK_REQUIRE_GPU"), &format!("nothing was compared: {error}"));
             None
         }
     }
@@ -258,7 +258,7 @@ fn two_passes_with_narrow_atomics_paint_what_one_pass_with_wide_ones_paints() {
     };
     assert!(!narrow.has_wide_atomics());
     if !wide.has_wide_atomics() {
-        eprintln!("SKIPPED, nothing was compared: {} has no 64-bit atomics", wide.adapter_name());
+        skip(None, &format!("nothing was compared: {} has no 64-bit atomics", wide.adapter_name()));
         return;
     }
     let samples = samples(&moving_capture());
@@ -335,7 +335,7 @@ fn stages_are_timed_where_the_adapter_has_a_clock() {
     on_gpu(&mut gpu, &samples, &novel(), 1, Kernel::Block);
     let times = gpu.stage_milliseconds();
     if times.is_empty() {
-        eprintln!("SKIPPED, nothing was timed: {} has no clock", gpu.adapter_name());
+        skip(None, &format!("nothing was timed: {} has no clock", gpu.adapter_name()));
         return;
     }
     let names: Vec<_> = times.iter().map(|(name, _)| *name).collect();

@@ -9,4 +9,7 @@ mod random;
 #[cfg(target_os = "linux")]
 mod real_window;
 mod screenshots;
+#[cfg(target_os = "linux")]
+#[path = "../common/skip.rs"]
+mod skip;
 mod whole_window;

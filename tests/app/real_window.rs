@@ -1,6 +1,7 @@
 //! The program itself in a real window, on a display of the test's own: clicked, typed at, looked at, and closed.
 //!
-//! Needs Xvfb and xdotool; where they are missing the test says so and checks nothing.
+//! Needs Xvfb and xdotool; where they are missing the test says so and checks nothing, or fails where
+//! `OVERLOOK_REQUIRE_WINDOW=1` asks for it.
 
 use std::fs::File;
 use std::io::Read;
@@ -11,6 +12,7 @@ use std::time::{Duration, Instant};
 use egui_kittest::kittest::Queryable;
 
 use super::driver::{SIZE, open, settle};
+use super::skip::skip;
 
 /// Ends its process when the test does, however it does.
 struct Guard(Child);
@@ -83,7 +85,8 @@ fn colors_in_source_view(display: &str, folder: &Path) -> usize {
 fn can_drive_a_window() -> bool {
     let missing = ["Xvfb", "xdotool", "import"].into_iter().find(|program| !has(program));
     if let Some(program) = missing {
-        println!("SKIPPED: {program} is not installed, so no real window was opened");
+        let why = format!("no real window was opened: {program} is not installed");
+        skip(Some("OVERLOOK_REQUIRE_WINDOW"), &why);
     }
     missing.is_none()
 }
