@@ -140,6 +140,12 @@ const DIFFERING: f64 = 1e-3;
 /// the same for a block be asked in the same order.
 const DIFFERING_COLORS: f64 = 4e-3;
 
+/// How far a color may be off where image and depth are the same, of light that goes up to 0.8: a hundred times what was found on a
+/// software adapter, 2·10⁻⁴ for blocks and 3·10⁻⁶ for the others. One pixel a sample is no arithmetic: the color is copied.
+fn worst_color(kernel: Kernel) -> f32 {
+    if kernel == Kernel::Point { 0.0 } else { 0.02 }
+}
+
 fn agree(found: &Difference) -> bool {
     found.image <= DIFFERING && found.depth <= DIFFERING && found.color <= DIFFERING_COLORS
 }
@@ -155,6 +161,7 @@ fn compare_over(renderer: &mut GpuRenderer, kernel: Kernel, samples: &Arc<Sample
         let (gpu, gpu_stats) = on_gpu(renderer, samples, &camera, 2, kernel);
         let found = Difference::between(&cpu, &gpu);
         assert!(agree(&found), "{kernel} from {}: {found:?}", camera.name);
+        assert!(found.worst <= worst_color(kernel), "{kernel} from {}: {found:?}", camera.name);
         assert_eq!(gpu_stats.samples, cpu_stats.samples);
         assert_eq!(gpu_stats.holes, gpu.holes());
         assert!(
@@ -216,7 +223,10 @@ fn pictures_of_any_size_and_from_inside_of_things_are_painted_as_on_the_cpu() {
             // In a picture of few pixels a single one is a large share.
             let pixels = cpu.image.as_slice().len() as f64;
             let few = |share: f64| share * pixels <= (DIFFERING * pixels).max(2.0);
-            let agrees = few(found.image) && few(found.depth) && few(found.color);
+            let agrees = few(found.image)
+                && few(found.depth)
+                && few(found.color)
+                && found.worst <= worst_color(*kernel);
             assert!(agrees, "{kernel} from {}: {found:?}", camera.name);
         }
     }
