@@ -19,10 +19,10 @@ use builder::{moving_set, small_report, small_set};
 #[global_allocator]
 static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
 
-/// Bytes that reading may allocate for each byte of the file: see the last paragraph of FORMAT.md.
+/// Bytes that reading may allocate for each byte of the file, as FORMAT.md promises.
 const PER_BYTE: usize = 3000;
 
-/// Tables and the working memory of the threads, whatever the file: see there too.
+/// Tables and the working memory of the threads, whatever the file; as promised there too.
 const FIXED: usize = 16 << 20;
 
 /// Reads all that can be read.
