@@ -13,7 +13,7 @@
 //! | registration | [`preprocess::registration`] | carries samples into the other cameras: who saw the same surface point? |
 //! | sampling rate | [`preprocess::sampling_rate`] | of two samples of one point, which is denser? (the paper's `r`) |
 //! | spatial redundancy | [`preprocess::pruning`] | keeps the denser one, and never loses a point on the way |
-//! | storage | [`store`] | tiles, run lengths, IFF chunks |
+//! | storage | [`store`] | predicts every number from its neighbors and entropy-codes the rest (rANS), in the chunks of an IFF file |
 //! | rendering | [`render`] | paints foreground over background into any vantage |
 //! | accuracy | [`evaluate`] | how close to the truth that comes, against no pruning and against first camera wins |
 //! | trade-offs | [`evaluate::sweep`], [`evaluate::stress`], [`evaluate::tune`] | what each setting buys, where it breaks, what is enough |

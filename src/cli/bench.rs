@@ -11,14 +11,21 @@ use crate::evaluate::speed::machine::Machine;
 use crate::evaluate::speed::{self, LimitKind, Options, SpeedReport, StageSpeed};
 use crate::settings::{Backend, Instructions};
 
+/// The names of [`Backend`], which for measuring do not exclude each other.
+const BACKENDS: &[(&str, &str)] = &[
+    ("auto", "The processor, and a graphics card where there is one."),
+    ("cpu", "The processor alone."),
+    ("gpu", "The processor and the graphics adapter, be it a program that stands in for one."),
+];
+
 /// Arguments of `overlook bench`.
 #[derive(Debug, Args)]
 pub(super) struct BenchArgs {
     /// Measure only stages with PART in their name, as in render/point; may be given several times.
     #[arg(long, value_name = "PART")]
     only: Vec<String>,
-    /// What paints: the CPU alone, or with it a graphics adapter, which `auto` takes only where it is a card.
-    #[arg(long, default_value = "auto", value_parser = choice::<Backend>(Backend::NAMES))]
+    /// What is measured painting.
+    #[arg(long, default_value = "auto", value_parser = choice::<Backend>(BACKENDS))]
     backend: Backend,
     /// The widest vector instructions that the stages may use; narrower ones give the same bits.
     #[arg(long, default_value = "auto", value_parser = choice::<Instructions>(Instructions::NAMES))]
@@ -148,5 +155,15 @@ fn stage_lines(text: &mut String, stage: &StageSpeed) {
             "   {speedup:.1} × faster than painting all anew; foreground on {:.0} % of the picture",
             100.0 * foreground
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_backend_can_be_measured() {
+        assert!(BACKENDS.iter().map(|(name, _)| name).eq(Backend::NAMES.iter().map(|(name, _)| name)));
     }
 }

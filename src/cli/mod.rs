@@ -108,7 +108,7 @@ struct SettingsArgs {
     /// Settings to start from (TOML; `overlook settings` prints them all).
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// Change one setting, as in --set pruning.rate=paper; may be given several times.
+    /// Change one setting, as in --set section.name=value; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     set: Vec<String>,
 }
@@ -309,6 +309,31 @@ mod tests {
         assert_eq!(args.over(base).unwrap().pruning.normal_tolerance, 50.0);
         args.set.push("pruning.nonsense=1".to_owned());
         assert!(matches!(args.over(Settings::default()), Err(Failure::Usage(_))));
+    }
+
+    /// The long help of a command and of those below it, each after its name.
+    fn helps(command: &mut clap::Command, name: &str) -> Vec<(String, String)> {
+        let mut found = vec![(name.to_owned(), command.render_long_help().to_string())];
+        for below in command.get_subcommands_mut() {
+            let name = format!("{name} {}", below.get_name());
+            found.extend(helps(below, &name));
+        }
+        found
+    }
+
+    #[test]
+    fn help_that_many_commands_share_shows_no_setting_that_one_of_them_refuses() {
+        let helps = helps(&mut Cli::command(), "overlook");
+        let mut examples = 0;
+        for (name, help) in &helps {
+            let shown = help.split("--set ").skip(1).filter_map(|after| after.split([' ', ';', '\n']).next());
+            for example in shown.filter(|example| !example.starts_with('<')) {
+                examples += 1;
+                let names_a_setting = Settings::default().set_text(example).is_ok();
+                assert!(!names_a_setting, "{name} --help shows --set {example}, which other commands refuse");
+            }
+        }
+        assert!(examples >= 8, "{examples} examples in the help of {} commands", helps.len());
     }
 
     #[test]

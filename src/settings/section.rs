@@ -1,5 +1,5 @@
 //! One macro that declares a struct of settings whose doc comments are also its help text, and the table that sliders,
-//! `--set` and the README's list are made from.
+//! `--set` and `overlook settings` are made from.
 
 /// What kind of value a setting takes, and its sensible range.
 #[derive(Clone, Copy, Debug, PartialEq)]

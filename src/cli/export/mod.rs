@@ -30,7 +30,7 @@ enum What {
     Pictures(pictures::PicturesArgs),
     /// A film along a camera path, through the ffmpeg on this machine.
     Video(video::VideoArgs),
-    /// The store again, as this Overlook writes it: with another precision, or from an earlier version.
+    /// The store again, with another precision or coding.
     Store(store::StoreArgs),
 }
 
