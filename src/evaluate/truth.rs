@@ -7,7 +7,8 @@
 //! ```
 //!
 //! Whatever no camera of a fold saw cannot be painted by any method: such pixels are taken out of the truth, so that holes
-//! are counted where a method made them, and nowhere else.
+//! are counted where a method made them, and nowhere else. A true picture that came without any depth says nothing about
+//! where its surfaces lie: it stays whole, and what no camera saw counts against every method alike.
 
 use std::sync::Arc;
 
@@ -137,7 +138,7 @@ fn ordered(views: Vec<View>) -> Vec<View> {
     keyed.into_iter().map(|(_, view)| view).collect()
 }
 
-/// The view with its truth loaded and masked to what the recorded cameras saw.
+/// The view with its truth loaded and masked to what the recorded cameras saw; whole where the truth came without depth.
 fn masked(recorded: &Recorded, view: View) -> Result<View> {
     let (Some(load), Some(frame)) = (&view.truth, recorded.capture.frame_index(view.frame_number)) else {
         return Err(Error::invalid(
@@ -146,26 +147,35 @@ fn masked(recorded: &Recorded, view: View) -> Result<View> {
         ));
     };
     let mut truth = load()?;
+    // Asked before the edit, which may put surfaces of its own into a picture that has none.
+    let has_depth = truth.inverse_depth.as_slice().iter().any(|inverse_depth| *inverse_depth > 0.0);
     if let Some(edit) = &recorded.edit_truth {
         truth = edit(&view.camera, view.frame_number, truth);
     }
-    let sights = (0..recorded.capture.cameras.len())
-        .map(|camera| Sight::new(recorded, camera, frame))
-        .collect::<Result<Vec<_>>>()?;
+    if has_depth {
+        let sights = (0..recorded.capture.cameras.len())
+            .map(|camera| Sight::new(recorded, camera, frame))
+            .collect::<Result<Vec<_>>>()?;
+        mask_unseen(&mut truth, &view.camera, &sights);
+    }
+    let truth = Arc::new(truth);
+    Ok(View { truth: Some(Arc::new(move || Ok((*truth).clone()))), ..view })
+}
+
+/// Takes what nothing saw out of what `camera` truly sees.
+fn mask_unseen(truth: &mut Frame, camera: &Camera, sights: &[Sight]) {
     let width = truth.size().0;
     let unseen: Vec<usize> = (0..truth.inverse_depth.len())
         .into_par_iter()
         .filter(|&pixel| {
             let inverse_depth = truth.inverse_depth.as_slice()[pixel];
             let center = DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
-            !sights.iter().any(|sight| sight.sees(&view.camera, center, inverse_depth))
+            !sights.iter().any(|sight| sight.sees(camera, center, inverse_depth))
         })
         .collect();
     for pixel in unseen {
         truth.inverse_depth.as_mut_slice()[pixel] = INVALID_INVERSE_DEPTH;
     }
-    let truth = Arc::new(truth);
-    Ok(View { truth: Some(Arc::new(move || Ok((*truth).clone()))), ..view })
 }
 
 /// What one camera saw at one frame.
@@ -224,5 +234,43 @@ impl Sight {
             let width_of_pixel = depth / self.camera.intrinsics.fx;
             there > 0.0 && (1.0 / there - depth).abs() <= SEEN_WITHIN_PX * width_of_pixel
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::settings::CaptureSettings;
+
+    fn true_pixels(views: Vec<View>, capture: &Capture) -> usize {
+        let folds = Truth::Views(views).folds(&Recorded::undisturbed(capture), &Job::new()).unwrap();
+        let pictures = folds[0].views.iter().map(|view| view.truth.as_ref().unwrap()().unwrap());
+        pictures
+            .map(|truth| truth.inverse_depth.as_slice().iter().filter(|depth| **depth >= 0.0).count())
+            .sum()
+    }
+
+    #[test]
+    fn a_true_picture_without_depth_counts_whole_and_one_with_depth_where_a_camera_saw_it() {
+        let scene = "orrery".to_owned();
+        let spec = DemoSpec { scene, cameras: Some(2), frames: Some(1), size: Some((32, 24)), noise: None };
+        let demo = Demo::new(&spec).unwrap();
+        let capture = demo.capture(&CaptureSettings::default());
+        let views = demo.truth_views();
+        let pixels: usize = views.iter().map(|view| view.camera.intrinsics.pixel_count()).sum();
+        let masked = true_pixels(views.clone(), &capture);
+        assert!(masked > pixels / 2 && masked < pixels, "{masked} of {pixels}");
+
+        let color_only = |view: View| {
+            let load = view.truth.clone().unwrap();
+            let without_depth = move || {
+                let mut truth = load()?;
+                truth.inverse_depth.as_mut_slice().fill(0.0);
+                Ok(truth)
+            };
+            View { truth: Some(Arc::new(without_depth)), ..view }
+        };
+        assert_eq!(true_pixels(views.into_iter().map(color_only).collect(), &capture), pixels);
     }
 }
