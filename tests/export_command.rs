@@ -151,6 +151,10 @@ fn a_film_is_handed_to_ffmpeg_picture_by_picture() {
     assert_eq!(std::fs::metadata(&out).unwrap().len(), 3 * 31 * 20 * 3);
     let arguments = std::fs::read_to_string(told).unwrap();
     assert!(arguments.contains("-s 31x20 -r 30 -i -") && arguments.contains("libx264"), "{arguments}");
+    let colors = ["scale=out_color_matrix=bt709:out_range=tv ", "-colorspace bt709 -color_primaries bt709"];
+    for told in colors.into_iter().chain(["-color_trc iec61966-2-1 -color_range tv "]) {
+        assert!(arguments.contains(told), "a player is told which colors it shows: {arguments}");
+    }
 }
 
 #[test]

@@ -8,6 +8,15 @@ use super::super::Picture;
 use crate::color::srgb8_from_linear;
 use crate::error::{Error, Result};
 
+/// Players want 4:2:0, which wants even sides. Left to itself, ffmpeg would use the matrix of standard definition, whatever
+/// the size, and players that of high definition: greens and reds would shift.
+const FILTERS: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv";
+
+/// What the numbers mean, so that no player has to guess: Rec.709 primaries and matrix, sRGB's own curve, and the range of
+/// television.
+const COLOR_TAGS: [&str; 8] =
+    ["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv"];
+
 /// A running ffmpeg that is given one picture after another. The film takes its name once it is whole: dropped before
 /// [`Encoder::finish`], nothing is left of it, and what had that name before stays.
 pub struct Encoder {
@@ -37,9 +46,8 @@ impl Encoder {
         let mut command = Command::new("ffmpeg");
         command.args(["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"]);
         command.args(["-s", &format!("{width}x{height}"), "-r", &frames_per_second.to_string(), "-i", "-"]);
-        // Players want 4:2:0, which wants even sides.
-        command.args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-crf", "16"]);
-        command.args(["-pix_fmt", "yuv420p", "-movflags", "+faststart"]).arg(&unfinished);
+        command.args(["-vf", FILTERS, "-c:v", "libx264", "-crf", "16", "-pix_fmt", "yuv420p"]);
+        command.args(COLOR_TAGS).args(["-movflags", "+faststart"]).arg(&unfinished);
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut ffmpeg = command.spawn().map_err(|error| match error.kind() {
             ErrorKind::NotFound => Error::unsupported(
