@@ -3,6 +3,10 @@
 //! Positions follow a cubic Hermite curve through the keys whose velocity at a key is that from the key before to the key
 //! after, which for keys at equal distances in time is the curve of Catmull and Rom (*A class of local interpolating splines*,
 //! 1974); at the ends it is that of the first and the last leg, so that two keys give an even motion on a straight line.
+//! What differs: no key is passed at more than three times the mean speed of the slower leg beside it, the bound that keeps a
+//! cubic between two values from leaving them (Fritsch and Carlson, *Monotone piecewise cubic interpolation*, 1980). Without
+//! it a camera that waits before a long way would start by going backward. The speed is limited, not each coordinate, so that
+//! a path does not depend on how the world's axes lie.
 //! Directions turn evenly from key to key (Shoemake, *Animating rotation with quaternion curves*, 1985).
 
 use glam::{DAffine3, DQuat, DVec3};
@@ -33,10 +37,22 @@ pub fn pose_at(keys: &[PathKey], time: f64) -> Option<DAffine3> {
     Some(DAffine3::from_rotation_translation(a.slerp(b, share).normalize(), position))
 }
 
+/// How many times faster than the slower leg beside it a key is passed at most.
+const FASTEST: f64 = 3.0;
+
 fn velocity(keys: &[PathKey], key: usize) -> DVec3 {
-    let (before, after) = (&keys[key.saturating_sub(1)], &keys[(key + 1).min(keys.len() - 1)]);
-    let way = after.world_from_camera.translation - before.world_from_camera.translation;
-    way / (after.time - before.time)
+    let mean = |from: usize, to: usize| {
+        let way = keys[to].world_from_camera.translation - keys[from].world_from_camera.translation;
+        way / (keys[to].time - keys[from].time)
+    };
+    if key == 0 {
+        return mean(0, 1);
+    }
+    if key + 1 == keys.len() {
+        return mean(key - 1, key);
+    }
+    let slower = mean(key - 1, key).length().min(mean(key, key + 1).length());
+    mean(key - 1, key + 1).clamp_length_max(FASTEST * slower)
 }
 
 fn hermite([a, b]: [DVec3; 2], [out_of_a, into_b]: [DVec3; 2], share: f64) -> DVec3 {
@@ -67,6 +83,22 @@ mod tests {
         }
         assert_eq!(pose_at(&keys[..1], 7.0), Some(keys[0].world_from_camera));
         assert_eq!(pose_at(&[], 7.0), None);
+    }
+
+    #[test]
+    fn a_camera_that_waits_or_goes_slowly_before_a_long_way_never_goes_backward() {
+        for (times, places) in [
+            ([0.0, 50.0, 60.0], [0.0, 0.0, 10.0]),
+            ([0.0, 100.0, 110.0], [0.0, 1.0, 11.0]),
+            ([0.0, 1.0, 2.0], [0.0, 0.0, 10.0]),
+            ([0.0, 10.0, 60.0], [0.0, 10.0, 10.0]),
+        ] {
+            let keys: Vec<_> = times.iter().zip(places).map(|(t, x)| key(*t, x, 0.0, 0.0)).collect();
+            let steps = (0..=1000).map(|step| times[2] * f64::from(step) / 1000.0);
+            let way: Vec<f64> = steps.map(|time| pose_at(&keys, time).unwrap().translation.x).collect();
+            assert!(way.windows(2).all(|pair| pair[1] >= pair[0] - 1e-9), "{times:?} {places:?}");
+            assert!(way.iter().all(|x| (-1e-9..=places[2] + 1e-9).contains(x)), "{times:?} {places:?}");
+        }
     }
 
     #[test]
