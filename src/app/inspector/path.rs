@@ -1,11 +1,12 @@
 //! A camera path: keys that are set by standing somewhere, played in the live view and exported as pictures or as a film.
 //!
-//! Between keys the camera moves as [`film::pose_at`] says; every leg takes as many pictures, and time runs evenly from one
-//! key's frame to the next one's.
+//! Between keys the camera moves as [`film::pose_at`] says; every leg takes as many pictures, and time and lens change evenly
+//! from one key's to the next one's.
 
 use std::path::{Path, PathBuf};
 
 use super::super::views::rig::Rig;
+use crate::capture::Intrinsics;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::render::film::{self, Encoder, Reel};
@@ -62,6 +63,7 @@ impl CameraPath {
         let between = |from: f64, to: f64| from + (to - from) * share;
         let mut rig = from.rig.clone();
         rig.world_from_camera = world_from_camera;
+        rig.lens = lens_between([from.rig.lens, to.rig.lens], share);
         rig.pivot_distance = between(from.rig.pivot_distance, to.rig.pivot_distance);
         Some(PathKey { rig, frame: between(from.frame as f64, to.frame as f64).round() as usize })
     }
@@ -72,6 +74,25 @@ impl CameraPath {
         let last = frames.saturating_sub(1);
         keys.map(|key| Vantage { camera: key.rig.camera(width, height), frame: key.frame.min(last) })
             .collect()
+    }
+}
+
+/// The lens on the way from one to another: what it sees of the world changes evenly, whatever the sizes of the two pictures.
+fn lens_between([from, to]: [Intrinsics; 2], share: f64) -> Intrinsics {
+    if from == to {
+        return from;
+    }
+    let between = |of: &dyn Fn(&Intrinsics) -> f64| of(&from) + (of(&to) - of(&from)) * share;
+    let width = between(&|lens| f64::from(lens.width)).round();
+    let height = between(&|lens| f64::from(lens.height)).round();
+    Intrinsics {
+        width: width as u32,
+        height: height as u32,
+        // Both by the width, so that square pixels stay square when a side is rounded.
+        fx: width * between(&|lens| lens.fx / f64::from(lens.width)),
+        fy: width * between(&|lens| lens.fy / f64::from(lens.width)),
+        cx: width * between(&|lens| lens.cx / f64::from(lens.width)),
+        cy: height * between(&|lens| lens.cy / f64::from(lens.height)),
     }
 }
 
@@ -175,6 +196,25 @@ mod tests {
         }
         assert_eq!(path.at(4.0).unwrap().frame, 5);
         assert_eq!(path.at(1e9), path.at(16.0), "beyond the end it stays");
+    }
+
+    #[test]
+    fn the_lens_zooms_from_each_key_to_the_next_and_the_last_one_is_reached() {
+        let mut path = path(&[DVec3::ZERO, DVec3::X]);
+        let wide = path.keys[0].rig.lens;
+        let zoomed =
+            Intrinsics { fx: 6.0 * wide.fx, fy: 6.0 * wide.fy, cx: 96.0, cy: 72.0, width: 192, height: 144 };
+        path.keys[1].rig.lens = zoomed;
+        let focal = |picture: f32| {
+            let camera = path.at(picture).unwrap().rig.camera(640, 480);
+            assert_eq!([camera.intrinsics.cx, camera.intrinsics.cy], [320.0, 240.0]);
+            assert!((camera.intrinsics.fx - camera.intrinsics.fy).abs() < 1e-9);
+            camera.intrinsics.fx / (10.0 * wide.fx)
+        };
+        for (picture, expected) in [(0.0, 1.0), (4.0, 1.5), (8.0, 2.0), (99.0, 2.0)] {
+            assert!((focal(picture) - expected).abs() < 1e-9, "{picture}: {}", focal(picture));
+        }
+        assert_eq!(path.at(8.0).unwrap().rig.lens.width, 192);
     }
 
     #[test]
