@@ -27,10 +27,17 @@ pub fn voxel_grid(set: &SampleSet, count: u64) -> SampleSet {
         return set.clone();
     }
     let points: Vec<Vec<Place>> = set.images.par_iter().map(|image| places(set, image)).collect();
-    let extent = points.iter().flatten().filter(|place| !place.at_infinity);
-    let reach = extent.map(|place| place.point.abs().max_element()).fold(1e-6, f64::max);
+    let (points, reach) = about_their_middle(points);
     let (mut small, mut large) = (1e-5 * reach, reach);
     let mut chosen = first_of_cubes(set, &points, small);
+    for _ in 0..HALVINGS {
+        if chosen.len() as u64 >= count {
+            break;
+        }
+        large = small;
+        small *= 0.5;
+        chosen = first_of_cubes(set, &points, small);
+    }
     for _ in 0..BISECTIONS {
         let middle = (small * large).sqrt();
         let trial = first_of_cubes(set, &points, middle);
@@ -45,6 +52,34 @@ pub fn voxel_grid(set: &SampleSet, count: u64) -> SampleSet {
         rank[image as usize][sample as usize] = 0;
     }
     thinned(set, count, &|image, sample| rank[image][sample])
+}
+
+/// How often the smallest cubes are halved where they still hold too many samples each: down to where `f64` tells no two
+/// places apart, so that samples at one and the same place end it.
+const HALVINGS: usize = 36;
+
+/// The samples farthest out, this share of them, do not say how large the scene is: one stray depth must not.
+const OUTLYING: f64 = 0.05;
+
+/// Places about the median of all that are not at infinity, so that cubes do not depend on where the world's origin lies, and
+/// how far they reach from there along any axis.
+fn about_their_middle(mut points: Vec<Vec<Place>>) -> (Vec<Vec<Place>>, f64) {
+    let finite = |points: &[Vec<Place>], value: &dyn Fn(DVec3) -> f64| -> Vec<f64> {
+        let places = points.iter().flatten().filter(|place| !place.at_infinity);
+        places.map(|place| value(place.point)).collect()
+    };
+    let at_share = |mut values: Vec<f64>, share: f64| {
+        let nth = ((values.len() as f64 * share) as usize).min(values.len().checked_sub(1)?);
+        Some(*values.select_nth_unstable_by(nth, f64::total_cmp).1)
+    };
+    let median = |axis: usize| at_share(finite(&points, &|point| point[axis]), 0.5).unwrap_or_default();
+    let middle = DVec3::from_array([0, 1, 2].map(median));
+    for place in points.iter_mut().flatten().filter(|place| !place.at_infinity) {
+        place.point -= middle;
+    }
+    let reach = at_share(finite(&points, &|point| point.abs().max_element()), 1.0 - OUTLYING);
+    // Nothing but sky lies on a sphere of radius 1; where all is in one place, any cube does.
+    (points, reach.filter(|reach| *reach > 0.0).unwrap_or(1.0))
 }
 
 /// Enough to tell cube sizes apart that differ by 0.3 %, over five decades.
@@ -163,4 +198,41 @@ pub(super) fn mix(seed: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::job::Job;
+    use crate::preprocess::preprocess;
+    use crate::settings::{CaptureSettings, Settings};
+
+    /// Camera, first frame, column and row of every sample.
+    fn kept(set: &SampleSet) -> HashSet<(u32, usize, usize, usize)> {
+        let of = |image: &Arc<SampleImage>| {
+            let (camera, start) = (image.camera, image.span.start as usize);
+            image.samples().map(move |sample| (camera, start, sample.x, sample.y)).collect::<Vec<_>>()
+        };
+        set.images.iter().flat_map(of).collect()
+    }
+
+    #[test]
+    fn the_voxel_grid_keeps_the_same_samples_wherever_the_worlds_origin_lies() {
+        let scene = "orrery".to_owned();
+        let spec = DemoSpec { scene, cameras: Some(2), frames: Some(1), size: Some((48, 36)), noise: None };
+        let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
+        let near = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples;
+        let mut far = near.as_ref().clone();
+        for camera in &mut far.cameras {
+            camera.world_from_camera.translation += DVec3::new(2e7, -1e7, 5e6);
+        }
+        let count = near.sample_count() / 4;
+        let [here, there] = [near.as_ref(), &far].map(|set| kept(&voxel_grid(set, count)));
+        assert_eq!([here.len() as u64, there.len() as u64], [count; 2]);
+        let shared = here.intersection(&there).count() as f64 / count as f64;
+        assert!(shared > 0.95, "{shared}");
+    }
 }
