@@ -11,6 +11,7 @@
 
 pub mod baselines;
 pub mod chart;
+mod estimate;
 pub mod hold_out;
 pub mod metrics;
 pub mod speed;

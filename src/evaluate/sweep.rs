@@ -31,7 +31,7 @@ pub struct Point {
     pub settings: Settings,
     /// See [`Scores::psnr_db`].
     pub psnr_db: f64,
-    /// Its standard error over vantages and frames.
+    /// Its standard error over vantages, see [`Estimate::over_vantages`].
     pub psnr_db_se: f64,
     /// The same over all these pixels, holes filled (`pushpull`) whatever the settings say: the one number that neither
     /// leaving holes nor being good where it is easy can better. Points are ranked by it.
@@ -85,11 +85,16 @@ impl Point {
     #[must_use]
     pub fn new(trial: &Trial, series: Series, measured: &Measured) -> Self {
         let of = |value: &dyn Fn(&Scores) -> f64| {
-            Estimate::of(&measured.scores.iter().map(value).collect::<Vec<_>>())
+            let vantages = measured.scores.iter();
+            Estimate::over_vantages(
+                &vantages.map(|frames| frames.iter().map(value).collect()).collect::<Vec<_>>(),
+            )
         };
         let (psnr, psnr_filled) = (of(&|scores| scores.psnr_db), of(&|scores| scores.psnr_all_db));
         let (ssim, flip) = (of(&|scores| scores.ssim), of(&|scores| scores.flip));
-        let edges: Vec<f64> = measured.scores.iter().filter_map(|scores| scores.silhouette_steps).collect();
+        let edges =
+            |frames: &Vec<Scores>| frames.iter().filter_map(|scores| scores.silhouette_steps).collect();
+        let edges: Vec<Vec<f64>> = measured.scores.iter().map(edges).collect();
         Self {
             label: trial.label.clone(),
             series,
@@ -103,7 +108,10 @@ impl Point {
             ms_ssim: of(&|scores| scores.ms_ssim).mean,
             flip: flip.mean,
             flip_se: flip.standard_error,
-            silhouette_steps: (!edges.is_empty()).then(|| Estimate::of(&edges).mean),
+            silhouette_steps: edges
+                .iter()
+                .any(|frames| !frames.is_empty())
+                .then(|| Estimate::over_vantages(&edges).mean),
             flicker_steps: measured.flicker_steps,
             coverage: of(&|scores| scores.coverage).mean,
             samples: measured.samples,

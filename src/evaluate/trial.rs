@@ -18,7 +18,8 @@ use serde::{Deserialize, Serialize};
 use super::baselines;
 use super::metrics::Scores;
 use super::truth::{Fold, Recorded, Truth};
-use super::{Scoreboard, render_view};
+use super::{Evaluation, Scoreboard, render_view};
+use crate::capture::View;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{self, Report, SampleSet, TemporalScan};
@@ -28,6 +29,8 @@ use crate::settings::{
     SpanSettings,
 };
 use crate::store;
+
+pub use super::estimate::Estimate;
 
 /// What is done to the samples after pruning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -76,32 +79,11 @@ impl Trial {
 
 type ModelKey = (Settings, Thinning, Option<Vec<String>>);
 
-/// A mean and its standard error.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Estimate {
-    /// Mean over vantages and frames.
-    pub mean: f64,
-    /// Standard deviation over them divided by the root of their number; 0 for a single one.
-    pub standard_error: f64,
-}
-
-impl Estimate {
-    /// Of some values; zero where there are none.
-    #[must_use]
-    pub fn of(values: &[f64]) -> Self {
-        let count = values.len().max(1) as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        let standard_error = if values.len() < 2 { 0.0 } else { (squares / (count - 1.0) / count).sqrt() };
-        Self { mean, standard_error }
-    }
-}
-
 /// What a trial gave.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// Scores of every view of every fold.
-    pub scores: Vec<Scores>,
+    /// Scores of every vantage of every fold, frame by frame.
+    pub scores: Vec<Vec<Scores>>,
     /// Flicker, where a vantage is seen at two frames: mean over folds.
     pub flicker_steps: Option<f64>,
     /// Samples kept, mean over folds.
@@ -183,7 +165,7 @@ impl Workbench {
     pub fn measure(&mut self, trial: &Trial, job: &Job) -> Result<Measured> {
         let renderer = opened(&mut self.renderers, trial.settings.render.backend)?;
         let filling = RenderSettings { fill: Fill::PushPull, ..trial.settings.render.clone() };
-        let (mut models, mut evaluations) = (Vec::new(), Vec::new());
+        let (mut models, mut evaluations, mut by_vantage) = (Vec::new(), Vec::new(), Vec::new());
         for fold in &mut self.folds {
             if !fold.has_cameras(trial) {
                 continue;
@@ -205,7 +187,9 @@ impl Workbench {
                 scores.add(view, painted);
                 job.advance(1);
             }
-            evaluations.push(scores.finish());
+            let evaluation = scores.finish();
+            by_vantage.extend(scores_by_vantage(&fold.fold.views, &evaluation));
+            evaluations.push(evaluation);
             models.push(model);
         }
         if models.is_empty() {
@@ -220,7 +204,7 @@ impl Workbench {
         let flicker: Vec<f64> =
             evaluations.iter().filter_map(|evaluation| evaluation.mean.flicker_steps).collect();
         Ok(Measured {
-            scores: views().filter_map(|view| view.scores).collect(),
+            scores: by_vantage,
             flicker_steps: (!flicker.is_empty()).then(|| Estimate::of(&flicker).mean),
             samples: mean(&|model| model.samples.sample_count() as f64).round() as u64,
             bytes: mean(&|model| model.bytes as f64).round() as u64,
@@ -232,6 +216,13 @@ impl Workbench {
             seconds_preprocess: mean(&|model| model.seconds),
         })
     }
+}
+
+/// Scores of the views of each vantage, which follow each other.
+fn scores_by_vantage(views: &[View], evaluation: &Evaluation) -> Vec<Vec<Scores>> {
+    let scored: Vec<_> = views.iter().zip(&evaluation.views).collect();
+    let vantages = scored.chunk_by(|(before, _), (after, _)| before.camera == after.camera);
+    vantages.map(|vantage| vantage.iter().filter_map(|(_, score)| score.scores).collect()).collect()
 }
 
 /// The renderer for a backend, opened when it is first asked for.
