@@ -26,7 +26,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::capture::{Capture, View};
+use crate::capture::{Camera, Capture, View};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{self, SampleSet};
@@ -105,7 +105,8 @@ pub struct Scoreboard {
 }
 
 impl Scoreboard {
-    /// Adds what was painted of `view`. Views of one vantage must follow each other for flicker to be seen.
+    /// Adds what was painted of `view`. Views of one vantage must follow each other for flicker to be seen; see
+    /// [`vantage_order`].
     pub fn add(&mut self, view: &View, painted: PaintedView) {
         if let Some(pair) = &painted.pair {
             self.flicker.add(&view.camera, pair);
@@ -135,6 +136,24 @@ impl Scoreboard {
         };
         Evaluation { views, mean, notice: self.notice }
     }
+}
+
+/// Indices of the views such that those of one vantage follow each other, each by frame; vantages in the order in which they
+/// first come. So flicker is seen with one picture kept, however many vantages there are.
+#[must_use]
+pub fn vantage_order(views: &[&View]) -> Vec<usize> {
+    let mut vantages: Vec<&Camera> = Vec::new();
+    let mut order: Vec<(usize, i64, usize)> = Vec::with_capacity(views.len());
+    for (index, view) in views.iter().enumerate() {
+        let known = vantages.iter().position(|camera| **camera == view.camera);
+        let vantage = known.unwrap_or_else(|| {
+            vantages.push(&view.camera);
+            vantages.len() - 1
+        });
+        order.push((vantage, view.frame_number, index));
+    }
+    order.sort_unstable();
+    order.into_iter().map(|(.., index)| index).collect()
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -232,12 +251,16 @@ fn evaluate_with(
     }
     job.start("Scoring views", views.len());
     let mut scores = Scoreboard::default();
-    for view in views {
+    let order = vantage_order(&views);
+    for &index in &order {
         job.check()?;
-        scores.add(view, render_view(renderer, samples, view, settings, job)?);
+        scores.add(views[index], render_view(renderer, samples, views[index], settings, job)?);
         job.advance(1);
     }
-    Ok(scores.finish())
+    let Evaluation { views: scored, mean, notice } = scores.finish();
+    let mut scored: Vec<(usize, ViewScore)> = order.into_iter().zip(scored).collect();
+    scored.sort_unstable_by_key(|(index, _)| *index);
+    Ok(Evaluation { views: scored.into_iter().map(|(_, score)| score).collect(), mean, notice })
 }
 
 /// One way to prune: what it costs and how close to the truth it stays.
@@ -289,4 +312,31 @@ pub fn compare(capture: &Capture, views: &[View], settings: &Settings, job: &Job
         no_pruning: compared(PruningMethod::Off)?,
         first_camera: compared(PruningMethod::FirstCamera)?,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::settings::{Backend, CaptureSettings};
+
+    #[test]
+    fn flicker_is_seen_whatever_the_order_of_the_views_and_they_keep_theirs() {
+        let scene = "orrery".to_owned();
+        let spec = DemoSpec { scene, cameras: Some(2), frames: Some(3), size: Some((32, 24)), noise: None };
+        let demo = Demo::new(&spec).unwrap();
+        let (capture, settings) = (demo.capture(&CaptureSettings::default()), Settings::default());
+        let samples = preprocess::preprocess(&capture, &settings, &Job::new()).unwrap().samples;
+        let render = RenderSettings { backend: Backend::Cpu, ..settings.render };
+        let by_vantage = demo.truth_views();
+        let mut by_frame = by_vantage.clone();
+        by_frame.sort_by_key(|view| view.frame_number);
+        let of = |views: &[View]| evaluate(&samples, views, &render, &Job::new()).unwrap();
+        let scored = of(&by_frame);
+        assert!(scored.mean.flicker_steps.is_some());
+        assert_eq!(scored.mean.flicker_steps, of(&by_vantage).mean.flicker_steps);
+        for (view, score) in by_frame.iter().zip(&scored.views) {
+            assert_eq!(score.file_path, view.file_path);
+        }
+    }
 }

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::hold_out;
+use super::{hold_out, vantage_order};
 use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, View};
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -116,26 +116,16 @@ impl Truth {
                     view
                 })
                 .collect::<Result<_>>()?;
-            Ok(Fold { held_out, capture: fold.capture, views: ordered(views) })
+            Ok(Fold { held_out, capture: fold.capture, views: ordered(&views) })
         };
         folds.into_iter().map(mask).collect()
     }
 }
 
 /// Views of one vantage after each other, each by frame; vantages in the order in which they first come.
-fn ordered(views: Vec<View>) -> Vec<View> {
-    let mut vantages: Vec<Camera> = Vec::new();
-    let mut keyed: Vec<(usize, View)> = Vec::with_capacity(views.len());
-    for view in views {
-        let known = vantages.iter().position(|camera| *camera == view.camera);
-        let vantage = known.unwrap_or_else(|| {
-            vantages.push(view.camera.clone());
-            vantages.len() - 1
-        });
-        keyed.push((vantage, view));
-    }
-    keyed.sort_by_key(|(vantage, view)| (*vantage, view.frame_number));
-    keyed.into_iter().map(|(_, view)| view).collect()
+fn ordered(views: &[View]) -> Vec<View> {
+    let order = vantage_order(&views.iter().collect::<Vec<_>>());
+    order.into_iter().map(|index| views[index].clone()).collect()
 }
 
 /// The view with its truth loaded and masked to what the recorded cameras saw; whole where the truth came without depth.
