@@ -60,8 +60,8 @@ pub fn pick(samples: &SampleSet, vantage: &Vantage, picture: &Picture, x: usize,
                 Some(point) if sample_inverse_depth > 0.0 => {
                     (source.unproject(center, 1.0 / f64::from(sample_inverse_depth)) - point).length()
                 }
-                // A sample at infinity never shows a point that is not.
-                Some(_) => f64::INFINITY,
+                // A sample at infinity never shows a point that is not; the one that does may lie within the farther reach.
+                Some(_) => return None,
                 None => (center - position).length(),
             };
             Some((distance, x as usize, y as usize, index))
@@ -96,4 +96,50 @@ fn sample_at(image: &SampleImage, x: i64, y: i64) -> Option<(usize, f32)> {
     let nth = (before + (tile.rows[row] & ((1 << column) - 1)).count_ones()) as usize;
     let inverse_depth = image.depth.tile(place, tile.first, tile.count()).get(nth);
     Some((tile.first as usize + nth, inverse_depth))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use half::f16;
+
+    use super::*;
+    use crate::capture::{Camera, Intrinsics};
+    use crate::preprocess::{DepthPlane, SampleTile, Span};
+    use crate::settings::Settings;
+
+    #[test]
+    fn a_finite_point_is_never_said_to_be_shown_by_sky_that_lies_nearer() {
+        let lens = Intrinsics::from_horizontal_angle(16, 16, 1.0);
+        let camera = Camera::look_at("c", lens, DVec3::ZERO, DVec3::Y, DVec3::Z);
+        let mut rows = [0; TILE];
+        rows[8] = 1 << 7 | 1 << 13;
+        let tiles = vec![SampleTile { tile_x: 0, tile_y: 0, first: 0, rows }];
+        let image = SampleImage {
+            camera: 0,
+            span: Span { start: 0, end: 1 },
+            color: vec![[f16::ONE; 3]; 2],
+            depth: DepthPlane::pack(&tiles, &[0.0, 0.5]),
+            normal: None,
+            tiles,
+        };
+        let samples = SampleSet {
+            name: "test".to_owned(),
+            cameras: vec![camera.clone()],
+            frame_numbers: vec![0],
+            up_in_world: DVec3::Z,
+            settings: Settings::default(),
+            images: vec![Arc::new(image)],
+        };
+        let vantage = Vantage { camera, frame: 0 };
+        let mut picture = Picture::empty(16, 16);
+        picture.image[(8, 8)] = 0;
+        let mut picked = |inverse_depth: f32| {
+            picture.inverse_depth[(8, 8)] = inverse_depth;
+            pick(&samples, &vantage, &picture, 8, 8).map(|picked| (picked.x, picked.point_in_world.is_some()))
+        };
+        assert_eq!(picked(0.5), Some((13, true)));
+        assert_eq!(picked(0.0), Some((7, false)));
+    }
 }
