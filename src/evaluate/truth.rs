@@ -221,7 +221,8 @@ impl Sight {
             if at_infinity {
                 return there == 0.0;
             }
-            let width_of_pixel = depth / self.camera.intrinsics.fx;
+            // The mean of both sides where pixels are not square.
+            let width_of_pixel = depth / (self.camera.intrinsics.fx * self.camera.intrinsics.fy).sqrt();
             there > 0.0 && (1.0 / there - depth).abs() <= SEEN_WITHIN_PX * width_of_pixel
         })
     }

@@ -9,7 +9,7 @@
 //! here called its *footprint*. What differs: the cosine has a floor, so that grazing views and poor normals stay
 //! comparable; and beside the paper's footprint there are two that also know focal length and resolution: the surface area
 //! of a pixel, `z² cos α / (fx fy cos θ)` with α the angle off the optical axis, and the longest side of that area,
-//! `z √(cos α / (fx fy)) / cos θ`. A surface is resolved no better than along the longest side: on every capture tried,
+//! `z √(cos α) / (min(fx, fy) cos θ)`, which is `z √(cos α / (fx fy)) / cos θ` where pixels are square. A surface is resolved no better than along the longest side: on every capture tried,
 //! the longest side keeps fewer samples than the area and comes closer to the truth (`overlook sweep`, RESULTS.md). Where
 //! cameras are alike it orders samples as the paper does, but for α.
 
@@ -25,7 +25,7 @@ pub enum Rate {
     Paper,
     /// `z² cos α / (fx fy cos θ)`, capture units squared.
     Footprint,
-    /// `z √(cos α / (fx fy)) / cos θ`, capture units.
+    /// `z √(cos α) / (min(fx, fy) cos θ)`, capture units.
     Stretch,
 }
 
@@ -72,6 +72,8 @@ pub struct Rays {
     per_row: Vec3,
     /// `1 / (fx fy)`: solid angle of a pixel on the optical axis.
     pub pixel_area: f32,
+    /// `1 / min(fx, fy)²`: the square of a pixel's longer side at depth 1; the area where pixels are square.
+    longer_side_squared: f32,
 }
 
 impl Rays {
@@ -85,6 +87,7 @@ impl Rays {
             per_column: (rotation.x_axis / k.fx).as_vec3(),
             per_row: (rotation.y_axis / k.fy).as_vec3(),
             pixel_area: (1.0 / (k.fx * k.fy)) as f32,
+            longer_side_squared: (1.0 / k.fx.min(k.fy).powi(2)) as f32,
         }
     }
 
@@ -128,7 +131,7 @@ pub fn footprint(
     match rate {
         Rate::Paper => z / cosine,
         Rate::Footprint => z * z * rays.pixel_area / (secant_off_axis * cosine),
-        Rate::Stretch => z * (rays.pixel_area / secant_off_axis).sqrt() / cosine,
+        Rate::Stretch => z * (rays.longer_side_squared / secant_off_axis).sqrt() / cosine,
     }
 }
 
@@ -240,6 +243,23 @@ mod tests {
         assert!((ratio(Rate::Stretch) - 4.0).abs() < 1e-4);
         assert_eq!(Rate::resolve(RateModel::Auto, &[coarse.clone(), fine]), Rate::Stretch);
         assert_eq!(Rate::resolve(RateModel::Auto, &[coarse.clone(), coarse]), Rate::Paper);
+    }
+
+    #[test]
+    fn a_pixel_is_as_long_as_its_longer_side() {
+        let square = camera(DVec3::new(0.0, -3.0, 1.0), DVec3::ZERO, 100);
+        let stretched = |fx: f64, fy: f64| {
+            let mut camera = square.clone();
+            (camera.intrinsics.fx, camera.intrinsics.fy) =
+                (camera.intrinsics.fx * fx, camera.intrinsics.fy * fy);
+            footprint_at(Rate::Stretch, &camera, DVec3::ZERO, Vec3::Z)
+        };
+        let expected = footprint_at(Rate::Stretch, &square, DVec3::ZERO, Vec3::Z);
+        for (fx, fy, longer) in [(4.0, 1.0, 1.0), (1.0, 4.0, 1.0), (0.5, 1.0, 2.0), (4.0, 4.0, 0.25)] {
+            assert!((stretched(fx, fy) / expected - longer).abs() < 1e-5, "{fx} {fy}");
+        }
+        let rays = Rays::new(&square);
+        assert_eq!(rays.longer_side_squared, rays.pixel_area, "bit for bit where pixels are square");
     }
 
     #[test]
