@@ -11,6 +11,13 @@ const STEEPEST: f64 = 0.985;
 /// How far the first vantage stands from the first camera, as a share of the way to the second.
 const HOME_STEP: f64 = 0.3;
 
+/// How near the pivot and how far from it zooming goes, in distances from the first camera to what the cameras look at: a
+/// scene may be a molecule in meters, or a galaxy.
+const ZOOM: [f64; 2] = [1e-5, 1e6];
+
+/// Cameras that stand in their pivot count as this far from it.
+const LEAST_DISTANCE: f64 = 1e-12;
+
 /// The pose and lens of the live view.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rig {
@@ -18,6 +25,8 @@ pub(crate) struct Rig {
     pub world_from_camera: DAffine3,
     /// Distance to what is orbited, along the line of sight.
     pub pivot_distance: f64,
+    /// From the first camera to what the cameras look at: how large the scene is.
+    home_distance: f64,
     /// The lens, as the camera it was taken from had it.
     pub lens: Intrinsics,
     up_in_world: DVec3,
@@ -30,7 +39,7 @@ impl Rig {
         let first = scene.cameras.first()?;
         let pivot = scene.pivot_in_world;
         let eye_a = first.position_in_world() - pivot;
-        let distance = eye_a.length().max(1e-6);
+        let distance = home_distance(scene);
         let eye_b = scene.cameras.get(1).map_or_else(
             || DQuat::from_axis_angle(scene.up_in_world, 0.4) * eye_a,
             |second| second.position_in_world() - pivot,
@@ -41,7 +50,8 @@ impl Rig {
         let camera = Camera::look_at("home", first.intrinsics, pivot + eye, pivot, scene.up_in_world);
         Some(Self {
             world_from_camera: camera.world_from_camera,
-            pivot_distance: radius.max(1e-6),
+            pivot_distance: radius.max(LEAST_DISTANCE),
+            home_distance: distance,
             lens: first.intrinsics,
             up_in_world: scene.up_in_world,
         })
@@ -53,7 +63,8 @@ impl Rig {
         let distance = (scene.pivot_in_world - camera.position_in_world()).length();
         Self {
             world_from_camera: camera.world_from_camera,
-            pivot_distance: if along > 0.0 { along } else { distance.max(1e-6) },
+            pivot_distance: if along > 0.0 { along } else { distance.max(LEAST_DISTANCE) },
+            home_distance: home_distance(scene),
             lens: camera.intrinsics,
             up_in_world: scene.up_in_world,
         }
@@ -110,10 +121,16 @@ impl Rig {
         }
     }
 
+    /// A distance that zooming may reach: within [`ZOOM`], or no farther out of it than the view is already.
+    fn zoomed(&self, distance: f64) -> f64 {
+        let [nearest, farthest] = ZOOM.map(|share| share * self.home_distance);
+        distance.clamp(nearest.min(self.pivot_distance), farthest.max(self.pivot_distance))
+    }
+
     /// Goes nearer to the pivot (factor below 1) or farther from it.
     pub(crate) fn dolly(&mut self, factor: f64) {
         let pivot = self.pivot();
-        self.pivot_distance = (self.pivot_distance * factor).clamp(1e-4, 1e7);
+        self.pivot_distance = self.zoomed(self.pivot_distance * factor);
         self.world_from_camera.translation =
             pivot - self.world_from_camera.matrix3.z_axis * self.pivot_distance;
     }
@@ -122,13 +139,14 @@ impl Rig {
     pub(crate) fn dolly_to(&mut self, factor: f64, point_in_world: DVec3) {
         let eye = self.world_from_camera.translation;
         self.world_from_camera.translation = point_in_world + (eye - point_in_world) * factor;
-        self.pivot_distance = (self.pivot_distance * factor).clamp(1e-4, 1e7);
+        self.pivot_distance = self.zoomed(self.pivot_distance * factor);
     }
 
     /// Shifts the view so that a point is in its middle, and orbits it from now on.
     pub(crate) fn look_at(&mut self, point_in_world: DVec3) {
         let forward = self.world_from_camera.matrix3.z_axis;
-        let distance = (point_in_world - self.world_from_camera.translation).dot(forward).max(1e-4);
+        let nearest = ZOOM[0] * self.home_distance;
+        let distance = (point_in_world - self.world_from_camera.translation).dot(forward).max(nearest);
         self.pivot_distance = distance;
         self.world_from_camera.translation = point_in_world - forward * distance;
     }
@@ -139,6 +157,7 @@ impl Rig {
         Self {
             world_from_camera: DAffine3::IDENTITY,
             pivot_distance: 2.0,
+            home_distance: 2.0,
             lens: Intrinsics::from_horizontal_angle(64, 48, 1.0),
             up_in_world: DVec3::Z,
         }
@@ -157,6 +176,13 @@ impl Rig {
     }
 }
 
+/// From the first camera to what the cameras look at.
+fn home_distance(scene: &Scene) -> f64 {
+    let first =
+        scene.cameras.first().map(|camera| (camera.position_in_world() - scene.pivot_in_world).length());
+    first.unwrap_or(1.0).max(LEAST_DISTANCE)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -167,6 +193,7 @@ mod tests {
         Rig {
             world_from_camera: camera.world_from_camera,
             pivot_distance: camera.position_in_world().length(),
+            home_distance: camera.position_in_world().length(),
             lens,
             up_in_world: DVec3::Z,
         }
@@ -218,6 +245,29 @@ mod tests {
         let (middle, depth) = rig.camera(64, 48).project(point).unwrap();
         assert!((middle - DVec2::new(32.0, 24.0)).length() < 1e-9);
         assert!((rig.pivot_distance - depth).abs() < 1e-9);
+    }
+
+    #[test]
+    fn tiny_and_huge_scenes_are_zoomed_as_ordinary_ones_are() {
+        for unit in [1e-9, 1.0, 1e9] {
+            let mut rig = rig();
+            rig.world_from_camera.translation *= unit;
+            rig.pivot_distance *= unit;
+            rig.home_distance *= unit;
+            let eye = rig.world_from_camera.translation;
+            for _ in 0..10 {
+                rig.dolly(0.5);
+            }
+            assert!((rig.world_from_camera.translation * 1024.0 - eye).length() < 1e-6 * unit, "{unit}");
+            rig.look_at(rig.pivot());
+            for _ in 0..10 {
+                rig.dolly_to(2.0, DVec3::ZERO);
+            }
+            assert!((rig.world_from_camera.translation - eye).length() < 1e-6 * unit, "{unit}");
+            assert!((rig.pivot_distance - eye.length()).abs() < 1e-6 * unit, "{unit}");
+            rig.dolly(1e-9);
+            assert!((rig.pivot_distance / rig.home_distance - ZOOM[0]).abs() < 1e-9, "{unit}: no nearer");
+        }
     }
 
     #[test]
