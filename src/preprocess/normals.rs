@@ -129,6 +129,10 @@ impl<'a> DepthView<'a> {
         let (Some((right, trust_x)), Some((down, trust_y))) = (axis(1, 0), axis(0, 1)) else {
             return NOTHING;
         };
+        // Sides are as long as pixels are wide in capture units: squared twice, they leave what `f32` holds in tiny and huge
+        // scenes. The power of two next to 1/z changes no bit of the result.
+        let near_inverse_depth = f32::from_bits(center.to_bits() & f32::INFINITY.to_bits());
+        let (right, down) = (right * near_inverse_depth, down * near_inverse_depth);
         // Right × down points away from the camera (z forward).
         let normal = toward_camera(right.cross(down).normalize_or_zero(), here);
         Estimate { normal_in_camera: normal, confidence: trust_x.min(trust_y) }
@@ -290,6 +294,20 @@ mod tests {
             assert!(errors[errors.len() / 2] < 0.1, "{estimator}: median {}", errors[errors.len() / 2]);
             let p95 = errors[errors.len() * 95 / 100];
             assert!(p95 < 4.0, "{estimator}: 95th percentile {p95}");
+        }
+    }
+
+    #[test]
+    fn the_size_of_the_unit_changes_no_normal() {
+        let (depth, _) = plane_and_sphere(DVec3::new(0.3, -0.5, -0.8).normalize_or_zero());
+        let (camera, settings) = (camera(), NormalSettings::default());
+        for estimator in [NormalEstimator::Cross, NormalEstimator::Plane] {
+            let expected = DepthView::new(&depth, &camera, &settings).estimate_all(estimator);
+            for exponent in [-44, -30, 30, 44] {
+                let depth: Vec<f32> = depth.iter().map(|w| w * 2_f32.powi(exponent)).collect();
+                let found = DepthView::new(&depth, &camera, &settings).estimate_all(estimator);
+                assert!(found.as_slice() == expected.as_slice(), "{estimator}: unit of 2^{exponent}");
+            }
         }
     }
 
