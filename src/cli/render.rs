@@ -10,7 +10,7 @@ use super::picture::PicturePaths;
 use super::{Failure, SettingsArgs, output, progress, targets};
 use crate::capture::{View, transforms};
 use crate::error::{Error, Result};
-use crate::evaluate::{Evaluation, Scoreboard, render_view};
+use crate::evaluate::{Evaluation, Scoreboard, render_view, vantage_order};
 use crate::job::Job;
 use crate::render::Renderer;
 use crate::settings::{Backend, Fill, Kernel, RenderSettings};
@@ -121,7 +121,10 @@ fn paint(
     let mut scores = Scoreboard::default();
     let frames = &playback.store().info().frame_numbers;
     job.start("Painting views", views.len());
-    for (view, paths) in views.iter().zip(paths) {
+    // Views of one vantage one after the other, so that flicker shows and the background stays.
+    let order = vantage_order(&views.iter().collect::<Vec<_>>());
+    for &index in &order {
+        let (view, paths) = (&views[index], &paths[index]);
         job.check()?;
         // A frame that the store does not have is told by whoever paints, from the first.
         let frame = frames.binary_search(&view.frame_number).unwrap_or(0);
@@ -131,5 +134,5 @@ fn paint(
         scores.add(view, painted);
         job.advance(1);
     }
-    Ok(scores.finish())
+    Ok(scores.finish().given_back(&order))
 }

@@ -257,10 +257,17 @@ fn evaluate_with(
         scores.add(views[index], render_view(renderer, samples, views[index], settings, job)?);
         job.advance(1);
     }
-    let Evaluation { views: scored, mean, notice } = scores.finish();
-    let mut scored: Vec<(usize, ViewScore)> = order.into_iter().zip(scored).collect();
-    scored.sort_unstable_by_key(|(index, _)| *index);
-    Ok(Evaluation { views: scored.into_iter().map(|(_, score)| score).collect(), mean, notice })
+    Ok(scores.finish().given_back(&order))
+}
+
+impl Evaluation {
+    /// The same with views where `order`, that in which they were painted, found them.
+    #[must_use]
+    pub fn given_back(self, order: &[usize]) -> Self {
+        let mut views: Vec<(usize, ViewScore)> = order.iter().copied().zip(self.views).collect();
+        views.sort_unstable_by_key(|(index, _)| *index);
+        Self { views: views.into_iter().map(|(_, score)| score).collect(), ..self }
+    }
 }
 
 /// One way to prune: what it costs and how close to the truth it stays.

@@ -55,7 +55,7 @@ choice! {
         Paper = "paper",
         /// Surface area of a pixel, z² cos α / (fx fy cos θ).
         Footprint = "footprint",
-        /// Longest side of a pixel on the surface, z √(cos α / (fx fy)) / cos θ: the paper's r with focal length and resolution.
+        /// Longest side of a pixel on the surface, z √(cos α) / (min(fx, fy) cos θ): the paper's r with focal length and resolution.
         Stretch = "stretch",
     }
 }
