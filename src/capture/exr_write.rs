@@ -16,13 +16,12 @@ use exr::prelude::{
 use half::f16;
 
 use super::Frame;
+use super::exr::HALF_MAX;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 
 /// Depth written where nothing was hit, as Blender does.
 const MISS_DEPTH: f32 = 1e10;
-/// The largest half float: brighter light saturates instead of becoming infinite.
-const HALF_MAX: f32 = 65_504.0;
 
 /// Writes a frame as `R G B Z`, and `N.X N.Y N.Z` where it has normals. Reading it gives the same frame, but for the
 /// rounding of the reciprocal.
@@ -61,6 +60,7 @@ pub fn write_picture(
         return Err(Error::invalid(path.display(), "color, coverage and depth differ in size"));
     }
     let mut channels = color_channels(|channel| {
+        // Brighter light saturates instead of becoming infinite.
         color.as_slice().iter().map(|c| f16::from_f32(c[channel].clamp(-HALF_MAX, HALF_MAX))).collect()
     });
     let alpha = coverage.as_slice().iter().map(|&share| f16::from_f32(share)).collect();

@@ -1,35 +1,12 @@
-//! The files that a command reads: whether they are still what they were, and which of them it must not write over.
+//! The files that a command reads: whether they are still what they were.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::UNIX_EPOCH;
 
 use crate::capture::Capture;
-use crate::capture::transforms::{MANIFEST_NAME, manifest::Manifest};
+use crate::capture::transforms::{manifest_path, picture_places};
 use crate::error::{Error, Result};
-
-/// The manifest of a capture or of views: itself, or the one in the folder.
-fn manifest_path(path: &Path) -> PathBuf {
-    if path.is_dir() { path.join(MANIFEST_NAME) } else { path.to_path_buf() }
-}
-
-/// Every place that pictures of a manifest are read from, whether or not there is a file.
-pub(super) fn pictures_of(manifest: &Path) -> Result<Vec<PathBuf>> {
-    let path = manifest_path(manifest);
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let mut pictures = Vec::new();
-    for entry in &Manifest::read(&path)?.frames {
-        let named = [Some(&entry.file_path), entry.depth_file_path.as_ref(), entry.normal_file_path.as_ref()];
-        for picture in named.into_iter().flatten().map(|name| folder.join(name)) {
-            // The first data sets of radiance fields name pictures without extension.
-            if picture.extension().is_none() {
-                pictures.extend(["exr", "png"].map(|extension| picture.with_extension(extension)));
-            }
-            pictures.push(picture);
-        }
-    }
-    Ok(pictures)
-}
 
 /// What a capture, opened from `path`, and the manifest of its truth held when they were looked at: it changes with any camera, any
 /// word of a manifest, and any picture that is written anew.
@@ -37,7 +14,7 @@ pub(super) fn state(path: &Path, capture: &Capture, views: Option<&Path>) -> Res
     let mut pictures = capture.files();
     let mut manifests = vec![manifest_path(path)];
     if let Some(views) = views {
-        pictures.extend(pictures_of(views)?);
+        pictures.extend(picture_places(views)?);
         manifests.push(manifest_path(views));
     }
     // Manifests are small enough to be read again, pictures are not; where these lie is said by the manifests.
@@ -61,7 +38,7 @@ pub(super) fn state(path: &Path, capture: &Capture, views: Option<&Path>) -> Res
 mod tests {
     use super::*;
     use crate::capture::demo::{Demo, DemoSpec};
-    use crate::capture::transforms::{open, write_capture};
+    use crate::capture::transforms::{MANIFEST_NAME, open, write_capture};
     use crate::job::Job;
     use crate::settings::CaptureSettings;
 
@@ -104,7 +81,7 @@ mod tests {
         std::fs::write(&manifest, moved.to_string()).unwrap();
         is_new("another pose");
 
-        let picture = pictures_of(&views).unwrap().remove(0);
+        let picture = picture_places(&views).unwrap().remove(0);
         let bytes = std::fs::read(&picture).unwrap();
         std::fs::write(&picture, [bytes, vec![0]].concat()).unwrap();
         is_new("another true picture");

@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use super::inputs;
 use super::picture::PicturePaths;
+use crate::capture::transforms::picture_places;
 use crate::error::{Error, Result};
 
 /// Refuses a file that cannot be written where it is named; `example` says how one is called.
@@ -48,7 +48,7 @@ pub(super) fn folder(out: &Path) -> Result<()> {
 /// # Errors
 /// `Invalid` naming the first; whatever the manifest gives.
 pub(super) fn apart_from_pictures_of(manifest: &Path, targets: &[PicturePaths]) -> Result<()> {
-    let own: HashSet<PathBuf> = inputs::pictures_of(manifest)?.iter().map(|path| resolved(path)).collect();
+    let own: HashSet<PathBuf> = picture_places(manifest)?.iter().map(|path| resolved(path)).collect();
     let written = targets.iter().flat_map(|paths| [&paths.exr, &paths.png]);
     match written.into_iter().find(|path| own.contains(&resolved(path))) {
         None => Ok(()),

@@ -25,9 +25,21 @@ pub(super) fn granted_to_noise<const N: usize>(
     granted
 }
 
-/// The noise of each sample that the target found, relative, times `sigmas`.
+/// The same for the samples that the target found and three of their neighbors each, which are as noisy: by corner.
 #[cold]
 #[inline(never)]
-pub(super) fn noise_there<const N: usize>(target: &Layer, carried: &Carried<N>, sigmas: f32) -> [f32; N] {
-    carried.pixel.map(|pixel| sigmas * target.depth_noise(pixel as usize))
+pub(super) fn granted_around<const N: usize>(
+    target: &Layer,
+    carried: &Carried<N>,
+    found: &[Facet; N],
+    neighbors: &[[f32; N]; 3],
+    sigmas: f32,
+) -> [[f32; N]; 3] {
+    let noise = carried.pixel.map(|pixel| sigmas * target.depth_noise(pixel as usize));
+    neighbors.map(|depths| {
+        std::array::from_fn(|lane| {
+            let (here, there) = (found[lane].inverse_depth, depths[lane]);
+            noise[lane] * (here * here + there * there).sqrt()
+        })
+    })
 }

@@ -249,7 +249,7 @@ impl Registration {
         limits: &SameSurface,
     ) -> Outcome {
         let outcome = self.test(source, target, x, y, limits);
-        if !matches!(outcome, Outcome::NoDepth | Outcome::Seam) {
+        if !limits.hides_some() || !matches!(outcome, Outcome::NoDepth | Outcome::Seam) {
             return outcome;
         }
         match self.test(source, target, x, y, &limits.at_level(Level::MAX)) {

@@ -15,7 +15,7 @@
 use super::facet::{COLOR_STEPS, Facet, Look, MIXED};
 use super::layer::{Layer, Level};
 use super::noisy_colors::{allow_noise, tell_noise};
-use super::noisy_depths::{granted_to_noise, noise_there};
+use super::noisy_depths::{granted_around, granted_to_noise};
 use super::registration::{Block, Carried, LANES, Registration, whole};
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::settings::Settings;
@@ -96,6 +96,11 @@ impl SameSurface {
             deepest: u32::from(Level::MAX),
             has_deeper: true,
         }
+    }
+
+    /// Whether samples of some levels do not exist to these thresholds.
+    pub(super) fn hides_some(&self) -> bool {
+        self.deepest < u32::from(Level::MAX)
     }
 
     /// These thresholds for samples of `level`, to which those of deeper levels do not exist yet.
@@ -366,9 +371,9 @@ impl Registration {
                 }
             }
         }
-        let mut noise = [0.0; N];
+        let mut granted = [[0.0; N]; 3];
         if limits.depth_sigmas > 0.0 {
-            noise = noise_there(target, carried, limits.depth_sigmas);
+            granted = granted_around(target, carried, found, &depths, limits.depth_sigmas);
         }
         for i in 0..N {
             let facet = &found[i];
@@ -385,8 +390,7 @@ impl Registration {
                 let distance = along * (here - there) + here * shift;
                 let footprint = lens.side * here.max(there);
                 // Both are rounded, and both are noisy.
-                let step = target.depth_step_relative * (here + there)
-                    + noise[i] * (here * here + there * there).sqrt();
+                let step = target.depth_step_relative * (here + there) + granted[corner][i];
                 let limit = limits.depth_footprints * footprint + step;
                 if TELLING {
                     needs.depth[i] = needs.depth[i].max(needed(distance.abs() - step, footprint));

@@ -305,12 +305,11 @@ impl Renderer {
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write;
-
     use super::*;
     use crate::capture::demo::{Demo, DemoSpec};
     use crate::preprocess::preprocess;
     use crate::settings::Settings;
+    use crate::simd::skip::skip;
 
     fn scene() -> (Arc<SampleSet>, Vantage) {
         let spec = DemoSpec {
@@ -330,22 +329,11 @@ mod tests {
         RenderSettings { backend, ..RenderSettings::default() }
     }
 
-    /// Says why nothing is checked, past the test harness, which shows what a passing test prints to nobody.
-    fn skip(why: &str) {
-        let _ = std::io::stderr().write_all(format!("SKIPPED: {why}\n").as_bytes());
-    }
-
     /// `None` where the machine has none; a failure where `OVERLOOK_REQUIRE_GPU` asks for one.
     fn any_adapter() -> Option<GpuRenderer> {
-        match GpuRenderer::new(AdapterChoice::Any) {
-            Ok(gpu) => Some(gpu),
-            Err(error) => {
-                let is_required = std::env::var_os("OVERLOOK_REQUIRE_GPU").is_some();
-                assert!(!is_required, "OVERLOOK_REQUIRE_GPU is set, but {error}");
-                skip(&format!("nothing was painted: {error}"));
-                None
-            }
-        }
+        let gpu = GpuRenderer::new(AdapterChoice::Any);
+        gpu.inspect_err(|error| skip(Some("OVERLOOK_REQUIRE_GPU"), &format!("nothing was painted: {error}")))
+            .ok()
     }
 
     #[test]
@@ -363,7 +351,7 @@ mod tests {
     fn a_software_adapter_is_never_chosen_by_itself() {
         let Some(gpu) = any_adapter() else { return };
         if !gpu.is_software() {
-            skip(&format!("{} is no software adapter", gpu.adapter_name()));
+            skip(None, &format!("{} is no software adapter", gpu.adapter_name()));
             return;
         }
         let (samples, vantage) = scene();

@@ -212,13 +212,9 @@ impl Comparer {
         if let Some((_, samples)) = self.made.iter().find(|(known, _)| *known == made) {
             return Ok(samples.clone());
         }
-        let samples = match left_out {
-            Some(left_out) => {
-                let others = capture.with_cameras(|index, _| index != left_out);
-                preprocess::inspect_frame(&others, scan, settings, frame, job)?.samples
-            }
-            None => preprocess::inspect_frame(capture, scan, settings, frame, job)?.samples,
-        };
+        let others = left_out.map(|left_out| capture.with_cameras(|index, _| index != left_out));
+        let capture = others.as_ref().unwrap_or(capture);
+        let samples = preprocess::inspect_frame(capture, scan, settings, frame, job)?.samples;
         if self.made.len() == KEPT {
             self.made.remove(0);
         }

@@ -14,7 +14,7 @@ use crate::simd::{self, Work};
 
 /// Depth at or beyond this was not hit: Blender writes 1e10, others `f32::MAX` or infinity.
 const MISS_DEPTH: f32 = 1e9;
-/// The largest half float, to which half-float depth saturates.
+/// The largest half float, to which half-float depth saturates, and light that is written as half floats.
 pub const HALF_MAX: f32 = 65_504.0;
 /// Slack of comparisons with given limits, which passed through `f32` once or twice.
 const RELATIVE_SLACK: f64 = 1e-6;

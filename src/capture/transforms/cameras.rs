@@ -1,11 +1,11 @@
 //! Who recorded which frame: entries of the manifest grouped by camera and time.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DAffine3;
 
-use super::files::PictureFiles;
+use super::files::{PictureFiles, with_extension};
 use super::load;
 use super::manifest::{Entry, Keys, Manifest};
 use super::pose;
@@ -109,18 +109,6 @@ fn picture_files(folder: &Path, entry: &Entry, keys: &Keys, manifest: &Path) -> 
         keys,
         &place,
     )
-}
-
-/// The first data sets of radiance fields name pictures without extension.
-fn with_extension(path: PathBuf) -> PathBuf {
-    if path.extension().is_some() || path.is_file() {
-        return path;
-    }
-    ["exr", "png"]
-        .iter()
-        .map(|e| path.with_extension(e))
-        .find(|candidate| candidate.is_file())
-        .unwrap_or(path)
 }
 
 /// The name of every entry's camera: the manifest's, or one for each distinct pose in order of appearance.

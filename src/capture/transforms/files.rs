@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::manifest::{Keys, NormalSpaceName};
+use super::manifest::{Keys, Manifest, NormalSpaceName};
+use super::manifest_path;
 use crate::capture::exr::{ChannelWishes, DepthKind, DepthRules, HALF_MAX, NormalSpace};
 use crate::error::{Error, Result};
 
@@ -165,6 +166,37 @@ impl PictureFiles {
 
 fn is_linear(color_space: &str) -> bool {
     !color_space.to_ascii_lowercase().contains("srgb") || color_space.to_ascii_lowercase().contains("linear")
+}
+
+/// The first data sets of radiance fields name pictures without extension.
+pub(super) fn with_extension(path: PathBuf) -> PathBuf {
+    if path.extension().is_some() || path.is_file() {
+        return path;
+    }
+    PICTURE_EXTENSIONS.map(|e| path.with_extension(e)).into_iter().find(|it| it.is_file()).unwrap_or(path)
+}
+
+/// Pictures that are named without extension may have one of these.
+const PICTURE_EXTENSIONS: [&str; 2] = ["exr", "png"];
+
+/// Every place that pictures of a capture or of views are read from, whether or not there is a file.
+///
+/// # Errors
+/// As [`Manifest::read`].
+pub fn picture_places(path: &Path) -> Result<Vec<PathBuf>> {
+    let path = manifest_path(path);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut pictures = Vec::new();
+    for entry in &Manifest::read(&path)?.frames {
+        let named = [Some(&entry.file_path), entry.depth_file_path.as_ref(), entry.normal_file_path.as_ref()];
+        for picture in named.into_iter().flatten().map(|name| folder.join(name)) {
+            if picture.extension().is_none() {
+                pictures.extend(PICTURE_EXTENSIONS.map(|extension| picture.with_extension(extension)));
+            }
+            pictures.push(picture);
+        }
+    }
+    Ok(pictures)
 }
 
 /// The format of a file, by its extension.

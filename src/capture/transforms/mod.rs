@@ -33,6 +33,7 @@ use load::Need;
 use manifest::{Keys, Manifest};
 use source::FileSource;
 
+pub use files::picture_places;
 pub use write::{ManifestEntry, ManifestFacts, write_capture, write_manifest};
 
 /// Name of the manifest in a capture's folder.
@@ -102,7 +103,9 @@ pub fn open_views(path: &Path) -> Result<Vec<View>> {
         .collect()
 }
 
-fn manifest_path(path: &Path) -> PathBuf {
+/// The manifest of a capture or of views: itself, or the one in the folder.
+#[must_use]
+pub fn manifest_path(path: &Path) -> PathBuf {
     if path.is_dir() { path.join(MANIFEST_NAME) } else { path.to_path_buf() }
 }
 
