@@ -187,6 +187,10 @@ pub fn run(
         }
     }
     job.set_context("");
+    for methods in points.chunk_by_mut(|a, b| a.disturbance == b.disturbance && a.dial == b.dial) {
+        let methods = methods.iter_mut().map(|method| &mut method.point);
+        sweep::mark_pareto(methods, |point| point.bytes as f64, |point| point.psnr_filled_db);
+    }
     Ok(points)
 }
 

@@ -70,7 +70,8 @@ pub struct Point {
     pub work: f64,
     /// Seconds of preprocessing.
     pub seconds_preprocess: f64,
-    /// Whether no other point is both more accurate (`psnr_filled_db`) and smaller (`bytes`), see [`mark_pareto`].
+    /// Whether no other point is both more accurate (`psnr_filled_db`) and smaller (`bytes`), see [`mark_pareto`]; under
+    /// stress, no other method's under the same disturbance of the same size.
     pub pareto: bool,
 }
 
@@ -130,9 +131,14 @@ impl Point {
 /// Marks the points that no other beats in one thing without losing in another: `cost` is better where smaller, `gain`
 /// where larger, and a store that gives back every bit where the other rounds. So a store that rounds never drives a
 /// lossless one from the front, however well its pictures look. Of equals, all are marked.
-pub fn mark_pareto(points: &mut [Point], cost: impl Fn(&Point) -> f64, gain: impl Fn(&Point) -> f64) {
+pub fn mark_pareto<'a>(
+    points: impl IntoIterator<Item = &'a mut Point>,
+    cost: impl Fn(&Point) -> f64,
+    gain: impl Fn(&Point) -> f64,
+) {
+    let points: Vec<&mut Point> = points.into_iter().collect();
     let values: Vec<_> = points.iter().map(|point| (cost(point), gain(point), point.is_lossless())).collect();
-    for (point, (cost, gain, lossless)) in points.iter_mut().zip(&values) {
+    for (point, (cost, gain, lossless)) in points.into_iter().zip(&values) {
         point.pareto = !values.iter().any(|(other_cost, other_gain, other_lossless)| {
             other_lossless >= lossless
                 && ((other_cost < cost && other_gain >= gain) || (other_cost <= cost && other_gain > gain))

@@ -47,6 +47,17 @@ fn a_pose_error_costs_accuracy_and_the_point_of_failure_lies_on_the_dial() {
         let dial = failure.dial.unwrap();
         assert!(dial > 0.0 && dial < 1.0 && failure.worst_loss_db > 1.0, "{failure:?}");
     }
+    for point in &points {
+        let beats = |other: &StressPoint| {
+            other.dial == point.dial
+                && other.point.bytes <= point.point.bytes
+                && other.point.psnr_filled_db >= point.point.psnr_filled_db
+                && (other.point.bytes, other.point.psnr_filled_db)
+                    != (point.point.bytes, point.point.psnr_filled_db)
+        };
+        assert_eq!(point.point.pareto, !points.iter().any(beats), "{}", point.point.label);
+    }
+    assert!(points.iter().any(|point| !point.point.pareto), "some method is beaten somewhere");
     let again = Plan { done: points.clone(), ..plan };
     let job = Job::new();
     job.cancel();
