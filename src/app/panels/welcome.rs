@@ -34,7 +34,8 @@ pub(super) const COUNT: usize = CALLOUTS.len();
 pub(super) fn callouts_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
     let next = state.inspector.callout;
     let Some((title, text, place)) = CALLOUTS.get(next) else { return };
-    if state.scene.is_none() {
+    // They speak of what cameras recorded and of thresholds, which a store no longer has: they wait for a capture.
+    if state.scene.as_ref().is_none_or(|scene| scene.capture().is_none()) {
         return;
     }
     let area = ctx.content_rect();
