@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
+use half::f16;
 use overlook::capture::demo::{Demo, DemoSpec, MAX_CAMERAS, MAX_FRAMES, SCENES};
 use overlook::capture::{Camera, Capture, Frame};
 use overlook::color::steps_from_linear;
+use overlook::preprocess::noise::{Noise, measure_pairs};
 use overlook::settings::CaptureSettings;
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
@@ -328,5 +330,41 @@ fn many_workers_may_ask_for_frames_of_one_camera_at_once() {
             assert_eq!(**here, demo.render(&capture.cameras[0], frame));
             assert_eq!(here, there);
         }
+    }
+}
+
+/// Two cameras of a scene as it is recorded, over 48 frames.
+fn recorded(scene: &str) -> Demo {
+    let size = Some((200, 150));
+    Demo::new(&DemoSpec { cameras: Some(2), frames: Some(48), size, ..spec(scene) }).unwrap()
+}
+
+/// What [`measure_pairs`] says of some frames and those after them.
+fn measured(demo: &Demo, camera: usize, frames: [usize; 3]) -> Noise {
+    let capture = capture(demo);
+    let pairs = frames.map(|first| [first, first + 1].map(|frame| capture.frame(camera, frame).unwrap()));
+    let pairs: Vec<[&Frame; 2]> = pairs.iter().map(|[before, after]| [&**before, &**after]).collect();
+    measure_pairs(&pairs)
+}
+
+#[test]
+fn the_noise_of_a_scene_is_that_which_was_put_in() {
+    let noise = measured(&recorded("nine-cameras"), 0, [0, 20, 40]);
+    let steps = |linear: f32| steps_from_linear(f16::from_f32(linear));
+    for linear in [0.1_f32, 0.2, 0.3] {
+        // See `capture::demo::camera_noise`: a relative deviation of 0.03.
+        let sigma = 0.03 * (linear * (linear + 0.02)).sqrt();
+        let expected = 0.5 * (steps(linear + sigma) - steps(linear - sigma));
+        let ratio = noise.color_at(steps(linear)) / expected;
+        assert!((0.85..1.15).contains(&ratio), "{linear}: {ratio}");
+    }
+}
+
+#[test]
+fn shadows_that_sweep_over_a_scene_are_no_noise() {
+    let demo = recorded("orrery");
+    for camera in 0..2 {
+        let steps = measured(&demo, camera, [0, 23, 46]).color_steps_overall;
+        assert!(steps < 0.15, "camera {camera}: {steps}");
     }
 }

@@ -333,44 +333,6 @@ fn a_clean_silhouette_is_not_taken_for_a_blended_one() {
     assert!(dropped < 64 * 64 * 2 / 100, "{dropped}");
 }
 
-/// A red ball before the sky, whose silhouette is blended; how many kept samples show neither red nor sky, and the report.
-fn fringe(mixed_pixels: MixedPixels) -> (usize, Preprocessed) {
-    let ball = Sphere::resting(DVec3::new(0.0, 0.0, 0.6), 0.8, [0.7, 0.2, 0.1]);
-    let scene = Scene { spheres: vec![ball], normals: true, color_rays: 4, ..Scene::default() };
-    let capture = scene.record(arc(3, 64), 1);
-    let mut settings = Settings::default();
-    settings.pruning.mixed_pixels = mixed_pixels;
-    let result = run(&capture, &settings);
-    let is_clean = |color: &[half::f16; 3]| {
-        let near = |pure: [f32; 3]| (0..3).all(|c| (color[c].to_f32() - pure[c]).abs() < 0.1);
-        near([0.7, 0.2, 0.1]) || near(scene::SKY)
-    };
-    let colors = result.samples.images.iter().flat_map(|image| &image.color);
-    (colors.filter(|color| !is_clean(color)).count(), result)
-}
-
-#[test]
-fn blended_silhouettes_yield_to_clean_samples_and_can_be_dropped_or_snapped() {
-    let [(kept, _), (yielded, yields), (dropped, drops), (snapped, snaps)] =
-        [MixedPixels::Keep, MixedPixels::Yield, MixedPixels::Drop, MixedPixels::Snap].map(fringe);
-    assert!(kept > 40, "{kept}");
-    assert!(yielded < kept, "{yielded} of {kept}");
-    assert!(dropped < kept / 2, "{dropped} of {kept}");
-    assert!(snapped < kept / 2, "{snapped} of {kept}");
-    assert!(
-        snaps.report.samples_kept > drops.report.samples_kept,
-        "snapping keeps the place, dropping does not"
-    );
-    let outcomes = |report: &overlook::preprocess::Report| {
-        ["found", "yielded", "dropped", "kept"].map(|outcome| report.mixed_pixels[outcome])
-    };
-    for result in [&yields, &drops, &snaps] {
-        let [found, yielded, dropped, kept] = outcomes(&result.report);
-        assert!(found > 40 && found == yielded + dropped + kept);
-    }
-    assert_eq!(outcomes(&drops.report)[0], outcomes(&drops.report)[2]);
-}
-
 #[test]
 fn at_grazing_incidence_the_floor_of_the_cosine_decides_and_the_nearer_camera_wins() {
     // Both see the ground at a few degrees; without a floor, rounding of the cosine would outweigh the distance.

@@ -7,10 +7,11 @@ use std::sync::Arc;
 
 use coverage::assert_covered;
 use glam::DVec3;
-use overlook::capture::{Camera, Capture, Intrinsics};
+use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics};
+use overlook::error::Result;
 use overlook::job::Job;
 use overlook::preprocess::{FrameInspection, Preprocessed, inspect_frame, preprocess, scan};
-use overlook::settings::{PruningMethod, RateModel, Settings, SpanLevels};
+use overlook::settings::{MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
 use proptest::prelude::*;
 use scene::{Scene, Sphere, arc};
 
@@ -118,5 +119,109 @@ proptest! {
         let shown = inspect(&capture, &settings, 1);
         let at_frame: Vec<_> = whole.samples.images_at(1).cloned().collect();
         prop_assert_eq!(&at_frame, &shown.samples.images);
+    }
+}
+
+/// A red ball before the sky, whose silhouette is blended; how many kept samples show neither red nor sky, and the report.
+fn fringe(mixed_pixels: MixedPixels) -> (usize, Preprocessed) {
+    let ball = Sphere::resting(DVec3::new(0.0, 0.0, 0.6), 0.8, [0.7, 0.2, 0.1]);
+    let scene = Scene { spheres: vec![ball], normals: true, color_rays: 4, ..Scene::default() };
+    let capture = scene.record(arc(3, 64), 1);
+    let mut settings = Settings::default();
+    settings.pruning.mixed_pixels = mixed_pixels;
+    let result = run(&capture, &settings);
+    let is_clean = |color: &[half::f16; 3]| {
+        let near = |pure: [f32; 3]| (0..3).all(|c| (color[c].to_f32() - pure[c]).abs() < 0.1);
+        near([0.7, 0.2, 0.1]) || near(scene::SKY)
+    };
+    let colors = result.samples.images.iter().flat_map(|image| &image.color);
+    (colors.filter(|color| !is_clean(color)).count(), result)
+}
+
+#[test]
+fn blended_silhouettes_yield_to_clean_samples_and_can_be_dropped_or_snapped() {
+    let [(kept, _), (yielded, yields), (dropped, drops), (snapped, snaps)] =
+        [MixedPixels::Keep, MixedPixels::Yield, MixedPixels::Drop, MixedPixels::Snap].map(fringe);
+    assert!(kept > 40, "{kept}");
+    assert!(yielded < kept, "{yielded} of {kept}");
+    assert!(dropped < kept / 2, "{dropped} of {kept}");
+    assert!(snapped < kept / 2, "{snapped} of {kept}");
+    assert!(
+        snaps.report.samples_kept > drops.report.samples_kept,
+        "snapping keeps the place, dropping does not"
+    );
+    let outcomes = |report: &overlook::preprocess::Report| {
+        ["found", "yielded", "dropped", "outranked", "kept"].map(|outcome| report.mixed_pixels[outcome])
+    };
+    for result in [&yields, &drops, &snaps] {
+        let [found, yielded, dropped, outranked, kept] = outcomes(&result.report);
+        assert!(found > 40 && found == yielded + dropped + outranked + kept);
+    }
+    assert_eq!(outcomes(&drops.report)[0], outcomes(&drops.report)[2]);
+    let [yields, snaps] = [yields, snaps].map(|result| result.report.mixed_pixels["found"]);
+    assert_eq!(yields, snaps, "what is snapped makes no edges that are looked for again");
+}
+
+#[test]
+fn of_two_equal_cameras_half_of_what_is_blended_is_kept_and_the_first_of_them_yields_nothing_at_all() {
+    let ball = Sphere::resting(DVec3::new(0.0, 0.0, 0.6), 0.8, [0.7, 0.2, 0.1]);
+    let scene = Scene { spheres: vec![ball], ground: true, normals: true, color_rays: 4, ..Scene::default() };
+    let first = arc(3, 64);
+    let twins = scene.record(vec![first[0].clone(), first[0].clone()], 1);
+    let report = run(&twins, &Settings::default()).report;
+    let [found, kept] = ["found", "kept"].map(|outcome| report.mixed_pixels[outcome]);
+    assert!(found > 40 && kept * 2 == found, "{kept} of {found}");
+    let mut settings = Settings::default();
+    settings.pruning.method = PruningMethod::FirstCamera;
+    let report = run(&scene.record(first, 1), &settings).report;
+    assert_eq!(report.witnesses[0], [0, 0, 0], "the first camera's samples are dropped for none");
+    assert!(report.witnesses[1][0] > 100);
+}
+
+/// Frames of a capture, one of which is rounded coarsely, as whole-number depth is where something is near.
+struct OneIsCoarse(Capture);
+
+const COARSE: usize = 2;
+
+impl FrameSource for OneIsCoarse {
+    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
+        let frame_of = self.0.frame(camera, frame)?;
+        Ok(Frame { depth_step_relative: if frame == COARSE { 0.1 } else { 1e-5 }, ..(*frame_of).clone() })
+    }
+
+    fn place(&self, camera: usize, frame: usize) -> String {
+        format!("camera {camera}, frame {frame}")
+    }
+}
+
+#[test]
+fn what_is_decided_at_a_frame_does_not_depend_on_how_coarsely_those_before_it_were_rounded() {
+    let light: Arc<dyn Fn(usize, DVec3) -> f32 + Send + Sync> = Arc::new(|frame, _| 0.2 * (frame % 2) as f32);
+    let scene = Scene { ground_light: Some(light), ..Scene::still_life() };
+    let recorded = scene.record(arc(3, 40), 8);
+    let parts = CaptureParts {
+        name: "coarse".to_owned(),
+        cameras: recorded.cameras.clone(),
+        frame_numbers: (0..8).collect(),
+        up_in_world: DVec3::Z,
+        has_normals: true,
+        antialiased_color: false,
+        warnings: Vec::new(),
+        source: Arc::new(OneIsCoarse(recorded)),
+    };
+    let capture = Capture::new(parts, 256 << 20);
+    for levels in [SpanLevels::Paper, SpanLevels::Off] {
+        let mut settings = Settings::default();
+        settings.spans.levels = levels;
+        settings.pruning.depth_tolerance = 0.05;
+        let whole = run(&capture, &settings);
+        let kept = &whole.report.foreground_per_frame;
+        assert!(kept[0] > 1000 && kept[1] > 1000, "{kept:?}");
+        for frame in 2..8 {
+            assert_eq!(kept[frame], kept[frame % 2], "{levels:?}: {kept:?}");
+        }
+        let shown = inspect(&capture, &settings, 6);
+        let at_frame: Vec<_> = whole.samples.images_at(6).cloned().collect();
+        assert_eq!(at_frame, shown.samples.images, "{levels:?}");
     }
 }

@@ -99,7 +99,13 @@ impl<'a> Descent<'a> {
                     put(layer, level, &samples);
                     samples.pixels.clone()
                 }
-                None => put_frame(layer, level, &*capture.frame(camera, span.start as usize)?),
+                None => {
+                    let frame = capture.frame(camera, span.start as usize)?;
+                    if scan.is_none() {
+                        layer.depth_step_relative = frame.depth_step_relative;
+                    }
+                    put_frame(layer, level, &frame)
+                }
             };
             builder.estimate_normals(layer, &capture.cameras[camera], &pixels);
             builder.rate(layer, &capture.cameras[camera], &pixels);
@@ -133,7 +139,6 @@ pub(super) fn put(layer: &mut Layer, level: Level, samples: &SpanSamples) {
 
 /// Puts the frame's samples wherever the layer has none; they need normals and rates yet. Gives their pixels.
 fn put_frame(layer: &mut Layer, level: Level, frame: &Frame) -> Vec<u32> {
-    layer.depth_step_relative = layer.depth_step_relative.max(frame.depth_step_relative);
     let mut pixels = Vec::new();
     for (pixel, &inverse_depth) in frame.inverse_depth.as_slice().iter().enumerate() {
         if layer.level[pixel] != NO_SAMPLE || inverse_depth < 0.0 {

@@ -47,8 +47,8 @@ pub struct FrameLayers {
 #[derive(Debug, Default)]
 struct Kept {
     docket: Option<Arc<Docket>>,
-    /// Tolerances for which there was too little memory.
-    refused: Option<Reach>,
+    /// Tolerances for which so many bytes of memory were too few.
+    refused: Option<(Reach, usize)>,
 }
 
 /// What is shown of a layer beside its verdicts.
@@ -133,10 +133,10 @@ impl FrameLayers {
         if let Some(docket) = kept {
             return Ok(Some(docket.bytes()));
         }
-        let bound = (settings.capture.cache as usize) << 19;
+        let bound = docket_bound(settings);
         let made = Docket::new(rig, &self.layers, self.path.len(), settings, bound, job)?.map(Arc::new);
         let bytes = made.as_ref().map(|docket| docket.bytes());
-        let refused = made.is_none().then(|| Reach::around(&settings.pruning));
+        let refused = made.is_none().then(|| (Reach::around(&settings.pruning), bound));
         *lock() = Kept { docket: made, refused };
         Ok(bytes)
     }
@@ -167,6 +167,11 @@ impl FrameLayers {
     }
 }
 
+/// Bytes that a docket may take: half of the memory setting.
+fn docket_bound(settings: &Settings) -> usize {
+    (settings.capture.cache as usize) << 19
+}
+
 impl Kept {
     fn serving(&self, settings: &Settings) -> Option<Arc<Docket>> {
         let serves = |docket: &&Arc<Docket>| {
@@ -176,7 +181,10 @@ impl Kept {
     }
 
     fn refused(&self, settings: &Settings) -> bool {
-        self.refused.as_ref().is_some_and(|reach| reach.serves(&settings.pruning))
+        let still = |(reach, bound): &(Reach, usize)| {
+            reach.serves(&settings.pruning) && docket_bound(settings) <= *bound
+        };
+        self.refused.as_ref().is_some_and(still)
     }
 }
 

@@ -100,12 +100,10 @@ impl<'a> LayerBuilder<'a> {
         let pruning = &self.settings.pruning;
         let detects = self.antialiased && pruning.mixed_pixels != MixedPixels::Keep;
         let edge = self.settings.normals.edge;
-        let snapped = if detects && pruning.mixed_pixels == MixedPixels::Snap {
-            snap(layer, camera, edge, pixels)
-        } else {
-            Vec::new()
-        };
-        let mixed = detects.then(|| MixedTest::new(layer, camera, edge));
+        let snaps = detects && pruning.mixed_pixels == MixedPixels::Snap;
+        let snapped = if snaps { snap(layer, camera, edge, pixels) } else { Vec::new() };
+        // What was snapped makes edges of its own beside it, which nobody recorded.
+        let mixed = (detects && !snaps).then(|| MixedTest::new(layer, camera, edge));
         let rated = |&pixel: &u32| {
             let pixel = pixel as usize;
             let (x, y) = (pixel % width, pixel / width);
@@ -115,11 +113,14 @@ impl<'a> LayerBuilder<'a> {
             let own = of(self.rate);
             let mixed = snapped.binary_search(&(pixel as u32)).is_ok()
                 || mixed.as_ref().is_some_and(|mixed| mixed.is_mixed(x, y));
+            let is_first_camera = pruning.method == PruningMethod::FirstCamera;
+            // The first camera's samples yield to none, blended or not.
+            let mixed = mixed && (!is_first_camera || pruning.mixed_pixels == MixedPixels::Drop);
             let ranks = [own, of(self.rate.other())].map(|footprint| {
                 let unsure = normal == Vec3::ZERO && inverse_depth > 0.0;
-                let rank = match pruning.method {
-                    PruningMethod::FirstCamera => 0,
-                    _ => rank(footprint) | if unsure { UNSURE } else { 0 },
+                let rank = match is_first_camera {
+                    true => 0,
+                    false => rank(footprint) | if unsure { UNSURE } else { 0 },
                 };
                 if mixed { rank | MIXED } else { rank }
             });

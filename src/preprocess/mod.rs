@@ -24,6 +24,7 @@ pub mod frame_layers;
 pub mod inspection;
 pub mod layer;
 pub mod mixed_pixels;
+mod moving_patterns;
 pub mod noise;
 pub mod noise_range;
 mod noisy_colors;

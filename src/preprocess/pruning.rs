@@ -57,6 +57,8 @@ pub struct Decided {
     pub disputes: Vec<Dispute>,
     /// Samples whose color was found to be blended across a silhouette.
     pub mixed: u64,
+    /// How many of them are kept.
+    pub mixed_kept: u64,
 }
 
 /// A sample of whose point the two rate models name different cameras as the best-sampled.
@@ -135,6 +137,11 @@ pub fn prune(
     for (camera, disputes, mixed) in findings {
         decided[camera].disputes.extend(disputes);
         decided[camera].mixed += mixed;
+    }
+    for (decided, layer) in decided.iter_mut().zip(layers).filter(|(decided, _)| decided.mixed > 0) {
+        let kept = decided.pixels.iter().zip(&decided.verdicts).filter(|(_, verdict)| verdict.is_kept());
+        decided.mixed_kept =
+            kept.filter(|(pixel, _)| layer.ranks[**pixel as usize].rank & MIXED != 0).count() as u64;
     }
     Ok(decided)
 }
@@ -394,6 +401,7 @@ impl Decided {
             verdicts: vec![Verdict::without_witness(Rule::NoSample); count],
             disputes: Vec::new(),
             mixed: 0,
+            mixed_kept: 0,
         }
     }
 }

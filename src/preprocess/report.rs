@@ -77,8 +77,9 @@ pub struct Report {
     pub rate_disputes: Vec<Vec<u64>>,
     /// `residuals[a][b]`: how well the samples of camera `a` fit what camera `b` saw; nothing of a camera itself.
     pub residuals: Vec<Vec<PairResiduals>>,
-    /// Samples whose color was found to be blended across a silhouette, and what became of them: `found`, `yielded`,
-    /// `dropped`, `kept`. Nobody looks for them where mixed pixels are kept or the capture's color is not filtered.
+    /// Samples whose color was found to be blended across a silhouette, and what became of them: of those `found` some
+    /// `yielded` to clean ones, were `dropped`, `outranked` by others that are blended as well, or `kept`. Nobody looks for them
+    /// where mixed pixels are kept, the first camera wins or the capture's color is not filtered.
     pub mixed_pixels: BTreeMap<String, u64>,
     /// All input pixels as 8-bit color and 32-bit depth.
     pub bytes_raw: u64,
@@ -203,7 +204,8 @@ impl Tally {
             ("found", decided.mixed),
             ("yielded", yielded),
             ("dropped", dropped),
-            ("kept", decided.mixed.saturating_sub(yielded + dropped)),
+            ("outranked", decided.mixed.saturating_sub(yielded + dropped + decided.mixed_kept)),
+            ("kept", decided.mixed_kept),
         ];
         for (name, count) in mixed {
             *self.report.mixed_pixels.entry(name.to_owned()).or_default() += count;

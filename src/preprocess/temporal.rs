@@ -36,7 +36,8 @@ pub struct CameraScan {
     pub shares: Option<RangeShares>,
     /// Pixels without depth, over all frames.
     pub invalid: u64,
-    /// The coarsest quantization step of depth met in any frame, relative.
+    /// The coarsest quantization step of depth met in any frame, relative; where a tree of spans was built, in those that were
+    /// looked at before.
     pub depth_step_relative: f32,
     /// Noise of static pixels.
     pub noise: Noise,
@@ -165,7 +166,8 @@ impl Preview {
         let pairs: Vec<[&Frame; 2]> = pairs.iter().map(|pair| pair.map(|frame| &*held[&frame])).collect();
         Ok(Self {
             noise: measure_pairs(&pairs),
-            // A step belongs to the files' format, which is one for all frames of a camera.
+            // Of whole numbers the step grows with the nearest thing there is. A tree of spans is built as frames come and
+            // goes by those that are known before.
             depth_step_relative: held.values().map(|frame| frame.depth_step_relative).fold(0.0, f32::max),
             normal_errors: held.get(&0).map_or_else(Vec::new, |first| {
                 compare_with_given(first, &capture.cameras[camera], &settings.normals)
@@ -185,14 +187,16 @@ fn scan_ranges(capture: &Capture, camera: usize, settings: &Settings, job: &Job)
     let preview = Preview::of(capture, camera, settings, job)?;
     let (width, height) = capture.cameras[camera].intrinsics.size();
     let mut sum = CameraSum::new(width, height);
+    let mut coarsest = 0.0_f32;
     pass_over((capture, camera), &preview.held, settings, job, |frames| {
         for frame in frames {
+            coarsest = coarsest.max(frame.depth_step_relative);
             sum.add(frame);
         }
         Ok(())
     })?;
     let (ranges, invalid) = sum.finish(capture.frame_count());
-    Ok(preview.with(Some(ranges), None, invalid))
+    Ok(CameraScan { depth_step_relative: coarsest, ..preview.with(Some(ranges), None, invalid) })
 }
 
 fn scan_spans(
