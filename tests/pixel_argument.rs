@@ -89,6 +89,26 @@ fn what_is_kept_as_the_only_witness_is_shown_by_no_sample_that_stays_in_the_tabl
 }
 
 #[test]
+fn who_is_kept_though_a_better_sample_is_in_the_table_is_kept_because_that_one_does_not_stand() {
+    let (mut better_beside, mut across) = (0, Settings::default());
+    across.pruning.across_spans = false;
+    for settings in [Settings::default(), across] {
+        let (_, inspection) = inspected(&capture(), &settings);
+        for argument in arguments(&inspection) {
+            let better = argument.testimonies.iter().filter(|row| {
+                let is_clean = row.verdict.is_some_and(|verdict| verdict.rule != Rule::MixedYields);
+                matches!(row.outcome, Some(Outcome::Same(_))) && is_clean && row.paper_r > 1.001
+            });
+            if argument.verdict.is_kept() && better.count() > 0 {
+                better_beside += 1;
+                assert_eq!(argument.verdict.rule, Rule::Coverage, "{argument:?}");
+            }
+        }
+    }
+    assert!(better_beside > 20, "{better_beside}");
+}
+
+#[test]
 fn a_camera_that_is_blocked_found_something_nearer_and_one_that_looks_past_something_farther() {
     let (_, inspection) = inspected(&capture(), &Settings::default());
     let (mut blocked, mut past) = (0, 0);

@@ -102,6 +102,10 @@ impl FrameInspection {
                 }
             })
             .filter(|(rank, other, _)| (*rank, *other) < own)
+            .filter(|&(_, other, found)| {
+                let level = self.layers[other].level[found as usize];
+                self.settings.pruning.across_spans || level == layer.level[pixel as usize]
+            })
             .min()
             .map(|(_, other, found)| (other, found))
     }

@@ -158,6 +158,8 @@ pub(super) struct Contest {
     other_rank: [u32; LANES],
     other_camera: [u32; LANES],
     seen: [u32; LANES],
+    /// Whether somebody has a better sample of the point that may not stand for it.
+    passed_over: [u32; LANES],
     own_rank: [u32; LANES],
 }
 
@@ -183,6 +185,7 @@ impl Contest {
             other_rank: block.other_rank,
             other_camera: [camera as u32; LANES],
             seen: [0; LANES],
+            passed_over: [0; LANES],
             own_rank: block.rank,
         }
     }
@@ -235,7 +238,10 @@ impl Contest {
         let name = rival.camera as u32;
         let mut told = 0;
         for i in 0..LANES {
-            let same = answers.is_same(i) & (stands[i] != 0);
+            let shows = answers.is_same(i);
+            let same = shows & (stands[i] != 0);
+            let beats_own = wins(ranks[i].rank, name, self.own_rank[i], self.own_camera);
+            self.passed_over[i] |= u32::from(shows & !same & beats_own);
             let better = same & wins(ranks[i].rank, name, self.rank[i], self.camera[i]);
             let otherwise = same & wins(ranks[i].other_rank, name, self.other_rank[i], self.other_camera[i]);
             told += u32::from(better | (same & (self.seen[i] == 0)));
@@ -265,6 +271,12 @@ impl Contest {
     #[inline(always)]
     pub(super) fn own_rank(&self, lane: usize) -> u32 {
         self.own_rank[lane]
+    }
+
+    /// Whether some better sample of the point in `lane` may not stand for it.
+    #[inline(always)]
+    pub(super) fn passed_over_a_better(&self, lane: usize) -> bool {
+        self.passed_over[lane] != 0
     }
 
     /// Whether any other camera shows the point in `lane`.

@@ -36,7 +36,8 @@ pub enum Rule {
     OnlyWitness,
     /// Kept: every other camera that sees the point samples it less densely (or equally, and comes later).
     BestRate,
-    /// Kept: a better sample exists but was itself dropped for one that does not see this point (coverage guarantee).
+    /// Kept: a better sample exists but was itself dropped for one that does not see this point (coverage guarantee), or is
+    /// one of a longer span where those may not stand.
     Coverage,
     /// Kept: pruning is off.
     PruningOff,
@@ -92,7 +93,7 @@ impl Rule {
             Self::OnlyWitness => "Kept: no other camera has a sample of this point throughout its span.",
             Self::BestRate => "Kept: no other camera samples this point more densely.",
             Self::Coverage => {
-                "Kept: the better sample was itself dropped for one that does not see this point."
+                "Kept: the better sample does not stand: it was dropped for one that does not see this point, or lives in a longer span, which is not asked."
             }
             Self::PruningOff => "Kept: pruning is off.",
             Self::LowerRate => "Dropped: the witness samples this point more densely.",

@@ -366,7 +366,11 @@ impl Pass<'_> {
             return self.dropped_for(contest.own_rank(lane), best);
         }
         self.set_status(camera, pixel as u32, KEPT);
-        Verdict::without_witness(if contest.is_seen(lane) { Rule::BestRate } else { Rule::OnlyWitness })
+        Verdict::without_witness(match (contest.passed_over_a_better(lane), contest.is_seen(lane)) {
+            (true, _) => Rule::Coverage,
+            (false, true) => Rule::BestRate,
+            (false, false) => Rule::OnlyWitness,
+        })
     }
 
     #[inline(always)]

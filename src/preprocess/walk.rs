@@ -157,7 +157,15 @@ impl Walk<'_> {
             band.waiting.push(place as u32);
             return (better.verdict, UNDECIDED);
         }
-        (Verdict::without_witness(if best.is_some() { Rule::BestRate } else { Rule::OnlyWitness }), KEPT)
+        let mut ahead = claimants.iter().take_while(|claimant| claimant.is_better());
+        let rule = if ahead.any(|claimant| self.shows(band, place, claimant)) {
+            Rule::Coverage
+        } else if best.is_some() {
+            Rule::BestRate
+        } else {
+            Rule::OnlyWitness
+        };
+        (Verdict::without_witness(rule), KEPT)
     }
 
     /// Notes where the other rate model names another winner.
@@ -177,13 +185,19 @@ impl Walk<'_> {
     /// is decided.
     #[inline(always)]
     fn stands(&self, band: &Band<'_>, place: usize, claimant: &Claimant) -> bool {
-        let holds = match claimant.holds(self.codes) {
+        let own_level = claimant.verdict.witness_level == self.decide;
+        self.shows(band, place, claimant)
+            && (own_level || (self.settings.pruning.across_spans && self.status(claimant.verdict) == KEPT))
+    }
+
+    /// Whether a claimant shows the sample's point.
+    #[inline(always)]
+    fn shows(&self, band: &Band<'_>, place: usize, claimant: &Claimant) -> bool {
+        match claimant.holds(self.codes) {
             Holds::Yes => true,
             Holds::No => false,
             Holds::Ask => self.ask(band, place, claimant),
-        };
-        let own_level = claimant.verdict.witness_level == self.decide;
-        holds && (own_level || (self.settings.pruning.across_spans && self.status(claimant.verdict) == KEPT))
+        }
     }
 
     #[cold]
