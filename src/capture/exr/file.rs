@@ -285,7 +285,9 @@ fn are_rec_709(Chromaticities { red, green, blue, white }: Chromaticities) -> bo
 /// Gives channels of several parts that would have one name `part.channel`, so that none hides another.
 fn tell_apart(channels: &mut [ChannelInfo], in_full: &[String]) {
     let mut counts: HashMap<String, usize> = HashMap::new();
-    channels.iter().for_each(|channel| *counts.entry(channel.name.clone()).or_default() += 1);
+    for channel in channels.iter() {
+        *counts.entry(channel.name.clone()).or_default() += 1;
+    }
     for (channel, in_full) in channels.iter_mut().zip(in_full) {
         if counts[&channel.name] > 1 {
             channel.name.clone_from(in_full);
