@@ -123,19 +123,131 @@ fn nonsense_in_the_manifest_is_named() {
         ("far_clip", json!(0.0), "far_clip"),
         ("up", json!([0, 0, 0]), "up"),
         ("k1", json!(0.2), "undistort"),
-        ("camera_angle_x", json!("wide"), "manifest"),
+        ("camera_angle_x", json!("wide"), "\"camera_angle_x\": invalid type"),
+        ("distortion_params", json!([0.3, 0, 0, 0]), "undistort"),
+        ("is_fisheye", json!(true), "undistort"),
+        ("k5", json!(0.1), "undistort"),
+        ("p3", json!(0.1), "undistort"),
+        ("camera_type", json!("ORTHO"), "undistort"),
+        ("camera_model", json!("OPENCV_FISHEYE"), "undistort"),
+        ("pixel_center_offset", json!(-40), "pixel_center_offset is -40"),
     ];
     for (key, value, word) in spoil {
         let error = error_of(|_, keys, _| keys[*key] = value.clone());
         assert_names(&error, &[word]);
     }
     assert_names(&error_of(|_, _, entries| entries.clear()), &["transforms.json", "empty"]);
+    assert_names(&error_of(|_, _, entries| entries[3]["h"] = json!("64")), &["frames[3]", "\"h\""]);
+    let half = |_: &Folder, _: &mut Value, entries: &mut Vec<Value>| {
+        entries[0].as_object_mut().unwrap().remove("h");
+        entries[0]["w"] = json!(640);
+    };
+    assert_names(&error_of(half), &["left/0000.exr", "w is 640 but the picture is 6×4"]);
     assert_names(&error_of(|_, _, entries| entries[2]["w"] = json!(1e9)), &["right/0000.exr", "w is"]);
     assert_names(
         &error_of(|_, _, entries| entries[1]["transform_matrix"][2][2] = 3.into()),
         &["frames[1]", "left/0001.exr", "rotation"],
     );
     assert_names(&error_of(|_, _, entries| drop(entries[1]["camera"].take())), &["camera", "all of them"]);
+}
+
+#[test]
+fn an_entry_that_says_it_is_not_bent_is_believed() {
+    let folder = Folder::new();
+    folder.put("a.exr", &plain(flat(2.0)));
+    let mut straight = entry("a.exr", "a", 0);
+    straight["k1"] = 0.into();
+    let keys = json!({"k1": 0.1, "distortion_params": [0, 0.0], "is_fisheye": false, "camera_type": "PERSP"});
+    folder.open(keys, &[straight]).unwrap();
+}
+
+#[test]
+fn junk_in_files_of_depth_and_normals_is_found_before_anything_is_decoded() {
+    let folder = Folder::new();
+    folder.put("a.exr", &plain(flat(2.0)));
+    for (key, name) in [
+        ("depth_file_path", "junk.exr"),
+        ("depth_file_path", "junk.png"),
+        ("normal_file_path", "junk.exr"),
+        ("normal_file_path", "junk.png"),
+    ] {
+        folder.put(name, b"junk");
+        let mut entry = entry("a.exr", "a", 0);
+        entry[key] = name.into();
+        assert_names(&folder.open(json!({}), &[entry]).unwrap_err().to_string(), &["frame 0", name]);
+    }
+    let gray = image::GrayImage::new(6, 4);
+    gray.save(folder.path("8bit.png")).unwrap();
+    let mut coarse = entry("a.exr", "a", 0);
+    coarse["depth_file_path"] = "8bit.png".into();
+    assert_names(&folder.open(json!({}), &[coarse.clone()]).unwrap_err().to_string(), &["16-bit"]);
+    image::ImageBuffer::from_pixel(6, 4, image::Luma([9_u16])).save(folder.path("8bit.png")).unwrap();
+    let error = folder.open(json!({"depth_kind": "position"}), &[coarse]).unwrap_err().to_string();
+    assert_names(&error, &["8bit.png", "three channels"]);
+}
+
+#[test]
+fn a_png_wider_than_any_picture_is_too_large_and_not_damaged() {
+    let error = error_of(|folder, _, entries| {
+        image::GrayImage::new(32_769, 1).save(folder.path("left/wide.png")).unwrap();
+        entries[0]["file_path"] = "left/wide.png".into();
+        entries[0]["depth_file_path"] = "left/0001.exr".into();
+    });
+    assert_names(&error, &["left/wide.png", "too large", "32768"]);
+}
+
+#[test]
+fn depth_behind_the_camera_is_told_from_depth_that_is_not_there() {
+    let error = error_of(|folder, _, _| folder.put("right/0001.exr", &plain(flat(-2.0))));
+    assert_names(&error, RIGHT_1);
+    assert_names(&error, &["'Z'", "negative"]);
+}
+
+#[test]
+fn positions_off_the_rays_of_their_pixels_are_refused() {
+    // The camera looks along +y: a wall in front of it, in its own space, and shifted by a meter.
+    let wall = |shift: f32, in_world: bool| {
+        let at = |i: usize| ((i % 6) as f32 + 0.5, (i / 6) as f32 + 0.5);
+        let of = |pick: &dyn Fn(f32, f32) -> f32| {
+            FlatSamples::F32((0..PIXELS).map(|i| pick(at(i).0, at(i).1)).collect())
+        };
+        let x = of(&|x, _| 4.0 * (x - 3.0) / 3.0 + shift);
+        let up = of(&|_, y| 4.0 * (2.0 - y) / 3.0);
+        let [y, z] = if in_world { [flat(4.0), up] } else { [up, flat(-4.0)] };
+        let channels =
+            [("R", flat(0.5)), ("G", flat(0.5)), ("B", flat(0.5)), ("P.X", x), ("P.Y", y), ("P.Z", z)];
+        picture(&[("", channels.to_vec())])
+    };
+    let folder = Folder::new();
+    let read = |bytes: &[u8]| {
+        folder.put("a.exr", bytes);
+        folder.open(json!({}), &[entry("a.exr", "a", 0)]).unwrap().frame(0, 0).map(drop)
+    };
+    read(&wall(0.0, true)).unwrap();
+    read(&wall(1.0, true)).unwrap();
+    assert_names(
+        &read(&wall(4.0, true)).unwrap_err().to_string(),
+        &["a.exr", "rays of camera 'a'", "median 3 px"],
+    );
+    assert_names(
+        &read(&wall(0.0, false)).unwrap_err().to_string(),
+        &["a.exr", "rays of camera 'a'", "behind"],
+    );
+}
+
+#[test]
+fn a_large_picture_of_one_color_is_read_however_small_its_dwa_file() {
+    let encoding = Encoding { compression: Compression::DWAA(None), ..Encoding::UNCOMPRESSED };
+    let side = 2048;
+    let zeros = || FlatSamples::F16(vec![half::f16::ZERO; side * side]);
+    let channels = ["R", "G", "B"].map(|name| AnyChannel::new(name, zeros()));
+    let channels = AnyChannels::sort(channels.into_iter().collect());
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let image = Image::from_encoded_channels((side, side), encoding, channels);
+    image.write().non_parallel().to_buffered(&mut bytes).unwrap();
+    let file = ExrFile::from_bytes(bytes.into_inner(), PLACE).unwrap();
+    let window = file.window(None).unwrap();
+    file.decode(&[0], window).unwrap();
 }
 
 #[test]

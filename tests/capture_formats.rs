@@ -27,10 +27,26 @@ fn blender_channels() -> Vec<(&'static str, FlatSamples)> {
         ("ViewLayer.Normal.X", flat(0.0)),
         ("ViewLayer.Normal.Y", flat(-0.5)),
         ("ViewLayer.Normal.Z", flat(0.0)),
-        ("ViewLayer.Position.X", flat(3.0)),
-        ("ViewLayer.Position.Y", flat(4.0)),
-        ("ViewLayer.Position.Z", flat(5.0)),
+        ("ViewLayer.Position.X", wall_at(4.0)[0].clone()),
+        ("ViewLayer.Position.Y", wall_at(4.0)[1].clone()),
+        ("ViewLayer.Position.Z", wall_at(4.0)[2].clone()),
     ]
+}
+
+/// Positions on a wall that faces the camera of [`entry`].
+fn wall_at(depth: f32) -> [FlatSamples; 3] {
+    let of = |pick: fn(f32, f32) -> f32| {
+        let at = |i: usize| pick((i % SIZE.0) as f32 + 0.5, (i / SIZE.0) as f32 + 0.5);
+        FlatSamples::F32((0..PIXELS).map(|i| depth * at(i)).collect())
+    };
+    [of(|x, _| (x - 3.0) / 3.0), of(|_, _| 1.0), of(|_, y| (2.0 - y) / 3.0)]
+}
+
+const RGB: [&str; 3] = ["R", "G", "B"];
+
+/// A gray picture with further channels.
+fn gray_with<'a>(more: impl IntoIterator<Item = (&'a str, FlatSamples)>) -> Vec<(&'a str, FlatSamples)> {
+    RGB.map(|name| (name, flat(0.5))).into_iter().chain(more).collect()
 }
 
 #[test]
@@ -248,4 +264,141 @@ fn vantages_have_truth_where_their_picture_exists_and_may_move() {
     let truth = |index: usize| views[index].truth.as_ref().unwrap()().unwrap();
     assert_eq!(truth(0).inverse_depth[(0, 0)], 0.5);
     assert_eq!((truth(1).inverse_depth[(0, 0)], truth(1).invalid_pixels()), (0.0, 0));
+}
+
+#[test]
+fn a_layer_of_positions_of_any_name_can_be_chosen_and_goes_before_known_ones() {
+    let folder = Folder::new();
+    let names = ["P.X", "P.Y", "P.Z", "WorldPosition.X", "WorldPosition.Y", "WorldPosition.Z"];
+    let planes = wall_at(2.0).into_iter().chain(wall_at(4.0));
+    folder.put("a.exr", &picture(&[("", gray_with(names.into_iter().zip(planes)))]));
+    for wish in ["WorldPosition", "WorldPosition.X"] {
+        let keys = json!({"depth_kind": "position", "depth_channel": wish});
+        let capture = folder.open(keys, &[entry("a.exr", "a", 0)]).unwrap();
+        assert_eq!(capture.frame(0, 0).unwrap().inverse_depth[(0, 0)], 0.25, "{wish}");
+    }
+}
+
+#[test]
+fn channels_of_one_name_in_several_parts_are_told_apart_by_their_parts() {
+    let folder = Folder::new();
+    let depth = |value| vec![("depth.Z", flat(value))];
+    folder.put(
+        "a.exr",
+        &picture(&[("rgba", gray_with([])), ("depth.left", depth(1.0)), ("depth.right", depth(2.0))]),
+    );
+    let refused = folder.open(json!({}), &[entry("a.exr", "a", 0)]).unwrap_err().to_string();
+    assert!(refused.contains("depth.right.depth.Z") && refused.contains("depth_channel"), "{refused}");
+    let keys = json!({"depth_channel": "depth.right.depth.Z"});
+    let capture = folder.open(keys, &[entry("a.exr", "a", 0)]).unwrap();
+    assert_eq!(capture.frame(0, 0).unwrap().inverse_depth[(0, 0)], 0.5);
+}
+
+#[test]
+fn the_near_plane_is_missed_in_depth_files_too() {
+    let folder = Folder::new();
+    folder.put("color.exr", &picture(&[("", gray_with([]))]));
+    folder.put("depth.exr", &picture(&[("", vec![("dd.T", flat(2.0))])]));
+    let depth: ImageBuffer<Luma<u16>, Vec<u16>> = ImageBuffer::from_pixel(6, 4, Luma([2000]));
+    depth.save(folder.path("depth.png")).unwrap();
+    for (depth, kind) in [("depth.exr", None), ("depth.png", Some("ray_distance_from_near_clip"))] {
+        let mut apart = entry("color.exr", "a", 0);
+        apart["depth_file_path"] = depth.into();
+        let capture = folder.open(json!({"depth_kind": kind}), &[apart]).unwrap();
+        assert!(capture.warnings.iter().any(|warning| warning.contains("near_clip")), "{depth}");
+    }
+}
+
+#[test]
+fn what_is_not_converted_is_warned_of() {
+    let folder = Folder::new();
+    folder.put("a.exr", &plain(flat(2.0)));
+    let mut wide = exr::prelude::read_all_flat_layers_from_file(folder.path("a.exr")).unwrap();
+    let at = exr::math::Vec2::<f32>;
+    let (white, blue) = (at(0.3127, 0.329), at(0.15, 0.06));
+    let mut warnings = |red, green| {
+        wide.attributes.chromaticities =
+            Some(exr::meta::attribute::Chromaticities { red, green, blue, white });
+        exr::prelude::WritableImage::write(&wide).to_file(folder.path("a.exr")).unwrap();
+        folder.open(json!({}), &[entry("a.exr", "a", 0)]).unwrap().warnings
+    };
+    assert!(warnings(at(0.64, 0.33), at(0.3, 0.6)).is_empty());
+    assert!(warnings(at(0.713, 0.293), at(0.165, 0.83))[0].contains("chromaticities"));
+    folder.put("a.exr", &plain(flat(2.0)));
+    let scaled = |more: serde_json::Value| {
+        let mut keys = json!({"applied_scale": 0.1});
+        keys.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        folder.open(keys, &[entry("a.exr", "a", 0)]).unwrap().warnings
+    };
+    assert!(scaled(json!({}))[0].contains("applied_scale 0.1"));
+    assert!(scaled(json!({"depth_unit_scale_factor": 1})).is_empty());
+    assert!(scaled(json!({"applied_scale": 1})).is_empty());
+}
+
+#[test]
+fn depth_in_whole_numbers_is_rounded_to_its_unit_in_exr_files_too() {
+    let folder = Folder::new();
+    folder.put("a.exr", &plain(FlatSamples::U32(vec![2000; PIXELS])));
+    let capture = folder.open(json!({"depth_unit_scale_factor": 0.001}), &[entry("a.exr", "a", 0)]).unwrap();
+    let frame = capture.frame(0, 0).unwrap();
+    assert_eq!(frame.inverse_depth[(0, 0)], 0.5);
+    assert!((frame.depth_step_relative - 0.00025).abs() < 1e-8, "half a millimeter at two meters");
+}
+
+#[test]
+fn a_frame_of_which_a_sensor_measured_nothing_has_no_samples() {
+    let folder = Folder::new();
+    folder.put("color.exr", &picture(&[("", gray_with([]))]));
+    let depth: ImageBuffer<Luma<u16>, Vec<u16>> = ImageBuffer::from_pixel(6, 4, Luma([0]));
+    depth.save(folder.path("depth.png")).unwrap();
+    let mut apart = entry("color.exr", "a", 0);
+    apart["depth_file_path"] = "depth.png".into();
+    let capture = folder.open(json!({}), &[apart]).unwrap();
+    assert_eq!(capture.frame(0, 0).unwrap().invalid_pixels(), PIXELS);
+}
+
+#[test]
+fn manifests_from_windows_are_read() {
+    let folder = Folder::new();
+    folder.put("front/0000.exr", &plain(flat(2.0)));
+    let manifest = json!({"frames": [entry("front\\0000.exr", "a", 0)]});
+    let marked = [b"\xEF\xBB\xBF".as_slice(), manifest.to_string().as_bytes()].concat();
+    folder.put("transforms.json", &marked);
+    let settings = overlook::settings::CaptureSettings::default();
+    let capture = transforms::open(&folder.path(""), &settings).unwrap();
+    assert_eq!(capture.frame(0, 0).unwrap().inverse_depth[(0, 0)], 0.5);
+    let places = transforms::picture_places(&folder.path("")).unwrap();
+    assert!(places.contains(&folder.path("front/0000.exr")), "{places:?}");
+}
+
+#[test]
+fn views_at_times_that_are_fractions_name_the_number_of_their_frame() {
+    let folder = Folder::new();
+    folder.put("a.exr", &plain(flat(2.0)));
+    let at = |key: &str, time: f64| {
+        let mut entry = entry("a.exr", "a", 0);
+        entry.as_object_mut().unwrap().remove("time");
+        entry[key] = time.into();
+        entry
+    };
+    let ranked = folder.open(json!({}), &[0.0, 0.25, 0.5, 0.75, 1.0].map(|time| at("time", time))).unwrap();
+    let whole = folder.open(json!({}), &[0.0, 1.0].map(|time| at("time", time))).unwrap();
+    let views = folder.path("views.json");
+    let put = |key: &str, time: f64| {
+        folder.put("views.json", json!({"frames": [at(key, time)]}).to_string().as_bytes());
+    };
+    for (key, time) in [("time", 0.5), ("frame", 0.5)] {
+        put(key, time);
+        for refused in [transforms::open_views(&views), transforms::open_views_of(&views, &whole)] {
+            let refused = refused.map(drop).unwrap_err().to_string();
+            assert!(refused.contains("frames[0]") && refused.contains("\"frame\""), "{refused}");
+        }
+    }
+    // Frame 1, or the last one?
+    put("time", 1.0);
+    assert!(transforms::open_views_of(&views, &ranked).is_err());
+    assert_eq!(transforms::open_views_of(&views, &whole).unwrap()[0].frame_number, 1);
+    assert_eq!(transforms::open_views(&views).unwrap()[0].frame_number, 1);
+    put("frame", 2.0);
+    assert_eq!(transforms::open_views_of(&views, &ranked).unwrap()[0].frame_number, 2);
 }

@@ -206,7 +206,7 @@ fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Mes
     let capture = transforms::open(&path, settings)?;
     job.check()?;
     let truth = transforms::truth_beside(&path)
-        .map_or_else(|| Ok(Vec::new()), |views| transforms::open_views(&views))?;
+        .map_or_else(|| Ok(Vec::new()), |views| transforms::open_views_of(&views, &capture))?;
     open_capture(Origin::Path(path), capture, truth, job)
 }
 

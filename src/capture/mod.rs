@@ -37,6 +37,11 @@ pub trait FrameSource: Send + Sync {
     /// Where the frame comes from, for messages: a path, or the scene's name and frame.
     fn place(&self, camera: usize, frame: usize) -> String;
 
+    /// Whether frames are numbered by the order of times that are fractions.
+    fn frames_are_ranked(&self) -> bool {
+        false
+    }
+
     /// The files that the frame is read from; none where it is rendered.
     fn files(&self, _camera: usize, _frame: usize) -> Vec<std::path::PathBuf> {
         Vec::new()
@@ -157,6 +162,12 @@ impl Capture {
             |&camera: &usize| frames.clone().flat_map(move |frame| self.source.files(camera, frame));
         let files: std::collections::BTreeSet<_> = self.source_cameras.iter().flat_map(of_camera).collect();
         files.into_iter().collect()
+    }
+
+    /// Whether the frame numbers are the order of times that are fractions, as nerfstudio's 0 to 1.
+    #[must_use]
+    pub fn frames_are_ranked(&self) -> bool {
+        self.source.frames_are_ranked()
     }
 
     /// The index of the frame that bears `number`, or `None`.

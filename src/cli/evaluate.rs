@@ -82,7 +82,7 @@ impl EvaluateArgs {
                 capture.cameras.first().map_or("CAMERA", |camera| &camera.name)
             ))
         })?;
-        let views = transforms::open_views(&views)?;
+        let views = transforms::open_views_of(&views, &capture)?;
         Ok((capture, views))
     }
 }

@@ -40,7 +40,7 @@ impl TruthArgs {
     /// The truth at all frames.
     pub(super) fn truth(&self, path: &Path, capture: &Capture) -> Result<Truth, Failure> {
         match self.views(path) {
-            Some(views) => Ok(Truth::Views(transforms::open_views(&views)?)),
+            Some(views) => Ok(Truth::Views(transforms::open_views_of(&views, capture)?)),
             None if capture.cameras.len() >= Truth::HoldOut.least_cameras() => Ok(Truth::HoldOut),
             None => Err(Failure::Usage(format!(
                 "{} comes without truth views and has a single camera, which cannot be left out; name views with --views",

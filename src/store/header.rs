@@ -1,7 +1,10 @@
 //! The chunks that say what a store holds: `HEAD` and `INDX`. FORMAT.md lists their bytes.
 
+use std::collections::BTreeSet;
+
 use glam::{DAffine3, DMat3, DVec3};
 
+use crate::capture::camera::is_believable_size;
 use crate::capture::{Camera, Intrinsics};
 use crate::preprocess::{SampleImage, SampleSet, Span};
 
@@ -10,8 +13,10 @@ use super::bytes::{ByteReader, push_text};
 /// Version of the format. Another major version cannot be read; a minor one only adds chunks that may be skipped.
 pub const VERSION: (u16, u16) = (3, 0);
 
-/// Longest side of a picture, so that tiles can be counted in 16 bits.
-const MAX_SIDE: u32 = 1 << 20;
+/// Most pixels that one picture of every camera may have together: what is drawn takes a table of them.
+const MAX_TOTAL_PIXELS: usize = 1 << 34;
+/// How far axes may be from those of a rotation, and `up` from unit length.
+const RIGID_TOLERANCE: f64 = 1e-3;
 
 /// What `HEAD` says.
 pub(super) struct Head {
@@ -82,6 +87,17 @@ pub(super) fn decode_head(bytes: &[u8]) -> Result<Head, String> {
         .collect::<Result<Vec<_>, _>>()?;
     let frame_numbers = (0..reader.count(8)?).map(|_| reader.i64()).collect::<Result<Vec<_>, _>>()?;
     reader.finish()?;
+    if (up_in_world.length() - 1.0).abs() > RIGID_TOLERANCE {
+        return Err("up is no unit vector".to_owned());
+    }
+    let mut names = BTreeSet::new();
+    if let Some(camera) = cameras.iter().find(|camera| !names.insert(camera.name.as_str())) {
+        return Err(format!("two cameras are called '{}'", camera.name));
+    }
+    let pixels: usize = cameras.iter().map(|camera| camera.intrinsics.pixel_count()).sum();
+    if pixels > MAX_TOTAL_PIXELS {
+        return Err(format!("the pictures of the cameras have {pixels} pixels together"));
+    }
     if !frame_numbers.is_sorted_by(|a, b| a < b) {
         return Err("the frame numbers do not ascend".to_owned());
     }
@@ -91,7 +107,7 @@ pub(super) fn decode_head(bytes: &[u8]) -> Result<Head, String> {
 fn decode_camera(reader: &mut ByteReader) -> Result<Camera, String> {
     let name = reader.text()?;
     let (width, height) = (reader.u32()?, reader.u32()?);
-    if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
+    if !is_believable_size(width as usize, height as usize) {
         return Err(format!("camera '{name}' has {width}×{height} pixels"));
     }
     let [fx, fy, cx, cy] = read_numbers(reader)?;
@@ -103,6 +119,11 @@ fn decode_camera(reader: &mut ByteReader) -> Result<Camera, String> {
         matrix3: DMat3::from_cols_slice(&columns[..9]),
         translation: DVec3::from_slice(&columns[9..]),
     };
+    let axes = world_from_camera.matrix3;
+    let product = axes.transpose() * axes;
+    if !product.abs_diff_eq(DMat3::IDENTITY, RIGID_TOLERANCE) || axes.determinant() < 0.0 {
+        return Err(format!("the axes of camera '{name}' are no rotation"));
+    }
     Ok(Camera { name, intrinsics: Intrinsics { width, height, fx, fy, cx, cy }, world_from_camera })
 }
 

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use half::f16;
+use overlook::capture::Camera;
 use overlook::error::Error;
 use overlook::job::Job;
 use overlook::preprocess::{DepthPlane, Report, SampleImage, SampleSet};
@@ -342,13 +343,19 @@ fn huge_lengths_are_refused_without_being_allocated() {
 #[test]
 fn a_bomb_is_refused() {
     let (_folder, path, bytes) = small_store();
-    // A picture of 2^20 × 2^20 pixels would have 32 MiB of block bits; the head in the file has one byte.
+    // A picture of 2^14 × 2^14 pixels would have 8 KiB of block bits; the head in the file has one byte.
     let name = small_set().name.len();
     let width = 4 + 4 + name + 24 + 4 + 4 + "left".len();
-    let absurd = tampered(&bytes, *b"HEAD", |head| {
-        head[width..width + 8].copy_from_slice(&[0, 16, 0, 0, 0, 16, 0, 0]);
-    });
-    assert!(refusal(&path, &absurd).contains("'IMAG'"));
+    let of_side = |side: u32| {
+        tampered(&bytes, *b"HEAD", |head| {
+            head[width..width + 4].copy_from_slice(&side.to_be_bytes());
+            head[width + 4..width + 8].copy_from_slice(&side.to_be_bytes());
+        })
+    };
+    assert!(refusal(&path, &of_side(1 << 14)).contains("'IMAG'"));
+    for side in [(1 << 14) + 1, 1 << 20] {
+        assert!(refusal(&path, &of_side(side)).contains("'HEAD'"));
+    }
     // Both index entries for one chunk.
     let twice = tampered(&bytes, *b"INDX", |index| index.copy_within(12..52, 52));
     assert!(refusal(&path, &twice).contains("overlap"));
@@ -359,6 +366,29 @@ fn a_bomb_is_refused() {
         });
         assert!(refusal(&path, &ring).contains("predicted"));
     }
+}
+
+#[test]
+fn heads_that_break_the_promises_are_neither_written_nor_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.ovl");
+    let refused = |change: &dyn Fn(&mut SampleSet), word: &str| {
+        let mut samples = small_set();
+        change(&mut samples);
+        let error = store::write(&path, &samples, &small_report(), &Job::new()).unwrap_err().to_string();
+        assert!(error.contains(word), "{error}");
+    };
+    refused(&|set| set.up_in_world *= 2.0, "up");
+    refused(&|set| set.cameras[1].name = set.cameras[0].name.clone(), "are called 'left'");
+    refused(&|set| set.cameras[0].world_from_camera.matrix3 *= 1.01, "rotation");
+    refused(&|set| set.cameras[0].world_from_camera.matrix3.x_axis *= -1.0, "rotation");
+    refused(&|set| set.cameras[0].intrinsics.fx = f64::NAN, "finite");
+    let many = |set: &mut SampleSet| {
+        let mut large = set.cameras[0].clone();
+        (large.intrinsics.width, large.intrinsics.height) = (1 << 14, 1 << 14);
+        set.cameras.extend((0..65).map(|index| Camera { name: format!("l{index}"), ..large.clone() }));
+    };
+    refused(&many, "together");
 }
 
 #[test]

@@ -26,6 +26,8 @@ pub struct ChannelWishes {
     pub layer: Option<String>,
     /// Full name of the depth channel.
     pub depth_channel: Option<String>,
+    /// Layer of the channels of positions, or the full name of the first of them.
+    pub position_channel: Option<String>,
     /// Layer of the normal channels, or the full name of the first of them.
     pub normal_channel: Option<String>,
 }
@@ -104,13 +106,19 @@ impl ChannelNames {
             Some(wish) => Some(finder.wished_triple(wish)?),
             None => finder.vector(NORMAL_LAYERS, root),
         };
+        let position = match &wishes.position_channel {
+            Some(wish) => Some(finder.wished_triple(wish)?),
+            None => finder.vector(POSITION_LAYERS, root),
+        };
+        let chosen = [color, normal, position].into_iter().flatten().flatten().chain(alpha).chain(depth);
+        chosen.into_iter().try_for_each(|index| finder.refuse_namesakes(index))?;
         Ok(Self {
             color,
             alpha,
             depth,
             depth_is_ray_distance: depth.is_some_and(|depth| finder.names[depth].suffix == "T"),
             normal,
-            position: finder.vector(POSITION_LAYERS, root),
+            position,
         })
     }
 }
@@ -220,6 +228,17 @@ impl<'a> Finder<'a> {
             .flatten()
             .find_map(|layer| self.triple(layer, ["X", "Y", "Z"]).or(self.triple(layer, ["R", "G", "B"])))
             .ok_or_else(|| self.missing(wish))
+    }
+
+    fn refuse_namesakes(&self, index: usize) -> Result<()> {
+        let name = self.full[index];
+        if self.full.iter().filter(|full| **full == name).count() == 1 {
+            return Ok(());
+        }
+        let what = format!(
+            "several channels are called '{name}'; save each under its own name, or the parts under theirs"
+        );
+        Err(Error::invalid(self.place, what))
     }
 
     fn missing(&self, wish: &str) -> Error {

@@ -153,6 +153,39 @@ impl DepthRules {
             })
             .collect()
     }
+
+    /// The median distance between pixels and where the positions in them project to, beyond what rounding by `step_relative`
+    /// explains, in pixels; infinite where most lie behind the camera, and `None` where nothing was hit.
+    #[must_use]
+    pub fn distance_from_rays_px(
+        &self,
+        xyz: [&[f32]; 3],
+        inverse_depth: &[f32],
+        step_relative: f32,
+        camera: &Camera,
+    ) -> Option<f64> {
+        const LOOKED_AT: usize = 4096;
+        let width = camera.intrinsics.size().0.max(1);
+        let focal_px = camera.intrinsics.fx.max(camera.intrinsics.fy);
+        let camera_from_world = camera.camera_from_world();
+        let is_hit = |&index: &usize| {
+            let is_number = xyz.iter().all(|axis| axis[index].is_finite());
+            is_number && inverse_depth[index] != 0.0
+        };
+        let step = (inverse_depth.len() / LOOKED_AT).max(1);
+        let distance = |index: usize| {
+            let point = DVec3::from_array(xyz.map(|axis| f64::from(axis[index]))) * self.unit_scale;
+            let in_camera = camera_from_world.transform_point3(point);
+            let Some(found) = camera.intrinsics.project(in_camera) else { return f64::INFINITY };
+            let pixel = DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
+            let rounding = f64::from(step_relative) * point.length() * focal_px / in_camera.z;
+            (found.distance(pixel) - 2.0 * rounding).max(0.0)
+        };
+        let hits = (0..inverse_depth.len()).step_by(step).filter(is_hit);
+        let mut distances: Vec<f64> = hits.map(distance).collect();
+        let middle = distances.len() / 2;
+        (!distances.is_empty()).then(|| *distances.select_nth_unstable_by(middle, f64::total_cmp).1)
+    }
 }
 
 /// One row of raw values that become inverse depths.

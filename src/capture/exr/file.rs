@@ -3,27 +3,28 @@
 //! Files are read through the block interface of the `exr` crate, so that parts without a wanted channel are neither
 //! inflated nor stored, and so that sizes are checked before anything is allocated for them.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::io::Cursor;
 use std::path::Path;
 
 use exr::block::UncompressedBlock;
 use exr::block::reader::ChunksReader;
 use exr::compression::Compression;
-use exr::meta::attribute::SampleType;
+use exr::meta::attribute::{Chromaticities, SampleType};
 use exr::meta::header::Header;
 
 use super::guard::{self, guarded};
 use super::plane::Plane;
 use super::zip::Inflater;
+use crate::capture::camera::{MAX_SIDE, is_believable_size};
 use crate::error::{Error, Result};
 
-/// Largest width and height that is believed.
-pub const MAX_SIDE: usize = 32_768;
-/// Largest number of pixels that is believed: 16 k × 16 k.
-const MAX_PIXELS: usize = 1 << 28;
-/// No compression makes more than a thousand bytes of one, and a pixel has at least one.
+/// No compression but DWA makes more than a thousand bytes of one, and a pixel has at least one.
 const MAX_PIXELS_PER_BYTE: usize = 1100;
+/// DWA keeps a few numbers of each 8×8 pixels, and makes those smaller in turn.
+const DWA_BLOCK_PIXELS: usize = 64;
+/// How far the chromaticities of a file may lie from those of Rec.709 and be them.
+const CHROMATICITY_SLACK: f32 = 1e-3;
 /// Largest file that is read: one frame of the largest believable size with a dozen float channels stays below it.
 const MAX_FILE_BYTES: u64 = 4 << 30;
 
@@ -34,6 +35,8 @@ pub struct ChannelInfo {
     pub name: String,
     /// Whether its samples are half floats.
     pub is_half: bool,
+    /// Whether its samples are whole numbers.
+    pub is_whole: bool,
     /// Largest relative error that the file's numbers were rounded with; 0 where they are whole `f32`.
     pub step_relative: f32,
     part: usize,
@@ -58,6 +61,8 @@ pub struct ExrFile {
     channels: Vec<ChannelInfo>,
     display: Window,
     data: Vec<Window>,
+    pixels_per_byte: Vec<usize>,
+    has_other_primaries: bool,
 }
 
 impl ExrFile {
@@ -87,20 +92,33 @@ impl ExrFile {
             let reader = exr::block::read(Cursor::new(bytes.as_slice()), false)?;
             Ok(reader.headers().to_vec())
         })?;
-        let mut channels = Vec::new();
+        let mut channels: Vec<ChannelInfo> = Vec::new();
         let mut data = Vec::new();
+        let mut in_full = Vec::new();
         for (part, header) in headers.iter().enumerate() {
             data.push(data_window(header, place)?);
             let part_name = header.own_attributes.layer_name.as_ref().map(ToString::to_string);
-            let prefix = part_name.filter(|_| headers.len() > 1);
+            let prefix = part_name.filter(|part| headers.len() > 1 && !part.is_empty());
+            in_full.extend(header.channels.list.iter().map(|channel| {
+                prefix
+                    .as_ref()
+                    .map_or_else(|| channel.name.to_string(), |part| format!("{part}.{}", channel.name))
+            }));
             channels.extend(header.channels.list.iter().enumerate().map(|(index, channel)| ChannelInfo {
                 name: full_name(prefix.as_deref(), &channel.name.to_string()),
                 is_half: channel.sample_type == SampleType::F16,
+                is_whole: channel.sample_type == SampleType::U32,
                 step_relative: step_relative(channel.sample_type, header.compression),
                 part,
                 index,
             }));
         }
+        tell_apart(&mut channels, &in_full);
+        let pixels_per_byte = headers.iter().map(|header| max_pixels_per_byte(header.compression)).collect();
+        let has_other_primaries = headers
+            .iter()
+            .filter_map(|header| header.shared_attributes.chromaticities)
+            .any(|chromaticities| !are_rec_709(chromaticities));
         let display = headers.first().map(|header| header.shared_attributes.display_window);
         let Some(display) = display else {
             return Err(Error::invalid(place, "the file holds no picture; save it again"));
@@ -111,13 +129,27 @@ impl ExrFile {
             width: display.size.0,
             height: display.size.1,
         };
-        Ok(Self { place: place.to_owned(), bytes, channels, display, data })
+        Ok(Self {
+            place: place.to_owned(),
+            bytes,
+            channels,
+            display,
+            data,
+            pixels_per_byte,
+            has_other_primaries,
+        })
     }
 
     /// The channels, part by part.
     #[must_use]
     pub fn channels(&self) -> &[ChannelInfo] {
         &self.channels
+    }
+
+    /// Whether the header states chromaticities that are not those of Rec.709.
+    #[must_use]
+    pub fn has_other_primaries(&self) -> bool {
+        self.has_other_primaries
     }
 
     /// The window to decode for a camera of `expected` size, or the whole picture where that is not known.
@@ -151,9 +183,10 @@ impl ExrFile {
     /// # Errors
     /// `Invalid` for damaged data, `Unsupported` for what the decoder does not know.
     pub fn decode(&self, wanted: &[usize], window: Window) -> Result<Vec<Plane>> {
-        self.check_length(window)?;
         for &channel in wanted {
-            self.check_length(self.data[self.channels[channel].part])?;
+            let part = self.channels[channel].part;
+            self.check_length(window, part)?;
+            self.check_length(self.data[part], part)?;
         }
         let pixels = window.width * window.height;
         let unknown = |&channel: &usize| Plane::unknown(self.channels[channel].is_half, pixels);
@@ -162,10 +195,10 @@ impl ExrFile {
         Ok(planes)
     }
 
-    /// Refuses a window that the file is too short to fill, before it is allocated.
-    fn check_length(&self, window: Window) -> Result<()> {
+    /// Refuses a window that the file is too short to fill in the compression of a part, before it is allocated.
+    fn check_length(&self, window: Window, part: usize) -> Result<()> {
         let Window { width, height, .. } = believable(window, &self.place)?;
-        if width * height / MAX_PIXELS_PER_BYTE <= self.bytes.len() {
+        if width * height / self.pixels_per_byte[part] <= self.bytes.len() {
             return Ok(());
         }
         let bytes = self.bytes.len();
@@ -236,6 +269,32 @@ impl ExrFile {
     }
 }
 
+fn max_pixels_per_byte(compression: Compression) -> usize {
+    match compression {
+        Compression::DWAA(_) | Compression::DWAB(_) => DWA_BLOCK_PIXELS * MAX_PIXELS_PER_BYTE,
+        _ => MAX_PIXELS_PER_BYTE,
+    }
+}
+
+fn are_rec_709(Chromaticities { red, green, blue, white }: Chromaticities) -> bool {
+    let expected = [(red, 0.64, 0.33), (green, 0.3, 0.6), (blue, 0.15, 0.06), (white, 0.3127, 0.329)];
+    let is_near = |a: f32, b: f32| (a - b).abs() <= CHROMATICITY_SLACK;
+    expected.into_iter().all(|(found, x, y)| is_near(found.0, x) && is_near(found.1, y))
+}
+
+/// Gives channels of several parts that would have one name `part.channel`, so that none hides another.
+fn tell_apart(channels: &mut [ChannelInfo], in_full: &[String]) {
+    let mut counts: HashMap<String, usize> = HashMap::new();
+    for channel in channels.iter() {
+        *counts.entry(channel.name.clone()).or_default() += 1;
+    }
+    for (channel, in_full) in channels.iter_mut().zip(in_full) {
+        if counts[&channel.name] > 1 {
+            channel.name.clone_from(in_full);
+        }
+    }
+}
+
 /// Half a unit in the last of the 11 binary digits of a half float, or of the 16 that PXR24 leaves of a float.
 fn step_relative(sample_type: SampleType, compression: Compression) -> f32 {
     match (sample_type, compression) {
@@ -274,8 +333,7 @@ fn data_window(header: &Header, place: &str) -> Result<Window> {
 
 fn believable(window: Window, place: &str) -> Result<Window> {
     let Window { width, height, .. } = window;
-    let fits = (1..=MAX_SIDE).contains(&width) && (1..=MAX_SIDE).contains(&height);
-    if fits && width * height <= MAX_PIXELS {
+    if is_believable_size(width, height) {
         Ok(window)
     } else {
         Err(Error::invalid(

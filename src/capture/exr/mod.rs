@@ -17,9 +17,9 @@ mod guard;
 pub mod plane;
 mod zip;
 
-pub use assemble::{Layers, NormalSpace};
+pub use assemble::{DepthTrouble, Layers, NormalSpace};
 pub use channels::{ChannelNames, ChannelWishes};
 pub use color_planes::ColorPlanes;
 pub use depth::{DepthKind, DepthRules, HALF_MAX};
-pub use file::{ExrFile, MAX_SIDE, Window};
+pub use file::{ExrFile, Window};
 pub use plane::Plane;

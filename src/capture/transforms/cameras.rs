@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DAffine3;
 
-use super::files::{PictureFiles, with_extension};
+use super::files::{PictureFiles, picture_path};
 use super::load;
 use super::manifest::{Entry, Keys, Manifest};
 use super::pose;
@@ -98,7 +98,7 @@ pub(super) fn entries(manifest: &Manifest, path: &Path) -> Result<Vec<PlacedEntr
 }
 
 fn picture_files(folder: &Path, entry: &Entry, keys: &Keys, manifest: &Path) -> Result<PictureFiles> {
-    let resolve = |file_path: &String| with_extension(folder.join(file_path));
+    let resolve = |file_path: &String| picture_path(folder, file_path);
     let color = resolve(&entry.file_path);
     let apart = |file_path: &Option<String>| file_path.as_ref().map(resolve).filter(|path| *path != color);
     let place = format!("{} ({})", manifest.display(), entry.file_path);
@@ -155,7 +155,7 @@ fn frame_numbers(keys: &[Keys], names: &[String], path: &Path) -> Result<Vec<i64
             "some entries have a \"time\" and some do not; give it in all of them",
         ));
     }
-    if times.iter().all(|time| time.fract() == 0.0 && time.abs() < 1e15) {
+    if times.iter().copied().all(is_number) {
         return Ok(times.iter().map(|time| *time as i64).collect());
     }
     let mut distinct = times.clone();
@@ -164,12 +164,42 @@ fn frame_numbers(keys: &[Keys], names: &[String], path: &Path) -> Result<Vec<i64
     Ok(times.iter().map(|time| distinct.partition_point(|other| other < time) as i64).collect())
 }
 
+/// Whether a time is the number of a frame.
+fn is_number(time: f64) -> bool {
+    time.fract() == 0.0 && time.abs() < 1e15
+}
+
+/// Refuses views whose times are fractions; where those of their capture are, so that a time of 1 may mean frame 1 or the last one,
+/// all that give a time and no number of a frame.
+///
+/// # Errors
+/// `Invalid` naming the first of them.
+pub(super) fn refuse_times(manifest: &Manifest, path: &Path, is_ranked: bool) -> Result<()> {
+    for (index, entry) in manifest.frames.iter().enumerate() {
+        let (own, file) = (&entry.keys, &manifest.keys);
+        let given = [(own.time, false), (own.frame, true), (file.time, false), (file.frame, true)];
+        let given = given.into_iter().find_map(|(time, is_frame)| Some((time?, is_frame)));
+        let Some((time, is_frame)) = given else { continue };
+        if !is_number(time) || (is_ranked && !is_frame) {
+            return Err(Error::invalid(
+                format!("{}, frames[{index}] ({})", path.display(), entry.file_path),
+                format!(
+                    "time {time} names no frame, for where times are fractions, frames are numbered by their order; write that number as \"frame\" in place of the time"
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// All pictures of all cameras, every camera with the same frames.
 pub(super) struct Recording {
     /// In order of appearance.
     pub cameras: Vec<Camera>,
     /// Ascending.
     pub frame_numbers: Vec<i64>,
+    /// Whether these are the order of times that are fractions.
+    pub is_ranked: bool,
     /// By camera, then by frame.
     pub entries: Vec<Vec<PlacedEntry>>,
     /// Recoverable trouble.
@@ -183,9 +213,11 @@ impl Recording {
     /// `Invalid` for a camera without one of the frames, or with one twice; `Unsupported` for one that moves.
     pub(super) fn group(manifest: &Manifest, path: &Path) -> Result<Self> {
         let mut warnings = Vec::new();
-        if manifest.frames.iter().any(|e| e.keys.time.or(e.keys.frame).is_some_and(|t| t.fract() != 0.0)) {
+        let times = manifest.frames.iter().filter_map(|entry| entry.keys.time.or(entry.keys.frame));
+        let is_ranked = !times.into_iter().all(is_number);
+        if is_ranked {
             warnings.push(format!(
-                "{}: times are fractions; frames are numbered by their order instead",
+                "{}: times are fractions; frames are numbered by their order instead, and views name these numbers as \"frame\"",
                 path.display()
             ));
         }
@@ -207,7 +239,8 @@ impl Recording {
         let mut frame_numbers: Vec<i64> = by_camera.values().flat_map(BTreeMap::keys).copied().collect();
         frame_numbers.sort_unstable();
         frame_numbers.dedup();
-        let mut recording = Self { cameras: Vec::new(), frame_numbers, entries: Vec::new(), warnings };
+        let mut recording =
+            Self { cameras: Vec::new(), frame_numbers, is_ranked, entries: Vec::new(), warnings };
         for name in order {
             if let Some(frames) = by_camera.remove(&name) {
                 recording.add_camera(&name, frames, path)?;

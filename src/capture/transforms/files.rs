@@ -80,6 +80,8 @@ impl PictureFiles {
             }
             _ => Ok(value),
         };
+        let depth_kind = depth_kind.transpose()?;
+        let holds_positions = depth_kind == Some(DepthKind::WorldPosition);
         let near_clip = keys.near_clip.filter(|near| *near != 0.0);
         Ok(Self {
             color,
@@ -87,10 +89,11 @@ impl PictureFiles {
             normal,
             wishes: ChannelWishes {
                 layer: keys.layer.clone(),
-                depth_channel: keys.depth_channel.clone(),
+                depth_channel: keys.depth_channel.clone().filter(|_| !holds_positions),
+                position_channel: keys.depth_channel.clone().filter(|_| holds_positions),
                 normal_channel: keys.normal_channel.clone(),
             },
-            depth_kind: depth_kind.transpose()?,
+            depth_kind,
             has_near_clip: keys.near_clip.is_some(),
             unit_scale: positive("depth_unit_scale_factor", keys.depth_unit_scale_factor)?,
             rules: DepthRules {
@@ -132,6 +135,7 @@ impl PictureFiles {
         ChannelWishes {
             layer: self.wishes.layer.clone(),
             depth_channel: self.wishes.depth_channel.clone().filter(|_| self.depth.is_none()),
+            position_channel: self.wishes.position_channel.clone().filter(|_| self.depth.is_none()),
             normal_channel: self.wishes.normal_channel.clone().filter(|_| self.normal.is_none()),
         }
     }
@@ -143,18 +147,28 @@ impl PictureFiles {
 
     /// What to look for in a normal file.
     pub(super) fn wishes_of_normal_file(&self) -> ChannelWishes {
-        ChannelWishes { depth_channel: None, ..self.wishes.clone() }
+        ChannelWishes { depth_channel: None, position_channel: None, ..self.wishes.clone() }
     }
 
     /// The rules for a depth PNG.
-    pub(super) fn png_depth_rules(&self) -> DepthRules {
-        DepthRules {
-            kind: self.depth_kind.unwrap_or_default(),
+    ///
+    /// # Errors
+    /// `Invalid` for positions, which take three channels.
+    pub(super) fn png_depth_rules(&self, place: &str) -> Result<DepthRules> {
+        let kind = self.depth_kind.unwrap_or_default();
+        if kind == DepthKind::WorldPosition {
+            return Err(Error::invalid(
+                place,
+                "a PNG holds no positions, which take three channels; save them as EXR, or name another depth_kind",
+            ));
+        }
+        Ok(DepthRules {
+            kind,
             unit_scale: self.unit_scale.unwrap_or(PNG_UNIT_SCALE),
             zero_is_unknown: true,
             saturates_at: f32::from(u16::MAX),
             ..self.rules
-        }
+        })
     }
 
     /// The rules for a depth channel of an EXR file.
@@ -168,8 +182,18 @@ fn is_linear(color_space: &str) -> bool {
     !color_space.to_ascii_lowercase().contains("srgb") || color_space.to_ascii_lowercase().contains("linear")
 }
 
+/// The path of a picture that a manifest names; manifests from Windows may have `\\` where others have `/`.
+pub(super) fn picture_path(folder: &Path, name: &str) -> PathBuf {
+    let path = with_extension(folder.join(name));
+    if path.is_file() || !name.contains('\\') {
+        return path;
+    }
+    let elsewhere = with_extension(folder.join(name.replace('\\', "/")));
+    if elsewhere.is_file() { elsewhere } else { path }
+}
+
 /// The first data sets of radiance fields name pictures without extension.
-pub(super) fn with_extension(path: PathBuf) -> PathBuf {
+fn with_extension(path: PathBuf) -> PathBuf {
     if path.extension().is_some() || path.is_file() {
         return path;
     }
@@ -189,7 +213,8 @@ pub fn picture_places(path: &Path) -> Result<Vec<PathBuf>> {
     let mut pictures = Vec::new();
     for entry in &Manifest::read(&path)?.frames {
         let named = [Some(&entry.file_path), entry.depth_file_path.as_ref(), entry.normal_file_path.as_ref()];
-        for picture in named.into_iter().flatten().map(|name| folder.join(name)) {
+        let spellings = named.into_iter().flatten().flat_map(|name| [name.clone(), name.replace('\\', "/")]);
+        for picture in spellings.map(|name| folder.join(name)) {
             if picture.extension().is_none() {
                 pictures.extend(PICTURE_EXTENSIONS.map(|extension| picture.with_extension(extension)));
             }

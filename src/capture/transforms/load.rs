@@ -5,7 +5,8 @@ use std::path::Path;
 use super::files::{Format, PictureFiles, format_of};
 use super::png;
 use crate::capture::exr::{
-    ChannelNames, ChannelWishes, ColorPlanes, DepthKind, ExrFile, Layers, Plane, Window,
+    ChannelNames, ChannelWishes, ColorPlanes, DepthKind, DepthRules, DepthTrouble, ExrFile, Layers, Plane,
+    Window,
 };
 use crate::capture::{Camera, Frame};
 use crate::color::linear_from_srgb;
@@ -78,6 +79,7 @@ impl<'a> Picture<'a> {
 
     fn depth(&self) -> Result<DepthChannels> {
         const KEY: &str = "name one as \"depth_channel\" in the manifest";
+        const LAYER_KEY: &str = "name the layer of its X, Y and Z as \"depth_channel\" in the manifest";
         let one = |kind| self.names.depth.map(|index| DepthChannels::One(index, kind));
         let position = || self.names.position.map(DepthChannels::Position);
         let found = match self.files.depth_kind {
@@ -86,11 +88,11 @@ impl<'a> Picture<'a> {
             None if self.names.depth_is_ray_distance => one(DepthKind::RayDistanceFromNearClip),
             None => one(DepthKind::PlanarZ).or_else(position),
         };
-        let what = match self.files.depth_kind {
-            Some(DepthKind::WorldPosition) => "position",
-            _ => "depth",
+        let (what, key) = match self.files.depth_kind {
+            Some(DepthKind::WorldPosition) => ("position", LAYER_KEY),
+            _ => ("depth", KEY),
         };
-        found.ok_or_else(|| self.missing(what, KEY))
+        found.ok_or_else(|| self.missing(what, key))
     }
 
     fn normal(&self) -> Result<[usize; 3]> {
@@ -107,6 +109,8 @@ pub(super) struct Probe {
     pub has_normals: bool,
     /// Whether depth is measured from a near plane that the manifest does not give.
     pub lacks_near_clip: bool,
+    /// Whether colors are of other primaries than Rec.709's.
+    pub has_other_primaries: bool,
 }
 
 /// Checks the headers of a frame's files.
@@ -114,24 +118,51 @@ pub(super) struct Probe {
 /// # Errors
 /// As [`frame`], but for damage behind the headers.
 pub(super) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Probe> {
-    let mut lacks_near_clip = false;
-    let inner_wishes = files.wishes_of_color_file();
-    let mut has_normals = files.normal.is_some();
+    let size = camera.intrinsics.size();
+    let mut probe = Probe { has_normals: files.normal.is_some(), ..Probe::default() };
+    let mut kind = None;
     match format_of(&files.color, place)? {
         Format::Png if files.depth.is_none() => return Err(no_depth(place)),
-        Format::Png => {}
+        Format::Png => png::check(&files.color, place, size)?,
         Format::Exr => {
-            let picture = Picture::open(&files.color, files, &inner_wishes, camera, place)?;
+            let picture = Picture::open(&files.color, files, &files.wishes_of_color_file(), camera, place)?;
             picture.color()?;
             if files.depth.is_none() {
-                let is_from_near = |kind| kind == DepthKind::RayDistanceFromNearClip;
-                lacks_near_clip = matches!(picture.depth()?, DepthChannels::One(_, kind) if is_from_near(kind))
-                    && !files.has_near_clip;
+                kind = Some(picture.depth()?.kind());
             }
-            has_normals |= picture.names.normal.is_some();
+            probe.has_normals |= picture.names.normal.is_some();
+            probe.has_other_primaries = picture.file.has_other_primaries();
         }
     }
-    Ok(Probe { has_normals: has_normals && files.normal_space.is_some(), lacks_near_clip })
+    if let Some(path) = &files.depth {
+        kind = Some(probe_depth_file(path, files, camera, place)?);
+    }
+    probe.lacks_near_clip = kind == Some(DepthKind::RayDistanceFromNearClip) && !files.has_near_clip;
+    probe.has_normals &= files.normal_space.is_some();
+    if let (Some(path), true) = (&files.normal, probe.has_normals) {
+        let place = &place_of_normals(path, place);
+        normals_of_own(&open_normal_file(path, files, camera, place)?)?;
+    }
+    Ok(probe)
+}
+
+/// Checks the header of a file of depth, and tells what it measures.
+fn probe_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthKind> {
+    let place = &place_of_depth(path, place);
+    if format_of(path, place)? == Format::Exr {
+        let picture = Picture::open(path, files, &files.wishes_of_depth_file(), camera, place)?;
+        return Ok(picture.depth()?.kind());
+    }
+    png::check_depth(path, place, camera.intrinsics.size())?;
+    Ok(files.png_depth_rules(place)?.kind)
+}
+
+fn place_of_depth(path: &Path, place: &str) -> String {
+    format!("{place}, depth file {}", path.display())
+}
+
+fn place_of_normals(path: &Path, place: &str) -> String {
+    format!("{place}, normal file {}", path.display())
 }
 
 fn no_depth(place: &str) -> Error {
@@ -150,6 +181,7 @@ struct DepthPart {
     inverse_depth: Vec<f32>,
     step_relative: f32,
     name: String,
+    trouble: DepthTrouble,
 }
 
 /// Decodes one frame; `place` names file, camera and frame in errors.
@@ -174,6 +206,7 @@ pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: Ne
             inverse_depth: vec![0.0; camera.intrinsics.pixel_count()],
             step_relative: 0.0,
             name: "color".to_owned(),
+            trouble: DepthTrouble::default(),
         },
     };
     let layers = Layers {
@@ -183,6 +216,7 @@ pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: Ne
         depth_step_relative: depth.step_relative,
         normal: parts.normal.zip(files.normal_space),
         depth_name: depth.name,
+        depth_trouble: depth.trouble,
     };
     let mut frame = layers.into_frame(camera, place)?;
     if wants_normals {
@@ -221,25 +255,49 @@ fn read_color_file(files: &PictureFiles, camera: &Camera, place: &str, need: Nee
         ColorPlanes::from([(); 3].map(|()| planes.take()))
     };
     let alpha = picture.names.alpha.map(|_| planes.take_single());
-    let depth = depth.map(|channels| planes.take_depth(channels, &picture, camera));
+    let depth = depth.map(|channels| planes.take_depth(channels, &picture, camera)).transpose()?;
     let normal = wants_normals.then(|| planes.take_three());
     Ok(Parts { color, alpha, depth, normal })
 }
 
 fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthPart> {
-    let place = &format!("{place}, depth file {}", path.display());
+    let place = &place_of_depth(path, place);
     if format_of(path, place)? == Format::Exr {
         let picture = Picture::open(path, files, &files.wishes_of_depth_file(), camera, place)?;
         let channels = picture.depth()?;
         let mut planes = Planes::decode(&picture, &channels.indices())?;
-        return Ok(planes.take_depth(channels, &picture, camera));
+        return planes.take_depth(channels, &picture, camera);
     }
-    let rules = files.png_depth_rules();
+    let rules = files.png_depth_rules(place)?;
     let inverse_depth = rules.inverse_depth_plane(png::depth(path, place, camera.intrinsics.size())?, camera);
-    // Whole numbers have no one relative error: a unit is the coarser the nearer. That of nearly the nearest depth stands for
-    // all, as a few stray hits must not.
-    let step_relative = 0.5 * rules.unit_scale as f32 * quantile_of_hits(&inverse_depth, NEARLY_ALL);
-    Ok(DepthPart { inverse_depth, step_relative, name: path.display().to_string() })
+    Ok(DepthPart {
+        step_relative: step_of_whole_units(&rules, &inverse_depth),
+        inverse_depth,
+        name: path.display().to_string(),
+        trouble: DepthTrouble::MayBeUnmeasured,
+    })
+}
+
+/// Whole numbers have no one relative error: a unit is the coarser the nearer. That of nearly the nearest depth stands for all, as
+/// a few stray hits must not.
+fn step_of_whole_units(rules: &DepthRules, inverse_depth: &[f32]) -> f32 {
+    0.5 * rules.unit_scale as f32 * quantile_of_hits(inverse_depth, NEARLY_ALL)
+}
+
+/// How far positions may project from the pixels that they stand in, in the middle: filters and lens shifts stay below.
+const MAX_DISTANCE_FROM_RAYS_PX: f64 = 2.0;
+
+fn off_the_rays(apart_px: f64, camera: &Camera, place: &str) -> Error {
+    let median = if apart_px.is_finite() {
+        format!("median {apart_px:.0} px")
+    } else {
+        "most lie behind it".to_owned()
+    };
+    let what = format!(
+        "positions do not lie on the rays of camera '{}' ({median}); are they in world space, and in the unit and axes of transform_matrix?",
+        camera.name
+    );
+    Error::invalid(place, what)
 }
 
 /// The share of hits that the quantization step of depth in whole units is told for.
@@ -259,17 +317,36 @@ fn read_normal_file(
     camera: &Camera,
     place: &str,
 ) -> Result<[Vec<f32>; 3]> {
-    let place = &format!("{place}, normal file {}", path.display());
+    let place = &place_of_normals(path, place);
+    let picture = open_normal_file(path, files, camera, place)?;
+    Ok(Planes::decode(&picture, &normals_of_own(&picture)?)?.take_three())
+}
+
+fn open_normal_file<'a>(
+    path: &Path,
+    files: &'a PictureFiles,
+    camera: &Camera,
+    place: &'a str,
+) -> Result<Picture<'a>> {
     if format_of(path, place)? == Format::Png {
         return Err(Error::unsupported(place, "normals in PNG are too coarse; save them as EXR"));
     }
-    let picture = Picture::open(path, files, &files.wishes_of_normal_file(), camera, place)?;
-    // A file of its own may hold the normal as its picture.
-    let channels = picture.normal().or_else(|error| picture.names.color.ok_or(error))?;
-    Ok(Planes::decode(&picture, &channels)?.take_three())
+    Picture::open(path, files, &files.wishes_of_normal_file(), camera, place)
+}
+
+/// The channels of a file of its own, which may hold the normal as its picture.
+fn normals_of_own(picture: &Picture) -> Result<[usize; 3]> {
+    picture.normal().or_else(|error| picture.names.color.ok_or(error))
 }
 
 impl DepthChannels {
+    fn kind(&self) -> DepthKind {
+        match self {
+            Self::One(_, kind) => *kind,
+            Self::Position(_) => DepthKind::WorldPosition,
+        }
+    }
+
     fn indices(&self) -> Vec<usize> {
         match self {
             Self::One(index, _) => vec![*index],
@@ -298,16 +375,25 @@ impl Planes {
         [(); 3].map(|()| self.take_single())
     }
 
-    fn take_depth(&mut self, channels: DepthChannels, picture: &Picture, camera: &Camera) -> DepthPart {
+    fn take_depth(
+        &mut self,
+        channels: DepthChannels,
+        picture: &Picture,
+        camera: &Camera,
+    ) -> Result<DepthPart> {
         match channels {
             DepthChannels::One(index, kind) => {
                 let channel = &picture.file.channels()[index];
                 let rules = picture.files.depth_rules(kind, channel.is_half);
-                DepthPart {
-                    inverse_depth: rules.inverse_depth_plane(self.take_single(), camera),
-                    step_relative: channel.step_relative,
-                    name: channel.name.clone(),
-                }
+                let values = self.take_single();
+                let trouble = DepthTrouble::of_values(&values);
+                let inverse_depth = rules.inverse_depth_plane(values, camera);
+                let step_relative = if channel.is_whole {
+                    step_of_whole_units(&rules, &inverse_depth)
+                } else {
+                    channel.step_relative
+                };
+                Ok(DepthPart { inverse_depth, step_relative, name: channel.name.clone(), trouble })
             }
             DepthChannels::Position([x, ..]) => {
                 let channel = &picture.file.channels()[x];
@@ -315,6 +401,10 @@ impl Planes {
                 let xyz = planes.each_ref().map(Vec::as_slice);
                 let rules = picture.files.depth_rules(DepthKind::WorldPosition, channel.is_half);
                 let inverse_depth = rules.inverse_depth_from_positions(xyz, camera);
+                let apart = rules.distance_from_rays_px(xyz, &inverse_depth, channel.step_relative, camera);
+                if let Some(apart) = apart.filter(|apart| *apart > MAX_DISTANCE_FROM_RAYS_PX) {
+                    return Err(off_the_rays(apart, camera, picture.place));
+                }
                 // A position errs by a share of its coordinates, which may be larger than its depth.
                 let scale = rules.unit_scale as f32;
                 let coordinate_per_depth = xyz
@@ -324,11 +414,12 @@ impl Planes {
                     .map(|shares: Vec<f32>| quantile_of_hits(&shares, 0.5))
                     .into_iter()
                     .fold(1.0, f32::max);
-                DepthPart {
+                Ok(DepthPart {
                     inverse_depth,
                     step_relative: channel.step_relative * coordinate_per_depth,
                     name: channel.name.clone(),
-                }
+                    trouble: DepthTrouble::default(),
+                })
             }
         }
     }

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
+pub use super::lens::LensKeys;
 use crate::error::{Error, Result};
 
 /// Largest manifest that is read: some 100,000 entries.
@@ -35,10 +37,10 @@ pub struct Keys {
     /// Name of the camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraName>,
-    /// Number of the frame. Fractions (nerfstudio's 0 to 1) are ranked.
+    /// Number of the frame. Fractions (nerfstudio's 0 to 1) are ranked in a capture, and refused in views.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
-    /// The same by its other name.
+    /// The same by its other name; always a number of a frame, also where the times of a capture are fractions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<f64>,
     /// Horizontal focal length, pixels.
@@ -68,24 +70,12 @@ pub struct Keys {
     /// `PINHOLE`, or a model that is one where its distortion is 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_model: Option<String>,
-    /// Radial distortion.
+    /// What else is said of the lens.
+    #[serde(flatten, skip_serializing)]
+    pub lens: LensKeys,
+    /// World units of the poses per unit of the scene they were made from.
     #[serde(skip_serializing)]
-    pub k1: f64,
-    /// Radial distortion.
-    #[serde(skip_serializing)]
-    pub k2: f64,
-    /// Radial distortion.
-    #[serde(skip_serializing)]
-    pub k3: f64,
-    /// Radial distortion.
-    #[serde(skip_serializing)]
-    pub k4: f64,
-    /// Tangential distortion.
-    #[serde(skip_serializing)]
-    pub p1: f64,
-    /// Tangential distortion.
-    #[serde(skip_serializing)]
-    pub p2: f64,
+    pub applied_scale: Option<f64>,
     /// See [`DepthKind`](crate::capture::exr::DepthKind).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_kind: Option<String>,
@@ -151,7 +141,6 @@ impl Keys {
         if own.iter().any(Option::is_some) {
             (file.fl_x, file.fl_y, file.camera_angle_x, file.camera_angle_y) = (None, None, None, None);
         }
-        let distortion = |own: f64, files: f64| if own == 0.0 { files } else { own };
         Self {
             camera: self.camera.or(file.camera),
             time: self.time.or(self.frame).or(file.time).or(file.frame),
@@ -165,12 +154,8 @@ impl Keys {
             camera_angle_x: self.camera_angle_x.or(file.camera_angle_x),
             camera_angle_y: self.camera_angle_y.or(file.camera_angle_y),
             camera_model: self.camera_model.or(file.camera_model),
-            k1: distortion(self.k1, file.k1),
-            k2: distortion(self.k2, file.k2),
-            k3: distortion(self.k3, file.k3),
-            k4: distortion(self.k4, file.k4),
-            p1: distortion(self.p1, file.p1),
-            p2: distortion(self.p2, file.p2),
+            lens: self.lens.or(file.lens),
+            applied_scale: self.applied_scale.or(file.applied_scale),
             depth_kind: self.depth_kind.or(file.depth_kind),
             depth_channel: self.depth_channel.or(file.depth_channel),
             normal_channel: self.normal_channel.or(file.normal_channel),
@@ -244,8 +229,11 @@ impl Manifest {
     /// # Errors
     /// As [`Manifest::read`], but for `Io`.
     pub fn from_json(bytes: &[u8], place: &str) -> Result<Self> {
+        // Editors of Windows put a byte-order mark before UTF-8.
+        let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         let manifest: Self = serde_json::from_slice(bytes).map_err(|error| {
-            let what = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+            let what = wrong_value(bytes).unwrap_or_else(|| error.to_string());
+            let what = what.split_whitespace().collect::<Vec<_>>().join(" ");
             Error::invalid(
                 place,
                 format!("not a manifest ({what}); see the keys of nerfstudio's transforms.json"),
@@ -259,6 +247,26 @@ impl Manifest {
         }
         Ok(manifest)
     }
+}
+
+/// Which value of a manifest is of the wrong type, in words: serde alone names neither entry nor key.
+fn wrong_value(bytes: &[u8]) -> Option<String> {
+    let manifest: Value = serde_json::from_slice(bytes).ok()?;
+    let entries = manifest.get("frames").and_then(Value::as_array).into_iter().flatten().enumerate();
+    let in_entry = |(index, entry): (usize, &Value)| {
+        let error = Entry::deserialize(entry).err()?;
+        let what = wrong_key(entry).unwrap_or_else(|| error.to_string());
+        Some(format!("frames[{index}]: {what}"))
+    };
+    wrong_key(&manifest).or_else(|| entries.into_iter().find_map(in_entry))
+}
+
+/// The key whose value alone is refused, and why.
+fn wrong_key(object: &Value) -> Option<String> {
+    object.as_object()?.iter().find_map(|(key, value)| {
+        let alone = Value::Object([(key.clone(), value.clone())].into_iter().collect());
+        Keys::deserialize(alone).err().map(|error| format!("\"{key}\": {error}"))
+    })
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@
 
 mod cameras;
 mod files;
+mod lens;
 mod load;
 pub mod manifest;
 mod png;
@@ -54,6 +55,7 @@ pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     let has_normals = source::normals_in_all_cameras(&recording, &mut warnings)?;
     let keys = || recording.entries.iter().flatten().map(PlacedEntry::keys);
     warnings.extend(unknown_color_spaces(keys()));
+    warnings.extend(scaled_poses(keys()));
     let up_in_world = up_in_world(keys(), &path)?;
     // Renderers filter color unless they were told not to.
     let antialiased_color = keys().any(|keys| keys.antialiased_color.unwrap_or(true));
@@ -85,10 +87,24 @@ pub fn truth_beside(capture: &Path) -> Option<PathBuf> {
 /// A true picture needs no depth: where none is recorded, every pixel of it counts as a sample at infinity.
 ///
 /// # Errors
-/// As [`open`].
+/// As [`open`], and `Invalid` for times that are fractions: which frame of a capture one of them means is not known here.
 pub fn open_views(path: &Path) -> Result<Vec<View>> {
+    views_of(path, false)
+}
+
+/// As [`open_views`], of a capture: where its own times are fractions, so that a time of 1 may mean frame 1 or the last one, views
+/// have to name the number of their frame as `frame`.
+///
+/// # Errors
+/// As [`open_views`].
+pub fn open_views_of(path: &Path, capture: &Capture) -> Result<Vec<View>> {
+    views_of(path, capture.frames_are_ranked())
+}
+
+fn views_of(path: &Path, is_ranked: bool) -> Result<Vec<View>> {
     let path = manifest_path(path);
     let manifest = Manifest::read(&path)?;
+    cameras::refuse_times(&manifest, &path, is_ranked)?;
     let places = cameras::entries(&manifest, &path)?;
     places
         .into_iter()
@@ -126,6 +142,16 @@ fn unknown_color_spaces<'a>(keys: impl Iterator<Item = &'a Keys>) -> Vec<String>
     let unknown = given.into_iter().filter(|color_space| !is_known(color_space));
     let warning = |name| format!("color space '{name}' is not converted; colors are taken as linear Rec.709");
     unknown.map(warning).collect()
+}
+
+/// A warning where the poses were scaled, and nothing says whether depth was too.
+fn scaled_poses<'a>(mut keys: impl Iterator<Item = &'a Keys>) -> Option<String> {
+    let scale = keys.find_map(|keys| keys.applied_scale.filter(|_| keys.depth_unit_scale_factor.is_none()));
+    scale.filter(|scale| *scale != 1.0).map(|scale| {
+        format!(
+            "the poses are scaled by applied_scale {scale}, and depth is taken in their unit (in PNG files in thousandths of it); give depth_unit_scale_factor where it has another"
+        )
+    })
 }
 
 /// The manifest's `up`, or +z as Blender and nerfstudio have it.

@@ -2,11 +2,14 @@
 
 use std::path::Path;
 
-use image::{DynamicImage, ImageFormat, ImageReader};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 
-use crate::capture::exr::MAX_SIDE;
+use crate::capture::camera::{MAX_PIXELS, MAX_SIDE};
 use crate::color::linear_from_srgb;
 use crate::error::{Error, Result};
+
+/// Bytes of a pixel of four channels of 16 bits.
+const PIXEL_BYTES: u64 = 8;
 
 fn reader(path: &Path) -> Result<ImageReader<std::io::BufReader<std::fs::File>>> {
     let mut reader = ImageReader::open(path).map_err(|error| Error::io(path, error))?;
@@ -14,12 +17,18 @@ fn reader(path: &Path) -> Result<ImageReader<std::io::BufReader<std::fs::File>>>
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_SIDE as u32);
     limits.max_image_height = Some(MAX_SIDE as u32);
+    // Whole pictures and rows beside them: what a believable picture takes is no bomb.
+    limits.max_alloc = Some(2 * PIXEL_BYTES * MAX_PIXELS as u64);
     reader.limits(limits);
     Ok(reader)
 }
 
 fn damaged(place: &str, error: &image::ImageError) -> Error {
     let what = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    if matches!(error, image::ImageError::Limits(_)) {
+        let what = format!("the picture is too large ({what}); at most {MAX_SIDE} pixels a side are read");
+        return Error::unsupported(place, what);
+    }
     Error::invalid(place, format!("damaged, or not a PNG picture ({what}); save it again"))
 }
 
@@ -29,7 +38,8 @@ pub(super) fn size(path: &Path, place: &str) -> Result<(usize, usize)> {
     Ok((width as usize, height as usize))
 }
 
-fn decode(path: &Path, place: &str, expected: (usize, usize)) -> Result<DynamicImage> {
+/// Checks the header of a picture of color.
+pub(super) fn check(path: &Path, place: &str, expected: (usize, usize)) -> Result<()> {
     let (width, height) = size(path, place)?;
     if (width, height) != expected {
         return Err(Error::invalid(
@@ -40,6 +50,22 @@ fn decode(path: &Path, place: &str, expected: (usize, usize)) -> Result<DynamicI
             ),
         ));
     }
+    Ok(())
+}
+
+/// Checks the header of a picture of depth.
+pub(super) fn check_depth(path: &Path, place: &str, expected: (usize, usize)) -> Result<()> {
+    check(path, place, expected)?;
+    let decoder = reader(path)?.into_decoder().map_err(|error| damaged(place, &error))?;
+    if decoder.color_type() == ColorType::L16 { Ok(()) } else { Err(not_depth(place)) }
+}
+
+fn not_depth(place: &str) -> Error {
+    Error::unsupported(place, "depth in PNG must be 16-bit gray; save it so, or as EXR")
+}
+
+fn decode(path: &Path, place: &str, expected: (usize, usize)) -> Result<DynamicImage> {
+    check(path, place, expected)?;
     reader(path)?.decode().map_err(|error| damaged(place, &error))
 }
 
@@ -77,6 +103,6 @@ pub(super) fn color(
 pub(super) fn depth(path: &Path, place: &str, expected: (usize, usize)) -> Result<Vec<f32>> {
     match decode(path, place, expected)? {
         DynamicImage::ImageLuma16(gray) => Ok(gray.pixels().map(|pixel| f32::from(pixel.0[0])).collect()),
-        _ => Err(Error::unsupported(place, "depth in PNG must be 16-bit gray; save it so, or as EXR")),
+        _ => Err(not_depth(place)),
     }
 }

@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::manifest::Keys;
 use crate::capture::Intrinsics;
-use crate::capture::exr::MAX_SIDE;
+use crate::capture::camera::{MAX_PIXELS, MAX_SIDE, is_believable_size};
 use crate::error::{Error, Result};
 
 /// How far the axes of a pose may be from orthonormal: matrices are often written with six digits, or were `f32`.
@@ -76,12 +76,7 @@ pub(super) fn intrinsics(
     place: &str,
 ) -> Result<Intrinsics> {
     refuse_distortion(keys, place)?;
-    let (width, height) = if let (Some(w), Some(h)) = (keys.w, keys.h) {
-        (side("w", w, place)?, side("h", h, place)?)
-    } else {
-        let (width, height) = size()?;
-        (width as u32, height as u32)
-    };
+    let (width, height) = picture_size(keys, size, place)?;
     let (w, h) = (f64::from(width), f64::from(height));
     let from_angle = |angle: Option<f64>, side: f64| angle.map(|angle| 0.5 * side / (0.5 * angle).tan());
     let fx = keys.fl_x.or(from_angle(keys.camera_angle_x, w));
@@ -95,7 +90,13 @@ pub(super) fn intrinsics(
             return Err(Error::invalid(place, format!("{name} is {focal} pixels, which is no focal length")));
         }
     }
-    let shift = 0.5 - keys.pixel_center_offset.unwrap_or(0.5);
+    let offset = keys.pixel_center_offset.unwrap_or(0.5);
+    if !(0.0..=1.0).contains(&offset) {
+        let what =
+            format!("pixel_center_offset is {offset}; it lies between 0 and 1, and is 0.5 or 0 as a rule");
+        return Err(Error::invalid(place, what));
+    }
+    let shift = 0.5 - offset;
     let cx = keys.cx.map_or(w / 2.0, |cx| cx + shift);
     let cy = keys.cy.map_or(h / 2.0, |cy| cy + shift);
     for (name, center, side) in [("cx", cx, w), ("cy", cy, h)] {
@@ -107,6 +108,38 @@ pub(super) fn intrinsics(
     Ok(Intrinsics { width, height, fx, fy, cx, cy })
 }
 
+/// Columns and rows as the manifest has them, or else the picture; where the manifest has one of them, the picture must agree.
+fn picture_size(
+    keys: &Keys,
+    size: impl FnOnce() -> Result<(usize, usize)>,
+    place: &str,
+) -> Result<(u32, u32)> {
+    let given = |name: &str, value: Option<f64>| value.map(|value| side(name, value, place)).transpose();
+    let (width, height) = match (given("w", keys.w)?, given("h", keys.h)?) {
+        (Some(width), Some(height)) => (width, height),
+        (w, h) => {
+            let (width, height) = size()?;
+            let (width, height) = (width as u32, height as u32);
+            for (name, given, found) in [("w", w, width), ("h", h, height)] {
+                if let Some(given) = given
+                    && given != found
+                {
+                    let what = format!(
+                        "{name} is {given} but the picture is {width}×{height}; give both w and h, or neither, as the picture has them"
+                    );
+                    return Err(Error::invalid(place, what));
+                }
+            }
+            (width, height)
+        }
+    };
+    if !is_believable_size(width as usize, height as usize) {
+        let what = format!("{width}×{height} pixels are too many; a picture has at most {MAX_PIXELS}");
+        return Err(Error::unsupported(place, what));
+    }
+    Ok((width, height))
+}
+
 fn side(name: &str, value: f64, place: &str) -> Result<u32> {
     if value.fract() == 0.0 && (1.0..=MAX_SIDE as f64).contains(&value) {
         Ok(value as u32)
@@ -116,13 +149,12 @@ fn side(name: &str, value: f64, place: &str) -> Result<u32> {
 }
 
 fn refuse_distortion(keys: &Keys, place: &str) -> Result<()> {
-    let is_distorted = [keys.k1, keys.k2, keys.k3, keys.k4, keys.p1, keys.p2].iter().any(|k| *k != 0.0);
-    let is_pinhole = keys.camera_model.as_deref().is_none_or(|model| {
+    let is_known_model = keys.camera_model.as_deref().is_none_or(|model| {
         ["PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "PERSPECTIVE"]
             .iter()
             .any(|known| model.eq_ignore_ascii_case(known))
     });
-    if is_distorted || !is_pinhole {
+    if !is_known_model || !keys.lens.is_pinhole() {
         return Err(Error::unsupported(
             place,
             "only pinhole cameras without distortion are supported; undistort the pictures first",
@@ -211,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn absurd_numbers_and_bent_lenses_are_refused() {
+    fn absurd_and_contradictory_numbers_are_refused() {
         let good = Keys { fl_x: Some(500.0), w: Some(64.0), h: Some(48.0), ..Keys::default() };
         assert!(intrinsics(&good, || Ok(SIZE), "").is_ok());
         let bad = [
@@ -222,11 +254,13 @@ mod tests {
             Keys { w: Some(10.5), ..good.clone() },
             Keys { cx: Some(1e9), ..good.clone() },
             Keys { fl_x: None, ..good.clone() },
-            Keys { k1: 0.1, ..good.clone() },
-            Keys { camera_model: Some("OPENCV_FISHEYE".into()), ..good.clone() },
+            Keys { pixel_center_offset: Some(-40.0), ..good.clone() },
+            Keys { h: None, w: Some(64.0), ..good.clone() },
+            Keys { w: Some(32_768.0), h: Some(32_768.0), ..good.clone() },
         ];
         for keys in bad {
             assert!(intrinsics(&keys, || Ok(SIZE), "").is_err(), "{keys:?}");
         }
+        assert!(intrinsics(&Keys { w: None, h: Some(480.0), ..good }, || Ok(SIZE), "").is_ok());
     }
 }

@@ -24,6 +24,10 @@ impl FrameSource for FileSource {
         self.recording.entries[camera][frame].place.clone()
     }
 
+    fn frames_are_ranked(&self) -> bool {
+        self.recording.is_ranked
+    }
+
     fn files(&self, camera: usize, frame: usize) -> Vec<std::path::PathBuf> {
         let files = &self.recording.entries[camera][frame].files;
         [Some(&files.color), files.depth.as_ref(), files.normal.as_ref()]
@@ -41,6 +45,7 @@ impl FrameSource for FileSource {
 pub(super) fn normals_in_all_cameras(recording: &Recording, warnings: &mut Vec<String>) -> Result<bool> {
     let mut without = Vec::new();
     let mut without_near_clip = Vec::new();
+    let mut of_other_primaries = Vec::new();
     for (camera, frames) in recording.cameras.iter().zip(&recording.entries) {
         let Some(first) = frames.first() else { continue };
         let probe = load::probe(&first.files, camera, &first.place)?;
@@ -50,6 +55,15 @@ pub(super) fn normals_in_all_cameras(recording: &Recording, warnings: &mut Vec<S
         if probe.lacks_near_clip {
             without_near_clip.push(camera.name.as_str());
         }
+        if probe.has_other_primaries {
+            of_other_primaries.push(camera.name.as_str());
+        }
+    }
+    if !of_other_primaries.is_empty() {
+        warnings.push(format!(
+            "the pictures of {} state chromaticities other than Rec.709's, which are not converted; colors are taken as linear Rec.709",
+            of_other_primaries.join(", ")
+        ));
     }
     if !without_near_clip.is_empty() {
         warnings.push(format!(
