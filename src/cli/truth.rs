@@ -14,7 +14,7 @@ use crate::evaluate::truth::Truth;
 pub(super) struct TruthArgs {
     /// Vantages whose truth is known [default: the capture's novel/transforms.json, or else --cross-validate].
     #[arg(long, value_name = "TRANSFORMS", conflicts_with = "cross_validate")]
-    views: Option<PathBuf>,
+    pub(super) views: Option<PathBuf>,
     /// Leave each camera out in turn and score against its frames, where the others could have seen what it saw.
     #[arg(long)]
     cross_validate: bool,

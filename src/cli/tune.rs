@@ -43,7 +43,9 @@ impl TuneArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let settings = self.settings.over(Settings::default())?;
         targets::file(&self.out, "tuned.toml")?;
+        targets::apart_from_stores(&self.out)?;
         let opened = super::open_capture(&self.capture, &settings.capture)?;
+        targets::apart_from_capture(&self.capture, self.truth.views.as_deref(), &self.out)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         let journal = match &self.journal {
             Some(folder) => {
