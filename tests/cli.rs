@@ -285,6 +285,11 @@ fn a_view_that_would_leave_the_output_folder_is_refused_before_anything_is_paint
     std::fs::write(here.join("views.json"), manifest.to_string()).unwrap();
     let line = trouble(here, &["render", "scene.ovl", "--views", "views.json", "--out", "pictures"]);
     assert!(line.contains("a/b.exr") && line.contains("77"), "{line}");
+    assert!(!here.join("pictures").exists(), "it is told before anything is painted");
+    let line = trouble(here, &["evaluate", "scene.ovl"]);
+    assert!(line.contains("is a store; name the capture that it was made from"), "{line}");
+    let line = trouble(here, &["render", "scene", "--views", "views.json", "--out", "pictures"]);
+    assert!(line.contains("overlook preprocess scene --out scene.ovl"), "{line}");
 
     // Nor is the truth painted over.
     let truth = here.join("scene/novel").join(manifest["frames"][0]["file_path"].as_str().unwrap());

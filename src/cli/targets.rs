@@ -36,10 +36,9 @@ pub(super) fn file(out: &Path, example: &str) -> Result<()> {
 pub(super) fn folder(out: &Path) -> Result<()> {
     match out.ancestors().find(|place| place.is_file()) {
         None => Ok(()),
-        Some(file) => Err(Error::invalid(
-            file.display(),
-            "is a file; name a folder, or one that can be made, with --out",
-        )),
+        Some(file) => {
+            Err(Error::invalid(file.display(), "is a file; name a folder, or one that can be made"))
+        }
     }
 }
 
