@@ -15,6 +15,7 @@ pub struct Job {
     total: AtomicUsize,
     stage: Mutex<String>,
     context: Mutex<String>,
+    warnings: Mutex<Vec<String>>,
 }
 
 /// How far a [`Job`] has come.
@@ -59,6 +60,21 @@ impl Job {
         if let Ok(mut text) = self.context.lock() {
             *text = context.into();
         }
+    }
+
+    /// Tells of recoverable trouble, in one line; a line that was told already is not told again.
+    pub fn warn(&self, warning: String) {
+        if let Ok(mut warnings) = self.warnings.lock()
+            && !warnings.contains(&warning)
+        {
+            warnings.push(warning);
+        }
+    }
+
+    /// The trouble that was told, in order.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        self.warnings.lock().map(|warnings| warnings.clone()).unwrap_or_default()
     }
 
     /// Counts `units` more of the stage as finished.

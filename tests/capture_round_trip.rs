@@ -98,13 +98,15 @@ fn a_written_capture_reads_as_it_was() {
 }
 
 #[test]
-fn a_cancelled_export_leaves_no_manifest() {
+fn a_cancelled_export_leaves_no_manifest_not_even_that_of_an_earlier_one() {
     let folder = tempfile::tempdir().unwrap();
     let (capture, views) = numbers();
     let job = Job::new();
+    write_capture(folder.path(), &capture, &views, &job).unwrap();
     job.cancel();
     assert!(matches!(write_capture(folder.path(), &capture, &views, &job), Err(Error::Cancelled)));
     assert!(transforms::open(folder.path(), &CaptureSettings::default()).is_err());
+    assert!(!folder.path().join("novel/transforms.json").exists());
 }
 
 #[test]

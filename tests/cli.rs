@@ -59,6 +59,7 @@ fn bad_usage_exits_with_2() {
         &["demo", "atlantis", "--out", "x"],
         &["demo", "orrery", "--out", "x", "--size", "big"],
         &["demo", "orrery", "--out", "x", "--cameras", "0"],
+        &["demo", "orrery", "--out", "x", "--noise", "-1"],
         &["render", "x", "--views", "y", "--out", "z", "--set", "pruning.rate=paper"],
         &["export", "pictures", "x", "--path", "y", "--out", "z", "--set", "store.precision=bits8"],
         &["export", "video", "x", "--path", "y", "--out", "z", "--set", "spans.levels=off"],
@@ -284,6 +285,11 @@ fn a_view_that_would_leave_the_output_folder_is_refused_before_anything_is_paint
     std::fs::write(here.join("views.json"), manifest.to_string()).unwrap();
     let line = trouble(here, &["render", "scene.ovl", "--views", "views.json", "--out", "pictures"]);
     assert!(line.contains("a/b.exr") && line.contains("77"), "{line}");
+    assert!(!here.join("pictures").exists(), "it is told before anything is painted");
+    let line = trouble(here, &["evaluate", "scene.ovl"]);
+    assert!(line.contains("is a store; name the capture that it was made from"), "{line}");
+    let line = trouble(here, &["render", "scene", "--views", "views.json", "--out", "pictures"]);
+    assert!(line.contains("overlook preprocess scene --out scene.ovl"), "{line}");
 
     // Nor is the truth painted over.
     let truth = here.join("scene/novel").join(manifest["frames"][0]["file_path"].as_str().unwrap());
@@ -294,4 +300,63 @@ fn a_view_that_would_leave_the_output_folder_is_refused_before_anything_is_paint
     assert!(std::fs::read(&truth).unwrap() == before && !truth.with_extension("png").exists());
     let line = trouble(here, &["export", "points", "scene.ovl", "--static", "--out", "./scene.ovl"]);
     assert!(line.contains("is what is read"), "{line}");
+}
+
+#[test]
+fn no_command_writes_over_the_capture_that_it_reads() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    success(
+        here,
+        &["demo", "orrery", "--out", "scene", "--cameras", "2", "--frames", "1", "--size", "16x16"],
+    );
+    std::fs::write(here.join("kept.ovl"), b"FORM a store, by its first bytes").unwrap();
+    let info = json(here, &["info", "scene", "--json"]);
+    let picture = format!("scene/{}/0000.exr", info["cameras"][1]["name"].as_str().unwrap());
+    let held_out = info["cameras"][1]["name"].as_str().unwrap();
+    let inputs = ["scene/transforms.json", "scene/novel/transforms.json", &picture];
+    let before = inputs.map(|name| std::fs::read(here.join(name)).unwrap());
+    for input in inputs {
+        for arguments in [
+            ["preprocess", "scene", "--out", input].as_slice(),
+            &["preprocess", "scene", "--hold-out", held_out, "--out", input],
+            &["tune", "scene", "--out", input],
+        ] {
+            assert!(trouble(here, arguments).contains("is what is read; name another file with --out"));
+        }
+    }
+    assert_eq!(before, inputs.map(|name| std::fs::read(here.join(name)).unwrap()));
+    let line = trouble(here, &["tune", "scene", "--out", "kept.ovl"]);
+    assert!(line.contains("is a store") && line.contains("--out"), "{line}");
+}
+
+#[test]
+fn a_demo_is_recorded_anew_over_its_own_scene_and_never_over_another_capture() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let demo = |scene: &str, size: [&'static str; 6]| {
+        [&["demo", scene, "--out", "scene"], &size[..]].concat().join(" ")
+    };
+    let small = ["--cameras", "7", "--frames", "2", "--size", "16x12"];
+    let smaller = ["--cameras", "2", "--frames", "1", "--size", "12x16"];
+    for size in [small, smaller, small] {
+        let arguments = demo("orrery", size);
+        success(here, &arguments.split(' ').collect::<Vec<_>>());
+    }
+    let manifest = here.join("scene/transforms.json");
+    let ours = std::fs::read_to_string(&manifest).unwrap();
+    let arguments = demo("four-cameras", small);
+    let line = trouble(here, &arguments.split(' ').collect::<Vec<_>>());
+    assert!(line.contains("is not of the scene 'four-cameras'") && line.contains("--out"), "{line}");
+
+    // The same names elsewhere are another capture, as is what nobody can read.
+    let mut moved: Value = serde_json::from_str(&ours).unwrap();
+    moved["frames"][1]["transform_matrix"][0][3] = 7.5.into();
+    for text in [moved.to_string(), "{}".to_owned()] {
+        std::fs::write(&manifest, &text).unwrap();
+        let arguments = demo("orrery", small);
+        let line = trouble(here, &arguments.split(' ').collect::<Vec<_>>());
+        assert!(line.contains("transforms.json: is not of the scene 'orrery'"), "{line}");
+        assert_eq!(std::fs::read_to_string(&manifest).unwrap(), text);
+    }
 }

@@ -112,9 +112,11 @@ fn stress_names_the_point_of_failure_of_every_method() {
     let document = json(&folder.join("stress/stress.json"));
     assert_eq!(printed, document, "one document, the one in the file");
     has_promised_keys(&printed);
+    let journal = std::fs::read_to_string(folder.join("stress/stress.journal")).unwrap();
     // Everything is known by now, so that nothing is measured for the table.
     let table = succeed(folder, &stress);
     assert!(table.contains("camera pose, degrees"), "{table}");
+    assert_eq!(std::fs::read_to_string(folder.join("stress/stress.journal")).unwrap(), journal);
     assert_eq!(json(&folder.join("stress/stress.json")), document);
     let failures = document["failures"].as_array().unwrap();
     assert_eq!(failures.len(), 3, "ours, without defenses, the paper's");
@@ -133,6 +135,19 @@ fn tune_writes_settings_that_preprocess_takes_and_refuses_a_budget_that_cannot_b
     assert!(words.contains("Chosen: "), "{words}");
     let toml = std::fs::read_to_string(folder.join("tuned.toml")).unwrap();
     assert!(toml.starts_with("# Of "), "the file says why: {toml}");
+    let journal = folder.join("tuning/tune.journal");
+    let measured = std::fs::read_to_string(&journal).unwrap();
+    let again = overlook(folder, &[&tune[..], &["tuned.toml"]].concat());
+    assert_eq!(String::from_utf8(again.stdout).unwrap(), words);
+    assert_eq!(std::fs::read_to_string(&journal).unwrap(), measured, "a journal grows by what is new");
+    if cfg!(target_os = "linux") {
+        let lost = overlook(folder, &[&tune[..], &["/proc/tuned.toml"]].concat());
+        let told = String::from_utf8(lost.stdout).unwrap();
+        assert!(
+            lost.status.code() == Some(1) && !told.is_empty() && words.starts_with(told.trim_end()),
+            "{told}"
+        );
+    }
     succeed(folder, &["preprocess", "scene", "--settings", "tuned.toml", "--out", "tuned.ovl"]);
     let refused = fail(folder, &[&tune[..], &["none.toml", "--max-bytes", "10"]].concat(), 1);
     assert!(refused.contains("10 bytes") && !folder.join("none.toml").exists(), "{refused}");
@@ -145,6 +160,74 @@ fn results_that_cannot_be_written_end_the_run_with_the_place() {
     std::fs::write(folder.join("taken"), "a file").unwrap();
     let said = fail(folder, &[&SWEEP[..], &["taken"]].concat(), 1);
     assert!(said.contains("taken"), "{said}");
+    for command in [
+        ["sweep", "nowhere", "--out"].as_slice(),
+        &["stress", "nowhere", "--out"],
+        &["tune", "nowhere", "--out", "t.toml", "--journal"],
+    ] {
+        let said = fail(folder, &[command, &["taken"]].concat(), 1);
+        assert!(said.contains("taken: is a file; name a folder"), "{said}");
+    }
     let missing = fail(folder, &["sweep", "nowhere", "--out", "sweep"], 1);
     assert!(missing.contains("nowhere"), "{missing}");
+}
+
+#[test]
+fn files_of_one_name_are_told_apart_and_one_that_changes_nothing_is_named() {
+    let folder = scene();
+    let folder = folder.path();
+    for (name, text) in [
+        ("a/s.toml", "[pruning]\ndepth_tolerance = 2.0\n"),
+        ("b/s.toml", "[pruning]\ndepth_tolerance = 0.5\n"),
+        ("same.toml", ""),
+    ] {
+        std::fs::create_dir_all(folder.join(name).parent().unwrap()).unwrap();
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    let files =
+        ["--with", "a/s.toml", "--with", "b/s.toml", "--with", "same.toml", "--frames", "1", "--json"];
+    let output = overlook(folder, &[&["sweep", "scene", "--out", "sweep"], &files[..]].concat());
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(said, "overlook: warning: 'same' says the same as 'default', and has no row of its own\n");
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let points = document["points"].as_array().unwrap();
+    let labels: Vec<_> = points.iter().take(4).map(|point| point["label"].as_str().unwrap()).collect();
+    assert_eq!(labels[..3], ["default", "a/s.toml", "b/s.toml"]);
+}
+
+#[test]
+fn views_without_a_true_picture_are_told_and_absurd_numbers_are_refused_before_anything_is_read() {
+    let folder = scene();
+    let folder = folder.path();
+    for arguments in [
+        ["sweep", "scene", "--out", "x", "--frames", "0"].as_slice(),
+        &["tune", "scene", "--out", "x.toml", "--max-bytes", "0"],
+        &["tune", "scene", "--out", "x.toml", "--max-ms", "nan"],
+        &["tune", "scene", "--out", "x.toml", "--max-ms", "-1"],
+    ] {
+        let said = fail(folder, arguments, 2);
+        let flag = arguments[arguments.len() - 2];
+        assert!(
+            said.contains(&format!("invalid value '{}' for '{flag}", arguments[arguments.len() - 1])),
+            "{said}"
+        );
+    }
+    let noise = fail(folder, &["demo", "orrery", "--out", "x", "--noise", "-1"], 2);
+    assert!(noise.contains("-1 noise cannot be recorded"), "{noise}");
+
+    let novel = folder.join("scene/novel");
+    let views = json(&novel.join("transforms.json"));
+    let first = views["frames"][0]["file_path"].as_str().unwrap();
+    std::fs::remove_file(novel.join(first)).unwrap();
+    let output = overlook(folder, &["evaluate", "scene", "--kernel", "block"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.lines().count() == 1, "{said}");
+    assert!(said.contains("warning: 1 of 6 views are passed over") && said.contains(first), "{said}");
+
+    // A frame that the capture lacks is told before anything is measured.
+    let mut late = views.clone();
+    late["frames"][5]["time"] = 77.into();
+    std::fs::write(novel.join("late.json"), late.to_string()).unwrap();
+    let said = fail(folder, &["evaluate", "scene", "--views", "scene/novel/late.json"], 1);
+    assert!(said.contains("there is no frame 77; 'scene' has 2 frames from 0 to 1"), "{said}");
 }

@@ -6,9 +6,11 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
 
-use super::{Failure, output, progress};
-use crate::capture::demo::{Demo, DemoSpec, SCENES};
-use crate::capture::transforms::write_capture;
+use super::{Failure, output, progress, targets};
+use crate::capture::demo::{Demo, DemoSpec, MAX_CAMERAS, SCENES};
+use crate::capture::transforms::{MANIFEST_NAME, open_views, write_capture};
+use crate::capture::{Camera, View};
+use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 
 /// Arguments of `overlook demo`.
@@ -31,7 +33,7 @@ pub(super) struct DemoArgs {
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<(u32, u32)>,
     /// Relative standard deviation of renderer-like color noise [default: the scene's own].
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     noise: Option<f32>,
     /// Print one JSON document.
     #[arg(long)]
@@ -56,6 +58,8 @@ impl DemoArgs {
             noise: self.noise,
         };
         let demo = Demo::new(&spec).map_err(|error| Failure::Usage(error.to_string()))?;
+        targets::folder(&self.out)?;
+        self.check_is_ours(&spec)?;
         let capture = demo.capture(&CaptureSettings::default());
         let views = demo.truth_views();
         progress::watched(|job| write_capture(&self.out, &capture, &views, job))?;
@@ -75,6 +79,46 @@ impl DemoArgs {
         ))
     }
 }
+
+impl DemoArgs {
+    /// Refuses a folder that holds another capture. One that this scene was recorded into may be recorded anew, with other counts
+    /// and sizes too: none of them moves a camera.
+    fn check_is_ours(&self, spec: &DemoSpec) -> Result<()> {
+        let all = Demo::new(&DemoSpec { cameras: Some(MAX_CAMERAS), ..spec.clone() })?;
+        let cameras = all.capture(&CaptureSettings::default()).cameras;
+        let novel: Vec<Camera> = all.truth_views().into_iter().map(|view| view.camera).collect();
+        let manifests = [self.out.join(MANIFEST_NAME), self.out.join("novel").join(MANIFEST_NAME)];
+        for (manifest, cameras) in manifests.into_iter().zip([cameras, novel]) {
+            if !manifest.exists() {
+                continue;
+            }
+            let views = open_views(&manifest).unwrap_or_default();
+            if views.is_empty() || !views.iter().all(|view| is_of(&cameras, view)) {
+                return Err(Error::invalid(
+                    manifest.display(),
+                    format!(
+                        "is not of the scene '{}', and would be written over; name another folder with --out",
+                        self.scene
+                    ),
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a demo with these cameras writes such a picture.
+fn is_of(cameras: &[Camera], view: &View) -> bool {
+    let View { file_path, camera, frame_number, .. } = view;
+    *file_path == format!("{}/{frame_number:04}.exr", camera.name)
+        && cameras.iter().any(|known| {
+            known.name == camera.name
+                && known.world_from_camera.abs_diff_eq(camera.world_from_camera, SAME_POSE)
+        })
+}
+
+/// Far below what tells two cameras apart, far above what writing and reading a pose changes.
+const SAME_POSE: f64 = 1e-6;
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) = text.split_once(['x', '×']).ok_or("write it as WxH, as in 640x480")?;

@@ -76,6 +76,7 @@ impl PreprocessArgs {
         let settings = self.settings.over(Settings::default())?;
         targets::file(&self.out, "scene.ovl")?;
         let capture = self.open(&frame_cache(&settings))?;
+        targets::apart_from_capture(&self.capture, None, &self.out)?;
         output::warn(&capture.warnings);
         let seconds_decode_only = if self.measure_decode { Some(self.decode_seconds()?) } else { None };
         let mut clock = Clock::start();

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::output;
 use crate::job::Job;
 
 const REDRAW: Duration = Duration::from_millis(100);
@@ -59,21 +60,26 @@ impl Drop for Restore {
     }
 }
 
-/// Does `work` under a progress bar, where stderr is a terminal that can show one. Ctrl-C cancels its job.
+/// Does `work` under a progress bar, where stderr is a terminal that can show one, and tells its warnings. Ctrl-C
+/// cancels its job.
 pub(super) fn watched<T>(work: impl FnOnce(&Job) -> T) -> T {
     stop_when_told();
     let job = Arc::new(Job::new());
     let _restore = Restore(set_current(Some(job.clone())));
-    if !std::io::stderr().is_terminal() {
-        return work(&job);
-    }
+    let result = if std::io::stderr().is_terminal() { drawn(&job, work) } else { work(&job) };
+    output::warn(&job.warnings());
+    result
+}
+
+/// Does `work` while its progress is drawn.
+fn drawn<T>(job: &Job, work: impl FnOnce(&Job) -> T) -> T {
     let finished = AtomicBool::new(false);
     thread::scope(|scope| {
         let watcher =
-            thread::Builder::new().name("progress".to_owned()).spawn_scoped(scope, || draw(&job, &finished));
+            thread::Builder::new().name("progress".to_owned()).spawn_scoped(scope, || draw(job, &finished));
         let result = {
             let _finish = SetOnDrop(&finished);
-            work(&job)
+            work(job)
         };
         if let Ok(watcher) = watcher {
             watcher.thread().unpark();

@@ -10,7 +10,7 @@ use super::picture::PicturePaths;
 use super::{Failure, SettingsArgs, output, progress, targets};
 use crate::capture::{View, transforms};
 use crate::error::{Error, Result};
-use crate::evaluate::{Evaluation, Scoreboard, render_view, vantage_order};
+use crate::evaluate::{Evaluation, Scoreboard, frame_of, render_view, vantage_order};
 use crate::job::Job;
 use crate::render::Renderer;
 use crate::settings::{Backend, Fill, Kernel, RenderSettings};
@@ -117,18 +117,18 @@ fn paint(
     settings: &RenderSettings,
     job: &Job,
 ) -> Result<Evaluation> {
+    let info = playback.store().info();
+    let frame_of = |view| frame_of(view, &info.name, &info.frame_numbers);
+    let frames = views.iter().map(frame_of).collect::<Result<Vec<_>>>()?;
     let mut renderer = Renderer::strict(settings.backend)?;
     let mut scores = Scoreboard::default();
-    let frames = &playback.store().info().frame_numbers;
     job.start("Painting views", views.len());
     // Views of one vantage one after the other, so that flicker shows and the background stays.
     let order = vantage_order(&views.iter().collect::<Vec<_>>());
     for &index in &order {
         let (view, paths) = (&views[index], &paths[index]);
         job.check()?;
-        // A frame that the store does not have is told by whoever paints, from the first.
-        let frame = frames.binary_search(&view.frame_number).unwrap_or(0);
-        let samples = playback.seen_from(&view.camera, frame, job)?;
+        let samples = playback.seen_from(&view.camera, frames[index], job)?;
         let painted = render_view(&mut renderer, &samples, view, settings, job)?;
         paths.write(&painted.picture)?;
         scores.add(view, painted);

@@ -23,7 +23,7 @@ pub(super) struct Journal {
 }
 
 impl Journal {
-    /// Opens `DIR/NAME.journal`, and starts it anew where it was measured on something else.
+    /// Opens `DIR/NAME.journal`, and starts a new one where it was measured on something else: that is kept beside it.
     pub(super) fn open(folder: &Path, name: &str, fingerprint: &str) -> Result<Self> {
         fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
         let path = folder.join(format!("{name}.journal"));
@@ -34,8 +34,12 @@ impl Journal {
         };
         let head = serde_json::Value::from(fingerprint).to_string();
         let mut known = text.lines();
-        let lines: Vec<String> =
-            if known.next() == Some(head.as_str()) { known.map(str::to_owned).collect() } else { Vec::new() };
+        let is_same = known.next() == Some(head.as_str());
+        let mut lines: Vec<String> = known.map(str::to_owned).collect();
+        if !is_same && !lines.is_empty() {
+            put_aside(&path)?;
+            lines.clear();
+        }
         let io = |error| Error::io(&path, error);
         let mut file = if lines.is_empty() {
             let mut file = File::create(&path).map_err(io)?;
@@ -66,6 +70,24 @@ impl Journal {
     }
 }
 
+/// Gives a journal another name, so that what took hours to measure is not lost to a word that changed.
+fn put_aside(path: &Path) -> Result<()> {
+    let mut aside = path.with_extension("journal.old");
+    let mut number = 1;
+    while aside.exists() {
+        number += 1;
+        aside = path.with_extension(format!("journal.old{number}"));
+    }
+    fs::rename(path, &aside).map_err(|error| Error::io(path, error))?;
+    output::warn(&[format!(
+        "{} was measured on another state of the capture, with another truth or by another version; it is kept as {}, and \
+         everything is measured anew",
+        path.display(),
+        aside.display()
+    )]);
+    Ok(())
+}
+
 /// Does `work` under a progress bar, adding each point it measures to `journal`; stops where that cannot be written.
 pub(super) fn recorded<P: Serialize, T>(
     journal: Option<&Journal>,
@@ -87,12 +109,30 @@ pub(super) fn recorded<P: Serialize, T>(
 pub(super) fn write_json(path: &Path, document: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(document)
         .map_err(|error| Error::invalid(path.display(), error.to_string()))?;
-    fs::write(path, text + "\n").map_err(|error| Error::io(path, error))
+    write_whole(path, &(text + "\n"))
+}
+
+/// Writes a file that is seen under its name only when it is complete: results that stand there stay until then.
+pub(super) fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
+    let io = |error| Error::io(path, error);
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".overlook-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // Temporary files are private by default; results are for everybody the umask allows.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder).map_err(io)?;
+    file.write_all(content.as_ref()).map_err(io)?;
+    file.persist(path).map_err(|error| io(error.error))?;
+    Ok(())
 }
 
 /// Writes a chart as PNG.
 pub(super) fn write_chart(path: &Path, chart: &Chart) -> Result<()> {
-    fs::write(path, chart.png()?).map_err(|error| Error::io(path, error))
+    write_whole(path, chart.png()?)
 }
 
 /// Writes documents as CSV (RFC 4180): one a row, a column for every number, text or truth value, nested ones by the path to
@@ -120,7 +160,7 @@ pub(super) fn write_csv(path: &Path, rows: &[impl Serialize]) -> Result<()> {
         };
         text += &(head.iter().map(cell).collect::<Vec<_>>().join(",") + "\r\n");
     }
-    fs::write(path, text).map_err(|error| Error::io(path, error))
+    write_whole(path, text)
 }
 
 fn flatten(prefix: &str, value: &serde_json::Value, cells: &mut Vec<(String, String)>) {
@@ -205,5 +245,11 @@ mod tests {
         journal.add(&3).unwrap();
         assert_eq!(numbers("one").points::<i32>(), [1, 2, 3]);
         assert!(numbers("two").points::<i32>().is_empty());
+        assert!(fs::read_to_string(folder.path().join("t.journal.old")).unwrap().contains("\n3\n"));
+        numbers("two").add(&4).unwrap();
+        assert!(numbers("three").points::<i32>().is_empty());
+        assert!(fs::read_to_string(folder.path().join("t.journal.old2")).unwrap().ends_with("\n4\n"));
+        assert!(numbers("four").points::<i32>().is_empty());
+        assert!(!folder.path().join("t.journal.old3").exists(), "nothing was measured that could be lost");
     }
 }

@@ -8,7 +8,7 @@ use clap::builder::PossibleValuesParser;
 use serde::Serialize;
 
 use super::truth::TruthArgs;
-use super::{Failure, SettingsArgs, output, results};
+use super::{Failure, SettingsArgs, output, results, targets};
 use crate::evaluate::chart;
 use crate::evaluate::stress::{self, Disturbance, Failure as PointOfFailure, Plan, StressPoint};
 use crate::evaluate::truth::Truth;
@@ -45,6 +45,7 @@ struct StressOutput<'a> {
 impl StressArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let settings = self.settings.over(Settings::default())?;
+        targets::folder(&self.out)?;
         let capture = super::open_capture(&self.capture, &settings.capture)?;
         let truth: Truth = self.truth.truth(&self.capture, &capture)?;
         let mut plan = Plan { frames: self.truth.frames, ..Plan::standard(&settings) };

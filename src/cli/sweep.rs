@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::render::PaintingArgs;
 use super::truth::TruthArgs;
-use super::{Failure, SettingsArgs, output, results};
+use super::{Failure, SettingsArgs, output, results, targets};
 use crate::evaluate::chart;
 use crate::evaluate::sweep::{self, Plan, Point};
 use crate::settings::Settings;
@@ -49,6 +49,7 @@ impl SweepArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let mut settings = self.settings.over(Settings::default())?;
         self.painting.apply(&mut settings.render);
+        targets::folder(&self.out)?;
         let opened = super::open_capture(&self.capture, &settings.capture)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         let mut plan = self.plan(&settings, &capture)?;
@@ -69,14 +70,28 @@ impl SweepArgs {
         if self.json { output::print_json(&document) } else { output::print(&results::table(&points)) }
     }
 
+    /// The settings of the files under their names; under their paths where two files have one name. A file that says what another
+    /// row says already is told, as it gets none of its own.
+    fn named(&self, reference: &Settings) -> Result<Vec<(String, Settings)>, Failure> {
+        let label = |path: &PathBuf| {
+            let of_that_name = self.with.iter().filter(|other| other.file_stem() == path.file_stem()).count();
+            let name = path.file_stem().filter(|_| of_that_name == 1).unwrap_or(path.as_os_str());
+            Ok((name.to_string_lossy().into_owned(), Settings::load(path)?))
+        };
+        let named = self.with.iter().map(label).collect::<Result<Vec<_>, Failure>>()?;
+        for (index, (name, settings)) in named.iter().enumerate() {
+            let earlier =
+                named[..index].iter().find(|(_, other)| other == settings).map(|(name, _)| name.as_str());
+            if let Some(same) = earlier.or((settings == reference).then_some("default")) {
+                output::warn(&[format!("'{name}' says the same as '{same}', and has no row of its own")]);
+            }
+        }
+        Ok(named)
+    }
+
     fn plan(&self, settings: &Settings, capture: &crate::capture::Capture) -> Result<Plan, Failure> {
         if !self.with.is_empty() {
-            let load = |path: &PathBuf| {
-                let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into());
-                Ok((name, Settings::load(path)?))
-            };
-            let named = self.with.iter().map(load).collect::<Result<Vec<_>, Failure>>()?;
-            return Ok(Plan::list(settings, named, capture));
+            return Ok(Plan::list(settings, self.named(settings)?, capture));
         }
         if self.vary.is_empty() {
             return Ok(Plan::standard(settings, capture));

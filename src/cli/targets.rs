@@ -4,8 +4,9 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use super::picture::PicturePaths;
-use crate::capture::transforms::picture_places;
+use crate::capture::transforms::{manifest_path, picture_places, truth_beside};
 use crate::error::{Error, Result};
+use crate::store::Store;
 
 /// Refuses a file that cannot be written where it is named; `example` says how one is called.
 ///
@@ -35,10 +36,9 @@ pub(super) fn file(out: &Path, example: &str) -> Result<()> {
 pub(super) fn folder(out: &Path) -> Result<()> {
     match out.ancestors().find(|place| place.is_file()) {
         None => Ok(()),
-        Some(file) => Err(Error::invalid(
-            file.display(),
-            "is a file; name a folder, or one that can be made, with --out",
-        )),
+        Some(file) => {
+            Err(Error::invalid(file.display(), "is a file; name a folder, or one that can be made"))
+        }
     }
 }
 
@@ -60,6 +60,43 @@ pub(super) fn apart_from_pictures_of(manifest: &Path, targets: &[PicturePaths]) 
             ),
         )),
     }
+}
+
+/// Refuses a file that a capture or the truth beside it is read from: a manifest, or a picture that one names.
+///
+/// # Errors
+/// `Invalid` where it is one; whatever the capture's manifest gives, and that of `views` where they are named.
+pub(super) fn apart_from_capture(capture: &Path, views: Option<&Path>, out: &Path) -> Result<()> {
+    let manifests = [Some(manifest_path(capture)), truth_beside(capture), views.map(manifest_path)];
+    for manifest in manifests.iter().flatten() {
+        apart_from(manifest, out)?;
+    }
+    let mut pictures = picture_places(capture)?;
+    if let Some(views) = views {
+        pictures.extend(picture_places(views)?);
+    }
+    // Views that nobody named may be broken without a word: the command does not read them.
+    pictures
+        .extend(truth_beside(capture).and_then(|beside| picture_places(&beside).ok()).unwrap_or_default());
+    let out_resolved = resolved(out);
+    match pictures.iter().find(|picture| resolved(picture) == out_resolved) {
+        None => Ok(()),
+        Some(picture) => apart_from(picture, out),
+    }
+}
+
+/// Refuses to write text over a store.
+///
+/// # Errors
+/// `Invalid` where `out` is one; `Io` where it cannot be read.
+pub(super) fn apart_from_stores(out: &Path) -> Result<()> {
+    if !out.is_file() || !Store::is_store(out)? {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        out.display(),
+        "is a store, which would be written over; name another file with --out",
+    ))
 }
 
 /// Refuses to write over the file that is read.
@@ -103,6 +140,41 @@ mod tests {
         assert!(folder(here.path()).is_ok() && folder(&at("a/b")).is_ok() && folder(Path::new("a")).is_ok());
         for place in ["taken", "taken/a/b"] {
             assert!(said(folder(&at(place))).contains("taken: is a file"), "{place}");
+        }
+    }
+
+    #[test]
+    fn no_result_replaces_a_manifest_or_a_picture_of_the_capture_it_is_made_from() {
+        let folder = tempfile::tempdir().unwrap();
+        let here = folder.path();
+        std::fs::create_dir_all(here.join("novel")).unwrap();
+        let manifest = |name: &str, picture: &str| {
+            let entry =
+                format!(r#"{{"file_path":"{picture}","depth_file_path":"d.png","transform_matrix":[]}}"#);
+            std::fs::write(here.join(name), format!(r#"{{"frames":[{entry}]}}"#)).unwrap();
+        };
+        manifest("transforms.json", "a/1.exr");
+        manifest("novel/transforms.json", "n.exr");
+        manifest("views.json", "v");
+        let refused = |capture: &Path, out: &str| {
+            apart_from_capture(capture, Some(&here.join("views.json")), &here.join(out)).is_err()
+        };
+        for capture in [here, &here.join("transforms.json")] {
+            for out in [
+                "transforms.json",
+                "novel/../transforms.json",
+                "a/1.exr",
+                "d.png",
+                "novel/transforms.json",
+                "novel/n.exr",
+                "views.json",
+                "v.png",
+            ] {
+                assert!(refused(capture, out), "{out}");
+            }
+            for out in ["scene.ovl", "a/2.exr", "novel/a/1.exr"] {
+                assert!(!refused(capture, out), "{out}");
+            }
         }
     }
 

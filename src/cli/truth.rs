@@ -3,23 +3,27 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use clap::builder::RangedU64ValueParser;
 
 use super::{Failure, inputs};
 use crate::capture::{Capture, transforms};
 use crate::evaluate::subset;
 use crate::evaluate::truth::Truth;
 
+/// Raised where the same input, truth and settings would be measured otherwise than before.
+const MEASURE: u32 = 1;
+
 /// Where the truth comes from, and how much of the capture is looked at.
 #[derive(Debug, Args)]
 pub(super) struct TruthArgs {
     /// Vantages whose truth is known [default: the capture's novel/transforms.json, or else --cross-validate].
     #[arg(long, value_name = "TRANSFORMS", conflicts_with = "cross_validate")]
-    views: Option<PathBuf>,
+    pub(super) views: Option<PathBuf>,
     /// Leave each camera out in turn and score against its frames, where the others could have seen what it saw.
     #[arg(long)]
     cross_validate: bool,
     /// Look at this many frames alone, spread over the capture, those with truth among them.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
     pub(super) frames: Option<usize>,
 }
 
@@ -70,7 +74,7 @@ impl TruthArgs {
         truth: &Truth,
     ) -> Result<String, Failure> {
         Ok(format!(
-            "{} {} {:?} {} {}",
+            "{}.{MEASURE} {} {:?} {} {}",
             env!("CARGO_PKG_VERSION"),
             opened.name,
             opened.frame_numbers,

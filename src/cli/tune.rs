@@ -6,7 +6,6 @@ use clap::Args;
 
 use super::truth::TruthArgs;
 use super::{Failure, SettingsArgs, output, results, targets};
-use crate::error::Error;
 use crate::evaluate::tune::{self, Budget, Plan};
 use crate::settings::Settings;
 
@@ -21,10 +20,10 @@ pub(super) struct TuneArgs {
     #[arg(long, value_name = "S.toml")]
     out: PathBuf,
     /// Take the most accurate setting whose store has at most so many bytes, instead of the simplest good enough.
-    #[arg(long, value_name = "BYTES", conflicts_with = "max_ms")]
+    #[arg(long, value_name = "BYTES", conflicts_with = "max_ms", value_parser = clap::value_parser!(u64).range(1..))]
     max_bytes: Option<u64>,
     /// Take the most accurate setting that paints a view within so many milliseconds on this machine.
-    #[arg(long, value_name = "MS")]
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = parse_milliseconds)]
     max_ms: Option<f64>,
     /// Keep all cameras.
     #[arg(long)]
@@ -43,7 +42,12 @@ impl TuneArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let settings = self.settings.over(Settings::default())?;
         targets::file(&self.out, "tuned.toml")?;
+        targets::apart_from_stores(&self.out)?;
+        if let Some(journal) = &self.journal {
+            targets::folder(journal)?;
+        }
         let opened = super::open_capture(&self.capture, &settings.capture)?;
+        targets::apart_from_capture(&self.capture, self.truth.views.as_deref(), &self.out)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         let journal = match &self.journal {
             Some(folder) => {
@@ -58,16 +62,19 @@ impl TuneArgs {
         let tuned =
             results::recorded(journal.as_ref(), |job, keep| tune::run(&capture, &plan, &truth, job, keep))?;
         let head = format!("# {}\n\n", tuned.words.join("\n# "));
-        std::fs::write(&self.out, head + &tuned.settings.to_toml())
-            .map_err(|error| Error::io(&self.out, error))?;
+        let written = results::write_whole(&self.out, head + &tuned.settings.to_toml());
+        // What took so long is told even where it cannot be written.
         if self.json {
-            return output::print_json(&tuned);
+            output::print_json(&tuned)?;
+        } else {
+            output::print(&format!("{}\nCameras: {}", tuned.words.join("\n"), tuned.cameras.join(", ")))?;
         }
-        let cameras = tuned.cameras.join(", ");
-        output::print(&format!(
-            "{}\nCameras: {cameras}\nWrote {}",
-            tuned.words.join("\n"),
-            self.out.display()
-        ))
+        written?;
+        if self.json { Ok(()) } else { output::print(&format!("Wrote {}", self.out.display())) }
     }
+}
+
+fn parse_milliseconds(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "write a number above 0, as in 16.7".to_owned())
 }

@@ -39,7 +39,7 @@ use metrics::{FlickerMeter, Pair, Scores};
 pub struct ViewScore {
     /// The view's own name.
     pub file_path: String,
-    /// Closeness to the truth; `None` where it is not known.
+    /// Closeness to the truth; `None` where no pixel of it is known.
     #[serde(flatten)]
     pub scores: Option<Scores>,
     /// Wall-clock milliseconds of painting.
@@ -176,6 +176,47 @@ pub struct PaintedView {
     pub notice: Option<String>,
 }
 
+/// Where the frame of a view is among `frame_numbers`, those of what is called `name`.
+///
+/// # Errors
+/// `Invalid` naming the view where it is not.
+pub fn frame_of(view: &View, name: &str, frame_numbers: &[i64]) -> Result<usize> {
+    frame_numbers.binary_search(&view.frame_number).map_err(|_| {
+        let frames = match frame_numbers {
+            [] => "none".to_owned(),
+            [first, .., last] => format!("{} frames from {first} to {last}", frame_numbers.len()),
+            [only] => format!("frame {only} alone"),
+        };
+        Error::invalid(
+            format!("view '{}'", view.file_path),
+            format!("there is no frame {}; '{name}' has {frames}", view.frame_number),
+        )
+    })
+}
+
+/// That a view takes no part in the scores.
+fn says_nothing(view: &View) -> String {
+    format!(
+        "view '{}' is left out of the scores: no pixel of its true picture is known, or was seen by a camera",
+        view.file_path
+    )
+}
+
+/// The views whose true picture is there; that others are passed over is told.
+fn with_truth<'a>(views: &'a [View], job: &Job) -> Vec<&'a View> {
+    let (known, others): (Vec<_>, Vec<_>) = views.iter().partition(|view| view.truth.is_some());
+    if let Some(first) = others.first() {
+        job.warn(format!(
+            "{} of {} views are passed over, '{}' first: their true pictures are missing; put them where the manifest \
+             of the views names them",
+            others.len(),
+            views.len(),
+            first.file_path
+        ));
+    }
+    known
+}
+
 /// Paints one view and, where its truth is known, scores it. Nothing is kept from one view to the next, so that neither
 /// milliseconds nor samples depend on the view before; save for the samples themselves, which a GPU is sent once.
 ///
@@ -190,17 +231,7 @@ pub fn render_view(
     job: &Job,
 ) -> Result<PaintedView> {
     let place = || format!("view '{}'", view.file_path);
-    let frame = samples.frame_index(view.frame_number).ok_or_else(|| {
-        let frames = match samples.frame_numbers.as_slice() {
-            [] => "none".to_owned(),
-            [first, .., last] => format!("{} frames from {first} to {last}", samples.frame_count()),
-            [only] => format!("frame {only} alone"),
-        };
-        Error::invalid(
-            place(),
-            format!("there is no frame {}; '{}' has {frames}", view.frame_number, samples.name),
-        )
-    })?;
+    let frame = frame_of(view, &samples.name, &samples.frame_numbers)?;
     let vantage = Vantage { camera: view.camera.clone(), frame };
     renderer.forget_background();
     let (picture, stats) = renderer.render(samples, &vantage, settings, job)?;
@@ -211,9 +242,12 @@ pub fn render_view(
             error => error,
         })?),
     };
+    if pair.as_ref().is_some_and(|pair| !pair.has_truth()) {
+        job.warn(says_nothing(view));
+    }
     let score = ViewScore {
         file_path: view.file_path.clone(),
-        scores: pair.as_ref().map(Pair::scores),
+        scores: pair.as_ref().filter(|pair| pair.has_truth()).map(Pair::scores),
         milliseconds: stats.milliseconds,
         samples: stats.samples,
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
@@ -242,7 +276,7 @@ fn evaluate_with(
     settings: &RenderSettings,
     job: &Job,
 ) -> Result<Evaluation> {
-    let views: Vec<&View> = views.iter().filter(|view| view.truth.is_some()).collect();
+    let views = with_truth(views, job);
     if views.is_empty() {
         return Err(Error::invalid(
             &samples.name,
@@ -301,9 +335,13 @@ pub struct Comparison {
 /// the file, so that precision given up there shows in the scores.
 ///
 /// # Errors
-/// As [`preprocess::preprocess`], [`crate::store::write`] and [`evaluate`].
+/// As [`preprocess::preprocess`], [`crate::store::write`] and [`evaluate`]; a view at a frame that the capture lacks is told before
+/// anything is scanned.
 pub fn compare(capture: &Capture, views: &[View], settings: &Settings, job: &Job) -> Result<Comparison> {
     let mut renderer = Renderer::strict(settings.render.backend)?;
+    for view in with_truth(views, job) {
+        frame_of(view, &capture.name, &capture.frame_numbers)?;
+    }
     let scan = preprocess::scan(capture, settings, job)?;
     let mut compared = |method| {
         let mut settings = settings.clone();

@@ -113,8 +113,8 @@ pub struct Failure {
 /// A method fails where it has lost this much, dB.
 pub const LOST_DB: f64 = 1.0;
 
-/// Measures every disturbance of the plan at every value of its dial with every method; `on_point` is told each with how
-/// many are known then, of how many.
+/// Measures every disturbance of the plan at every value of its dial with every method; `on_point` is told each that was not
+/// known already, with how many are known then, of how many.
 ///
 /// # Errors
 /// Whatever preprocessing, painting and truth give; `Cancelled`, after which the points told so far can be put into
@@ -133,27 +133,33 @@ pub fn run(
             disturbance.dial(capture, truth).into_iter().map(move |dial| (disturbance, dial))
         })
         .collect();
+    let known = |(disturbance, dial): (Disturbance, f64), method: &Method| {
+        plan.done.iter().find(|point| {
+            point.disturbance == disturbance.name()
+                && point.dial == dial
+                && point.method == method.name
+                && point.point.settings == method.settings
+        })
+    };
     let total = steps.len() * plan.methods.len();
+    let is_open = |step: &(Disturbance, f64)| {
+        plan.methods.iter().filter(|method| known(*step, method).is_none()).count()
+    };
+    let open: usize = steps.iter().map(is_open).sum();
     let (started, mut measured, mut points) = (Instant::now(), 0, Vec::with_capacity(total));
     for (disturbance, dial) in steps {
-        let known = |method: &Method| {
-            plan.done.iter().find(|point| {
-                point.disturbance == disturbance.name()
-                    && point.dial == dial
-                    && point.method == method.name
-                    && point.point.settings == method.settings
-            })
-        };
         let mut workbench = None;
         for method in &plan.methods {
-            let mut point = if let Some(known) = known(method) {
+            let known = known((disturbance, dial), method);
+            let is_new = known.is_none();
+            let mut point = if let Some(known) = known {
                 known.clone()
             } else {
-                let each = (measured > 0).then(|| started.elapsed().as_secs_f64() / f64::from(measured));
+                let each = (measured > 0).then(|| started.elapsed().as_secs_f64() / measured as f64);
                 job.set_context(context(
                     points.len() + 1,
                     total,
-                    each.map(|each| each * (total - points.len()) as f64),
+                    each.map(|each| each * (open - measured) as f64),
                 ));
                 if workbench.is_none() {
                     workbench = Some(disturbed(capture, plan, truth, (disturbance, dial), job)?);
@@ -180,10 +186,10 @@ pub fn run(
             });
             let before = undisturbed.map_or(point.point.psnr_filled_db, |point| point.point.psnr_filled_db);
             point.loss_db = before - point.point.psnr_filled_db;
-            points.push(point);
-            if let Some(point) = points.last() {
-                on_point(point, (points.len(), total));
+            if is_new {
+                on_point(&point, (points.len() + 1, total));
             }
+            points.push(point);
         }
     }
     job.set_context("");
@@ -210,6 +216,7 @@ fn disturbed(
         recorded = Recorded {
             capture: subset::only(&recorded.capture, &frames),
             clean: subset::only(&recorded.clean, &frames),
+            places: subset::only(&recorded.places, &frames),
             edit_truth: recorded.edit_truth,
         };
     }

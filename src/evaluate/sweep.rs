@@ -146,7 +146,8 @@ pub fn mark_pareto<'a>(
     }
 }
 
-/// Measures every point of the plan that is not known yet, in the plan's order; `on_point` is told each with how many are
+/// Measures every point of the plan that is not known yet, in the plan's order, but for cameras alone that no view can be
+/// scored for; `on_point` is told each with how many are
 /// known then.
 ///
 /// # Errors
@@ -167,7 +168,7 @@ pub fn run(
         workbench.open(to_measure.map(|(planned, _)| &planned.trial))?;
         let (started, mut measured) = (Instant::now(), 0);
         for (planned, slot) in plan.trials.iter().zip(&mut points) {
-            if slot.is_some() {
+            if slot.is_some() || !workbench.can_measure(&planned.trial) {
                 continue;
             }
             let left = (measured > 0)

@@ -157,6 +157,12 @@ impl Workbench {
             .try_for_each(|trial| opened(&mut self.renderers, trial.settings.render.backend).map(|_| ()))
     }
 
+    /// Whether some fold that has views has a camera left for the trial.
+    #[must_use]
+    pub fn can_measure(&self, trial: &Trial) -> bool {
+        self.folds.iter().any(|fold| fold.has_cameras(trial))
+    }
+
     /// Tries one setting.
     ///
     /// # Errors

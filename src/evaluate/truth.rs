@@ -15,7 +15,7 @@ use std::sync::Arc;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::{hold_out, vantage_order};
+use super::{hold_out, says_nothing, vantage_order, with_truth};
 use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, View};
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -47,6 +47,8 @@ pub struct Recorded {
     pub capture: Capture,
     /// What the cameras would have recorded without the disturbance; tells where surfaces truly are.
     pub clean: Capture,
+    /// The cameras whose places are looked from where each is left out in turn, all of them still there.
+    pub places: Capture,
     /// Changes the truth where the disturbance changes the scene itself.
     pub edit_truth: Option<TruthEdit>,
 }
@@ -58,7 +60,7 @@ impl Recorded {
     /// A capture as it is.
     #[must_use]
     pub fn undisturbed(capture: &Capture) -> Self {
-        Self { capture: capture.clone(), clean: capture.clone(), edit_truth: None }
+        Self { capture: capture.clone(), clean: capture.clone(), places: capture.clone(), edit_truth: None }
     }
 }
 
@@ -72,32 +74,33 @@ impl Truth {
         }
     }
 
-    /// Loads and masks the truth of every fold.
+    /// Loads and masks the truth of every fold. Views of which no pixel is left are dropped, and folds without views: they say
+    /// nothing of any method.
     ///
     /// # Errors
-    /// Whatever loading frames and truth gives; `Invalid` where nothing has truth, and where a single camera should be left
+    /// Whatever loading frames and truth gives; `Invalid` where nothing is left, and where a single camera should be left
     /// out; `Cancelled`.
     pub fn folds(&self, recorded: &Recorded, job: &Job) -> Result<Vec<Fold>> {
         let folds = match self {
-            Self::Views(views) => {
-                let views = views.iter().filter(|view| view.truth.is_some()).cloned().collect();
-                vec![(None, views)]
-            }
+            Self::Views(views) => vec![(None, with_truth(views, job).into_iter().cloned().collect())],
             Self::HoldOut => {
-                let names = recorded.clean.cameras.iter().map(|camera| camera.name.clone());
+                let names = recorded.places.cameras.iter().map(|camera| camera.name.clone());
                 let split = |name: String| {
-                    let (_, views) = hold_out::split(&recorded.clean, std::slice::from_ref(&name))?;
+                    let (_, views) = hold_out::split(&recorded.places, std::slice::from_ref(&name))?;
                     Ok((Some(name), views))
                 };
                 names.map(split).collect::<Result<Vec<_>>>()?
             }
         };
-        let count: usize = folds.iter().map(|(_, views)| views.len()).sum();
-        if count == 0 {
-            return Err(Error::invalid(
+        let nothing = || {
+            Error::invalid(
                 &recorded.capture.name,
                 "no view has a true picture to be compared with; name others with --views, or leave cameras out",
-            ));
+            )
+        };
+        let count: usize = folds.iter().map(|(_, views)| views.len()).sum();
+        if count == 0 {
+            return Err(nothing());
         }
         job.start("Loading the truth", count);
         let mask = |(held_out, views): (Option<String>, Vec<View>)| {
@@ -105,9 +108,9 @@ impl Truth {
             let fold = Recorded {
                 capture: recorded.capture.with_cameras(keep),
                 clean: recorded.clean.with_cameras(keep),
-                edit_truth: recorded.edit_truth.clone(),
+                ..recorded.clone()
             };
-            let views: Vec<View> = views
+            let masked: Vec<(View, bool)> = views
                 .into_par_iter()
                 .map(|view| {
                     job.check()?;
@@ -116,9 +119,16 @@ impl Truth {
                     view
                 })
                 .collect::<Result<_>>()?;
+            let (known, unseen): (Vec<_>, Vec<_>) = masked.into_iter().partition(|(_, has_truth)| *has_truth);
+            for (view, _) in &unseen {
+                job.warn(says_nothing(view));
+            }
+            let views: Vec<View> = known.into_iter().map(|(view, _)| view).collect();
             Ok(Fold { held_out, capture: fold.capture, views: ordered(&views) })
         };
-        folds.into_iter().map(mask).collect()
+        let mut folds = folds.into_iter().map(mask).collect::<Result<Vec<_>>>()?;
+        folds.retain(|fold| !fold.views.is_empty());
+        if folds.is_empty() { Err(nothing()) } else { Ok(folds) }
     }
 }
 
@@ -128,8 +138,9 @@ fn ordered(views: &[View]) -> Vec<View> {
     order.into_iter().map(|index| views[index].clone()).collect()
 }
 
-/// The view with its truth loaded and masked to what the recorded cameras saw; whole where the truth came without depth.
-fn masked(recorded: &Recorded, view: View) -> Result<View> {
+/// The view with its truth loaded and masked to what the recorded cameras saw, whole where the truth came without depth; and
+/// whether any pixel of it is left.
+fn masked(recorded: &Recorded, view: View) -> Result<(View, bool)> {
     let (Some(load), Some(frame)) = (&view.truth, recorded.capture.frame_index(view.frame_number)) else {
         return Err(Error::invalid(
             format!("view '{}'", view.file_path),
@@ -148,8 +159,9 @@ fn masked(recorded: &Recorded, view: View) -> Result<View> {
             .collect::<Result<Vec<_>>>()?;
         mask_unseen(&mut truth, &view.camera, &sights);
     }
+    let has_truth = truth.inverse_depth.as_slice().iter().any(|inverse_depth| *inverse_depth >= 0.0);
     let truth = Arc::new(truth);
-    Ok(View { truth: Some(Arc::new(move || Ok((*truth).clone()))), ..view })
+    Ok((View { truth: Some(Arc::new(move || Ok((*truth).clone()))), ..view }, has_truth))
 }
 
 /// Takes what nothing saw out of what `camera` truly sees.
@@ -242,13 +254,41 @@ mod tests {
             .sum()
     }
 
-    #[test]
-    fn a_true_picture_without_depth_counts_whole_and_one_with_depth_where_a_camera_saw_it() {
+    fn demo_of_two() -> (Capture, Vec<View>) {
         let scene = "orrery".to_owned();
         let spec = DemoSpec { scene, cameras: Some(2), frames: Some(1), size: Some((32, 24)), noise: None };
         let demo = Demo::new(&spec).unwrap();
-        let capture = demo.capture(&CaptureSettings::default());
-        let views = demo.truth_views();
+        (demo.capture(&CaptureSettings::default()), demo.truth_views())
+    }
+
+    #[test]
+    fn a_view_that_shows_nothing_that_a_camera_saw_is_dropped_by_name_and_all_such_are_no_truth() {
+        let (capture, mut views) = demo_of_two();
+        let load = views[1].truth.clone().unwrap();
+        views[1].truth = Some(Arc::new(move || {
+            let mut truth = load()?;
+            // A kilometer away, where nobody recorded anything.
+            truth.inverse_depth.as_mut_slice().fill(1e-3);
+            Ok(truth)
+        }));
+        views[2].truth = None;
+        let (recorded, job) = (Recorded::undisturbed(&capture), Job::new());
+        let folds = Truth::Views(views.clone()).folds(&recorded, &job).unwrap();
+        let names: Vec<_> = folds[0].views.iter().map(|view| &view.file_path).collect();
+        assert_eq!(names, [&views[0].file_path]);
+        let [missing, left_out] = job.warnings().try_into().unwrap();
+        assert!(missing.contains(&views[2].file_path) && missing.starts_with("1 of 3 views"), "{missing}");
+        assert!(left_out.contains(&views[1].file_path) && left_out.contains("left out"), "{left_out}");
+
+        let Err(error) = Truth::Views(views[1..2].to_vec()).folds(&recorded, &Job::new()) else {
+            panic!("a view that shows nothing passed for truth")
+        };
+        assert!(error.to_string().contains("no view has a true picture"), "{error}");
+    }
+
+    #[test]
+    fn a_true_picture_without_depth_counts_whole_and_one_with_depth_where_a_camera_saw_it() {
+        let (capture, views) = demo_of_two();
         let pixels: usize = views.iter().map(|view| view.camera.intrinsics.pixel_count()).sum();
         let masked = true_pixels(views.clone(), &capture);
         assert!(masked > pixels / 2 && masked < pixels, "{masked} of {pixels}");

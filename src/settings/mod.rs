@@ -150,8 +150,11 @@ impl Settings {
     /// # Errors
     /// [`Error::Invalid`] for broken TOML, an unknown key, or a value out of range.
     pub fn from_toml(text: &str, place: &str) -> Result<Self> {
-        let settings: Self = toml::from_str(text)
-            .map_err(|error| Error::invalid(place, error.to_string().trim().replace('\n', " ")))?;
+        let settings: Self = toml::from_str(text).map_err(|error| {
+            let place =
+                error.span().map_or_else(|| place.to_owned(), |at| line_and_column(place, text, at.start));
+            Error::invalid(place, error.message().replace('\n', " "))
+        })?;
         settings.validate(place)?;
         Ok(settings)
     }
@@ -258,6 +261,14 @@ impl Settings {
     }
 }
 
+/// Where the byte at `offset` of a text stands, lines and characters counted from 1.
+fn line_and_column(place: &str, text: &str, offset: usize) -> String {
+    let before = text.get(..offset).unwrap_or(text);
+    let line = before.matches('\n').count() + 1;
+    let column = before.chars().rev().take_while(|character| *character != '\n').count() + 1;
+    format!("{place}, line {line}, column {column}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -288,7 +299,11 @@ mod tests {
             assert!(!error.contains('\n'), "{error}");
         }
         assert_eq!(settings, Settings::default());
-        assert!(Settings::from_toml("[pruning]\nrat = 1", "s.toml").is_err());
+        let said = |text: &str| Settings::from_toml(text, "s.toml").unwrap_err().to_string();
+        let unknown = said("[pruning]\n  rat = 1");
+        assert!(unknown.starts_with("s.toml, line 2, column 3: unknown field `rat`"), "{unknown}");
+        let broken = said("# Größe\n[pruning]\nmethod = ");
+        assert!(broken.starts_with("s.toml, line 3, column ") && !broken.contains(['\n', '|']), "{broken}");
     }
 
     #[test]

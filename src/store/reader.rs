@@ -101,7 +101,13 @@ impl Store {
         let file = File::open(path).map_err(|error| Error::io(path, error))?;
         let is_folder = file.metadata().is_ok_and(|metadata| metadata.is_dir());
         if is_folder {
-            return Err(Error::invalid(path.display(), "is a folder, not a store"));
+            let place = path.display();
+            return Err(Error::invalid(
+                &place,
+                format!(
+                    "is a folder, not a store; make one of a capture with overlook preprocess {place} --out scene.ovl"
+                ),
+            ));
         }
         Self::over(path, Box::new(file))
     }

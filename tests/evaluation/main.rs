@@ -4,4 +4,5 @@ mod results;
 mod scenes;
 mod stress;
 mod sweep;
+mod truth;
 mod tune;

@@ -61,7 +61,8 @@ fn a_pose_error_costs_accuracy_and_the_point_of_failure_lies_on_the_dial() {
     let again = Plan { done: points.clone(), ..plan };
     let job = Job::new();
     job.cancel();
-    let known = stress::run(&scene.capture, &again, &scene.truth, &job, |_, _| ()).unwrap();
+    let told_anew = |_: &StressPoint, _| panic!("what is known is told again");
+    let known = stress::run(&scene.capture, &again, &scene.truth, &job, told_anew).unwrap();
     assert_eq!(known, points, "all is known: nothing is measured, nothing can be cancelled");
 }
 
@@ -90,6 +91,17 @@ fn cameras_go_one_by_one_until_as_few_are_left_as_the_truth_needs() {
     let points = stress::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, _| ()).unwrap();
     let gone: Vec<f64> = points.iter().map(|point| point.dial).collect();
     assert_eq!(gone, [0.0, 1.0], "of three cameras two stay, so that one can be left out");
+    for gone in gone {
+        let recorded = Disturbance::FewerCameras.apply(&scene.capture, gone).unwrap();
+        let folds = scene.truth.folds(&recorded, &Job::new()).unwrap();
+        let places: Vec<_> = folds.iter().filter_map(|fold| fold.held_out.as_ref()).collect();
+        let names: Vec<_> = scene.capture.cameras.iter().map(|camera| &camera.name).collect();
+        assert_eq!(places, names, "every place is looked from, however many cameras are gone");
+        let left = 3 - gone as usize;
+        for (index, fold) in folds.iter().enumerate() {
+            assert_eq!(fold.capture.cameras.len(), left - usize::from(index < left));
+        }
+    }
 
     let views = Truth::Views(Vec::new());
     assert_eq!(Disturbance::FewerCameras.dial(&scene.capture, &views), [0.0, 1.0, 2.0]);

@@ -2,7 +2,7 @@
 
 use overlook::evaluate::sweep::{self, Plan, Point, Series};
 use overlook::job::Job;
-use overlook::settings::{Kernel, Precision, Settings};
+use overlook::settings::{Kernel, Precision, PruningMethod, Settings};
 
 use crate::scenes::orrery;
 
@@ -76,6 +76,42 @@ fn a_store_that_rounds_beats_only_stores_that_round(exact: &Point) {
     let mut points = [exact.clone(), rounding(Precision::Bits8, half), rounding(Precision::Bits16, half + 1)];
     sweep::mark_pareto(&mut points, |point| point.bytes as f64, |point| point.psnr_filled_db);
     assert_eq!(points.each_ref().map(|point| point.pareto), [true, true, false]);
+}
+
+#[test]
+fn what_keeps_as_many_samples_as_another_reference_is_not_known() {
+    let scene = orrery(1);
+    let with = |method: PruningMethod| {
+        let mut settings = Settings::default();
+        settings.pruning.method = method;
+        let mut plan = Plan::list(&settings, Vec::new(), &scene.capture);
+        plan.trials.retain(|planned| {
+            let kernel = planned.trial.settings.render.kernel;
+            kernel == Kernel::Gather && matches!(planned.series, Series::Reference | Series::Random)
+        });
+        plan
+    };
+    let (one, mut other) = (with(Settings::default().pruning.method), with(PruningMethod::FirstCamera));
+    assert_eq!(other.trials[1], one.trials[1], "settings do not tell the references apart");
+    let run = |plan: &Plan| {
+        let mut measured = 0;
+        let points =
+            sweep::run(&scene.capture, plan, &scene.truth, &Job::new(), |_, _| measured += 1).unwrap();
+        (points, measured)
+    };
+    let (first, _) = run(&one);
+    other.done = first.clone();
+    let (second, measured) = run(&other);
+    assert_eq!(measured, 2, "the reference and what keeps as many samples");
+    assert_eq!(second[1].samples, second[0].samples);
+    assert_ne!(second[1].samples, first[1].samples);
+
+    // In one journal, each goes with its own reference.
+    for (mut plan, points) in [(one, &first), (other, &second)] {
+        plan.done = [first.clone(), second.clone()].concat();
+        let (again, measured) = run(&plan);
+        assert_eq!((measured, again[1].samples), (0, points[1].samples));
+    }
 }
 
 #[test]

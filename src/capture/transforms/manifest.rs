@@ -1,5 +1,7 @@
 //! The keys of the manifest, as JSON has them.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -213,6 +215,12 @@ impl Manifest {
                 "there is no such file; a capture is a folder that holds a transforms.json",
             ));
         }
+        if is_iff(path)? {
+            return Err(Error::invalid(
+                path.display(),
+                "is a store; name the capture that it was made from: a folder, or its transforms.json",
+            ));
+        }
         let length = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
         if length > MAX_BYTES {
             return Err(Error::invalid(
@@ -267,6 +275,13 @@ fn wrong_key(object: &Value) -> Option<String> {
         let alone = Value::Object([(key.clone(), value.clone())].into_iter().collect());
         Keys::deserialize(alone).err().map(|error| format!("\"{key}\": {error}"))
     })
+}
+
+/// Whether a file is an IFF file, as stores are.
+fn is_iff(path: &Path) -> Result<bool> {
+    let mut start = [0; 4];
+    let mut file = File::open(path).map_err(|error| Error::io(path, error))?;
+    Ok(file.read_exact(&mut start).is_ok() && start == *b"FORM")
 }
 
 #[cfg(test)]

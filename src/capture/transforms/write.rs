@@ -96,7 +96,8 @@ pub fn write_manifest(path: &Path, facts: ManifestFacts, entries: &[ManifestEntr
 
 /// Writes every frame of a capture, and the vantages with their true pictures, below `folder`.
 ///
-/// Progress is counted in pictures; cancelling stops before the next one, and leaves no manifest.
+/// Progress is counted in pictures; cancelling stops before the next one, and leaves no manifest: one that was there before is
+/// taken away first.
 ///
 /// # Errors
 /// `Io` where something cannot be written, whatever loading a frame gives, `Invalid` for names that are no paths below
@@ -108,6 +109,10 @@ pub fn write_capture(folder: &Path, capture: &Capture, views: &[View], job: &Job
     let entries = capture_entries(capture);
     for entry in &entries {
         create_folder_of(folder, &entry.file_path)?;
+    }
+    // Pictures of one recording must never stand below the manifest of another.
+    for manifest in [folder.join(MANIFEST_NAME), folder.join(NOVEL_FOLDER).join(MANIFEST_NAME)] {
+        remove_if_there(&manifest)?;
     }
     entries.par_iter().enumerate().try_for_each(|(index, entry)| {
         job.check()?;
@@ -125,6 +130,13 @@ pub fn write_capture(folder: &Path, capture: &Capture, views: &[View], job: &Job
         write_views(&folder.join(NOVEL_FOLDER), views, facts, job)?;
     }
     write_manifest(&folder.join(MANIFEST_NAME), facts, &entries)
+}
+
+fn remove_if_there(path: &Path) -> Result<()> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::io(path, error)),
+        _ => Ok(()),
+    }
 }
 
 fn capture_entries(capture: &Capture) -> Vec<ManifestEntry<'_>> {

@@ -66,11 +66,19 @@ impl Axis {
 fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     let rough = (high - low) / count.max(1) as f64;
     let power = 10_f64.powf(rough.log10().floor());
-    let step = power * [1.0, 2.0, 5.0, 10.0].into_iter().find(|step| step * power >= rough).unwrap_or(10.0);
-    let first = (low / step).ceil() as i64;
-    let last = (high / step).floor() as i64;
-    (first..=last).map(|index| index as f64 * step).collect()
+    let step = [1.0, 2.0, 5.0].into_iter().position(|step| step * power >= rough).unwrap_or(3) + 1;
+    let with = |step: f64| {
+        let first = (low / step).ceil() as i64;
+        let last = (high / step).floor() as i64;
+        (first..=last).map(|index| index as f64 * step).collect::<Vec<_>>()
+    };
+    let ticks = with(power * STEPS[step]);
+    // A single tick gives no scale.
+    if ticks.len() < 2 { with(power * STEPS[step - 1]) } else { ticks }
 }
+
+/// Round steps between two powers of ten, and the one below.
+const STEPS: [f64; 5] = [0.5, 1.0, 2.0, 5.0, 10.0];
 
 /// A number without zeros at its end.
 pub(super) fn short(value: f64) -> String {
@@ -94,6 +102,15 @@ mod tests {
             ["1", "0.25", "20", "0"],
             [1.0, 0.25, 20.0, 0.0].map(short).each_ref().map(String::as_str)
         );
+    }
+
+    #[test]
+    fn an_axis_from_zero_has_a_tick_beside_it() {
+        for high in [0.07, 0.9, 1.0, 2.3, 4.4, 9.0, 13.0, 47.0, 93.0] {
+            let axis = Axis::around(Scale::Linear, [0.0, high].into_iter(), (0.0, 1.0));
+            let ticks = axis.ticks(2);
+            assert!((2..=4).contains(&ticks.len()), "{high}: {ticks:?}");
+        }
     }
 
     #[test]

