@@ -93,19 +93,16 @@ impl<'a> Descent<'a> {
             job.check()?;
             layer.noise_share.resize(usize::from(level), 0.0);
             layer.noise_share.push((span.len() as f32).sqrt().recip());
-            let pixels = match scan.and_then(|scan| scan.spans.as_ref()) {
-                Some(spans) => {
-                    let samples = spans.get(camera, span)?.unwrap_or_default();
-                    put(layer, level, &samples);
-                    samples.pixels.clone()
+            let pixels = if let Some(spans) = scan.and_then(|scan| scan.spans.as_ref()) {
+                let samples = spans.get(camera, span)?.unwrap_or_default();
+                put(layer, level, &samples);
+                samples.pixels.clone()
+            } else {
+                let frame = capture.frame(camera, span.start as usize)?;
+                if scan.is_none() {
+                    layer.depth_step_relative = frame.depth_step_relative;
                 }
-                None => {
-                    let frame = capture.frame(camera, span.start as usize)?;
-                    if scan.is_none() {
-                        layer.depth_step_relative = frame.depth_step_relative;
-                    }
-                    put_frame(layer, level, &frame)
-                }
+                put_frame(layer, level, &frame)
             };
             builder.estimate_normals(layer, &capture.cameras[camera], &pixels);
             builder.rate(layer, &capture.cameras[camera], &pixels);

@@ -118,10 +118,8 @@ impl<'a> LayerBuilder<'a> {
             let mixed = mixed && (!is_first_camera || pruning.mixed_pixels == MixedPixels::Drop);
             let ranks = [own, of(self.rate.other())].map(|footprint| {
                 let unsure = normal == Vec3::ZERO && inverse_depth > 0.0;
-                let rank = match is_first_camera {
-                    true => 0,
-                    false => rank(footprint) | if unsure { UNSURE } else { 0 },
-                };
+                let unsure = if unsure { UNSURE } else { 0 };
+                let rank = if is_first_camera { 0 } else { rank(footprint) | unsure };
                 if mixed { rank | MIXED } else { rank }
             });
             let normal_in_camera = camera_from_world * normal;

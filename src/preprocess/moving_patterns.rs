@@ -51,15 +51,13 @@ fn places(side: usize, block: usize) -> usize {
 fn changes([before, after]: [&Frame; 2], (left, top): (usize, usize), limit: f32) -> bool {
     let mut count = 0;
     for y in top..top + HEIGHT {
-        let columns = left..left + WIDTH;
-        let colors = before.color.row(y)[columns.clone()].iter().zip(&after.color.row(y)[columns.clone()]);
-        let depths = before.inverse_depth.row(y)[columns.clone()].iter();
-        let depths = depths.zip(&after.inverse_depth.row(y)[columns]);
-        let is_changed = |((old, new), (far, near)): &((&[half::f16; 3], &[half::f16; 3]), (&f32, &f32))| {
-            let nearest = far.max(**near);
-            old != new && far.min(**near) > 0.0 && (*near - *far).abs() <= limit * nearest
-        };
-        count += colors.zip(depths).filter(is_changed).count();
+        let [old, new] = [before, after].map(|frame| &frame.color.row(y)[left..left + WIDTH]);
+        let [far, near] = [before, after].map(|frame| &frame.inverse_depth.row(y)[left..left + WIDTH]);
+        for i in 0..WIDTH {
+            let is_same =
+                far[i].min(near[i]) > 0.0 && (near[i] - far[i]).abs() <= limit * far[i].max(near[i]);
+            count += usize::from(is_same && old[i] != new[i]);
+        }
     }
     2 * count >= WIDTH * HEIGHT
 }

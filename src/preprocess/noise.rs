@@ -256,10 +256,14 @@ fn finite_depths<'a>(
 #[must_use]
 pub fn measure_pairs(pairs: &[[&Frame; 2]]) -> Noise {
     let mut meter = NoiseMeter::default();
-    pairs.iter().for_each(|pair| meter.add_depths(*pair));
+    for pair in pairs {
+        meter.add_depths(*pair);
+    }
     let limit = SAME_SURFACE_RELATIVE.max(SAME_SURFACE_SIGMAS * meter.noise().depth_relative);
     if !patterns_move(pairs, limit) {
-        pairs.iter().for_each(|pair| meter.add_colors(*pair, limit));
+        for pair in pairs {
+            meter.add_colors(*pair, limit);
+        }
     }
     meter.noise()
 }
