@@ -1,4 +1,4 @@
-//! What adapters and fixed point are worst at, painted as on the CPU.
+//! What adapters and fixed point are worst at, painted as on the CPU: nothing at all, and samples that fill the picture.
 //!
 //! Where the machine has no adapter, not even a software one, each test says so and passes; with `OVERLOOK_REQUIRE_GPU=1` it
 //! fails instead.
@@ -10,7 +10,7 @@ mod skip;
 use std::sync::Arc;
 
 use glam::DVec3;
-use overlook::capture::Camera;
+use overlook::capture::{Camera, Intrinsics};
 use overlook::job::Job;
 use overlook::preprocess::SampleSet;
 use overlook::render::{AdapterChoice, CpuRenderer, GpuRenderer, Picture, Vantage};
@@ -30,6 +30,21 @@ fn gpu() -> Option<GpuRenderer> {
 
 fn front() -> Camera {
     plain_camera("front", DVec3::ZERO, 64, 48)
+}
+
+/// A wall of coarse checks that bulges, so that footprints are slanted.
+fn wall() -> Arc<SampleSet> {
+    samples(front(), |x, y| {
+        let color = if (x / 2 + y / 2) % 2 == 0 { [0.75, 0.25, 0.0625] } else { [0.125, 0.5, 0.25] };
+        Some((color, 0.25 + 0.0005 * ((x as f32 - 32.0).powi(2) + (y as f32 - 24.0).powi(2)).sqrt()))
+    })
+}
+
+/// The camera of the wall, moved a little, with a lens so many times as long.
+fn zoomed(times: f64, (width, height): (u32, u32)) -> Camera {
+    let plain = plain_camera("zoomed", DVec3::new(0.1, 0.05, 0.0), width, height);
+    let focal = times * front().intrinsics.fx;
+    Camera { intrinsics: Intrinsics { fx: focal, fy: focal, ..plain.intrinsics }, ..plain }
 }
 
 /// The picture of the CPU, and of the GPU.
@@ -52,5 +67,18 @@ fn a_frame_without_samples_is_a_picture_of_holes() {
         let [cpu, gpu] = both(&mut gpu, &samples(front(), |_, _| None), &front(), *kernel);
         assert!(cpu == gpu, "{kernel}");
         assert_eq!(gpu.holes(), 64 * 48);
+    }
+}
+
+#[test]
+fn surfels_are_blended_as_on_the_cpu_however_close_the_vantage() {
+    let Some(mut gpu) = gpu() else { return };
+    for times in [5.0, 20.0, 50.0, 100.0, 200.0, 400.0] {
+        let [cpu, gpu] = both(&mut gpu, &wall(), &zoomed(times, (320, 240)), Kernel::Surfel);
+        let pixels = cpu.color.as_slice().iter().zip(gpu.color.as_slice());
+        let off = pixels.map(|(a, b)| (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max));
+        // The border of a footprint may fall to either side of a pixel.
+        let count = off.filter(|off| *off > 1e-3).count();
+        assert!(count * 200 < 320 * 240, "{count} pixels differ at a lens {times} times as long");
     }
 }
