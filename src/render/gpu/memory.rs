@@ -130,6 +130,13 @@ impl SampleMemory {
         })
     }
 
+    /// Gives everything up, as after a failure that may have left pages unusable.
+    pub(super) fn forget(&mut self) {
+        self.resident.clear();
+        self.pages.clear();
+        self.page_bytes = 0;
+    }
+
     /// Brings images onto the adapter as long as there is room without sending others away that `load` has just asked for.
     pub(super) fn prefetch(&mut self, context: &Context, images: &[&Arc<SampleImage>]) -> Result<()> {
         if self.page_bytes > 0 {
