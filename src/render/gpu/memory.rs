@@ -116,10 +116,17 @@ impl SampleMemory {
             let bytes = images.iter().map(|image| image.bytes() as u64).sum::<u64>();
             self.page_bytes = (2 * bytes).next_multiple_of(1 << 20).max(MIN_PAGE).min(self.max_page_bytes);
         }
-        if self.try_load(context, images)?.is_none() && self.page_bytes < self.max_page_bytes {
+        if let Some(placed) = self.try_load(context, images)? {
+            return Ok(placed);
+        }
+        self.resident.clear();
+        if self.page_bytes < self.max_page_bytes {
             self.page_bytes = self.max_page_bytes;
-            self.resident.clear();
             self.pages.clear();
+        }
+        // There may be room enough in all, but in gaps between images that this frame needs too.
+        for page in &mut self.pages {
+            page.room = Room::new((self.page_bytes / 4) as u32);
         }
         self.try_load(context, images)?.ok_or_else(|| Error::Gpu {
             what: format!(
@@ -274,6 +281,17 @@ mod tests {
     fn load(context: &Context, memory: &mut SampleMemory, images: &[Arc<SampleImage>]) -> Result<()> {
         let images: Vec<_> = images.iter().collect();
         context.guarded(|| memory.load(context, &images)).map(drop)
+    }
+
+    #[test]
+    fn a_frame_that_fits_is_loaded_though_images_it_shares_with_the_one_before_lie_scattered() {
+        let Some((context, mut memory)) = memory(4) else { return };
+        let small: Vec<_> = (0..16).map(|_| image(1)).collect();
+        load(&context, &mut memory, &small).unwrap();
+        let next: Vec<_> = small.iter().step_by(2).cloned().chain((0..4).map(|_| image(2))).collect();
+        load(&context, &mut memory, &next).unwrap();
+        let full: Vec<_> = next.into_iter().chain([image(1)]).collect();
+        assert!(load(&context, &mut memory, &full).unwrap_err().to_string().contains("do not fit"));
     }
 
     #[test]
