@@ -82,3 +82,14 @@ fn surfels_are_blended_as_on_the_cpu_however_close_the_vantage() {
         assert!(count * 200 < 320 * 240, "{count} pixels differ at a lens {times} times as long");
     }
 }
+
+#[test]
+fn a_sample_that_fills_the_picture_leaves_no_hole() {
+    let Some(mut gpu) = gpu() else { return };
+    for kernel in [Kernel::Surfel, Kernel::Gather] {
+        for times in [400.0, 2000.0] {
+            let [cpu, gpu] = both(&mut gpu, &wall(), &zoomed(times, (640, 480)), kernel);
+            assert_eq!((cpu.holes(), gpu.holes()), (0, 0), "{kernel}, a lens {times} times as long");
+        }
+    }
+}
