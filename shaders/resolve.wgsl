@@ -49,7 +49,7 @@ fn resolve(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
                 sum += foreground_sum(pixel);
             }
         }
-        if sum.w > 0.0 {
+        if sum.w >= LEAST_WEIGHT {
             color = sum.xyz / sum.w;
         } else {
             color = color_of(~key.x);

@@ -1,7 +1,16 @@
 // The surface stage: which sample is nearest in each pixel. Twin: src/render/surface.rs.
 //
 // One workgroup a tile of samples, one thread a sample. What the CPU paints in blocks of sixteen and four corners is a plain
-// loop over the pixels of a footprint here; the maximum makes the order irrelevant.
+// loop over the pixels of a footprint here; the maximum makes the order irrelevant. Footprints of very many pixels are painted
+// by all threads of the workgroup together.
+
+// Footprints of more pixels are shared: one thread would be long over what the others wait for, and some adapters end loops of
+// 65,536 steps.
+const SHARED_FROM: u32 = 1024u;
+
+// Samples of the tile whose footprints are shared, by their threads.
+var<workgroup> shared_count: atomic<u32>;
+var<workgroup> shared_samples: array<u32, 256>;
 
 // A sample belongs to the core of a pixel that gets at least this share of it by bilinear weights, and else to its fringe.
 const CORE_SHARE: f32 = 0.06;
@@ -27,11 +36,39 @@ fn raise_block(projected: Projected, w: f32, slot: u32) {
     }
 }
 
-fn raise_footprint(projected: Projected, found: Footprint, slot: u32) {
-    let edges = edges_around(projected.pixel, max(found.half_size, vec2<f32>(0.5)));
-    for (var y = edges.z; y <= edges.w; y++) {
-        for (var x = edges.x; x <= edges.y; x++) {
-            let off = vec2<f32>(f32(x), f32(y)) + 0.5 - projected.pixel;
+// A sample of the workgroup's tile in the picture.
+struct Seen {
+    // Where it lies; not seen where its reciprocal is 0.
+    projected: Projected,
+    footprint: Footprint,
+    // Columns and rows that the footprint may cover, as `edges_around` gives them, and how many pixels they are.
+    edges: vec4<i32>,
+    pixels: u32,
+}
+
+// The sample at `at` in the tile; called after `lay_out`.
+fn see(projector: Projector, corner: vec2<f32>, at: vec2<u32>) -> Seen {
+    var seen: Seen;
+    let w = tile_inverse_depth[at.y * TILE + at.x];
+    let projected = project(projector, corner.x, corner.y + f32(at.y), f32(at.x), w);
+    if w >= 0.0 && is_seen(projected) {
+        seen.projected = projected;
+        if stage.kernel == KERNEL_SURFEL || stage.kernel == KERNEL_GATHER {
+            seen.footprint = footprint(projector, projected, w, slopes(at, projector.per_footprint));
+            seen.edges = edges_around(projected.pixel, max(seen.footprint.half_size, vec2<f32>(0.5)));
+            let size = max(seen.edges.yw - seen.edges.xz + 1, vec2<i32>(0));
+            seen.pixels = u32(size.x) * u32(size.y);
+        }
+    }
+    return seen;
+}
+
+// Raises the pixels of a footprint in every `step`th column and row, from `first` on.
+fn raise_footprint(seen: Seen, slot: u32, first: vec2<u32>, step: i32) {
+    let found = seen.footprint;
+    for (var y = seen.edges.z + i32(first.y); y <= seen.edges.w; y += step) {
+        for (var x = seen.edges.x + i32(first.x); x <= seen.edges.y; x += step) {
+            let off = vec2<f32>(f32(x), f32(y)) + 0.5 - seen.projected.pixel;
             let across = found.inverse.x * off.x + found.inverse.y * off.y;
             let down = found.inverse.z * off.x + found.inverse.w * off.y;
             let covered = max(abs(across), abs(down)) <= 0.5 * OVERLAP || max(abs(off.x), abs(off.y)) <= 0.5;
@@ -49,28 +86,38 @@ fn raise_footprint(projected: Projected, found: Footprint, slot: u32) {
 }
 
 @compute @workgroup_size(16, 16)
-fn surface(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+fn surface(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_id) local: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
     let nth = group.y * GROUPS_ACROSS + group.x;
     if nth >= stage.tile_count {
         return;
     }
     let number = stage.first_tile + nth;
     let piece = pieces[piece_of(number)];
-    let pixel = lay_out(piece, number, local.xy);
-    let w = pixel.inverse_depth;
-    let projector = projectors[piece.camera];
-    let projected =
-        project(projector, pixel.corner.x, pixel.corner.y + f32(local.y), f32(local.x), w);
-    if w < 0.0 || !is_seen(projected) {
-        return;
+    if thread == 0u {
+        atomicStore(&shared_count, 0u);
     }
-    let slot = number << 8u | local.y << 4u | local.x;
-    switch stage.kernel {
-        case KERNEL_POINT: { raise_point(projected, w, slot); }
-        case KERNEL_BLOCK: { raise_block(projected, w, slot); }
-        default: {
-            let found = footprint(projector, projected, w, slopes(local.xy, projector.per_footprint));
-            raise_footprint(projected, found, slot);
+    let pixel = lay_out(piece, number, local.xy);
+    let projector = projectors[piece.camera];
+    let seen = see(projector, pixel.corner, local.xy);
+    let slot = number << 8u | thread;
+    if seen.pixels > SHARED_FROM {
+        shared_samples[atomicAdd(&shared_count, 1u)] = thread;
+    } else if seen.projected.reciprocal > 0.0 {
+        switch stage.kernel {
+            case KERNEL_POINT: { raise_point(seen.projected, pixel.inverse_depth, slot); }
+            case KERNEL_BLOCK: { raise_block(seen.projected, pixel.inverse_depth, slot); }
+            default: { raise_footprint(seen, slot, vec2<u32>(0u), 1); }
         }
+    }
+    workgroupBarrier();
+    let count = atomicLoad(&shared_count);
+    for (var nth = 0u; nth < count; nth++) {
+        let sample = shared_samples[nth];
+        let at = vec2<u32>(sample & 15u, sample >> 4u);
+        raise_footprint(see(projector, pixel.corner, at), number << 8u | sample, local.xy, 16);
     }
 }

@@ -135,9 +135,9 @@ impl Difference {
 /// 8100 pixels; ten times that is let pass.
 const DIFFERING: f64 = 1e-3;
 
-/// Colors add the rounding of fixed point, 2⁻²⁹ per sample, over weights that may be as small as they like: where the nearest
-/// surface gives a pixel almost nothing its color is uncertain, so that some more may differ. Nor need two cameras that count
-/// the same for a block be asked in the same order.
+/// Colors add the rounding of fixed point, 2⁻²⁹ per sample, over weights of 2⁻¹⁶ and more: where the nearest surface gives a
+/// pixel almost nothing its color is uncertain, so that some more may differ. Nor need two cameras that count the same for a
+/// block be asked in the same order.
 const DIFFERING_COLORS: f64 = 4e-3;
 
 /// How far a color may be off where image and depth are the same, of light that goes up to 0.8: a hundred times what was found on a

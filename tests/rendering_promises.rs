@@ -110,6 +110,25 @@ fn painting_over_a_cached_background_gives_the_same_picture() {
 }
 
 #[test]
+fn what_moved_at_another_vantage_is_gone_though_nothing_moved_when_this_one_was_first_painted() {
+    let mut set = (*samples(&moving_capture(), &Settings::default())).clone();
+    let frames = set.frame_count();
+    set.images.retain(|image| image.span.len() == frames || !image.span.contains(2));
+    let set = Arc::new(set);
+    let eye = |x| camera("novel", DVec3::new(x, -4.6, 2.6), DVec3::new(0.3, 0.2, 0.3), 80);
+    for &kernel in Kernel::ALL {
+        let settings = RenderSettings { kernel, ..RenderSettings::default() };
+        let mut renderer = CpuRenderer::new();
+        for (x, frame) in [(0.9, 1), (0.4, 2), (0.4, 3), (0.4, 2), (0.4, 4)] {
+            let vantage = Vantage { camera: eye(x), frame };
+            let (picture, stats) = renderer.render(&set, &vantage, &settings, &Job::new()).unwrap();
+            assert!(!stats.background_reused || (stats.samples > 0) == (frame != 2));
+            assert!(picture == paint(&set, &vantage.camera, frame, kernel), "{kernel}, frame {frame}");
+        }
+    }
+}
+
+#[test]
 fn the_picture_is_the_same_with_one_thread_and_with_many() {
     let capture = moving_capture();
     let samples = samples(&capture, &Settings::default());

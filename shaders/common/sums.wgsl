@@ -4,6 +4,8 @@
 // rounding of an f32 of 1/16. What overflows is above 2³⁶, tens of thousands of samples of the largest half float in one pixel.
 
 const SUM_WORDS: u32 = 8u;
+// Weights that sum to less, in units 4096, are no color.
+const LEAST_WEIGHT: f32 = 0.0000152587890625;
 const LARGEST_HALF: f32 = 65504.0;
 
 // Of a number from 0 to 2³⁶, in units of 2⁻²⁸: low and high word. Every step is exact but the rounding.

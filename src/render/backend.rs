@@ -157,10 +157,7 @@ impl Renderer {
     ) -> Result<Painted> {
         let request = Request { samples, vantage, settings, job };
         match settings.backend {
-            Backend::Cpu => {
-                self.notice = None;
-                self.on_cpu(&request)
-            }
+            Backend::Cpu => self.on_cpu_by_choice(&request),
             Backend::Gpu => {
                 self.open(AdapterChoice::Any);
                 self.on_gpu_if_possible(&request)
@@ -214,13 +211,11 @@ impl Renderer {
     fn on_the_faster(&mut self, request: &Request<'_>) -> Result<Painted> {
         self.open(AdapterChoice::Hardware);
         let hardware = matches!(&self.adapter, Adapter::Open(gpu) if !gpu.is_software());
-        if !hardware {
-            return self.on_cpu(request);
-        }
         match self.faster.get(&request.settings.kernel) {
+            // Where the card was lost since, this says so.
             Some(Backend::Gpu) => self.on_gpu_if_possible(request),
-            Some(_) => self.on_cpu(request),
-            None => self.measure(request),
+            None if hardware => self.measure(request),
+            _ => self.on_cpu_by_choice(request),
         }
     }
 
@@ -268,6 +263,11 @@ impl Renderer {
             Err(_) if choice == AdapterChoice::Hardware => Adapter::NoCard,
             Err(error) => Adapter::Missing(error.to_string()),
         };
+    }
+
+    fn on_cpu_by_choice(&mut self, request: &Request<'_>) -> Result<Painted> {
+        self.notice = None;
+        self.on_cpu(request)
     }
 
     fn on_cpu(&mut self, request: &Request<'_>) -> Result<Painted> {
@@ -358,6 +358,24 @@ mod tests {
         let mut renderer = Renderer { adapter: Adapter::Open(Box::new(gpu)), ..Renderer::default() };
         renderer.render(&samples, &vantage, &settings(Backend::Auto), &Job::new()).unwrap();
         assert_eq!(renderer.painter(), Some(&Painter::cpu()));
+    }
+
+    #[test]
+    fn a_notice_goes_when_the_cpu_paints_by_choice() {
+        let (samples, vantage) = scene();
+        let why = || Adapter::Missing("there is none".to_owned());
+        let mut renderer = Renderer { adapter: why(), ..Renderer::default() };
+        let mut notice = |backend| {
+            renderer.render(&samples, &vantage, &settings(backend), &Job::new()).unwrap();
+            renderer.notice().map(str::to_owned)
+        };
+        assert_eq!(notice(Backend::Gpu).as_deref(), Some("the CPU paints: there is none"));
+        assert_eq!(notice(Backend::Auto), None);
+        // A card that was found to be faster, and is gone, is missed.
+        let faster = HashMap::from([(settings(Backend::Auto).kernel, Backend::Gpu)]);
+        let mut renderer = Renderer { adapter: why(), faster, ..Renderer::default() };
+        renderer.render(&samples, &vantage, &settings(Backend::Auto), &Job::new()).unwrap();
+        assert!(renderer.notice().is_some());
     }
 
     #[test]

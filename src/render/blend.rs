@@ -28,6 +28,10 @@ use crate::simd::{self, Work};
 /// One pixel's sum of weighted colors, and of weights.
 pub(super) type Sum = [f32; 4];
 
+/// Weights that sum to less are no color: the GPU, which sums in fixed point, has too few digits of them. Those of samples that
+/// lie so far apart in the picture that none is blended with another, and of ends of kernels that brush a pixel.
+pub(super) const LEAST_WEIGHT: f32 = 1.0 / 65536.0;
+
 /// Variance of the reconstruction filter, squared source pixels, and of the screen filter, squared target pixels.
 const SOURCE_VARIANCE: f32 = 0.15;
 const SCREEN_VARIANCE: f32 = 0.1;

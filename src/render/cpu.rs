@@ -288,7 +288,10 @@ fn paint_anew(painting: &Painting<'_>, samples: &Arc<SampleSet>, buffers: Buffer
     background.reset(pixels, sums);
     painting.paint(0, &painting.bounds(frame.lasting()), &mut background)?;
     let mut touched = Blocks::none(width, height);
-    if !frame.passing().is_empty() {
+    if frame.passing().is_empty() {
+        // When the next frame is painted over, only blocks that are touched are cleared: nothing may be left in others.
+        foreground = Layer::default();
+    } else {
         foreground.reset(pixels, sums);
         let bounds = painting.bounds(frame.passing());
         touched.mark(&bounds, RING);

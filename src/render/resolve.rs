@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::blend::Sum;
+use super::blend::{LEAST_WEIGHT, Sum};
 use super::blocks::Blocks;
 use super::frame_samples::FrameSamples;
 use super::gather::{BLOCK, Gather};
@@ -263,7 +263,7 @@ impl Resolve<'_> {
                 (0..4).for_each(|channel| sum[channel] += part[channel]);
             }
         }
-        if sum[3] > 0.0 {
+        if sum[3] >= LEAST_WEIGHT {
             [sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]]
         } else {
             self.frame.color_of(slot_of(key))

@@ -5,7 +5,7 @@
 //! use and too small, they are given up for ones of full size.
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use super::context::Context;
 use super::upload::{Piece, PlacedPiece};
@@ -59,10 +59,17 @@ impl Room {
 }
 
 struct Resident {
-    /// Held so that no other image can take its address.
-    image: Arc<SampleImage>,
+    /// Keeps any other image from taking its address, but not its samples in main memory.
+    image: Weak<SampleImage>,
     pieces: Vec<PlacedPiece>,
     last_used: u64,
+}
+
+impl Resident {
+    /// Whether nobody can ask for it any more.
+    fn is_gone(&self) -> bool {
+        self.image.strong_count() == 0
+    }
 }
 
 /// See the module's page.
@@ -109,10 +116,17 @@ impl SampleMemory {
             let bytes = images.iter().map(|image| image.bytes() as u64).sum::<u64>();
             self.page_bytes = (2 * bytes).next_multiple_of(1 << 20).max(MIN_PAGE).min(self.max_page_bytes);
         }
-        if self.try_load(context, images)?.is_none() && self.page_bytes < self.max_page_bytes {
+        if let Some(placed) = self.try_load(context, images)? {
+            return Ok(placed);
+        }
+        self.resident.clear();
+        if self.page_bytes < self.max_page_bytes {
             self.page_bytes = self.max_page_bytes;
-            self.resident.clear();
             self.pages.clear();
+        }
+        // There may be room enough in all, but in gaps between images that this frame needs too.
+        for page in &mut self.pages {
+            page.room = Room::new((self.page_bytes / 4) as u32);
         }
         self.try_load(context, images)?.ok_or_else(|| Error::Gpu {
             what: format!(
@@ -121,6 +135,13 @@ impl SampleMemory {
                 context.adapter.name
             ),
         })
+    }
+
+    /// Gives everything up, as after a failure that may have left pages unusable.
+    pub(super) fn forget(&mut self) {
+        self.resident.clear();
+        self.pages.clear();
+        self.page_bytes = 0;
     }
 
     /// Brings images onto the adapter as long as there is room without sending others away that `load` has just asked for.
@@ -170,7 +191,7 @@ impl SampleMemory {
             self.uploaded += u64::from(piece.words()) * 4;
             pieces.push(placed);
         }
-        self.resident.insert(address, Resident { image: image.clone(), pieces, last_used: self.now });
+        self.resident.insert(address, Resident { image: Arc::downgrade(image), pieces, last_used: self.now });
         Ok(true)
     }
 
@@ -198,11 +219,11 @@ impl SampleMemory {
         }
     }
 
-    /// Sends away the image that was not needed for longest. `false` where all are needed.
+    /// Sends away an image that is gone, else the one that was not needed for longest. `false` where all are needed.
     fn evict(&mut self) -> bool {
-        let idle = self.resident.values().filter(|resident| resident.last_used < self.now);
-        let Some(oldest) = idle.min_by_key(|resident| resident.last_used) else { return false };
-        let address = Arc::as_ptr(&oldest.image).addr();
+        let idle = self.resident.iter().filter(|(_, image)| image.is_gone() || image.last_used < self.now);
+        let oldest = idle.min_by_key(|(_, image)| (!image.is_gone(), image.last_used));
+        let Some((&address, _)) = oldest else { return false };
         if let Some(oldest) = self.resident.remove(&address) {
             self.give_back(&oldest.pieces);
         }
@@ -218,7 +239,76 @@ impl std::fmt::Debug for SampleMemory {
 
 #[cfg(test)]
 mod tests {
+    use super::super::context::AdapterChoice;
     use super::*;
+    use crate::preprocess::{DepthPlane, SampleTile, Span, TILE, TILE_SAMPLES};
+    use crate::simd::skip::skip;
+    use half::f16;
+
+    /// An image of full tiles.
+    fn image(tiles: usize) -> Arc<SampleImage> {
+        let tiles: Vec<_> = (0..tiles)
+            .map(|nth| SampleTile {
+                tile_x: nth as u16,
+                tile_y: 0,
+                first: (nth * TILE_SAMPLES) as u32,
+                rows: [u16::MAX; TILE],
+            })
+            .collect();
+        let count = tiles.len() * TILE_SAMPLES;
+        Arc::new(SampleImage {
+            camera: 0,
+            span: Span { start: 0, end: 1 },
+            color: vec![[f16::ONE; 3]; count],
+            depth: DepthPlane::pack(&tiles, &vec![0.5; count]),
+            tiles,
+            normal: None,
+        })
+    }
+
+    /// An adapter and memory on it of four pages, of as many full tiles each.
+    fn memory(tiles_to_a_page: u64) -> Option<(Context, SampleMemory)> {
+        let context = Context::new(AdapterChoice::Any);
+        let context = context.inspect_err(|error| {
+            skip(Some("OVERLOOK_REQUIRE_GPU"), &format!("nothing was loaded: {error}"));
+        });
+        let context = context.ok()?;
+        let tile = 4 * u64::from(Piece::cut(&image(1), u32::MAX)[0].words());
+        let memory = SampleMemory::new(&context, MAX_PAGES as u64 * tiles_to_a_page * tile);
+        Some((context, memory))
+    }
+
+    fn load(context: &Context, memory: &mut SampleMemory, images: &[Arc<SampleImage>]) -> Result<()> {
+        let images: Vec<_> = images.iter().collect();
+        context.guarded(|| memory.load(context, &images)).map(drop)
+    }
+
+    #[test]
+    fn a_frame_that_fits_is_loaded_though_images_it_shares_with_the_one_before_lie_scattered() {
+        let Some((context, mut memory)) = memory(4) else { return };
+        let small: Vec<_> = (0..16).map(|_| image(1)).collect();
+        load(&context, &mut memory, &small).unwrap();
+        let next: Vec<_> = small.iter().step_by(2).cloned().chain((0..4).map(|_| image(2))).collect();
+        load(&context, &mut memory, &next).unwrap();
+        let full: Vec<_> = next.into_iter().chain([image(1)]).collect();
+        assert!(load(&context, &mut memory, &full).unwrap_err().to_string().contains("do not fit"));
+    }
+
+    #[test]
+    fn what_lies_on_the_adapter_is_not_kept_in_main_memory_too() {
+        let Some((context, mut memory)) = memory(1) else { return };
+        let images = [image(1), image(1), image(1), image(1)];
+        load(&context, &mut memory, &images).unwrap();
+        let [gone, .., kept] = images;
+        let samples = Arc::downgrade(&gone);
+        drop(gone);
+        assert!(samples.upgrade().is_none());
+        // Its room is taken before that of an image that somebody may ask for.
+        load(&context, &mut memory, &[image(1)]).unwrap();
+        let sent = memory.uploaded;
+        load(&context, &mut memory, &[kept]).unwrap();
+        assert_eq!(memory.uploaded, sent);
+    }
 
     #[test]
     fn room_that_was_given_back_is_taken_again_and_never_twice() {

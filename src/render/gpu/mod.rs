@@ -38,7 +38,7 @@ use super::fill::fill;
 use super::frame_samples::FrameSamples;
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::capture::Camera;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::SampleSet;
 use crate::settings::{Fill, Kernel, RenderSettings};
@@ -190,7 +190,7 @@ impl GpuRenderer {
             .filter(|image| frames.clone().any(|frame| image.span.contains(frame)))
             .collect();
         let (context, memory) = (&self.context, &mut self.memory);
-        context.guarded(|| memory.prefetch(context, &images))
+        context.guarded(|| memory.prefetch(context, &images)).inspect_err(|_| self.memory.forget())
     }
 
     /// Whether a window draws with the same device, so that [`GpuRenderer::show`] is of use.
@@ -249,7 +249,7 @@ impl GpuRenderer {
         let shown = self.paint(samples, vantage, settings, job, |context, target, clock, encoder| {
             display.show(context, target, clock, encoder, holes)
         });
-        self.display = Some(display);
+        self.display = Some(display).filter(|_| !matches!(shown, Err(Error::Gpu { .. })));
         let ((texture, holes), stats) = shown?;
         let milliseconds = started.elapsed().as_secs_f64() * 1e3;
         Ok((texture, RenderStats { holes, milliseconds, ..stats }))
@@ -292,6 +292,13 @@ impl GpuRenderer {
             let result = finish(context, target, clock, encoder)?;
             clock.read(context)?;
             Ok(result)
+        });
+        let result = result.inspect_err(|error| {
+            // What was to be kept may be what failed: memory that ran out is an unusable buffer from then on.
+            if matches!(error, Error::Gpu { .. }) {
+                self.target = None;
+                self.memory.forget();
+            }
         })?;
         self.background = Some(wanted);
         let tiles = if reused { frame.passing() } else { 0..frame.tile_count() };
@@ -316,4 +323,45 @@ fn target_for<'a>(
         None => Target::new(context, pipelines, size, blends)?,
     };
     Ok(target.insert(found))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::preprocess::preprocess;
+    use crate::settings::Settings;
+    use crate::simd::skip::skip;
+
+    #[test]
+    fn after_a_failure_the_next_picture_is_painted() {
+        let mut gpu = match GpuRenderer::new(AdapterChoice::Any) {
+            Ok(gpu) => gpu,
+            Err(error) => {
+                skip(Some("OVERLOOK_REQUIRE_GPU"), &format!("nothing was painted: {error}"));
+                return;
+            }
+        };
+        let size = Some((48, 36));
+        let spec =
+            DemoSpec { scene: "orrery".to_owned(), cameras: Some(2), frames: Some(2), size, noise: None };
+        let demo = Demo::new(&spec).unwrap();
+        let settings = Settings::default();
+        let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
+        let vantage = Vantage { camera: demo.home(), frame: 0 };
+        let paint =
+            |gpu: &mut GpuRenderer| gpu.render(&samples, &vantage, &RenderSettings::default(), &Job::new());
+        let (before, _) = paint(&mut gpu).unwrap();
+        // What memory that ran out leaves behind: buffers that cannot be used.
+        let unusable: [fn(&GpuRenderer); 2] = [
+            |gpu| gpu.target.as_ref().unwrap().picture.destroy(),
+            |gpu| gpu.memory.pages().for_each(wgpu::Buffer::destroy),
+        ];
+        for break_it in unusable {
+            break_it(&gpu);
+            let error = paint(&mut gpu).unwrap_err();
+            assert!(matches!(error, Error::Gpu { .. }) && !gpu.is_lost(), "{error}");
+            assert!(paint(&mut gpu).unwrap().0 == before);
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bytemuck::Zeroable;
+use bytemuck::{Pod, Zeroable};
 use glam::DVec2;
 
 use super::context::Context;
@@ -47,18 +47,19 @@ impl Scene {
         wanted: Wanted<'_>,
     ) -> Result<Self> {
         let (frame, camera, settings) = wanted;
+        if settings.kernel == Kernel::Gather {
+            can_gather(&frame.set.cameras)?;
+        }
         let images: Vec<&Arc<SampleImage>> =
             frame.images.iter().map(|index| &frame.set.images[*index]).collect();
         let pieces = pieces(frame, &memory.load(context, &images)?);
         let cameras = &frame.set.cameras;
         let projectors: Vec<_> = cameras.iter().map(|source| GpuProjector::new(source, camera)).collect();
-        let storage = wgpu::BufferUsages::STORAGE;
         let (views, cells) = views(cameras, camera, settings.depth_tolerance);
         let gather_group = if settings.kernel == Kernel::Gather {
-            can_gather(cameras)?;
             let lookup = lookup(frame, &pieces, &views, cells);
-            let views = written(context, "views", bytemuck::cast_slice(&views), storage)?;
-            let lookup = written(context, "lookup", bytemuck::cast_slice(&lookup), storage)?;
+            let views = list(context, "views", &views)?;
+            let lookup = list(context, "lookup", &lookup)?;
             let [background, foreground] = &target.layers;
             let buffers = [&background.keys, &foreground.keys, &target.picture, &views, &lookup];
             Some(bind(&context.device, &pipelines.gather_layout, None, &buffers))
@@ -67,9 +68,9 @@ impl Scene {
         };
         let stages = stages(wanted, pieces.len(), cells);
         let stages = written(context, "stages", &stages, wgpu::BufferUsages::UNIFORM)?;
-        let projectors = written(context, "projectors", bytemuck::cast_slice(&projectors), storage)?;
-        let pieces = written(context, "pieces", bytemuck::cast_slice(&pieces), storage)?;
-        let missing = context.buffer("no page", 4, storage)?;
+        let projectors = list(context, "projectors", &projectors)?;
+        let pieces = list(context, "pieces", &pieces)?;
+        let missing = context.buffer("no page", 4, wgpu::BufferUsages::STORAGE)?;
         let mut buffers = vec![&projectors, &pieces];
         buffers.extend(memory.pages().chain(std::iter::repeat(&missing)).take(MAX_PAGES));
         let group = bind(&context.device, &pipelines.scene_layout, Some(&stages), &buffers);
@@ -170,6 +171,13 @@ fn lookup(frame: &FrameSamples<'_>, pieces: &[GpuPiece], views: &[GpuView], cell
         lookup[cell] = number as u32;
     }
     lookup
+}
+
+/// A buffer with these entries. Shaders must be given room for one even where there is none.
+fn list<T: Pod>(context: &Context, label: &str, entries: &[T]) -> Result<wgpu::Buffer> {
+    let none = [T::zeroed()];
+    let entries = if entries.is_empty() { &none } else { entries };
+    written(context, label, bytemuck::cast_slice(entries), wgpu::BufferUsages::STORAGE)
 }
 
 /// A buffer with these bytes.
