@@ -286,6 +286,8 @@ impl InspectorPlan {
             vantage: shown.key.vantage.clone(),
             // Of a store played from disk only the picture knows the samples.
             samples: shown.picture.samples.clone(),
+            whole: (state.whole.as_ref().filter(|_| !state.is_stale()))
+                .is_some_and(|whole| Arc::ptr_eq(&whole.samples, &shown.picture.samples)),
             scan: state.scan.clone(),
             settings: [now.clone(), history.of(Slot::A, now).clone(), history.of(Slot::B, now).clone()],
             measure: look.measure,
