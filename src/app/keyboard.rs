@@ -66,6 +66,10 @@ pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
         let open = state.inspector.palette.is_none().then(Palette::default);
         commands.push(Command::Palette(open));
     }
+    if edits && ctx.input(|input| input.key_pressed(Key::Escape)) {
+        let frame = ctx.cumulative_frame_nr();
+        ctx.data_mut(|data| data.insert_temp(given_up_id(), frame));
+    }
     // What is typed is undone by the field it is typed into.
     if state.has_capture() && !typing && !edits {
         let shift = Modifiers::COMMAND | Modifiers::SHIFT;
@@ -110,6 +114,17 @@ pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
         commands.push(Command::Fly(steps));
         ctx.request_repaint();
     }
+}
+
+fn given_up_id() -> egui::Id {
+    egui::Id::unique("number given up")
+}
+
+/// Whether Escape ended the typing of a number in this frame or the one before. egui takes the number in one frame after the
+/// key was pressed, where nothing says any more that it was this one.
+pub(super) fn gave_up_number(ctx: &egui::Context) -> bool {
+    let now = ctx.cumulative_frame_nr();
+    ctx.data(|data| data.get_temp::<u64>(given_up_id())).is_some_and(|frame| now <= frame + 1)
 }
 
 /// Whether text is typed, or was until this frame: Escape ends that before anything is drawn.

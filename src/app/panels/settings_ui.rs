@@ -6,6 +6,7 @@ use egui_material_icons::icons::{ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 use super::super::command::Command;
 use super::super::inspector::histograms::CUT;
 use super::super::inspector::history::Slot;
+use super::super::keyboard::gave_up_number;
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
@@ -156,7 +157,7 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
                             .custom_formatter(|value, _| shown_number(value));
                         ui.spacing_mut().interact_size.x = NUMBER_BOX;
                         let drag = ui.add(drag).on_hover_text(field.help).accessible_name(&full_name);
-                        if drag.changed() {
+                        if drag.changed() && !gave_up_number(ui.ctx()) {
                             commands.push(Command::Set { path: field.path, value: number.into() });
                         }
                     }
@@ -198,13 +199,13 @@ fn value_ui(ui: &mut Ui, field: &'static Field, name: &str, value: &toml::Value)
                 .update_while_editing(false)
                 .custom_formatter(|value, _| shown_number(value));
             let slider = ui.add(slider).on_hover_text(field.help).accessible_name(name);
-            slider.changed().then(|| number.into())
+            (slider.changed() && !gave_up_number(ui.ctx())).then(|| number.into())
         }
         (Kind::Integer { min, max }, toml::Value::Integer(number)) => {
             let mut number = *number;
             let slider = Slider::new(&mut number, min..=max).logarithmic(min > 0).update_while_editing(false);
             let slider = ui.add(slider).on_hover_text(field.help).accessible_name(name);
-            slider.changed().then(|| number.into())
+            (slider.changed() && !gave_up_number(ui.ctx())).then(|| number.into())
         }
         (Kind::Choice(names), toml::Value::String(current)) => {
             let current = names.iter().position(|(choice, _)| choice == current).unwrap_or(0);
