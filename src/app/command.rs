@@ -45,7 +45,7 @@ pub(super) enum Command {
     OwnPreset(usize),
     /// What a new preset is named so far; `None` closes the field.
     NamePreset(Option<String>),
-    /// Keep the settings on the sliders as a preset of this name.
+    /// Keep the settings that are shown as a preset of this name.
     SavePreset(String),
     /// Forget a preset of one's own.
     RemovePreset(usize),
@@ -57,9 +57,9 @@ pub(super) enum Command {
     SwitchSettings,
     /// Prune the whole capture again.
     Rerun,
-    /// Stop the long work.
+    /// Stop the work that the line at the bottom names.
     Cancel,
-    /// Close the topmost thing: a field, a message; else stop the long work.
+    /// Close the topmost thing: a field, a message; else as `Cancel`.
     Escape,
     /// Go to a frame.
     Frame(usize),

@@ -7,7 +7,7 @@ use super::inspector::path::{ExportRequest, PathKey, Target};
 use super::inspector::presets::{self, PRESETS};
 use super::inspector::probe::Spot;
 use super::message::Purpose;
-use super::state::NoticeKind;
+use super::state::{FIRST_SIZE, NoticeKind};
 use super::views::live_image::Pixels;
 use super::views::{marks, words};
 use crate::render::film::Reel;
@@ -25,7 +25,7 @@ impl OverlookApp {
                 // A pixel that is kept while frames pass is meant at this one, and its verdict takes longer than a frame.
                 state.timeline.playing &= !probe.pinned;
                 if !pinned {
-                    probe.spot = None;
+                    (probe.spot, probe.shown) = (None, None);
                 } else if let Some(probed) =
                     probe.shown.as_ref().filter(|probed| Some(probed.spot) == probe.spot)
                 {
@@ -177,7 +177,7 @@ impl OverlookApp {
             .state
             .live_shown
             .as_ref()
-            .map_or([960, 720], |shown| shown.picture.size.map(|side| side as u32));
+            .map_or(FIRST_SIZE, |shown| shown.picture.size.map(|side| side as u32));
         let settings = self.state.settings.render.clone();
         let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
         let reel = playback.map_or(Reel::Memory(samples), Reel::Disk);
@@ -187,6 +187,7 @@ impl OverlookApp {
 
     /// Takes, names, saves and removes presets.
     pub(super) fn apply_to_presets(&mut self, command: Command) {
+        let shown = self.state.shown_settings();
         let own = &mut self.state.inspector.presets;
         match command {
             Command::Preset(index) => {
@@ -203,7 +204,7 @@ impl OverlookApp {
             Command::NamePreset(name) => self.state.inspector.naming = name,
             Command::SavePreset(name) => {
                 self.state.inspector.naming = None;
-                presets::keep(own, name.trim(), &self.state.settings);
+                presets::keep(&mut self.state.inspector.presets, name.trim(), &shown);
             }
             Command::RemovePreset(index) if index < own.len() => {
                 own.remove(index);

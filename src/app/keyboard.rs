@@ -41,8 +41,13 @@ const NUMBERS: [Key; 9] =
 /// Turns keys into commands.
 pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>) {
     let ctx = ui.ctx();
-    // An open menu takes the key for itself.
+    let inspector = &state.inspector;
+    let typing = state.typed_path.is_some() || inspector.palette.is_some() || inspector.naming.is_some();
+    let edits = edits_text(ctx);
+    let asks = typing || inspector.cheat_sheet || inspector.closing.asks;
+    // An open menu takes the key for itself, and so does a number that is typed: it goes back to what it was.
     if !egui::Popup::is_any_open(ctx)
+        && (asks || !edits)
         && ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
     {
         commands.push(Command::Escape);
@@ -61,7 +66,12 @@ pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
         let open = state.inspector.palette.is_none().then(Palette::default);
         commands.push(Command::Palette(open));
     }
-    if state.has_capture() {
+    if edits && ctx.input(|input| input.key_pressed(Key::Escape)) {
+        let frame = ctx.cumulative_frame_nr();
+        ctx.data_mut(|data| data.insert_temp(given_up_id(), frame));
+    }
+    // What is typed is undone by the field it is typed into.
+    if state.has_capture() && !typing && !edits {
         let shift = Modifiers::COMMAND | Modifiers::SHIFT;
         let redo = [shortcut(Key::Y), KeyboardShortcut::new(shift, Key::Z)];
         if redo.iter().any(|keys| ctx.input_mut(|input| input.consume_shortcut(keys))) {
@@ -75,8 +85,6 @@ pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
         commands.push(Command::CopyArgument);
     }
     let held = held_keys(ctx);
-    let inspector = &state.inspector;
-    let typing = state.typed_path.is_some() || inspector.palette.is_some() || inspector.naming.is_some();
     if ctx.egui_wants_keyboard_input() || typing || state.scene.is_none() {
         return;
     }
@@ -106,6 +114,30 @@ pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
         commands.push(Command::Fly(steps));
         ctx.request_repaint();
     }
+}
+
+fn given_up_id() -> egui::Id {
+    egui::Id::unique("number given up")
+}
+
+/// Whether Escape ended the typing of a number in this frame or the one before. egui takes the number in one frame after the
+/// key was pressed, where nothing says any more that it was this one.
+pub(super) fn gave_up_number(ctx: &egui::Context) -> bool {
+    let now = ctx.cumulative_frame_nr();
+    ctx.data(|data| data.get_temp::<u64>(given_up_id())).is_some_and(|frame| now <= frame + 1)
+}
+
+/// Whether text is typed, or was until this frame: Escape ends that before anything is drawn.
+fn edits_text(ctx: &egui::Context) -> bool {
+    let (frame, now) = (ctx.cumulative_frame_nr(), ctx.text_edit_focused());
+    ctx.data_mut(|data| {
+        let id = egui::Id::unique("text is edited");
+        let (known, at_known, before_known) = data.get_temp(id).unwrap_or((frame, now, now));
+        // A frame that is drawn twice has the same frame before it both times.
+        let before = if known == frame { before_known } else { at_known };
+        data.insert_temp(id, (frame, now, before));
+        now || before
+    })
 }
 
 fn number_key(event: &egui::Event) -> Option<Command> {

@@ -77,6 +77,23 @@ pub(super) enum FileRequest {
     LoadSettings { path: PathBuf },
 }
 
+impl FileRequest {
+    /// What there is to say once it was stopped: title and text.
+    fn stopped(&self) -> (&'static str, String) {
+        match self {
+            Self::SaveStore { path, .. }
+            | Self::SaveAgain { path, .. }
+            | Self::SaveSettings { path, .. }
+            | Self::SavePicture { path, .. } => {
+                ("Saving stopped", format!("Nothing was written to {}.", path.display()))
+            }
+            Self::LoadSettings { path } => {
+                ("Loading stopped", format!("Nothing was read from {}.", path.display()))
+            }
+        }
+    }
+}
+
 /// Every kind of work the window hands out.
 pub(super) struct Lanes {
     /// Opening.
@@ -136,7 +153,10 @@ impl Lanes {
                 outbox.clone(),
                 move |request, job| measuring.install(|| measure(&request, job)),
             )?,
-            file: Lane::start("File", Supersede::Never, outbox.clone(), file)?,
+            file: Lane::start("File", Supersede::Queue, outbox.clone(), |request: FileRequest, job| {
+                let (title, text) = request.stopped();
+                or_stopped(job, title, text, || file(request, job))
+            })?,
             dialog: Lane::start("Dialog", Supersede::Never, outbox.clone(), |purpose, _| {
                 Ok(Message::PathChosen { purpose, path: ask(purpose) })
             })?,
@@ -155,6 +175,19 @@ impl Lanes {
             && self.measure.is_idle()
             && self.file.is_idle()
             && self.inspector.are_idle()
+    }
+}
+
+/// Does work whose end is waited for: where it is stopped, says so.
+pub(super) fn or_stopped(
+    job: &Job,
+    title: &'static str,
+    text: String,
+    work: impl FnOnce() -> Result<Message>,
+) -> Result<Message> {
+    match job.check().and_then(|()| work()) {
+        Err(_) if job.is_cancelled() => Ok(Message::Stopped { title, text }),
+        outcome => outcome,
     }
 }
 

@@ -93,6 +93,8 @@ pub(super) enum Message {
     SettingsLoaded { path: PathBuf, settings: Settings },
     /// A dialog was answered; `None` where it was closed.
     PathChosen { purpose: Purpose, path: Option<PathBuf> },
+    /// A file, pictures or a film were given up as the person asked.
+    Stopped { title: &'static str, text: String },
     /// A job failed or was cancelled.
     Failed { what: &'static str, error: Error },
 }

@@ -4,7 +4,7 @@
 //!            read-only State
 //!   ui() ◀───────────────────── logic() ◀── Message ── lanes (named threads, one kind of work each)
 //!     │                           ▲  │
-//!     └──────── Command ──────────┘  └──── requests: the latest wins ──▶ lanes
+//!     └──────── Command ──────────┘  └──── requests ──▶ lanes (of pictures the latest wins, files wait in line)
 //! ```
 //!
 //! The UI thread neither computes nor touches files: [`OverlookApp`]'s `logic` takes in answers, carries out commands and
@@ -52,7 +52,7 @@ use lanes::Lanes;
 use memory::Memory;
 use message::Message;
 use plan::Plan;
-use state::{Busy, LiveLook, NoticeKind, SourceLook, State, Timeline};
+use state::{Busy, FIRST_SIZE, LiveLook, NoticeKind, SourceLook, State, Timeline, Work};
 use texture::Texture;
 use worker::Outbox;
 
@@ -273,22 +273,22 @@ impl OverlookApp {
     fn watch_work(&mut self, ctx: &egui::Context) {
         let lanes = &self.lanes;
         let watched = [
-            (lanes.open.progress(), true),
-            (lanes.whole.progress(), true),
-            (lanes.file.progress(), true),
-            (lanes.inspector.export.progress(), true),
-            (lanes.inspector.study.progress(), true),
+            (Work::Open, lanes.open.progress(), true),
+            (Work::Whole, lanes.whole.progress(), true),
+            (Work::File, lanes.file.progress(), true),
+            (Work::Export, lanes.inspector.export.progress(), true),
+            (Work::Study, lanes.inspector.study.progress(), true),
             // Only where it reads the capture again, which takes long.
-            (lanes.inspector.compare.progress().filter(|progress| progress.total > 0), true),
-            (lanes.measure.progress(), false),
+            (Work::Compare, lanes.inspector.compare.progress().filter(|progress| progress.total > 0), true),
+            (Work::Measure, lanes.measure.progress(), false),
         ];
         self.state.busy = watched
             .into_iter()
-            .filter_map(|(progress, cancellable)| {
+            .filter_map(|(work, progress, cancellable)| {
                 let progress = progress?;
                 let began = *self.stages.entry(progress.stage.clone()).or_insert_with(Instant::now);
                 let secs_left = secs_left(&progress, began.elapsed());
-                Some(Busy { progress, cancellable, secs_left })
+                Some(Busy { work, progress, cancellable, secs_left })
             })
             .collect();
         let busy = &self.state.busy;
@@ -360,6 +360,7 @@ fn fresh_state() -> State {
         scan: None,
         whole: None,
         stopped: false,
+        failed_frame: None,
         inspected: None,
         accuracy: None,
         timeline: Timeline {
@@ -381,7 +382,7 @@ fn fresh_state() -> State {
             rig: None,
             color_by: views::live_image::ColorBy::Picture,
             show_cameras: true,
-            size: [0, 0],
+            size: FIRST_SIZE,
             shares_device: false,
         },
         live_shown: None,

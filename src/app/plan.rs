@@ -53,6 +53,17 @@ impl Plan {
         self.whole = None;
     }
 
+    /// Forgets that the frame shown was asked for, so that it is asked for again.
+    pub(super) fn forget_frame(&mut self) {
+        self.inspect = None;
+        self.source = None;
+    }
+
+    /// The frame whose inspection was asked for last.
+    pub(super) fn inspected_frame(&self) -> Option<usize> {
+        self.inspect.as_ref().map(|key| key.frame)
+    }
+
     /// Forgets that accuracy was asked for, so that it is asked for again.
     pub(super) fn forget_accuracy(&mut self) {
         self.measure = None;
@@ -163,9 +174,6 @@ impl Plan {
         else {
             return None;
         };
-        if state.live.size.contains(&0) {
-            return None;
-        }
         let [width, height] = rig.painted_size(state.live.size);
         let vantage = Vantage { camera: rig.camera(width, height), frame: state.timeline.frame };
         if self.live.as_ref().is_some_and(|last| last.vantage != vantage) {
@@ -194,13 +202,17 @@ impl Plan {
 
     fn ask_whole(&mut self, state: &State, lanes: &Lanes) -> Option<Duration> {
         let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
-        let current = state.whole.is_some() && !state.is_stale();
-        // The first look at the first frame goes before everything else.
-        if current || state.stopped || state.inspected.is_none() {
+        let key = (scene.id, method_of(&state.settings));
+        if state.is_whole_ready() {
+            if self.whole.as_ref().is_some_and(|asked| *asked != key) {
+                // What runs works with settings that were taken back.
+                lanes.whole.cancel();
+                self.whole = Some(key);
+            }
             return None;
         }
-        let key = (scene.id, method_of(&state.settings));
-        if self.whole.as_ref() == Some(&key) {
+        // The first look at the first frame goes before everything else.
+        if state.stopped || state.inspected.is_none() || self.whole.as_ref() == Some(&key) {
             return None;
         }
         let rested = self.changed_at.map_or(DEBOUNCE, |at| at.elapsed());

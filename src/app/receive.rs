@@ -44,7 +44,19 @@ impl OverlookApp {
         let current = self.state.scene.as_ref().map(|scene| scene.id);
         match message {
             Message::Opened(scene) => self.opened(scene),
-            Message::Scanned { scene, scan } if Some(scene) == current => self.state.scan = Some(scan),
+            Message::Scanned { scene, scan } if Some(scene) == current => {
+                let spans = &self.state.settings.spans;
+                // Of settings that were taken back; what serves those on the sliders is here.
+                let late =
+                    !scan.serves(spans) && self.state.scan.as_ref().is_some_and(|scan| scan.serves(spans));
+                if !late {
+                    self.state.scan = Some(scan);
+                }
+            }
+            Message::Pruned { scene, settings, .. }
+                if Some(scene) == current
+                    && self.state.is_whole_ready()
+                    && method_of(&settings) != method_of(&self.state.settings) => {}
             Message::Pruned { scene, settings, result } if Some(scene) == current => {
                 let report = &result.report;
                 for doubt in report.doubts() {
@@ -66,6 +78,7 @@ impl OverlookApp {
             }
             Message::Inspected { scene, inspected } if Some(scene) == current => {
                 self.state.inspected = Some(inspected);
+                self.state.failed_frame = None;
             }
             Message::SourcePainted { key, picture } if Some(key.scene) == current => {
                 let replaced = self.state.source_shown.take().map(|shown| shown.texture);
@@ -114,6 +127,7 @@ impl OverlookApp {
                 self.state.notify(NoticeKind::Done, "Settings loaded", path.display().to_string());
             }
             Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
+            Message::Stopped { title, text } => self.state.notify(NoticeKind::Warning, title, text),
             Message::Failed { what, error } => self.failed(what, &error),
             // What nobody sees, or an answer about a scene that is no longer open.
             _ => {}
@@ -157,6 +171,7 @@ impl OverlookApp {
         state.scan = None;
         state.whole = None;
         state.stopped = false;
+        state.failed_frame = None;
         state.inspected = None;
         state.accuracy = None;
         state.inspector.close_scene();
@@ -256,6 +271,11 @@ impl OverlookApp {
         }
         if what == "Prune" && self.lanes.whole.is_idle() {
             self.state.stopped = true;
+        }
+        if what == "Inspect frame" && self.lanes.inspect.is_idle() {
+            self.state.failed_frame = self.plan.inspected_frame();
+            // Nothing goes on from here by itself.
+            self.state.stopped |= self.state.inspected.is_none();
         }
         let title = match what {
             "Open" => "Could not open",

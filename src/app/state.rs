@@ -108,6 +108,9 @@ pub(super) struct LiveLook {
     pub shares_device: bool,
 }
 
+/// Size of the right view before it was first laid out, in pixels: other views want its picture while it lies behind them.
+pub(super) const FIRST_SIZE: [u32; 2] = [960, 720];
+
 /// A path that is being typed.
 #[derive(Clone, Debug)]
 pub(super) struct TypedPath {
@@ -119,9 +122,30 @@ pub(super) struct TypedPath {
     pub reason: Option<&'static str>,
 }
 
+/// Work that can be stopped, by the lane that does it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Work {
+    /// Opening a capture or a store.
+    Open,
+    /// Pruning the whole capture.
+    Whole,
+    /// Reading or writing a file.
+    File,
+    /// Writing pictures or a film.
+    Export,
+    /// A sweep or a stress test.
+    Study,
+    /// A comparison.
+    Compare,
+    /// Measuring accuracy.
+    Measure,
+}
+
 /// Work that takes long enough to be watched.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Busy {
+    /// Which.
+    pub work: Work,
     /// How far it has come.
     pub progress: Progress,
     /// Whether cancelling it leaves something to be rerun.
@@ -152,8 +176,10 @@ pub(super) struct State {
     pub scan: Option<Arc<TemporalScan>>,
     /// The whole capture, pruned; perhaps by older settings.
     pub whole: Option<Whole>,
-    /// Whether the person stopped the whole-capture work.
+    /// Whether the whole-capture work was stopped, by the person or as something could not be read.
     pub stopped: bool,
+    /// The frame whose inspection failed last.
+    pub failed_frame: Option<usize>,
     /// The frame last pruned with reasons.
     pub inspected: Option<Inspected>,
     /// Accuracy of `whole`.
@@ -178,7 +204,7 @@ pub(super) struct State {
     pub dark: bool,
     /// What was open lately, the latest first.
     pub recent: Vec<PathBuf>,
-    /// Long work under way.
+    /// Long work under way; the line at the bottom names the first, which is what can be cancelled.
     pub busy: Vec<Busy>,
 }
 
@@ -201,6 +227,20 @@ impl State {
     /// Whether the whole-capture numbers were made with other settings than those on the sliders.
     pub(super) fn is_stale(&self) -> bool {
         self.whole.as_ref().is_some_and(|whole| method_of(&whole.settings) != method_of(&self.settings))
+    }
+
+    /// What to say of numbers of the whole capture that were made with other settings; `None` where they hold.
+    pub(super) fn stale_words(&self) -> Option<&'static str> {
+        self.is_stale().then_some(if self.stopped {
+            "Made with other thresholds; Rerun (below) brings it up to date."
+        } else {
+            "Made with other thresholds; being brought up to date."
+        })
+    }
+
+    /// Whether there are thresholds to be turned: a store keeps those that it was made with.
+    pub(super) fn has_thresholds(&self) -> bool {
+        self.scene.is_none() || self.has_capture()
     }
 
     /// Whether frames pass without verdicts: in motion the whole capture's samples feed the right view, and the bare picture on
@@ -232,6 +272,11 @@ impl State {
     pub(super) fn inspection_here(&self) -> Option<&Arc<FrameInspection>> {
         let inspected = self.inspected.as_ref()?;
         (inspected.inspection.frame == self.timeline.frame).then_some(&inspected.inspection)
+    }
+
+    /// Whether there are no verdicts at the frame shown, nor will be, as they could not be worked out.
+    pub(super) fn is_frame_failed(&self) -> bool {
+        self.failed_frame == Some(self.timeline.frame) && self.inspection_here().is_none()
     }
 
     /// The best account of the frame shown: the whole capture's samples, or while those are stale this frame's.

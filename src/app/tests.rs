@@ -12,6 +12,8 @@ use crate::error::Error;
 use crate::settings::PruningMethod;
 use crate::store::Store;
 
+mod stopping;
+
 /// Far longer than anything here takes.
 const PATIENCE: Duration = Duration::from_mins(3);
 
@@ -149,6 +151,8 @@ fn of_two_captures_opened_at_once_the_latter_appears() {
     wait(&mut app, "a capture", |app| app.state.scene.is_some() && app.state.opening.is_none());
     assert_eq!(app.state.frame_count(), 5);
     app.open_demo(orrery(2, 3));
+    let ctx = app.ctx.clone();
+    app.watch_work(&ctx);
     app.apply(Command::Cancel);
     wait(&mut app, "the end of opening", |app| app.state.opening.is_none());
     assert_eq!(app.state.frame_count(), 5);

@@ -23,12 +23,18 @@ fn scaled(mut value: f64, units: &[&str]) -> String {
     }
 }
 
-/// Three significant figures of a number below 1000.
+/// Three significant figures of a number below 1000; two between 0.1 and 1.
 pub(crate) fn significant(value: f64) -> String {
     match value.abs() {
         v if v >= 99.95 => format!("{value:.0}"),
         v if v >= 9.995 => format!("{value:.1}"),
-        _ => format!("{value:.2}"),
+        v if v >= 0.0995 || v == 0.0 => format!("{value:.2}"),
+        v if v >= 0.9995e-4 => {
+            // What is rounded up to the next power of ten needs a decimal less.
+            let decimals = 2 - (v / 0.9995).log10().floor() as i32;
+            format!("{value:.*}", decimals.unsigned_abs() as usize)
+        }
+        _ => format!("{value:.2e}"),
     }
 }
 
@@ -69,6 +75,19 @@ mod tests {
         assert_eq!(bytes(3_151_000), "3.15 MB");
         assert_eq!(percent(1, 8), "12.5 %");
         assert_eq!(percent(0, 0), "–");
+        for (value, text) in [
+            (0.0, "0.00"),
+            (0.5, "0.50"),
+            (0.0996, "0.10"),
+            (0.0123, "0.0123"),
+            (-0.004_56, "-0.00456"),
+            (0.009_999, "0.0100"),
+            (0.000_123_4, "0.000123"),
+            (0.000_012_34, "1.23e-5"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(significant(value), text);
+        }
         assert_eq!(words("depth_tolerance"), "Depth tolerance");
     }
 }

@@ -11,7 +11,7 @@ use super::inspector::path::Target;
 use super::lanes::{FileRequest, OpenRequest};
 use super::message::Purpose;
 use super::scene::Content;
-use super::state::{NoticeKind, TypedPath, method_of};
+use super::state::{NoticeKind, TypedPath, Work, method_of};
 use super::text;
 use super::views::rig::Rig;
 use crate::capture::demo::DemoSpec;
@@ -60,6 +60,8 @@ impl OverlookApp {
             Command::Undo | Command::Redo | Command::SwitchSettings => self.apply_to_history(&command),
             Command::Rerun => {
                 self.state.stopped = false;
+                self.state.failed_frame = None;
+                self.plan.forget_frame();
                 self.plan.forget_whole();
                 self.plan.forget_accuracy();
                 self.plan.changed_at = None;
@@ -150,6 +152,7 @@ impl OverlookApp {
 
     /// Opens a capture or a store.
     pub(super) fn open_path(&mut self, path: PathBuf) {
+        let path = lasting(path);
         self.state.opening = Some(path.display().to_string());
         self.lanes.open.submit(OpenRequest::Path { path, settings: self.state.settings.capture.clone() });
     }
@@ -170,6 +173,7 @@ impl OverlookApp {
         if path.as_os_str().is_empty() {
             return;
         }
+        let path = lasting(path);
         match purpose {
             Purpose::OpenFile | Purpose::OpenFolder => self.open_path(path),
             Purpose::SaveStore => self.save_store(path),
@@ -251,6 +255,7 @@ impl OverlookApp {
             self.state.inspector.unsaved = self.state.has_capture();
             self.plan.changed_at = Some(Instant::now());
             self.state.stopped = false;
+            self.state.failed_frame = None;
         }
         if settings.render != self.state.settings.render {
             // It was that of pictures painted otherwise.
@@ -262,22 +267,29 @@ impl OverlookApp {
         self.state.settings = settings;
     }
 
+    /// Stops the work that the line at the bottom names, and nothing beside it.
     fn cancel(&mut self) {
-        if !self.lanes.whole.is_idle() {
-            self.state.stopped = true;
-            self.plan.forget_whole();
+        let Some(work) = self.state.busy.first().map(|busy| busy.work) else { return };
+        let lanes = &self.lanes;
+        match work {
+            Work::Open => lanes.open.cancel(),
+            Work::Whole => {
+                lanes.whole.cancel();
+                if !self.state.is_whole_ready() {
+                    self.state.stopped = true;
+                    self.plan.forget_whole();
+                }
+            }
+            Work::File => lanes.file.cancel(),
+            Work::Export => lanes.inspector.export.cancel(),
+            Work::Study => lanes.inspector.study.cancel(),
+            Work::Compare => {
+                lanes.inspector.compare.cancel();
+                let text = "It was stopped; choose what to compare again.";
+                self.state.inspector.compare_trouble = Some(text.to_owned());
+            }
+            Work::Measure => lanes.measure.cancel(),
         }
-        if !self.lanes.inspector.compare.is_idle() {
-            let text = "It was stopped; choose what to compare again.";
-            self.state.inspector.compare_trouble = Some(text.to_owned());
-        }
-        self.lanes.whole.cancel();
-        self.lanes.open.cancel();
-        self.lanes.file.cancel();
-        self.lanes.measure.cancel();
-        self.lanes.inspector.export.cancel();
-        self.lanes.inspector.study.cancel();
-        self.lanes.inspector.compare.cancel();
         self.take_stock();
     }
 
@@ -300,6 +312,11 @@ impl OverlookApp {
             self.cancel();
         }
     }
+}
+
+/// A path that means the same from whatever folder the window is started next time.
+fn lasting(path: PathBuf) -> PathBuf {
+    std::path::absolute(&path).unwrap_or(path)
 }
 
 /// Whether a command only looks around, so that a scene that was about to move still may.

@@ -1,12 +1,13 @@
-//! Lanes: one named thread each, one kind of work each, the latest request wins.
+//! Lanes: one named thread each, one kind of work each. Of pictures the latest request wins; files wait in line.
 //!
 //! ```text
-//! UI ── submit(request) ──▶ slot (one request, the latest) ──▶ thread ── Message ──▶ bounded channel ──▶ logic()
+//! UI ── submit(request) ──▶ slot (what waits: one, or a line) ──▶ thread ── Message ──▶ bounded channel ──▶ logic()
 //!                     └──▶ Job::cancel of the request it supersedes
 //! ```
 //!
 //! A panic in a job becomes an error message; the lane and the window live on.
 
+use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -26,16 +27,26 @@ pub(super) enum Supersede {
     Alternate,
     /// It finishes, as it takes no longer than a picture on the screen does.
     Never,
+    /// It finishes, and so does all that waits: everyone who asked for a file wants that file.
+    Queue,
 }
 
 struct Slot<R> {
-    waiting: Option<(R, Arc<Job>)>,
+    /// The next first; more than one only where requests queue.
+    waiting: VecDeque<(R, Arc<Job>)>,
     running: Option<Arc<Job>>,
     /// Whether what runs was cancelled for a newer request.
     is_superseded: bool,
     /// Whether what ran before was.
     last_was_superseded: bool,
     closed: bool,
+}
+
+impl<R> Slot<R> {
+    /// What runs, or is next.
+    fn now(&self) -> Option<&Arc<Job>> {
+        self.running.as_ref().or_else(|| self.waiting.front().map(|(_, job)| job))
+    }
 }
 
 struct Shared<R> {
@@ -45,7 +56,7 @@ struct Shared<R> {
 
 impl<R> Shared<R> {
     fn lock(&self) -> MutexGuard<'_, Slot<R>> {
-        // The slot is only ever replaced as a whole, so that it is whole even after a panic elsewhere.
+        // Nothing that changes the slot can panic halfway, so that it is whole even after a panic elsewhere.
         self.slot.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -90,7 +101,7 @@ impl<R: Send + 'static> Lane<R> {
         mut work: impl FnMut(R, &Job) -> Result<Message> + Send + 'static,
     ) -> Result<Self> {
         let slot = Slot {
-            waiting: None,
+            waiting: VecDeque::new(),
             running: None,
             is_superseded: false,
             last_was_superseded: false,
@@ -113,41 +124,44 @@ impl<R: Send + 'static> Lane<R> {
         Ok(Self { shared, supersede, thread: Some(thread) })
     }
 
-    /// Asks for work in place of whatever was asked for before and is not done.
+    /// Asks for work: after what was asked for before where requests queue, else in its place as far as it is not done.
     pub(super) fn submit(&self, request: R) {
         let mut slot = self.shared.lock();
         if let Some(job) = slot.running.clone() {
             let cancels = match self.supersede {
                 Supersede::Always => true,
                 Supersede::Alternate => !slot.last_was_superseded,
-                Supersede::Never => false,
+                Supersede::Never | Supersede::Queue => false,
             };
             slot.is_superseded |= cancels;
             if cancels {
                 job.cancel();
             }
         }
-        slot.waiting = Some((request, Arc::new(Job::new())));
+        if self.supersede != Supersede::Queue {
+            slot.waiting.clear();
+        }
+        slot.waiting.push_back((request, Arc::new(Job::new())));
         drop(slot);
         self.shared.arrived.notify_one();
     }
 }
 
 impl<R> Lane<R> {
-    /// Drops what waits and cancels what runs.
+    /// Cancels what runs, or is next. What waits behind it is dropped, but where requests queue.
     pub(super) fn cancel(&self) {
         let mut slot = self.shared.lock();
-        slot.waiting = None;
-        if let Some(job) = &slot.running {
+        if self.supersede != Supersede::Queue {
+            slot.waiting.clear();
+        }
+        if let Some(job) = slot.now() {
             job.cancel();
         }
     }
 
     /// How far the running work has come; `None` while there is none.
     pub(super) fn progress(&self) -> Option<Progress> {
-        let slot = self.shared.lock();
-        let waiting = slot.waiting.as_ref().map(|(_, job)| job);
-        slot.running.as_ref().or(waiting).map(|job| job.progress())
+        self.shared.lock().now().map(|job| job.progress())
     }
 
     /// Whether nothing runs or waits.
@@ -159,7 +173,10 @@ impl<R> Lane<R> {
 impl<R> Drop for Lane<R> {
     fn drop(&mut self) {
         self.cancel();
-        self.shared.lock().closed = true;
+        let mut slot = self.shared.lock();
+        slot.waiting.clear();
+        slot.closed = true;
+        drop(slot);
         self.shared.arrived.notify_one();
         // The thread ends at its job's next check; waiting for it here would hold the closing window open.
         drop(self.thread.take());
@@ -172,7 +189,7 @@ fn next<R>(shared: &Shared<R>) -> Option<(R, Arc<Job>)> {
         if slot.closed {
             return None;
         }
-        if let Some((request, job)) = slot.waiting.take() {
+        if let Some((request, job)) = slot.waiting.pop_front() {
             slot.running = Some(job.clone());
             slot.last_was_superseded = std::mem::take(&mut slot.is_superseded);
             return Some((request, job));
@@ -265,7 +282,7 @@ mod tests {
             Ok(saved(number))
         });
         let wait_for_job = || {
-            while lane.shared.lock().waiting.is_some() {
+            while !lane.shared.lock().waiting.is_empty() {
                 std::thread::yield_now();
             }
         };
@@ -319,6 +336,27 @@ mod tests {
             std::thread::yield_now();
         }
         assert!(receiver.try_recv().is_err(), "something came after the last answer");
+    }
+
+    #[test]
+    fn what_queues_is_all_done_in_turn_and_cancelling_ends_only_what_runs() {
+        let (lane, receiver) = lane(Supersede::Queue, |number, job| {
+            if number != 1 {
+                return Ok(saved(number));
+            }
+            loop {
+                job.check()?;
+                std::thread::yield_now();
+            }
+        });
+        (1..4).for_each(|number| lane.submit(number));
+        while lane.shared.lock().running.is_none() {
+            std::thread::yield_now();
+        }
+        lane.cancel();
+        assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
+        assert!(matches!(received(&receiver), Message::Saved { bytes: Some(2), .. }));
+        assert!(matches!(received(&receiver), Message::Saved { bytes: Some(3), .. }));
     }
 
     #[test]

@@ -56,8 +56,8 @@ fn a_pixel_clicked_in_the_live_view_leads_to_the_camera_that_painted_it() {
     assert!(camera < 3 && x < 96 && y < 72);
     assert!(shows(&window, "Kept:"), "what is painted was kept");
     window.key_press(Key::Escape);
-    window.run_steps(2);
-    assert!(window.query_by_label("Keep pixel").is_some());
+    // The pointer still rests on it.
+    wait(&mut window, "the pixel under the pointer", |window| window.query_by_label("Keep pixel").is_some());
 }
 
 #[test]
@@ -156,7 +156,12 @@ fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
     assert!(shows(&window, "· left ") && shows(&window, "· right "), "the pixel under the pointer");
     pick(&mut window, "Left side", "Truth");
     wait(&mut window, "the trouble", |window| shows(window, "These two cannot be compared here"));
-    pick(&mut window, "From", "Hold-out left");
+    click(&mut window, "From");
+    for vantage in ["Truth novel0/0000.exr", "Truth novel1/0000.exr"] {
+        assert!(window.query_by_label(vantage).is_some(), "{vantage}");
+    }
+    window.get_by_label("Hold-out left").click();
+    window.run_steps(3);
     wait(&mut window, "the comparison", |window| !shows(window, "These two cannot be compared here"));
     settle(&mut window);
     window.hover_at(egui::pos2(5.0, 5.0));

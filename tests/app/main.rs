@@ -12,4 +12,5 @@ mod screenshots;
 #[cfg(target_os = "linux")]
 #[path = "../common/skip.rs"]
 mod skip;
+mod typing;
 mod whole_window;

@@ -130,6 +130,22 @@ pub(crate) fn settings_alone(point: &Point) -> Option<&Settings> {
     (!more_was_done).then_some(&point.settings)
 }
 
+/// What a sweep of the window starts from: the sliders, wherever they stand.
+const START: &str = "settings it started from";
+
+/// Name of a series in the window.
+pub(crate) fn series_name(series: Series) -> &'static str {
+    if series == Series::Reference { START } else { series.name() }
+}
+
+/// Name of a point in the window.
+pub(crate) fn point_name(point: &Point) -> String {
+    point
+        .label
+        .strip_prefix("default, ")
+        .map_or_else(|| point.label.clone(), |kernel| format!("{START}, {kernel}"))
+}
+
 /// What to measure.
 pub(crate) struct StudyRequest {
     /// What is open, a capture.
@@ -212,10 +228,18 @@ mod tests {
     use crate::capture::demo::{Demo, DemoSpec};
     use crate::evaluate::trial::{Measured, Trial};
 
-    #[test]
-    fn samples_that_were_thinned_are_not_what_their_settings_give() {
-        let settings = Settings::default();
-        let measured = Measured {
+    fn spec(cameras: usize) -> DemoSpec {
+        DemoSpec {
+            scene: "orrery".into(),
+            cameras: Some(cameras),
+            frames: Some(2),
+            size: Some((16, 12)),
+            noise: None,
+        }
+    }
+
+    fn measured() -> Measured {
+        Measured {
             scores: Vec::new(),
             flicker_steps: None,
             samples: 1,
@@ -226,25 +250,35 @@ mod tests {
             milliseconds: 1.0,
             samples_painted: 1.0,
             seconds_preprocess: 1.0,
-        };
+        }
+    }
+
+    #[test]
+    fn what_a_sweep_starts_from_is_not_called_the_defaults() {
+        let mut settings = Settings::default();
+        settings.pruning.depth_tolerance = 2.0;
+        let capture = Demo::new(&spec(2)).unwrap().capture(&settings.capture);
+        for planned in sweep::Plan::standard(&settings, &capture).trials {
+            let point = Point::new(&planned.trial, planned.series, &measured());
+            assert!(!series_name(point.series).contains("default"), "{:?}", point.series);
+            assert!(!point_name(&point).contains("default"), "{}", point.label);
+        }
+    }
+
+    #[test]
+    fn samples_that_were_thinned_are_not_what_their_settings_give() {
+        let settings = Settings::default();
         let mut charts = Charts::default();
         for series in [Series::Random, Series::SingleCamera, Series::NoPruning, Series::VoxelGrid] {
-            charts.add(Point::new(&Trial::new(series.name(), settings.clone()), series, &measured));
+            charts.add(Point::new(&Trial::new(series.name(), settings.clone()), series, &measured()));
         }
         assert_eq!(charts.of(&settings).map(|point| point.series), Some(Series::NoPruning));
     }
 
     #[test]
     fn a_single_camera_without_truth_is_not_measured_and_one_line_says_what_to_do() {
-        let spec = DemoSpec {
-            scene: "orrery".into(),
-            cameras: Some(1),
-            frames: Some(2),
-            size: Some((16, 12)),
-            noise: None,
-        };
         let settings = Settings::default();
-        let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
+        let capture = Demo::new(&spec(1)).unwrap().capture(&settings.capture);
         let scene = Arc::new(Scene::of_capture(Origin::Demo("orrery".into()), capture, Vec::new(), 1.0));
         let (sender, _inbox) = std::sync::mpsc::sync_channel(8);
         let outbox = Outbox::new(sender, egui::Context::default());

@@ -28,6 +28,8 @@ pub(crate) struct CompareKey {
     pub vantage: Vantage,
     /// The kept samples that the live view shows.
     pub samples: Arc<SampleSet>,
+    /// Whether those show every frame, and not only the one that the live view shows.
+    pub whole: bool,
     /// The pass over all frames, where it is done.
     pub scan: Option<Arc<TemporalScan>>,
     /// The settings on the sliders, A and B.
@@ -47,6 +49,7 @@ impl PartialEq for CompareKey {
             && self.sides == other.sides
             && self.place == other.place
             && Arc::ptr_eq(&self.samples, &other.samples)
+            && self.whole == other.whole
             && self.scan.as_ref().map(Arc::as_ptr) == other.scan.as_ref().map(Arc::as_ptr)
             && self.settings[0] == other.settings[0]
             && (!uses(Side::A) || self.settings[1] == other.settings[1])
@@ -153,7 +156,8 @@ impl Comparer {
             Place::HoldOut(camera) => Some(camera),
             _ => None,
         };
-        let samples = if as_shown && left_out.is_none() {
+        let shown_there = key.whole || vantage.frame == key.vantage.frame;
+        let samples = if as_shown && shown_there && left_out.is_none() {
             key.samples.clone()
         } else {
             // What is known about time counts all cameras, and where every pixel is one of this frame it says nothing.
@@ -286,11 +290,17 @@ mod tests {
         let scan = preprocess::scan(&capture, &a, &Job::new()).unwrap();
         let samples = preprocess::prune(&capture, &scan, &a, &Job::new()).unwrap().samples;
         CompareKey {
-            scene: Arc::new(Scene::of_capture(Origin::Demo("orrery".into()), capture, Vec::new(), 1.0)),
+            scene: Arc::new(Scene::of_capture(
+                Origin::Demo("orrery".into()),
+                capture,
+                demo.truth_views(),
+                1.0,
+            )),
             sides: [Side::A, Side::B],
             place: Place::Live,
             vantage: Vantage { camera: demo.home(), frame: 3 },
             samples,
+            whole: true,
             scan: Some(scan),
             settings: [a.clone(), a, b],
             measure: Measure::Steps,
@@ -322,6 +332,27 @@ mod tests {
         let scanned = comparer.scans.len();
         comparer.compare(&CompareKey { dark: false, ..key }, &Job::new()).unwrap();
         assert_eq!((scanned, comparer.scans.len()), (1, 1), "the frames are read again once");
+    }
+
+    #[test]
+    fn at_a_truth_vantage_the_samples_of_its_frame_are_compared_and_not_those_of_the_frame_shown() {
+        let key = CompareKey {
+            sides: [Side::Kept, Side::Truth],
+            place: Place::Truth(0),
+            ..key(Settings::default())
+        };
+        let (vantage, _) = place(&key).unwrap();
+        assert_ne!(vantage.frame, key.vantage.frame);
+        let expected = comparer().compare(&key, &Job::new()).unwrap();
+        let capture = capture_of(&key.scene).unwrap();
+        let scan = key.scan.as_deref();
+        let shown =
+            preprocess::inspect_frame(capture, scan, &key.settings[0], key.vantage.frame, &Job::new())
+                .unwrap();
+        let key = CompareKey { samples: shown.samples, whole: false, ..key };
+        let compared = comparer().compare(&key, &Job::new()).unwrap();
+        assert!((compared.psnr_db - expected.psnr_db).abs() < 1e-9, "{} dB", compared.psnr_db);
+        assert_eq!(compared.one_sided, expected.one_sided);
     }
 
     #[test]

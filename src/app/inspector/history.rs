@@ -20,12 +20,19 @@ pub(crate) enum Slot {
     B,
 }
 
-/// What settings were.
+/// What became of the settings of a slot.
 #[derive(Default)]
-pub(crate) struct History {
+struct Past {
     undo: Vec<Settings>,
     redo: Vec<Settings>,
     last: Option<(Instant, &'static str)>,
+}
+
+/// What settings were.
+#[derive(Default)]
+pub(crate) struct History {
+    /// Of A and of B: what was changed in one is not taken back in the other.
+    pasts: [Past; 2],
     /// Which of two settings is on.
     pub slot: Slot,
     /// The settings that are not on; `None` while both are the same.
@@ -33,53 +40,64 @@ pub(crate) struct History {
 }
 
 impl History {
+    fn past(&self) -> &Past {
+        &self.pasts[self.slot as usize]
+    }
+
+    fn past_mut(&mut self) -> &mut Past {
+        &mut self.pasts[self.slot as usize]
+    }
+
     /// `what` is about to change `before`.
     pub(crate) fn record(&mut self, before: &Settings, what: &'static str, now: Instant) {
-        let goes_on = self.last.is_some_and(|(at, last)| last == what && now.duration_since(at) < ONE_CHANGE);
-        self.last = Some((now, what));
-        self.redo.clear();
+        let past = self.past_mut();
+        let goes_on = past.last.is_some_and(|(at, last)| last == what && now.duration_since(at) < ONE_CHANGE);
+        past.last = Some((now, what));
+        past.redo.clear();
         if goes_on {
             return;
         }
-        if self.undo.len() == STEPS {
-            self.undo.remove(0);
+        if past.undo.len() == STEPS {
+            past.undo.remove(0);
         }
-        self.undo.push(before.clone());
+        past.undo.push(before.clone());
     }
 
     /// Whether there is something to go back to.
     pub(crate) fn can_undo(&self) -> bool {
-        !self.undo.is_empty()
+        !self.past().undo.is_empty()
     }
 
     /// Whether there is something to go forward to.
     pub(crate) fn can_redo(&self) -> bool {
-        !self.redo.is_empty()
+        !self.past().redo.is_empty()
     }
 
-    /// The settings before the last change.
+    /// The settings before the last change of those that are on.
     pub(crate) fn undo(&mut self, now: &Settings) -> Option<Settings> {
-        let before = self.undo.pop()?;
-        self.redo.push(now.clone());
-        self.last = None;
+        let past = self.past_mut();
+        let before = past.undo.pop()?;
+        past.redo.push(now.clone());
+        past.last = None;
         Some(before)
     }
 
-    /// The settings that were undone last.
+    /// The settings that were undone last of those that are on.
     pub(crate) fn redo(&mut self, now: &Settings) -> Option<Settings> {
-        let after = self.redo.pop()?;
-        self.undo.push(now.clone());
-        self.last = None;
+        let past = self.past_mut();
+        let after = past.redo.pop()?;
+        past.undo.push(now.clone());
+        past.last = None;
         Some(after)
     }
 
     /// Puts the other settings on; `now` become the others.
     pub(crate) fn switch(&mut self, now: &Settings) -> Settings {
+        self.past_mut().last = None;
         self.slot = match self.slot {
             Slot::A => Slot::B,
             Slot::B => Slot::A,
         };
-        self.last = None;
         self.other.replace(now.clone()).unwrap_or_else(|| now.clone())
     }
 
@@ -121,5 +139,19 @@ mod tests {
             (history.of(Slot::A, &with(1.0)), history.of(Slot::B, &with(1.0))),
             (&with(1.0), &with(2.0))
         );
+    }
+
+    #[test]
+    fn what_was_changed_in_one_of_two_settings_is_not_taken_back_in_the_other() {
+        let (mut history, start) = (History::default(), Instant::now());
+        history.record(&with(1.0), "pruning.depth_tolerance", start);
+        let b = history.switch(&with(2.0));
+        assert!(!history.can_undo(), "nothing of B was changed");
+        history.record(&b, "pruning.depth_tolerance", start);
+        assert_eq!(history.undo(&with(3.0)).unwrap(), b);
+        assert_eq!(history.switch(&b), with(2.0));
+        assert!(!history.can_redo(), "nothing of A was taken back");
+        assert_eq!(history.undo(&with(2.0)).unwrap(), with(1.0));
+        assert_eq!(history.of(Slot::B, &with(1.0)), &b);
     }
 }

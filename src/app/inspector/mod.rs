@@ -20,7 +20,7 @@ use std::time::Instant;
 use egui::TextureHandle;
 
 use super::dock::View;
-use super::lanes::pool;
+use super::lanes::{or_stopped, pool};
 use super::message::Message;
 use super::panels::Palette;
 use super::state::{NoticeKind, State};
@@ -222,11 +222,13 @@ impl InspectorLanes {
             )?,
             export: Lane::start(
                 "Export",
-                Supersede::Never,
+                Supersede::Queue,
                 outbox.clone(),
                 |request: ExportRequest, job| {
-                    let exported = path::export(&request, job)?;
-                    Ok(Message::Exported { path: request.target.path().to_path_buf(), exported })
+                    or_stopped(job, "Export stopped", request.target.stopped(), || {
+                        let exported = path::export(&request, job)?;
+                        Ok(Message::Exported { path: request.target.path().to_path_buf(), exported })
+                    })
                 },
             )?,
             thumbs: Lane::start(
@@ -286,6 +288,8 @@ impl InspectorPlan {
             vantage: shown.key.vantage.clone(),
             // Of a store played from disk only the picture knows the samples.
             samples: shown.picture.samples.clone(),
+            whole: (state.whole.as_ref().filter(|_| !state.is_stale()))
+                .is_some_and(|whole| Arc::ptr_eq(&whole.samples, &shown.picture.samples)),
             scan: state.scan.clone(),
             settings: [now.clone(), history.of(Slot::A, now).clone(), history.of(Slot::B, now).clone()],
             measure: look.measure,

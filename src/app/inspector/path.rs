@@ -112,6 +112,16 @@ impl Target {
             Self::Pictures(path) | Self::Film(path, _) => path,
         }
     }
+
+    /// What is left of an export that was stopped, in words.
+    pub(crate) fn stopped(&self) -> String {
+        match self {
+            Self::Pictures(folder) => {
+                format!("Only the pictures painted until then were written to {}.", folder.display())
+            }
+            Self::Film(path, _) => format!("Nothing was written to {}.", path.display()),
+        }
+    }
 }
 
 /// What is exported.

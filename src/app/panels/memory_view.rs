@@ -9,6 +9,7 @@ use super::super::text;
 use super::super::theme::Tokens;
 use super::super::views::colormap::{camera as camera_color, mix};
 use super::empty_ui;
+use super::report::stale_ui;
 
 /// The view.
 pub(super) fn memory_ui(ui: &mut Ui, state: &State) {
@@ -28,6 +29,7 @@ pub(super) fn memory_ui(ui: &mut Ui, state: &State) {
         text::bytes(total)
     );
     ui.label(RichText::new(words).small().color(tokens.text_weak));
+    stale_ui(ui, state);
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Memory map"));
     let painter = ui.painter_at(rect);

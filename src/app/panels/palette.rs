@@ -117,6 +117,8 @@ fn matching(state: &State, text: &str) -> Vec<Entry> {
 
 fn entries(state: &State) -> Vec<Entry> {
     let mut entries = Vec::new();
+    // Those of a store are not its own, and cannot be seen beside it.
+    let turns = state.has_thresholds();
     let mut add =
         |name: String, keys: &'static str, command: Command| entries.push(Entry { name, keys, command });
     for (name, keys, command) in [
@@ -151,7 +153,11 @@ fn entries(state: &State) -> Vec<Entry> {
         ("Show the keys", "?", Command::CheatSheet(true)),
         ("Skip the introduction", "", Command::Callout(super::CALLOUTS)),
     ] {
-        add(name.to_owned(), keys, command);
+        let changes_thresholds =
+            matches!(command, Command::Undo | Command::Redo | Command::ResetAll | Command::SwitchSettings);
+        if turns || !changes_thresholds {
+            add(name.to_owned(), keys, command);
+        }
     }
     for view in View::ALL {
         add(format!("Open view: {}", view.name()), "", Command::OpenView(view));
@@ -162,10 +168,10 @@ fn entries(state: &State) -> Vec<Entry> {
     for color_by in ColorBy::ALL {
         add(format!("Live view shows: {}", color_by.name()), "", Command::ColorBy(color_by));
     }
-    for (index, (name, ..)) in PRESETS.iter().enumerate() {
+    for (index, (name, ..)) in PRESETS.iter().enumerate().filter(|_| turns) {
         add(format!("Preset: {name}"), "", Command::Preset(index));
     }
-    for (index, (name, _)) in state.inspector.presets.iter().enumerate() {
+    for (index, (name, _)) in state.inspector.presets.iter().enumerate().filter(|_| turns) {
         add(format!("Preset: {name}"), "", Command::OwnPreset(index));
     }
     for (name, _) in SCENES {
@@ -175,7 +181,7 @@ fn entries(state: &State) -> Vec<Entry> {
         add(format!("Show camera {}", camera.name), "1 – 9", Command::SourceCamera(index));
         add(format!("Stand where {} stood", camera.name), "Shift+1 – 9", Command::JumpTo(index));
     }
-    for field in Settings::fields() {
+    for field in Settings::fields().filter(|field| turns || field.path.starts_with("render.")) {
         if let Kind::Choice(names) = field.kind {
             for (value, _) in names {
                 let command = Command::Set { path: field.path, value: (*value).into() };

@@ -15,8 +15,8 @@ use crate::preprocess::report::CameraReport;
 
 /// The panel.
 pub(super) fn report_ui(ui: &mut Ui, state: &State) {
-    let tokens = Tokens::in_ui(ui);
     let Some(report) = state.report() else {
+        let tokens = Tokens::in_ui(ui);
         ui.add_space(space::MEDIUM);
         ui.label(
             RichText::new("The report appears here once the whole capture is pruned.")
@@ -26,11 +26,7 @@ pub(super) fn report_ui(ui: &mut Ui, state: &State) {
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_max_width(ui.available_width() - space::MEDIUM);
-        if state.is_stale() {
-            ui.label(
-                RichText::new("Made with other thresholds; being brought up to date.").color(tokens.warning),
-            );
-        }
+        stale_ui(ui, state);
         rules_ui(ui, report);
         ui.add_space(space::LARGE);
         matrix_ui(ui, report);
@@ -40,6 +36,13 @@ pub(super) fn report_ui(ui: &mut Ui, state: &State) {
         cameras_ui(ui, report);
         ui.add_space(space::LARGE);
     });
+}
+
+/// Says that the numbers were made with other settings, where they were.
+pub(super) fn stale_ui(ui: &mut Ui, state: &State) {
+    if let Some(words) = state.stale_words() {
+        ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
+    }
 }
 
 /// Width from which on matrices stand beside each other.
@@ -54,6 +57,7 @@ pub(super) fn matrix_view_ui(ui: &mut Ui, state: &State) {
         return;
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        stale_ui(ui, state);
         if ui.available_width() < TWO_COLUMNS {
             matrix_ui(ui, report);
             ui.add_space(space::LARGE);

@@ -6,6 +6,7 @@ use egui_material_icons::icons::{ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 use super::super::command::Command;
 use super::super::inspector::histograms::CUT;
 use super::super::inspector::history::Slot;
+use super::super::keyboard::gave_up_number;
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
@@ -29,7 +30,7 @@ const NUMBER_BOX: f32 = 58.0;
 pub(super) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let settings = state.shown_settings();
     let values = Values::of(&settings);
-    let editable = state.scene.is_none() || state.has_capture();
+    let editable = state.has_thresholds();
     if editable {
         history_ui(ui, state, commands);
     }
@@ -45,6 +46,11 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
                 .id_salt(*section)
                 .default_open(*open)
                 .show_unindented(ui, |ui| {
+                    if *section == "capture" {
+                        let text =
+                            "For captures that are opened from now on: the one that is open stays as it is.";
+                        ui.label(RichText::new(text).small().color(Tokens::in_ui(ui).text_weak));
+                    }
                     ui.add_enabled_ui(editable || *section == "render", |ui| {
                         for field in fields {
                             field_ui(ui, field, &values, state, commands);
@@ -147,10 +153,11 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
                         let drag = DragValue::new(&mut number)
                             .range(min..=max)
                             .speed(speed)
+                            .update_while_editing(false)
                             .custom_formatter(|value, _| shown_number(value));
                         ui.spacing_mut().interact_size.x = NUMBER_BOX;
                         let drag = ui.add(drag).on_hover_text(field.help).accessible_name(&full_name);
-                        if drag.changed() {
+                        if drag.changed() && !gave_up_number(ui.ctx()) {
                             commands.push(Command::Set { path: field.path, value: number.into() });
                         }
                     }
@@ -189,15 +196,16 @@ fn value_ui(ui: &mut Ui, field: &'static Field, name: &str, value: &toml::Value)
             let slider = Slider::new(&mut number, min..=max)
                 .logarithmic(log)
                 .smallest_positive(max * 1e-4)
+                .update_while_editing(false)
                 .custom_formatter(|value, _| shown_number(value));
             let slider = ui.add(slider).on_hover_text(field.help).accessible_name(name);
-            slider.changed().then(|| number.into())
+            (slider.changed() && !gave_up_number(ui.ctx())).then(|| number.into())
         }
         (Kind::Integer { min, max }, toml::Value::Integer(number)) => {
             let mut number = *number;
-            let slider = Slider::new(&mut number, min..=max).logarithmic(min > 0);
+            let slider = Slider::new(&mut number, min..=max).logarithmic(min > 0).update_while_editing(false);
             let slider = ui.add(slider).on_hover_text(field.help).accessible_name(name);
-            slider.changed().then(|| number.into())
+            (slider.changed() && !gave_up_number(ui.ctx())).then(|| number.into())
         }
         (Kind::Choice(names), toml::Value::String(current)) => {
             let current = names.iter().position(|(choice, _)| choice == current).unwrap_or(0);

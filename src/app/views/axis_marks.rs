@@ -1,6 +1,10 @@
 //! Round values along an axis of a chart: a handful, on logarithmic axes too.
 
+use std::ops::RangeInclusive;
+
 use egui_plot::GridMark;
+
+use super::super::text;
 
 /// Marks that are aimed at.
 const MARKS: f64 = 6.0;
@@ -32,12 +36,30 @@ pub(super) fn marks((low, high): (f64, f64), log: bool) -> Vec<GridMark> {
     inside.map(|value| GridMark { value, step_size }).collect()
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten.
-fn round_values(low: f64, high: f64) -> Vec<f64> {
+/// The value at a mark of the axis that shows `range`, with as many decimals as its marks need to be told apart.
+pub(super) fn label(mark: GridMark, range: &RangeInclusive<f64>, log: bool) -> String {
+    let shown = |value: f64| if log { 10_f64.powf(value) } else { value };
+    let (low, high) = (shown(*range.start()), shown(*range.end()));
+    let value = shown(mark.value);
+    if (log && high / low >= WIDE) || high <= low {
+        return text::significant(value);
+    }
+    // A step of a power of ten may have come out a little smaller.
+    let decimals = -(round_step(low, high).log10() + 1e-9).floor();
+    format!("{value:.*}", decimals.clamp(0.0, 9.0) as usize)
+}
+
+/// 1, 2 or 5 times a power of ten.
+fn round_step(low: f64, high: f64) -> f64 {
     let raw = (high - low) / MARKS;
     let power = 10_f64.powf(raw.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|step| *step >= raw);
-    let step = step.unwrap_or(10.0 * power);
+    step.unwrap_or(10.0 * power)
+}
+
+/// Multiples of 1, 2 or 5 times a power of ten.
+fn round_values(low: f64, high: f64) -> Vec<f64> {
+    let step = round_step(low, high);
     let first = (low / step).ceil();
     let values = (0..2 * MARKS as u32).map(|nth| (first + f64::from(nth)) * step);
     values.take_while(|value| *value <= high).collect()
@@ -59,5 +81,17 @@ mod tests {
         assert_eq!(values(0.9_f64.log10(), 60_f64.log10(), true), [1.0, 2.0, 5.0, 10.0, 20.0, 50.0]);
         assert_eq!(values(0.0, 4.0, true), [1.0, 10.0, 100.0, 1000.0, 10000.0]);
         assert_eq!(marks((1.0, 1.0), false), []);
+    }
+
+    #[test]
+    fn marks_that_lie_close_together_are_told_apart_by_their_decimals() {
+        let labels = |low: f64, high: f64, log: bool| -> Vec<String> {
+            marks((low, high), log).into_iter().map(|mark| label(mark, &(low..=high), log)).collect()
+        };
+        assert_eq!(labels(0.951, 0.976, false), ["0.955", "0.960", "0.965", "0.970", "0.975"]);
+        assert_eq!(labels(0.000_3, 0.002_3, false), ["0.0005", "0.0010", "0.0015", "0.0020"]);
+        assert_eq!(labels(22.4, 28.1, false), ["23", "24", "25", "26", "27", "28"]);
+        assert_eq!(labels(4.01_f64.log10(), 4.06_f64.log10(), true)[..3], ["4.01", "4.02", "4.03"]);
+        assert_eq!(labels(0.02_f64.log10(), 0.3_f64.log10(), true), ["0.0200", "0.0500", "0.10", "0.20"]);
     }
 }

@@ -7,14 +7,14 @@ use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
 use egui_plot::{Legend, Line, MarkerShape, Plot, PlotPoint, PlotPoints, PlotUi, Points};
 
 use super::super::command::Command;
-use super::super::inspector::charts::{Quantity, Study, settings_alone};
+use super::super::inspector::charts::{Quantity, Study, point_name, series_name, settings_alone};
 use super::super::panels::{choice_ui, empty_ui};
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
 use super::{axis_marks, colormap};
 use crate::evaluate::stress::StressPoint;
-use crate::evaluate::sweep::Point;
+use crate::evaluate::sweep::{Point, Series};
 
 /// A point this near to the pointer is meant, points on the screen.
 const NEAR: f32 = 12.0;
@@ -49,9 +49,10 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
     let [along, up] = charts.axes;
     let tokens = *Tokens::in_ui(ui);
     let place = |point: &Point| [along.of(point), up.of(point)];
-    let mut series = BTreeMap::<&str, Vec<[f64; 2]>>::new();
+    let mut series = BTreeMap::<&str, (Series, Vec<[f64; 2]>)>::new();
     for point in &charts.sweep {
-        series.entry(point.series.name()).or_default().push(place(point));
+        let (_, places) = series.entry(point.series.name()).or_insert((point.series, Vec::new()));
+        places.push(place(point));
     }
     let on_front = charts.sweep.iter().filter(|point| point.pareto && point.is_lossless());
     let mut front: Vec<[f64; 2]> = on_front.map(place).collect();
@@ -60,9 +61,11 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
     let plot = plot("tradeoff", along, up, &tokens);
     let shown = plot.show(ui, |plot_ui| {
         plot_ui.line(Line::new("best lossless for its size", front).color(tokens.text_weak).width(1.0));
-        for (index, (name, places)) in series.into_iter().enumerate() {
+        for (index, (series, places)) in series.into_values().enumerate() {
             let color = colormap::camera(index);
-            plot_ui.points(Points::new(name, places).color(color).radius(4.0).shape(shape(index)));
+            plot_ui.points(
+                Points::new(series_name(series), places).color(color).radius(4.0).shape(shape(index)),
+            );
         }
         if let Some(at) = current {
             plot_ui.points(Points::new("on now", vec![at]).color(tokens.mark).radius(8.0).filled(false));
@@ -85,7 +88,7 @@ fn words(point: &Point) -> String {
         if settings_alone(point).is_some() { "" } else { "\nOnly for comparison: no settings give it" };
     format!(
         "{}\n{:.2} ± {:.2} dB, SSIM {:.3}, coverage {:.1} %\n{} in {} samples, {} ms a view{advice}",
-        point.label,
+        point_name(point),
         point.psnr_filled_db,
         point.psnr_filled_db_se,
         point.ssim,
@@ -103,12 +106,12 @@ fn shape(index: usize) -> MarkerShape {
 
 fn plot<'a>(id: &'static str, along: Quantity, up: Quantity, tokens: &Tokens) -> Plot<'a> {
     let axis = |quantity: Quantity| {
-        move |mark: egui_plot::GridMark, _: &std::ops::RangeInclusive<f64>| {
-            let value = if quantity.is_log() { 10_f64.powf(mark.value) } else { mark.value };
+        move |mark: egui_plot::GridMark, range: &std::ops::RangeInclusive<f64>| {
+            let whole = |mark: egui_plot::GridMark| 10_f64.powf(mark.value) as u64;
             match quantity {
-                Quantity::Bytes => text::bytes(value.max(0.0) as u64),
-                Quantity::Samples => text::count(value.max(0.0) as u64),
-                _ => text::significant(value),
+                Quantity::Bytes => text::bytes(whole(mark)),
+                Quantity::Samples => text::count(whole(mark)),
+                _ => axis_marks::label(mark, range, quantity.is_log()),
             }
         }
     };

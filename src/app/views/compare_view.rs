@@ -85,8 +85,12 @@ fn places(state: &State) -> Vec<(Place, String, String)> {
         }));
         let known = truth.iter().filter(|view| view.truth.is_some()).enumerate();
         places.extend(known.map(|(index, view)| {
-            let name = view.file_path.rsplit('/').next().unwrap_or(&view.file_path).to_owned();
-            (Place::Truth(index), format!("Truth {name}"), "A vantage whose picture is known.".to_owned())
+            let path = &view.file_path;
+            (
+                Place::Truth(index),
+                format!("Truth {path}"),
+                format!("A vantage whose picture is known: {path}."),
+            )
         }));
     }
     places

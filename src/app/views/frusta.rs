@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 
 use crate::capture::Camera;
 
-/// Camera space in front of this is drawn; what is nearer is cut off.
+/// What lies nearer is cut off, as a share of a pyramid's length: scenes are measured in millimeters as well as in meters.
 const NEAR: f64 = 1e-3;
 
 /// A camera's pyramid as line segments in the live picture's pixels, and where its name belongs.
@@ -27,7 +27,7 @@ pub(crate) fn frustum(camera: &Camera, vantage: &Camera, length: f64) -> Frustum
     for i in 0..4 {
         for (a, b) in [(apex, corners[i]), (corners[i], corners[(i + 1) % 4])] {
             let ends = [a, b].map(|point| camera_from_world.transform_point3(point));
-            if let Some([a, b]) = clipped(ends) {
+            if let Some([a, b]) = clipped(ends, NEAR * length) {
                 lines.extend(projected(vantage, a).zip(projected(vantage, b)).map(|(a, b)| [a, b]));
             }
         }
@@ -39,13 +39,13 @@ fn projected(vantage: &Camera, point_in_camera: DVec3) -> Option<Pos2> {
     vantage.intrinsics.project(point_in_camera).map(|pixel| pos2(pixel.x as f32, pixel.y as f32))
 }
 
-/// The part of a segment in camera space that lies before the camera.
-fn clipped([a, b]: [DVec3; 2]) -> Option<[DVec3; 2]> {
+/// The part of a segment in camera space that lies before the camera, no nearer than `near`.
+fn clipped([a, b]: [DVec3; 2], near: f64) -> Option<[DVec3; 2]> {
     let cut = |inside: DVec3, outside: DVec3| {
-        let share = (inside.z - NEAR) / (inside.z - outside.z);
+        let share = (inside.z - near) / (inside.z - outside.z);
         inside + (outside - inside) * share
     };
-    match (a.z >= NEAR, b.z >= NEAR) {
+    match (a.z >= near, b.z >= near) {
         (true, true) => Some([a, b]),
         (true, false) => Some([a, cut(a, b)]),
         (false, true) => Some([cut(b, a), b]),
@@ -75,7 +75,16 @@ mod tests {
 
     #[test]
     fn an_edge_that_passes_the_eye_is_cut_off_before_it() {
-        let cut = clipped([DVec3::new(0.0, 0.0, 1.0), DVec3::new(0.0, 1.0, -1.0)]).unwrap();
-        assert!((cut[1].z - NEAR).abs() < 1e-9);
+        let cut = clipped([DVec3::new(0.0, 0.0, 1.0), DVec3::new(0.0, 1.0, -1.0)], 0.01).unwrap();
+        assert!((cut[1].z - 0.01).abs() < 1e-9);
+    }
+
+    #[test]
+    fn cameras_are_drawn_in_a_scene_of_any_unit() {
+        for unit in [1e-6, 1e6] {
+            let vantage = camera(DVec3::new(0.0, -10.0, 0.0) * unit, DVec3::ZERO);
+            let seen = frustum(&camera(DVec3::ZERO, DVec3::X * unit), &vantage, unit);
+            assert_eq!(seen.lines.len(), 8, "{unit}");
+        }
     }
 }

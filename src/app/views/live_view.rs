@@ -13,7 +13,7 @@ use super::super::theme::{Tokens, space};
 use super::frusta::frustum;
 use super::live_image::ColorBy;
 use super::source_view::{CAMERA_LIST, FOOTER};
-use super::{colormap, legend, marks, source_view};
+use super::{colormap, legend, marks, source_view, words};
 
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
@@ -85,7 +85,7 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Vec<Comma
     if let Some(shown) = &state.live_shown {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(shown.texture.id(), canvas, whole, egui::Color32::WHITE);
-    } else {
+    } else if !state.is_frame_failed() {
         egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
     }
     if state.live.show_cameras {
@@ -253,6 +253,7 @@ fn facts_ui(ui: &mut Ui, state: &State) {
                 shown.picture.painter
             )
         }
+        None if state.is_frame_failed() => words::FAILED_FRAME.to_owned(),
         None => "The first look is on its way.".to_owned(),
     };
     // Whoever reads the notice has found out how to move about.

@@ -31,7 +31,9 @@ fn camera_facts(state: &State) -> String {
     let in_motion = state.timeline.playing && !state.skips_verdicts();
     let Some(inspected) = state.inspected.as_ref().filter(|_| in_motion || state.inspection_here().is_some())
     else {
-        let text = if state.skips_verdicts() {
+        let text = if state.is_frame_failed() {
+            words::FAILED_FRAME
+        } else if state.skips_verdicts() {
             "In motion: pause, or choose an overlay above, to see what is redundant."
         } else {
             "Working out what is redundant here."
@@ -50,7 +52,7 @@ fn camera_facts(state: &State) -> String {
 
 fn about_pixel(state: &State, x: usize, y: usize) -> [String; 2] {
     let (Some(scene), Some(inspection)) = (&state.scene, state.inspection_here()) else {
-        return [words::pending_verdict(state.timeline.playing).to_owned(), format!("Pixel {x}, {y}")];
+        return [words::pending_verdict(state).to_owned(), format!("Pixel {x}, {y}")];
     };
     let camera = &inspection.cameras[state.source.camera];
     let Some(verdict) = camera.verdict.get(x, y) else { return Default::default() };

@@ -93,7 +93,9 @@ fn picture_ui(
     let painter = ui.painter_at(canvas);
     painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.canvas);
     let Some(shown) = &state.source_shown else {
-        egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+        if !state.is_frame_failed() {
+            egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+        }
         return None;
     };
     let size = Vec2::from(shown.picture.size.map(|side| side as f32));

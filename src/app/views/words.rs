@@ -2,6 +2,7 @@
 
 use super::super::inspector::probe::Probed;
 use super::super::scene::Scene;
+use super::super::state::State;
 use super::super::text;
 use crate::capture::Camera;
 use crate::preprocess::registration::Outcome;
@@ -23,9 +24,14 @@ pub(super) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
     }
 }
 
+/// What stands where a frame could not be worked out.
+pub(super) const FAILED_FRAME: &str = "This frame could not be worked out: the Log view says why.";
+
 /// What stands for a verdict that is not known yet.
-pub(super) fn pending_verdict(in_motion: bool) -> &'static str {
-    if in_motion {
+pub(super) fn pending_verdict(state: &State) -> &'static str {
+    if state.is_frame_failed() {
+        FAILED_FRAME
+    } else if state.timeline.playing {
         "In motion: pause, or click a pixel, to read its verdict."
     } else {
         "Its verdict is being worked out."

@@ -1,0 +1,119 @@
+//! What is typed belongs to the field it is typed into, and what the window says of its settings is so.
+
+use super::driver::{
+    SIZE, Window, click, drop_on, open, open_view, pick, settle, shows, small_demo, type_path, wait,
+};
+use egui::{Event, Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+
+const FIELD: &str = "Pruning depth tolerance";
+
+fn tolerance(window: &Window) -> f32 {
+    window.state().settings().pruning.depth_tolerance
+}
+
+/// Puts the caret into the number beside a threshold and types over it.
+fn type_number(window: &mut Window, text: &str) {
+    click(window, FIELD);
+    window.event(Event::Text(text.to_owned()));
+    window.run_steps(3);
+}
+
+#[test]
+fn escape_leaves_a_number_as_it_was_and_nothing_else() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    drop_on(&mut window, "/no/such/capture".as_ref());
+    wait(&mut window, "the message", |window| !window.state().notices().is_empty());
+    type_number(&mut window, "2.5");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert_eq!(tolerance(&window), 1.0);
+    assert_eq!(window.state().notices().len(), 1, "the message is not what was closed");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(window.state().notices().is_empty());
+    type_number(&mut window, "2.5");
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    assert_eq!(tolerance(&window), 2.5);
+    settle(&mut window);
+}
+
+#[test]
+fn undo_and_redo_while_a_number_is_typed_are_not_meant_at_the_settings() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    pick(&mut window, "Presets", "Bold");
+    type_number(&mut window, "7");
+    for key in [Key::Z, Key::Y] {
+        window.key_press_modifiers(Modifiers::COMMAND, key);
+        window.run_steps(3);
+        assert_eq!(tolerance(&window), 2.5, "the preset stays on");
+    }
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.run_steps(3);
+    assert_eq!(tolerance(&window), 1.0);
+    settle(&mut window);
+}
+
+#[test]
+fn every_view_of_the_whole_capture_says_when_it_is_out_of_date() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    for (view, method) in [("Matrix", "Off"), ("Memory", "First camera"), ("Report", "Highest rate")] {
+        open_view(&mut window, view);
+        assert!(!shows(&window, "Made with other thresholds"), "{view}");
+        if view == "Report" {
+            // It lies over the thresholds.
+            window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+            window.run_steps(3);
+        } else {
+            pick(&mut window, "Pruning method", method);
+        }
+        assert!(shows(&window, "Made with other thresholds"), "{view}");
+        settle(&mut window);
+    }
+}
+
+#[test]
+fn how_frames_are_read_is_said_to_hold_for_what_is_opened_next() {
+    // Tall enough for the last of the settings.
+    let mut window = open(small_demo(), [SIZE[0], 2100.0]);
+    settle(&mut window);
+    click(&mut window, "Reading frames");
+    assert!(shows(&window, "For captures that are opened from now on"));
+}
+
+#[test]
+fn the_palette_offers_only_painting_where_a_store_keeps_its_thresholds() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("small.ovl");
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    type_path(&mut window, "Save", "Save store to path…", &path, "Save this path");
+    wait(&mut window, "the file", |_| path.is_file());
+    let offers = |window: &mut Window, name: &str| {
+        click(window, "Commands");
+        window.get_by_label("Command").type_text(name);
+        window.run_steps(3);
+        let found = shows(window, &format!("Do: {name}"));
+        window.key_press(Key::Escape);
+        window.run_steps(3);
+        found
+    };
+    let hidden =
+        ["Undo", "Reset all settings", "Switch between", "Preset: Bold", "Set pruning.method to off"];
+    assert!(hidden.iter().all(|name| offers(&mut window, name)));
+    type_path(&mut window, "Open", "Open path…", &path, "Open this path");
+    wait(&mut window, "the store", |window| shows(window, "This store holds no source frames"));
+    settle(&mut window);
+    for name in hidden {
+        assert!(!offers(&mut window, name), "{name}");
+    }
+    assert!(
+        offers(&mut window, "Set render.kernel to point") && offers(&mut window, "Keep settings as a preset")
+    );
+}
