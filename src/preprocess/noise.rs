@@ -8,7 +8,7 @@
 //! Light that moves changes many pixels, but neighbors alike; noise does not. Of the relative changes of color `d` in a row
 //! of pixels, only `d(i−2) − 2d(i) + d(i+2)` counts, which is √6 times as wide as that of `d(i)` where they are independent
 //! and 0 where they grow evenly, whatever pattern the surface has. Of relative changes of depth the same: a surface that comes
-//! nearer changes evenly. Patterns that move are told apart by [`moving_patterns`](super::moving_patterns).
+//! nearer changes evenly. Patterns that move are told apart in `moving_patterns.rs`.
 //!
 //! Source: the median absolute deviation (Hampel 1974) of first differences; second differences in space are those of
 //! Immerkær, *Fast Noise Variance Estimation*, CVIU 1996.
