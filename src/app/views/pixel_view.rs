@@ -234,9 +234,9 @@ fn row_ui(
     };
     cell(ui, depth, false);
     let off = row.plane_distance_footprints;
-    cell(ui, words::number(off), off > f64::from(tolerance.depth_tolerance)).on_hover_text(format!(
+    cell(ui, words::distance(off), off > f64::from(tolerance.depth_tolerance)).on_hover_text(format!(
         "{} footprints of {} units, with {} granted.",
-        words::number(off),
+        words::distance(off),
         words::number(row.footprint),
         tolerance.depth_tolerance
     ));
@@ -245,7 +245,7 @@ fn row_ui(
         if row.incidence_degrees.is_nan() { "–".into() } else { format!("{:.0}°", row.incidence_degrees) };
     cell(ui, angle, turned).on_hover_text(format!(
         "The normals differ by {}°, with {}° granted.",
-        words::number(row.normal_angle_degrees),
+        words::distance(row.normal_angle_degrees),
         tolerance.normal_tolerance
     ));
     // Of two different surface points no rates can be compared.
@@ -253,7 +253,7 @@ fn row_ui(
     cell(ui, ratio(row.paper_r), false);
     cell(ui, ratio(row.footprint_r), false);
     let apart = row.color_difference_steps > f64::from(tolerance.color_tolerance);
-    cell(ui, words::number(row.color_difference_steps), apart);
+    cell(ui, words::distance(row.color_difference_steps), apart);
     let there = row.verdict.map_or_else(|| "–".to_owned(), |verdict| words::fate(&scene.cameras, verdict));
     let there = if wins && row.outcome.is_some() { format!("{there}, stands for it") } else { there };
     ui.label(RichText::new(there).color(if wins { tokens.accent } else { tokens.text_weak }));

@@ -95,6 +95,11 @@ pub(super) fn fate(cameras: &[Camera], verdict: Verdict) -> String {
     }
 }
 
+/// A number that is held against a tolerance of about one: of what is far below it, nothing but hundredths is told.
+pub(super) fn distance(value: f64) -> String {
+    if value.abs() < 0.1 { format!("{:.2}", value.abs()) } else { number(value) }
+}
+
 /// A number with three digits; `–` where it is not known, `infinite` where it has no end.
 pub(super) fn number(value: f64) -> String {
     if value.is_nan() {
@@ -173,6 +178,12 @@ mod tests {
     use super::*;
     use crate::capture::Intrinsics;
     use glam::DVec3;
+
+    #[test]
+    fn what_is_far_below_any_tolerance_is_told_in_hundredths() {
+        let told = [1.33e-5, -1e-9, 0.094, 0.77, 78.6, f64::NAN].map(distance);
+        assert_eq!(told, ["0.00", "0.00", "0.09", "0.77", "78.6", "–"]);
+    }
 
     #[test]
     fn a_dropped_pixel_names_its_witness_and_where_it_is() {
