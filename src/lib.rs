@@ -42,6 +42,7 @@ pub mod grid;
 pub mod job;
 pub mod settings;
 mod simd;
+mod whole_file;
 
 pub mod capture;
 pub mod evaluate;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules from the bottom up. A module may use those before it and itself.
 const LAYERS: [&[&str]; 8] = [
-    &["error", "grid", "job", "color", "settings", "simd"],
+    &["error", "grid", "job", "color", "settings", "simd", "whole_file"],
     &["capture"],
     &["preprocess"],
     &["store"],

@@ -7,7 +7,6 @@
 //! | `Z` | float | planar z; 1e10 where nothing was hit, NaN where there is no depth |
 //! | `N.X N.Y N.Z` | float | unit normal in world space, 0 where there is none |
 
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use exr::prelude::{
@@ -19,6 +18,7 @@ use super::Frame;
 use super::exr::HALF_MAX;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
+use crate::whole_file;
 
 /// Depth written where nothing was hit, as Blender does.
 const MISS_DEPTH: f32 = 1e10;
@@ -102,39 +102,13 @@ fn write_channels(
         line_order: LineOrder::Increasing,
     };
     let image = Image::from_encoded_channels((width, height), encoding, AnyChannels::sort(channels.into()));
-    write_atomically(path, |writer| {
+    whole_file::write(path, |writer| {
         // Callers write many pictures at once; one thread each keeps all cores busy without contention.
         image.write().non_parallel().to_buffered(writer).map_err(|error| match error {
             exr::error::Error::Io(error) => Error::io(path, error),
             other => Error::invalid(path.display(), other.to_string()),
         })
     })
-}
-
-/// Writes a file that is seen under its name only when it is complete.
-///
-/// # Errors
-/// `Io`, and whatever `write` gives; nothing is left behind then.
-pub(super) fn write_atomically(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<&mut std::fs::File>) -> Result<()>,
-) -> Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".overlook-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // Temporary files are private by default; pictures are for everybody the umask allows.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder).map_err(|error| Error::io(path, error))?;
-    let mut writer = BufWriter::new(file.as_file_mut());
-    write(&mut writer)?;
-    writer.flush().map_err(|error| Error::io(path, error))?;
-    drop(writer);
-    file.persist(path).map_err(|error| Error::io(path, error.error))?;
-    Ok(())
 }
 
 #[cfg(test)]
@@ -156,19 +130,5 @@ mod tests {
         let planes = file.decode(&[0, 1, 2, 3, 4], file.window(None).unwrap()).unwrap();
         let planes: Vec<Vec<f32>> = planes.into_iter().map(Plane::into_single).collect();
         assert_eq!(planes, [[1.0, 0.0], [-0.25, 0.0], [HALF_MAX, 0.0], [0.5, 0.0], [4.0, MISS_DEPTH]]);
-    }
-
-    #[test]
-    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("kept");
-        std::fs::write(&path, "old").unwrap();
-        let result = write_atomically(&path, |writer| {
-            writer.write_all(b"new").map_err(|error| Error::io("kept", error))?;
-            Err(Error::Cancelled)
-        });
-        assert!(result.is_err());
-        assert_eq!(std::fs::read(&path).unwrap(), b"old");
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

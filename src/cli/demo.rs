@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::{Failure, output, progress, targets};
 use crate::capture::demo::{Demo, DemoSpec, MAX_CAMERAS, SCENES};
-use crate::capture::transforms::{MANIFEST_NAME, open_views, write_capture};
+use crate::capture::transforms::{MANIFEST_NAME, open_views, picture_name, write_capture};
 use crate::capture::{Camera, View};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
@@ -110,7 +110,7 @@ impl DemoArgs {
 /// Whether a demo with these cameras writes such a picture.
 fn is_of(cameras: &[Camera], view: &View) -> bool {
     let View { file_path, camera, frame_number, .. } = view;
-    *file_path == format!("{}/{frame_number:04}.exr", camera.name)
+    *file_path == picture_name(camera, *frame_number)
         && cameras.iter().any(|known| {
             known.name == camera.name
                 && known.world_from_camera.abs_diff_eq(camera.world_from_camera, SAME_POSE)

@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::evaluate::chart::Chart;
 use crate::evaluate::sweep::Point;
 use crate::job::Job;
+use crate::whole_file;
 
 /// What a run has measured so far, one JSON document a line below a line that says what it was measured on.
 pub(super) struct Journal {
@@ -109,30 +110,12 @@ pub(super) fn recorded<P: Serialize, T>(
 pub(super) fn write_json(path: &Path, document: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(document)
         .map_err(|error| Error::invalid(path.display(), error.to_string()))?;
-    write_whole(path, &(text + "\n"))
-}
-
-/// Writes a file that is seen under its name only when it is complete: results that stand there stay until then.
-pub(super) fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
-    let io = |error| Error::io(path, error);
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".overlook-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // Temporary files are private by default; results are for everybody the umask allows.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder).map_err(io)?;
-    file.write_all(content.as_ref()).map_err(io)?;
-    file.persist(path).map_err(|error| io(error.error))?;
-    Ok(())
+    whole_file::write_all(path, text + "\n")
 }
 
 /// Writes a chart as PNG.
 pub(super) fn write_chart(path: &Path, chart: &Chart) -> Result<()> {
-    write_whole(path, chart.png()?)
+    whole_file::write_all(path, chart.png()?)
 }
 
 /// Writes documents as CSV (RFC 4180): one a row, a column for every number, text or truth value, nested ones by the path to
@@ -160,7 +143,7 @@ pub(super) fn write_csv(path: &Path, rows: &[impl Serialize]) -> Result<()> {
         };
         text += &(head.iter().map(cell).collect::<Vec<_>>().join(",") + "\r\n");
     }
-    write_whole(path, text)
+    whole_file::write_all(path, text)
 }
 
 fn flatten(prefix: &str, value: &serde_json::Value, cells: &mut Vec<(String, String)>) {

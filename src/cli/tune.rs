@@ -8,6 +8,7 @@ use super::truth::TruthArgs;
 use super::{Failure, SettingsArgs, output, results, targets};
 use crate::evaluate::tune::{self, Budget, Plan};
 use crate::settings::Settings;
+use crate::whole_file;
 
 /// Arguments of `overlook tune`.
 #[derive(Debug, Args)]
@@ -62,7 +63,7 @@ impl TuneArgs {
         let tuned =
             results::recorded(journal.as_ref(), |job, keep| tune::run(&capture, &plan, &truth, job, keep))?;
         let head = format!("# {}\n\n", tuned.words.join("\n# "));
-        let written = results::write_whole(&self.out, head + &tuned.settings.to_toml());
+        let written = whole_file::write_all(&self.out, head + &tuned.settings.to_toml());
         // What took so long is told even where it cannot be written.
         if self.json {
             output::print_json(&tuned)?;

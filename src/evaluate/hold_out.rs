@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::capture::transforms::picture_name;
 use crate::capture::{Capture, View};
 use crate::error::{Error, Result};
 
@@ -36,7 +37,7 @@ pub fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, Vec<Vie
             let truth = capture.clone();
             let number = capture.frame_numbers[frame];
             views.push(View {
-                file_path: format!("{}/{number:04}.exr", camera.name),
+                file_path: picture_name(camera, number),
                 camera: camera.clone(),
                 frame_number: number,
                 truth: Some(Arc::new(move || truth.frame(index, frame).map(|frame| (*frame).clone()))),

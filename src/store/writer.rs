@@ -10,7 +10,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use tempfile::NamedTempFile;
 
 use super::blocks::Coding;
 use super::bytes::{HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE};
@@ -24,6 +23,7 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{Report, SampleImage, SampleSet, Span};
 use crate::settings::{self, StoreSettings};
+use crate::whole_file;
 
 /// Images that are encoded at a time: enough for every thread, few enough to be held in memory.
 const BATCH: usize = 64;
@@ -64,7 +64,7 @@ pub fn write_with(
     job: &Job,
 ) -> Result<u64> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let temporary = temporary_file(folder).map_err(|error| Error::io(path, error))?;
+    let temporary = whole_file::beside(path, ".tmp")?;
     let size = write_to(BufWriter::new(temporary.as_file()), path, samples, (report, extras), job)?;
     temporary.as_file().sync_all().map_err(|error| Error::io(path, error))?;
     job.check()?;
@@ -72,15 +72,6 @@ pub fn write_with(
     // The new name is on the disk once its folder is; where folders cannot be synced the file is whole all the same.
     let _ = File::open(folder).and_then(|folder| folder.sync_all());
     Ok(size)
-}
-
-/// A temporary file is private by default; this one becomes the store, so it gets the permissions of any new file.
-fn temporary_file(folder: &Path) -> std::io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".overlook-").suffix(".tmp");
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
 }
 
 /// Writes a store to anything that can be written at any place; `path` is named in errors. Gives its size in bytes.

@@ -6,9 +6,9 @@ use std::path::Path;
 use glam::DAffine3;
 
 use super::files::{PictureFiles, picture_path};
-use super::load;
 use super::manifest::{Entry, Keys, Manifest};
 use super::pose;
+use super::probe;
 use crate::capture::{Camera, Intrinsics};
 use crate::error::{Error, Result};
 
@@ -45,7 +45,7 @@ pub(super) struct PlacedEntry {
 impl PlacedEntry {
     /// The camera of this entry alone, reading the picture's header where the manifest lacks its size.
     pub(super) fn camera(&self) -> Result<Camera> {
-        self.camera_of_size(|| load::picture_size(&self.files.color, &self.place))
+        self.camera_of_size(|| probe::picture_size(&self.files.color, &self.place))
     }
 
     /// What the manifest says of it: the entry's own keys before those of the whole.

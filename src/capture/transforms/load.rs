@@ -25,35 +25,24 @@ pub(super) enum Need {
     ColorOnly,
 }
 
-/// Columns and rows of a picture, from its header.
-pub(super) fn picture_size(path: &Path, place: &str) -> Result<(usize, usize)> {
-    match format_of(path, place)? {
-        Format::Png => png::size(path, place),
-        Format::Exr => {
-            let window = ExrFile::open(path, place)?.window(None)?;
-            Ok((window.width, window.height))
-        }
-    }
-}
-
 /// Where depth is in an EXR file.
 #[derive(Clone, Copy)]
-enum DepthChannels {
+pub(super) enum DepthChannels {
     One(usize, DepthKind),
     Position([usize; 3]),
 }
 
 /// An EXR file with its channels recognized.
-struct Picture<'a> {
-    file: ExrFile,
-    names: ChannelNames,
+pub(super) struct Picture<'a> {
+    pub(super) file: ExrFile,
+    pub(super) names: ChannelNames,
     window: Window,
     files: &'a PictureFiles,
     place: &'a str,
 }
 
 impl<'a> Picture<'a> {
-    fn open(
+    pub(super) fn open(
         path: &Path,
         files: &'a PictureFiles,
         wishes: &ChannelWishes,
@@ -73,11 +62,11 @@ impl<'a> Picture<'a> {
         Error::invalid(self.place, format!("no {what} among the channels {}; {key}", names.join(", ")))
     }
 
-    fn color(&self) -> Result<[usize; 3]> {
+    pub(super) fn color(&self) -> Result<[usize; 3]> {
         self.names.color.ok_or_else(|| self.missing("color", "name its layer as \"layer\" in the manifest"))
     }
 
-    fn depth(&self) -> Result<DepthChannels> {
+    pub(super) fn depth(&self) -> Result<DepthChannels> {
         const KEY: &str = "name one as \"depth_channel\" in the manifest";
         const LAYER_KEY: &str = "name the layer of its X, Y and Z as \"depth_channel\" in the manifest";
         let one = |kind| self.names.depth.map(|index| DepthChannels::One(index, kind));
@@ -102,70 +91,15 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// What the headers of a frame's files tell.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Probe {
-    /// Whether there are normals, and they are to be read.
-    pub has_normals: bool,
-    /// Whether depth is measured from a near plane that the manifest does not give.
-    pub lacks_near_clip: bool,
-    /// Whether colors are of other primaries than Rec.709's.
-    pub has_other_primaries: bool,
-}
-
-/// Checks the headers of a frame's files.
-///
-/// # Errors
-/// As [`frame`], but for damage behind the headers.
-pub(super) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Probe> {
-    let size = camera.intrinsics.size();
-    let mut probe = Probe { has_normals: files.normal.is_some(), ..Probe::default() };
-    let mut kind = None;
-    match format_of(&files.color, place)? {
-        Format::Png if files.depth.is_none() => return Err(no_depth(place)),
-        Format::Png => png::check(&files.color, place, size)?,
-        Format::Exr => {
-            let picture = Picture::open(&files.color, files, &files.wishes_of_color_file(), camera, place)?;
-            picture.color()?;
-            if files.depth.is_none() {
-                kind = Some(picture.depth()?.kind());
-            }
-            probe.has_normals |= picture.names.normal.is_some();
-            probe.has_other_primaries = picture.file.has_other_primaries();
-        }
-    }
-    if let Some(path) = &files.depth {
-        kind = Some(probe_depth_file(path, files, camera, place)?);
-    }
-    probe.lacks_near_clip = kind == Some(DepthKind::RayDistanceFromNearClip) && !files.has_near_clip;
-    probe.has_normals &= files.normal_space.is_some();
-    if let (Some(path), true) = (&files.normal, probe.has_normals) {
-        let place = &place_of_normals(path, place);
-        normals_of_own(&open_normal_file(path, files, camera, place)?)?;
-    }
-    Ok(probe)
-}
-
-/// Checks the header of a file of depth, and tells what it measures.
-fn probe_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthKind> {
-    let place = &place_of_depth(path, place);
-    if format_of(path, place)? == Format::Exr {
-        let picture = Picture::open(path, files, &files.wishes_of_depth_file(), camera, place)?;
-        return Ok(picture.depth()?.kind());
-    }
-    png::check_depth(path, place, camera.intrinsics.size())?;
-    Ok(files.png_depth_rules(place)?.kind)
-}
-
-fn place_of_depth(path: &Path, place: &str) -> String {
+pub(super) fn place_of_depth(path: &Path, place: &str) -> String {
     format!("{place}, depth file {}", path.display())
 }
 
-fn place_of_normals(path: &Path, place: &str) -> String {
+pub(super) fn place_of_normals(path: &Path, place: &str) -> String {
     format!("{place}, normal file {}", path.display())
 }
 
-fn no_depth(place: &str) -> Error {
+pub(super) fn no_depth(place: &str) -> Error {
     Error::invalid(place, "there is no depth; give depth_file_path, or write depth into an EXR picture")
 }
 
@@ -322,7 +256,7 @@ fn read_normal_file(
     Ok(Planes::decode(&picture, &normals_of_own(&picture)?)?.take_three())
 }
 
-fn open_normal_file<'a>(
+pub(super) fn open_normal_file<'a>(
     path: &Path,
     files: &'a PictureFiles,
     camera: &Camera,
@@ -335,12 +269,12 @@ fn open_normal_file<'a>(
 }
 
 /// The channels of a file of its own, which may hold the normal as its picture.
-fn normals_of_own(picture: &Picture) -> Result<[usize; 3]> {
+pub(super) fn normals_of_own(picture: &Picture) -> Result<[usize; 3]> {
     picture.normal().or_else(|error| picture.names.color.ok_or(error))
 }
 
 impl DepthChannels {
-    fn kind(&self) -> DepthKind {
+    pub(super) fn kind(&self) -> DepthKind {
         match self {
             Self::One(_, kind) => *kind,
             Self::Position(_) => DepthKind::WorldPosition,

@@ -17,6 +17,7 @@ mod load;
 pub mod manifest;
 mod png;
 mod pose;
+mod probe;
 mod source;
 mod write;
 
@@ -26,7 +27,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Capture, CaptureParts, View};
+use super::{Camera, Capture, CaptureParts, View};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 use cameras::{PlacedEntry, Recording};
@@ -39,6 +40,12 @@ pub use write::{ManifestEntry, ManifestFacts, write_capture, write_manifest};
 
 /// Name of the manifest in a capture's folder.
 pub const MANIFEST_NAME: &str = "transforms.json";
+
+/// Where the picture of a camera at a frame of this number lies in a capture's folder, as far as we name it.
+#[must_use]
+pub fn picture_name(camera: &Camera, frame_number: i64) -> String {
+    format!("{}/{frame_number:04}.exr", camera.name)
+}
 
 /// Opens a capture: a `transforms.json`, or a folder that holds one.
 ///

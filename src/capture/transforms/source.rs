@@ -2,6 +2,7 @@
 
 use super::cameras::Recording;
 use super::load::{self, Need};
+use super::probe::probe;
 use crate::capture::{Frame, FrameSource};
 use crate::error::Result;
 
@@ -48,7 +49,7 @@ pub(super) fn normals_in_all_cameras(recording: &Recording, warnings: &mut Vec<S
     let mut of_other_primaries = Vec::new();
     for (camera, frames) in recording.cameras.iter().zip(&recording.entries) {
         let Some(first) = frames.first() else { continue };
-        let probe = load::probe(&first.files, camera, &first.place)?;
+        let probe = probe(&first.files, camera, &first.place)?;
         if !probe.has_normals {
             without.push(camera.name.as_str());
         }

@@ -12,13 +12,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::MANIFEST_NAME;
 use super::manifest::{CameraName, Entry, Keys, Manifest, NormalSpaceName};
 use super::pose;
-use crate::capture::exr_write::{write_atomically, write_frame};
+use super::{MANIFEST_NAME, picture_name};
+use crate::capture::exr_write::write_frame;
 use crate::capture::{Camera, Capture, Frame, View};
 use crate::error::{Error, Result};
 use crate::job::Job;
+use crate::whole_file;
 
 /// Folder of the vantages below a capture's.
 const NOVEL_FOLDER: &str = "novel";
@@ -88,7 +89,7 @@ pub fn write_manifest(path: &Path, facts: ManifestFacts, entries: &[ManifestEntr
         },
         frames: frames.collect(),
     };
-    write_atomically(path, |writer| {
+    whole_file::write(path, |writer| {
         serde_json::to_writer_pretty(writer, &manifest)
             .map_err(|error| Error::io(path, std::io::Error::from(error)))
     })
@@ -148,10 +149,6 @@ fn capture_entries(capture: &Capture) -> Vec<ManifestEntry<'_>> {
         })
     };
     capture.cameras.iter().flat_map(of_camera).collect()
-}
-
-fn picture_name(camera: &Camera, frame_number: i64) -> String {
-    format!("{}/{frame_number:04}.exr", camera.name)
 }
 
 fn write_views(folder: &Path, views: &[View], facts: ManifestFacts, job: &Job) -> Result<()> {

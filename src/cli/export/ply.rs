@@ -4,7 +4,7 @@
 //! known; colors are 8-bit sRGB, since that is what viewers expect of `red green blue`; `radius` is that of a disk as large as the
 //! sample's pixel on its surface, in world units.
 
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::Path;
 
 use glam::DVec3;
@@ -13,6 +13,7 @@ use crate::capture::Camera;
 use crate::color::srgb8_from_linear;
 use crate::error::{Error, Result};
 use crate::preprocess::{OctNormal, SampleImage, SampleSet};
+use crate::whole_file;
 
 /// Bytes of a point: position and normal, radius, color.
 const POINT_BYTES: usize = 7 * 4 + 3;
@@ -27,22 +28,16 @@ pub(super) fn write<'a>(
     images: impl Iterator<Item = &'a SampleImage> + Clone,
 ) -> Result<u64> {
     let io = |error| Error::io(path, error);
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let file = tempfile::Builder::new().prefix(".overlook-").tempfile_in(folder).map_err(io)?;
     let near =
         |image: &SampleImage| image.inverse_depths().iter().filter(|depth| **depth > 0.0).count() as u64;
     let points = images.clone().map(near).sum();
-    {
-        let mut target = BufWriter::new(file.as_file());
+    whole_file::write(path, |target| {
         target.write_all(header(&set.name, points).as_bytes()).map_err(io)?;
         for image in images {
-            let camera = &set.cameras[image.camera as usize];
-            write_points(&mut target, image, camera).map_err(io)?;
+            write_points(target, image, &set.cameras[image.camera as usize]).map_err(io)?;
         }
-        target.flush().map_err(io)?;
-    }
-    file.persist(path).map_err(|error| io(error.error))?;
-    Ok(points)
+        Ok(points)
+    })
 }
 
 fn header(name: &str, points: u64) -> String {

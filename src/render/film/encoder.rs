@@ -7,6 +7,7 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use super::super::Picture;
 use crate::color::srgb8_from_linear;
 use crate::error::{Error, Result};
+use crate::whole_file;
 
 /// Players want 4:2:0, which wants even sides. Left to itself, ffmpeg would use the matrix of standard definition, whatever
 /// the size, and players that of high definition: greens and reds would shift.
@@ -33,16 +34,8 @@ impl Encoder {
     /// # Errors
     /// `Unsupported` where there is no ffmpeg, `Io` where it cannot be started or the folder cannot be written.
     pub fn start(out: &Path, [width, height]: [usize; 2], frames_per_second: f64) -> Result<Self> {
-        let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let extension = out.extension().map_or("mp4".into(), |extension| extension.to_string_lossy());
-        let suffix = format!(".{extension}");
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".overlook-").suffix(&suffix);
-        // A temporary file is private by default; this one becomes the film.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder.tempfile_in(folder).map_err(|error| Error::io(out, error))?;
-        let unfinished = file.into_temp_path();
+        let unfinished = whole_file::beside(out, &format!(".{extension}"))?.into_temp_path();
         let mut command = Command::new("ffmpeg");
         command.args(["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"]);
         command.args(["-s", &format!("{width}x{height}"), "-r", &frames_per_second.to_string(), "-i", "-"]);
