@@ -98,12 +98,18 @@ impl<'a> LayerBuilder<'a> {
         let rays = Rays::new(camera);
         let camera_from_world = camera.camera_from_world().matrix3.as_mat3();
         let pruning = &self.settings.pruning;
-        let detects = self.antialiased && pruning.mixed_pixels != MixedPixels::Keep;
         let edge = self.settings.normals.edge;
-        let snaps = detects && pruning.mixed_pixels == MixedPixels::Snap;
+        let is_first_camera = pruning.method == PruningMethod::FirstCamera;
+        let snaps = self.antialiased && pruning.mixed_pixels == MixedPixels::Snap;
         let snapped = if snaps { snap(layer, camera, edge, pixels) } else { Vec::new() };
-        // What was snapped makes edges of its own beside it, which nobody recorded.
-        let mixed = (detects && !snaps).then(|| MixedTest::new(layer, camera, edge));
+        // The first camera's samples yield to none, blended or not. What was snapped makes edges of its own beside it, which
+        // nobody recorded.
+        let detects = match pruning.mixed_pixels {
+            MixedPixels::Drop => self.antialiased,
+            MixedPixels::Yield => self.antialiased && !is_first_camera,
+            MixedPixels::Keep | MixedPixels::Snap => false,
+        };
+        let mixed = detects.then(|| MixedTest::new(layer, camera, edge));
         let rated = |&pixel: &u32| {
             let pixel = pixel as usize;
             let (x, y) = (pixel % width, pixel / width);
@@ -111,11 +117,8 @@ impl<'a> LayerBuilder<'a> {
             let ray = rays.at(x, y);
             let of = |rate| footprint(rate, &rays, ray, inverse_depth, normal, pruning);
             let own = of(self.rate);
-            let mixed = snapped.binary_search(&(pixel as u32)).is_ok()
+            let mixed = !is_first_camera && snapped.binary_search(&(pixel as u32)).is_ok()
                 || mixed.as_ref().is_some_and(|mixed| mixed.is_mixed(x, y));
-            let is_first_camera = pruning.method == PruningMethod::FirstCamera;
-            // The first camera's samples yield to none, blended or not.
-            let mixed = mixed && (!is_first_camera || pruning.mixed_pixels == MixedPixels::Drop);
             let ranks = [own, of(self.rate.other())].map(|footprint| {
                 let unsure = normal == Vec3::ZERO && inverse_depth > 0.0;
                 let unsure = if unsure { UNSURE } else { 0 };

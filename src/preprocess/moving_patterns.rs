@@ -7,6 +7,7 @@
 //! Source: block matching by sums of absolute differences; for parts of a pixel Lucas and Kanade, *An Iterative Image
 //! Registration Technique*, IJCAI 1981, without iterations. What differs: where a block went to is not asked.
 
+use super::noise::is_same_surface;
 use crate::capture::Frame;
 use crate::color;
 
@@ -54,9 +55,7 @@ fn changes([before, after]: [&Frame; 2], (left, top): (usize, usize), limit: f32
         let [old, new] = [before, after].map(|frame| &frame.color.row(y)[left..left + WIDTH]);
         let [far, near] = [before, after].map(|frame| &frame.inverse_depth.row(y)[left..left + WIDTH]);
         for i in 0..WIDTH {
-            let is_same =
-                far[i].min(near[i]) > 0.0 && (near[i] - far[i]).abs() <= limit * far[i].max(near[i]);
-            count += usize::from(is_same && old[i] != new[i]);
+            count += usize::from(old[i] != new[i] && is_same_surface([far[i], near[i]], limit));
         }
     }
     2 * count >= WIDTH * HEIGHT

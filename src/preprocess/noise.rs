@@ -121,9 +121,8 @@ impl NoiseMeter {
             let colors = before.color.row(y).iter().zip(after.color.row(y));
             changes.clear();
             changes.extend(finite_depths(before, after, y).zip(colors).map(|(depths, (&before, &after))| {
-                let is_same =
-                    |[before, after]: &[f32; 2]| (after - before).abs() <= limit * before.max(*after);
-                depths.filter(is_same).map(|_| Change::between([before, after]))
+                let same = depths.filter(|depths| is_same_surface(*depths, limit));
+                same.map(|_| Change::between([before, after]))
             }));
             self.looked_at += changes.iter().flatten().count() as u64;
             self.redrawn += changes.iter().flatten().filter(|change| change.is_redrawn()).count() as u64;
@@ -133,9 +132,9 @@ impl NoiseMeter {
                     && here.is_redrawn()
                 {
                     for channel in 0..3 {
-                        let [left, own, right] = [left, here, right].map(|change| change.relative[channel]);
+                        let own = own_part([left, here, right].map(|change| change.relative[channel]));
                         let steps = here.mean_steps[channel];
-                        self.add_color(steps, steps * (left - 2.0 * own + right) / SECOND_DIFFERENCE);
+                        self.add_color(steps, steps * own);
                     }
                 }
             }
@@ -151,7 +150,7 @@ impl NoiseMeter {
             changes.extend(finite_depths(before, after, y).map(|depths| depths.map(relative)));
             for window in changes.windows(2 * APART + 1) {
                 if let (Some(left), Some(here), Some(right)) = (window[0], window[APART], window[2 * APART]) {
-                    self.add_depth((left - 2.0 * here + right) / SECOND_DIFFERENCE);
+                    self.add_depth(own_part([left, here, right]));
                 }
             }
         }
@@ -231,6 +230,16 @@ impl Change {
     fn is_redrawn(&self) -> bool {
         self.relative != [0.0; 3]
     }
+}
+
+/// What a change has of its own beside those on both sides of it, as wide as a change where they are independent.
+fn own_part([left, here, right]: [f32; 3]) -> f32 {
+    (left - 2.0 * here + right) / SECOND_DIFFERENCE
+}
+
+/// Whether a pixel shows one surface in two frames: inverse depths that are finite and differ by no more than `limit`, relative.
+pub(super) fn is_same_surface([before, after]: [f32; 2], limit: f32) -> bool {
+    before.min(after) > 0.0 && (after - before).abs() <= limit * before.max(after)
 }
 
 fn looked_at_rows(frame: &Frame) -> impl Iterator<Item = usize> {

@@ -133,15 +133,12 @@ pub fn prune(
         job.check()?;
         bands.par_iter_mut().for_each(|band| simd::run(SettleWaiting { pass: &pass, band }));
     }
-    let findings: Vec<_> = bands.into_iter().map(|band| (band.camera, band.disputes, band.mixed)).collect();
-    for (camera, disputes, mixed) in findings {
+    let disputes: Vec<_> = bands.into_iter().map(|band| (band.camera, band.disputes)).collect();
+    for (camera, disputes) in disputes {
         decided[camera].disputes.extend(disputes);
-        decided[camera].mixed += mixed;
     }
-    for (decided, layer) in decided.iter_mut().zip(layers).filter(|(decided, _)| decided.mixed > 0) {
-        let kept = decided.pixels.iter().zip(&decided.verdicts).filter(|(_, verdict)| verdict.is_kept());
-        decided.mixed_kept =
-            kept.filter(|(pixel, _)| layer.ranks[**pixel as usize].rank & MIXED != 0).count() as u64;
+    if settings.pruning.mixed_pixels != MixedPixels::Keep {
+        decided.par_iter_mut().zip(layers).for_each(|(decided, layer)| decided.count_mixed(layer));
     }
     Ok(decided)
 }
@@ -212,7 +209,6 @@ fn bands<'a>(layers: &[Layer], counts: &[Vec<usize>], decided: &'a mut [Decided]
                 pixels: own_pixels,
                 verdicts: own_verdicts,
                 disputes: Vec::new(),
-                mixed: 0,
                 waiting: Vec::new(),
             });
         }
@@ -242,7 +238,6 @@ pub(super) struct Band<'a> {
     pub(super) pixels: &'a mut [u32],
     pub(super) verdicts: &'a mut [Verdict],
     disputes: Vec<Dispute>,
-    mixed: u64,
     pub(super) waiting: Vec<Waiting>,
 }
 
@@ -279,7 +274,6 @@ impl Work for FindBest<'_, '_> {
             for Entry { at, lanes, contest, .. } in &entries {
                 for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
                     let pixel = row * layer.width + at * LANES + lane;
-                    band.mixed += u64::from(contest.own_rank(lane) & MIXED != 0);
                     let verdict = if pruning {
                         pass.first_verdict(band.camera, pixel, contest, lane, &mut band.disputes)
                     } else {
@@ -406,6 +400,14 @@ impl Decided {
             disputes: Vec::new(),
             mixed: 0,
             mixed_kept: 0,
+        }
+    }
+
+    fn count_mixed(&mut self, layer: &Layer) {
+        for (pixel, verdict) in self.pixels.iter().zip(&self.verdicts) {
+            let is_mixed = layer.ranks[*pixel as usize].rank & MIXED != 0;
+            self.mixed += u64::from(is_mixed);
+            self.mixed_kept += u64::from(is_mixed & verdict.is_kept());
         }
     }
 }
