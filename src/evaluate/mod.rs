@@ -14,6 +14,7 @@ pub mod chart;
 mod estimate;
 pub mod hold_out;
 pub mod metrics;
+mod pace;
 pub mod speed;
 pub mod stress;
 pub mod subset;

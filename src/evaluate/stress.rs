@@ -13,12 +13,11 @@ mod frames;
 mod light;
 mod shapes;
 
-use std::time::Instant;
-
 use serde::{Deserialize, Serialize};
 
+use super::pace::Pace;
 use super::subset;
-use super::sweep::{self, Point, Series, context};
+use super::sweep::{self, Point, Series};
 use super::trial::{Trial, Workbench};
 use super::truth::Truth;
 use crate::capture::Capture;
@@ -70,6 +69,16 @@ impl Plan {
             frames: None,
             done: Vec::new(),
         }
+    }
+
+    /// The point of an earlier run.
+    fn known(&self, (disturbance, dial): Step, method: &Method) -> Option<&StressPoint> {
+        self.done.iter().find(|point| {
+            point.disturbance == disturbance.name()
+                && point.dial == dial
+                && point.method == method.name
+                && point.point.settings == method.settings
+        })
     }
 }
 
@@ -126,60 +135,31 @@ pub fn run(
     job: &Job,
     mut on_point: impl FnMut(&StressPoint, (usize, usize)),
 ) -> Result<Vec<StressPoint>> {
-    let steps: Vec<(Disturbance, f64)> = plan
+    let steps: Vec<Step> = plan
         .disturbances
         .iter()
         .flat_map(|&disturbance| {
             disturbance.dial(capture, truth).into_iter().map(move |dial| (disturbance, dial))
         })
         .collect();
-    let known = |(disturbance, dial): (Disturbance, f64), method: &Method| {
-        plan.done.iter().find(|point| {
-            point.disturbance == disturbance.name()
-                && point.dial == dial
-                && point.method == method.name
-                && point.point.settings == method.settings
-        })
-    };
     let total = steps.len() * plan.methods.len();
-    let is_open = |step: &(Disturbance, f64)| {
-        plan.methods.iter().filter(|method| known(*step, method).is_none()).count()
-    };
-    let open: usize = steps.iter().map(is_open).sum();
-    let (started, mut measured, mut points) = (Instant::now(), 0, Vec::with_capacity(total));
-    for (disturbance, dial) in steps {
-        let mut workbench = None;
+    let is_open = |step| plan.methods.iter().filter(|method| plan.known(step, method).is_none()).count();
+    let open: usize = steps.iter().map(|step| is_open(*step)).sum();
+    let (mut pace, mut points) = (Pace::start(), Vec::with_capacity(total));
+    for step in steps {
+        let mut disturbed = None;
         for method in &plan.methods {
-            let known = known((disturbance, dial), method);
+            let known = plan.known(step, method).cloned();
             let is_new = known.is_none();
             let mut point = if let Some(known) = known {
-                known.clone()
+                known
             } else {
-                let each = (measured > 0).then(|| started.elapsed().as_secs_f64() / measured as f64);
-                job.set_context(context(
-                    points.len() + 1,
-                    total,
-                    each.map(|each| each * (open - measured) as f64),
-                ));
-                if workbench.is_none() {
-                    workbench = Some(disturbed(capture, plan, truth, (disturbance, dial), job)?);
-                }
-                let Some((workbench, pixels)) = &mut workbench else { continue };
-                measured += 1;
-                let trial = Trial::new(
-                    format!("{} {dial} {}, {}", disturbance.name(), disturbance.unit(), method.name),
-                    method.settings.clone(),
-                );
-                let point = Point::new(&trial, Series::Variation, &workbench.measure(&trial, job)?);
-                StressPoint {
-                    disturbance: disturbance.name().to_owned(),
-                    dial,
-                    unit: disturbance.unit().to_owned(),
-                    method: method.name.clone(),
-                    kept_share: point.samples as f64 / *pixels as f64,
-                    loss_db: 0.0,
-                    point,
-                }
+                pace.next(job, (points.len() + 1, total), open - pace.measured());
+                let disturbed = match &mut disturbed {
+                    Some(disturbed) => disturbed,
+                    nothing => nothing.insert(Disturbed::new(capture, plan, truth, step, job)?),
+                };
+                disturbed.measure(method, job)?
             };
             let undisturbed = points.iter().find(|other: &&StressPoint| {
                 other.disturbance == point.disturbance && other.method == point.method
@@ -194,34 +174,56 @@ pub fn run(
     }
     job.set_context("");
     for methods in points.chunk_by_mut(|a, b| a.disturbance == b.disturbance && a.dial == b.dial) {
-        let methods = methods.iter_mut().map(|method| &mut method.point);
-        sweep::mark_pareto(methods, |point| point.bytes as f64, |point| point.psnr_filled_db);
+        sweep::mark_pareto_of_stores(methods.iter_mut().map(|method| &mut method.point));
     }
     Ok(points)
 }
 
+/// A disturbance and where its dial stands.
+type Step = (Disturbance, f64);
+
 /// The disturbed capture ready to be measured, and the pixels it has.
-fn disturbed(
-    capture: &Capture,
-    plan: &Plan,
-    truth: &Truth,
-    (disturbance, dial): (Disturbance, f64),
-    job: &Job,
-) -> Result<(Workbench, u64)> {
-    let mut recorded = disturbance.apply(capture, dial)?;
-    let mut truth = truth.clone();
-    if let Some(count) = plan.frames {
-        let frames = subset::choose(capture, &truth, count)?;
-        truth = subset::truth_at(capture, truth, &frames);
-        recorded = Recorded {
-            capture: subset::only(&recorded.capture, &frames),
-            clean: subset::only(&recorded.clean, &frames),
-            places: subset::only(&recorded.places, &frames),
-            edit_truth: recorded.edit_truth,
-        };
+struct Disturbed {
+    step: Step,
+    workbench: Workbench,
+    pixels: u64,
+}
+
+impl Disturbed {
+    fn new(capture: &Capture, plan: &Plan, truth: &Truth, step: Step, job: &Job) -> Result<Self> {
+        let mut recorded = step.0.apply(capture, step.1)?;
+        let mut truth = truth.clone();
+        if let Some(count) = plan.frames {
+            let frames = subset::choose(capture, &truth, count)?;
+            truth = subset::truth_at(capture, truth, &frames);
+            recorded = Recorded {
+                capture: subset::only(&recorded.capture, &frames),
+                clean: subset::only(&recorded.clean, &frames),
+                places: subset::only(&recorded.places, &frames),
+                edit_truth: recorded.edit_truth,
+            };
+        }
+        let pixels = recorded.capture.pixel_count();
+        let workbench = Workbench::new(&recorded, &truth, &plan.methods[0].settings, job)?;
+        Ok(Self { step, workbench, pixels })
     }
-    let pixels = recorded.capture.pixel_count();
-    Ok((Workbench::new(&recorded, &truth, &plan.methods[0].settings, job)?, pixels))
+
+    /// What a method gives; the loss is left open.
+    fn measure(&mut self, method: &Method, job: &Job) -> Result<StressPoint> {
+        let (disturbance, dial) = self.step;
+        let (name, unit) = (disturbance.name(), disturbance.unit());
+        let trial = Trial::new(format!("{name} {dial} {unit}, {}", method.name), method.settings.clone());
+        let point = Point::new(&trial, Series::Variation, &self.workbench.measure(&trial, job)?);
+        Ok(StressPoint {
+            disturbance: name.to_owned(),
+            dial,
+            unit: unit.to_owned(),
+            method: method.name.clone(),
+            kept_share: point.samples as f64 / self.pixels as f64,
+            loss_db: 0.0,
+            point,
+        })
+    }
 }
 
 /// Where each method fails under each disturbance, in the order of the points.

@@ -5,11 +5,10 @@
 
 mod plan;
 
-use std::time::Instant;
-
 use serde::{Deserialize, Serialize};
 
 use super::metrics::Scores;
+use super::pace::Pace;
 use super::trial::{Estimate, Measured, Trial, Workbench, kernel_cost};
 use super::truth::{Recorded, Truth};
 use crate::capture::Capture;
@@ -146,9 +145,13 @@ pub fn mark_pareto<'a>(
     }
 }
 
+/// [`mark_pareto`] by the size of the store and `psnr_filled_db`.
+pub fn mark_pareto_of_stores<'a>(points: impl IntoIterator<Item = &'a mut Point>) {
+    mark_pareto(points, |point| point.bytes as f64, |point| point.psnr_filled_db);
+}
+
 /// Measures every point of the plan that is not known yet, in the plan's order, but for cameras alone that no view can be
-/// scored for; `on_point` is told each with how many are
-/// known then.
+/// scored for; `on_point` is told each with how many are known then.
 ///
 /// # Errors
 /// Whatever preprocessing, painting and truth give; `Cancelled`, after which the points told so far can be put into
@@ -166,35 +169,23 @@ pub fn run(
         let mut workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.reference, job)?;
         let to_measure = plan.trials.iter().zip(&points).filter(|(_, point)| point.is_none());
         workbench.open(to_measure.map(|(planned, _)| &planned.trial))?;
-        let (started, mut measured) = (Instant::now(), 0);
+        let (known, mut pace) = (plan.trials.len() - open, Pace::start());
         for (planned, slot) in plan.trials.iter().zip(&mut points) {
             if slot.is_some() || !workbench.can_measure(&planned.trial) {
                 continue;
             }
-            let left = (measured > 0)
-                .then(|| started.elapsed().as_secs_f64() / measured as f64)
-                .map(|each| each * (open - measured) as f64);
-            job.set_context(context(plan.trials.len() - open + measured + 1, plan.trials.len(), left));
+            let number = known + pace.measured() + 1;
+            pace.next(job, (number, plan.trials.len()), open - pace.measured());
             let point = Point::new(&planned.trial, planned.series, &workbench.measure(&planned.trial, job)?);
-            measured += 1;
-            on_point(&point, plan.trials.len() - open + measured);
+            on_point(&point, number);
             *slot = Some(point);
         }
         job.set_context("");
     }
     let mut points: Vec<Point> = points.into_iter().flatten().collect();
     only_the_best_single_camera(&mut points);
-    mark_pareto(&mut points, |point| point.bytes as f64, |point| point.psnr_filled_db);
+    mark_pareto_of_stores(&mut points);
     Ok(points)
-}
-
-/// `12 of 60, 3 min left`.
-pub(super) fn context(number: usize, total: usize, seconds_left: Option<f64>) -> String {
-    match seconds_left {
-        None => format!("{number} of {total}"),
-        Some(seconds) if seconds < 90.0 => format!("{number} of {total}, {seconds:.0} s left"),
-        Some(seconds) => format!("{number} of {total}, {:.0} min left", seconds / 60.0),
-    }
 }
 
 /// Of all cameras alone, the one that comes closest stands for the idea.

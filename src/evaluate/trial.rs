@@ -80,7 +80,7 @@ impl Trial {
 type ModelKey = (Settings, Thinning, Option<Vec<String>>);
 
 /// What a trial gave.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
     /// Scores of every vantage of every fold, frame by frame.
     pub scores: Vec<Vec<Scores>>,

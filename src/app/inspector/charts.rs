@@ -112,7 +112,7 @@ impl Charts {
     /// Adds a point and marks anew which no other beats.
     pub(crate) fn add(&mut self, point: Point) {
         self.sweep.push(point);
-        sweep::mark_pareto(&mut self.sweep, |point| point.bytes as f64, |point| point.psnr_filled_db);
+        sweep::mark_pareto_of_stores(&mut self.sweep);
     }
 
     /// The point that shows what these settings give.
@@ -238,28 +238,13 @@ mod tests {
         }
     }
 
-    fn measured() -> Measured {
-        Measured {
-            scores: Vec::new(),
-            flicker_steps: None,
-            samples: 1,
-            bytes: 1,
-            bytes_memory: 1,
-            samples_shared: 0,
-            spans: 1,
-            milliseconds: 1.0,
-            samples_painted: 1.0,
-            seconds_preprocess: 1.0,
-        }
-    }
-
     #[test]
     fn what_a_sweep_starts_from_is_not_called_the_defaults() {
         let mut settings = Settings::default();
         settings.pruning.depth_tolerance = 2.0;
         let capture = Demo::new(&spec(2)).unwrap().capture(&settings.capture);
         for planned in sweep::Plan::standard(&settings, &capture).trials {
-            let point = Point::new(&planned.trial, planned.series, &measured());
+            let point = Point::new(&planned.trial, planned.series, &Measured::default());
             assert!(!series_name(point.series).contains("default"), "{:?}", point.series);
             assert!(!point_name(&point).contains("default"), "{}", point.label);
         }
@@ -270,7 +255,11 @@ mod tests {
         let settings = Settings::default();
         let mut charts = Charts::default();
         for series in [Series::Random, Series::SingleCamera, Series::NoPruning, Series::VoxelGrid] {
-            charts.add(Point::new(&Trial::new(series.name(), settings.clone()), series, &measured()));
+            charts.add(Point::new(
+                &Trial::new(series.name(), settings.clone()),
+                series,
+                &Measured::default(),
+            ));
         }
         assert_eq!(charts.of(&settings).map(|point| point.series), Some(Series::NoPruning));
     }

@@ -207,18 +207,7 @@ mod tests {
 
     #[test]
     fn the_bars_of_uncertain_points_stay_within_the_panel() {
-        let measured = Measured {
-            scores: Vec::new(),
-            flicker_steps: None,
-            samples: 1,
-            bytes: 1,
-            bytes_memory: 1,
-            samples_shared: 0,
-            spans: 1,
-            milliseconds: 1.0,
-            samples_painted: 1.0,
-            seconds_preprocess: 1.0,
-        };
+        let measured = Measured { bytes: 1, milliseconds: 1.0, ..Measured::default() };
         let point = |psnr_filled_db, psnr_filled_db_se| Point {
             psnr_filled_db,
             psnr_filled_db_se,

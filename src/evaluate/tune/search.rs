@@ -1,11 +1,10 @@
 //! The search for a setting: variations one by one, then those together that save bytes.
 
-use std::time::Instant;
-
 use super::{Budget, Plan};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
-use crate::evaluate::sweep::{Point, Series, context, variations};
+use crate::evaluate::pace::Pace;
+use crate::evaluate::sweep::{Point, Series, variations};
 use crate::evaluate::trial::{Trial, Workbench};
 use crate::evaluate::truth::{Recorded, Truth};
 use crate::job::Job;
@@ -21,9 +20,7 @@ pub(super) struct Search<'a> {
     workbench: Workbench,
     points: Vec<Point>,
     on_point: OnPoint<'a>,
-    started: Instant,
-    /// Points that were not known already.
-    measured: usize,
+    pace: Pace,
     /// Points there will be, as far as can be told.
     expected: usize,
 }
@@ -50,8 +47,8 @@ impl<'a> Search<'a> {
         on_point: OnPoint<'a>,
     ) -> Result<Self> {
         let workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.settings, job)?;
-        let (points, started) = (Vec::new(), Instant::now());
-        Ok(Self { plan, job, truth, workbench, points, on_point, started, measured: 0, expected: 0 })
+        let (points, pace) = (Vec::new(), Pace::start());
+        Ok(Self { plan, job, truth, workbench, points, on_point, pace, expected: 0 })
     }
 
     /// Measures a trial, unless it is known.
@@ -66,15 +63,8 @@ impl<'a> Search<'a> {
         } else {
             let done = self.points.len();
             let expected = self.expected.max(done + 1);
-            let each =
-                (self.measured > 0).then(|| self.started.elapsed().as_secs_f64() / self.measured as f64);
-            self.job.set_context(context(
-                done + 1,
-                expected,
-                each.map(|each| each * (expected - done) as f64),
-            ));
+            self.pace.next(self.job, (done + 1, expected), expected - done);
             let point = Point::new(trial, Series::Variation, &self.workbench.measure(trial, self.job)?);
-            self.measured += 1;
             (self.on_point)(&point);
             point
         };
