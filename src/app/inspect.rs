@@ -187,7 +187,6 @@ impl OverlookApp {
 
     /// Takes, names, saves and removes presets.
     pub(super) fn apply_to_presets(&mut self, command: Command) {
-        let shown = self.state.shown_settings();
         let own = &mut self.state.inspector.presets;
         match command {
             Command::Preset(index) => {
@@ -204,6 +203,7 @@ impl OverlookApp {
             Command::NamePreset(name) => self.state.inspector.naming = name,
             Command::SavePreset(name) => {
                 self.state.inspector.naming = None;
+                let shown = self.state.shown_settings();
                 presets::keep(&mut self.state.inspector.presets, name.trim(), &shown);
             }
             Command::RemovePreset(index) if index < own.len() => {

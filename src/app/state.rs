@@ -229,6 +229,11 @@ impl State {
         self.whole.as_ref().is_some_and(|whole| method_of(&whole.settings) != method_of(&self.settings))
     }
 
+    /// The whole capture's samples, where they were made with the settings on the sliders.
+    pub(super) fn current_whole(&self) -> Option<&Arc<SampleSet>> {
+        self.whole.as_ref().filter(|_| !self.is_stale()).map(|whole| &whole.samples)
+    }
+
     /// What to say of numbers of the whole capture that were made with other settings; `None` where they hold.
     pub(super) fn stale_words(&self) -> Option<&'static str> {
         self.is_stale().then_some(if self.stopped {
@@ -246,8 +251,7 @@ impl State {
     /// Whether frames pass without verdicts: in motion the whole capture's samples feed the right view, and the bare picture on
     /// the left needs none.
     pub(super) fn skips_verdicts(&self) -> bool {
-        let current = self.whole.is_some() && !self.is_stale();
-        self.timeline.playing && current && !self.source.overlay.needs_verdicts()
+        self.timeline.playing && self.current_whole().is_some() && !self.source.overlay.needs_verdicts()
     }
 
     /// The account of the open capture or store.
@@ -284,18 +288,15 @@ impl State {
         if let Some(Content::Store { samples, .. }) = self.scene.as_ref().map(|scene| &scene.content) {
             return Some(samples);
         }
-        let whole = self.whole.as_ref().map(|whole| &whole.samples);
-        if !self.is_stale() && whole.is_some() {
-            return whole;
-        }
-        self.inspection_here().map(|inspection| &inspection.samples).or(whole)
+        let own = || self.inspection_here().map(|inspection| &inspection.samples);
+        self.current_whole().or_else(own).or(self.whole.as_ref().map(|whole| &whole.samples))
     }
 
     /// Whether the samples of all frames are there, made with the settings on the sliders or played from a store.
     pub(super) fn is_whole_ready(&self) -> bool {
         match self.scene.as_ref().map(|scene| &scene.content) {
             Some(Content::Store { .. }) => true,
-            Some(Content::Capture { .. }) => self.whole.is_some() && !self.is_stale(),
+            Some(Content::Capture { .. }) => self.current_whole().is_some(),
             None => false,
         }
     }

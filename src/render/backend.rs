@@ -308,6 +308,7 @@ mod tests {
     use super::*;
     use crate::capture::demo::{Demo, DemoSpec};
     use crate::preprocess::preprocess;
+    use crate::render::gpu::opened;
     use crate::settings::Settings;
     use crate::simd::skip::skip;
 
@@ -329,11 +330,8 @@ mod tests {
         RenderSettings { backend, ..RenderSettings::default() }
     }
 
-    /// `None` where the machine has none; a failure where `OVERLOOK_REQUIRE_GPU` asks for one.
     fn any_adapter() -> Option<GpuRenderer> {
-        let gpu = GpuRenderer::new(AdapterChoice::Any);
-        gpu.inspect_err(|error| skip(Some("OVERLOOK_REQUIRE_GPU"), &format!("nothing was painted: {error}")))
-            .ok()
+        opened(GpuRenderer::new(AdapterChoice::Any))
     }
 
     #[test]

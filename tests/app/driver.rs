@@ -141,6 +141,22 @@ pub(crate) fn type_path(window: &mut Window, menu: &str, entry: &str, path: &Pat
     click(window, take);
 }
 
+/// Saves a store into a folder, and gives its path once it is whole.
+pub(crate) fn save_store(window: &mut Window, folder: &Path) -> PathBuf {
+    let path = folder.join("orrery.ovl");
+    type_path(window, "Save", "Save store to path…", &path, "Save this path");
+    wait(window, "the file", |window| window.state().notices().iter().any(|n| n.starts_with("Saved")));
+    assert!(path.is_file());
+    path
+}
+
+/// Opens a store.
+pub(crate) fn open_store(window: &mut Window, path: &Path) {
+    type_path(window, "Open", "Open path…", path, "Open this path");
+    wait(window, "the store", |window| shows(window, "This store holds no source frames"));
+    settle(window);
+}
+
 /// Clicks a place in a picture, as shares of its size, so that the pixel there is kept.
 pub(crate) fn look_at(window: &mut Window, picture: &str, share: egui::Vec2) {
     let area = window.get_by_label(picture).rect();

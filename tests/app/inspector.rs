@@ -1,8 +1,8 @@
 //! The inspector, driven as a person does: pixels are argued about, views dock, numbers can be read.
 
 use super::driver::{
-    SIZE, Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, shows, small_demo,
-    type_path, wait,
+    SIZE, Window, choose, click, demo, drag, look_at, open, open_store, open_view, pick, save_store, settle,
+    shows, small_demo, wait,
 };
 use egui::{Key, vec2};
 use egui_kittest::kittest::Queryable;
@@ -228,14 +228,10 @@ fn a_sweep_draws_its_points_as_they_come_and_is_cancelled() {
 #[test]
 fn kernels_are_compared_on_an_opened_store() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("small.ovl");
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    type_path(&mut window, "Save", "Save store to path…", &path, "Save this path");
-    wait(&mut window, "the file", |_| path.is_file());
-    type_path(&mut window, "Open", "Open path…", &path, "Open this path");
-    wait(&mut window, "the store", |window| shows(window, "This store holds no source frames"));
-    settle(&mut window);
+    let path = save_store(&mut window, folder.path());
+    open_store(&mut window, &path);
     open_view(&mut window, "Compare");
     pick(&mut window, "Left side", "Kernel point");
     // Over the pictures the pointer asks for a pixel.

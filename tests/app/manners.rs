@@ -1,7 +1,8 @@
 //! How the window behaves beside its work: it explains itself, asks before it closes, and does anything by name.
 
 use super::driver::{
-    SIZE, Window, click, drag, look_at, open, open_view, settle, shows, small_demo, type_path, wait,
+    SIZE, Window, click, drag, look_at, open, open_store, open_view, save_store, settle, shows, small_demo,
+    type_path, wait,
 };
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
@@ -60,19 +61,15 @@ fn a_first_run_explains_itself_and_the_next_one_remembers_layout_and_presets() {
 #[test]
 fn the_first_run_does_not_explain_a_store_by_what_it_no_longer_has() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("small.ovl");
     let mut window: Window =
         Harness::builder().with_size(SIZE).with_os(egui::os::OperatingSystem::Nix).build_eframe(move |cc| {
             OverlookApp::new(&cc.egui_ctx, Some(&Storage::default()), None, small_demo()).unwrap()
         });
     settle(&mut window);
     click(&mut window, "Next callout");
-    type_path(&mut window, "Save", "Save store to path…", &path, "Save this path");
-    wait(&mut window, "the file", |window| window.state().notices().iter().any(|n| n.starts_with("Saved")));
+    let path = save_store(&mut window, folder.path());
     assert!(shows(&window, "Fly through what is left"));
-    type_path(&mut window, "Open", "Open path…", &path, "Open this path");
-    wait(&mut window, "the store", |window| shows(window, "This store holds no source frames"));
-    settle(&mut window);
+    open_store(&mut window, &path);
     assert!(window.query_by_label("Next callout").is_none());
 }
 

@@ -2,7 +2,7 @@
 //! they show how long things take); otherwise smaller ones are drawn and checked to hold something.
 
 use super::driver::{
-    Window, choose, click, demo, drag, look_at, open, open_view, pick, settle, type_path, wait,
+    Window, choose, click, demo, drag, look_at, open, open_view, pick, save_store, settle, wait,
 };
 use egui_kittest::kittest::Queryable;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -198,11 +198,9 @@ fn the_window_shows_what_the_inspector_measures_and_how_it_explains_itself() {
 #[test]
 fn the_window_shows_a_store_without_source_frames() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("orrery.ovl");
     let mut window = open(orrery(), [1280.0, 800.0]);
     settle(&mut window);
-    type_path(&mut window, "Save", "Save store to path…", &path, "Save this path");
-    wait(&mut window, "the file", |_| path.is_file());
+    let path = save_store(&mut window, folder.path());
     let mut window = open(overlook::app::Start::Path(path), [1280.0, 800.0]);
     wait(&mut window, "the store", |window| window.state().scene_name().is_some());
     settle(&mut window);

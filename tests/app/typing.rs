@@ -1,7 +1,8 @@
 //! What is typed belongs to the field it is typed into, and what the window says of its settings is so.
 
 use super::driver::{
-    SIZE, Window, click, drop_on, open, open_view, pick, settle, shows, small_demo, type_path, wait,
+    SIZE, Window, click, drop_on, open, open_store, open_view, pick, save_store, settle, shows, small_demo,
+    wait,
 };
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -90,11 +91,9 @@ fn how_frames_are_read_is_said_to_hold_for_what_is_opened_next() {
 #[test]
 fn the_palette_offers_only_painting_where_a_store_keeps_its_thresholds() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("small.ovl");
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    type_path(&mut window, "Save", "Save store to path…", &path, "Save this path");
-    wait(&mut window, "the file", |_| path.is_file());
+    let path = save_store(&mut window, folder.path());
     let offers = |window: &mut Window, name: &str| {
         click(window, "Commands");
         window.get_by_label("Command").type_text(name);
@@ -107,9 +106,7 @@ fn the_palette_offers_only_painting_where_a_store_keeps_its_thresholds() {
     let hidden =
         ["Undo", "Reset all settings", "Switch between", "Preset: Bold", "Set pruning.method to off"];
     assert!(hidden.iter().all(|name| offers(&mut window, name)));
-    type_path(&mut window, "Open", "Open path…", &path, "Open this path");
-    wait(&mut window, "the store", |window| shows(window, "This store holds no source frames"));
-    settle(&mut window);
+    open_store(&mut window, &path);
     for name in hidden {
         assert!(!offers(&mut window, name), "{name}");
     }

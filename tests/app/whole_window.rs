@@ -1,7 +1,8 @@
 //! Drives the whole window as a person does, off screen: open, look, turn thresholds, cancel, save, open again, fail.
 
 use super::driver::{
-    SIZE, Window, choose, click, demo, drag, drop_on, open, pick, settle, shows, small_demo, type_path, wait,
+    SIZE, Window, choose, click, demo, drag, drop_on, open, open_store, pick, save_store, settle, shows,
+    small_demo, type_path, wait,
 };
 use std::path::Path;
 
@@ -141,16 +142,11 @@ fn every_overlay_and_coloring_can_be_chosen() {
 #[test]
 fn a_store_is_saved_and_opened_again_without_source_frames() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("small.ovl");
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     let kept = window.state().report().unwrap().0.samples_kept;
-    type_path(&mut window, "Save", "Save store to path…", &path, "Save this path");
-    wait(&mut window, "the file", |window| window.state().notices().iter().any(|n| n.starts_with("Saved")));
-    assert!(path.is_file());
-    type_path(&mut window, "Open", "Open path…", &path, "Open this path");
-    wait(&mut window, "the store", |window| shows(window, "This store holds no source frames"));
-    settle(&mut window);
+    let path = save_store(&mut window, folder.path());
+    open_store(&mut window, &path);
     assert_eq!(window.state().report().unwrap().0.samples_kept, kept);
     assert!(window.state().live_coverage().unwrap().1 > 0.1);
 }

@@ -288,8 +288,7 @@ impl InspectorPlan {
             vantage: shown.key.vantage.clone(),
             // Of a store played from disk only the picture knows the samples.
             samples: shown.picture.samples.clone(),
-            whole: (state.whole.as_ref().filter(|_| !state.is_stale()))
-                .is_some_and(|whole| Arc::ptr_eq(&whole.samples, &shown.picture.samples)),
+            whole: state.current_whole().is_some_and(|whole| Arc::ptr_eq(whole, &shown.picture.samples)),
             scan: state.scan.clone(),
             settings: [now.clone(), history.of(Slot::A, now).clone(), history.of(Slot::B, now).clone()],
             measure: look.measure,
@@ -335,7 +334,7 @@ impl InspectorPlan {
             scene: scene.clone(),
             spot,
             inspection: state.inspection_here().cloned(),
-            whole: state.whole.as_ref().filter(|_| !state.is_stale()).map(|whole| whole.samples.clone()),
+            whole: state.current_whole().cloned(),
             live: matches!(spot, Spot::Live { .. })
                 .then(|| state.live_shown.as_ref().map(|shown| (shown.key.clone(), shown.picture.clone())))
                 .flatten(),

@@ -35,7 +35,7 @@ pub(super) fn callouts_ui(ctx: &egui::Context, state: &State, commands: &mut Vec
     let next = state.inspector.callout;
     let Some((title, text, place)) = CALLOUTS.get(next) else { return };
     // They speak of what cameras recorded and of thresholds, which a store no longer has: they wait for a capture.
-    if state.scene.as_ref().is_none_or(|scene| scene.capture().is_none()) {
+    if !state.has_capture() {
         return;
     }
     let area = ctx.content_rect();

@@ -240,9 +240,9 @@ impl std::fmt::Debug for SampleMemory {
 #[cfg(test)]
 mod tests {
     use super::super::context::AdapterChoice;
+    use super::super::opened;
     use super::*;
     use crate::preprocess::{DepthPlane, SampleTile, Span, TILE, TILE_SAMPLES};
-    use crate::simd::skip::skip;
     use half::f16;
 
     /// An image of full tiles.
@@ -268,11 +268,7 @@ mod tests {
 
     /// An adapter and memory on it of four pages, of as many full tiles each.
     fn memory(tiles_to_a_page: u64) -> Option<(Context, SampleMemory)> {
-        let context = Context::new(AdapterChoice::Any);
-        let context = context.inspect_err(|error| {
-            skip(Some("OVERLOOK_REQUIRE_GPU"), &format!("nothing was loaded: {error}"));
-        });
-        let context = context.ok()?;
+        let context = opened(Context::new(AdapterChoice::Any))?;
         let tile = 4 * u64::from(Piece::cut(&image(1), u32::MAX)[0].words());
         let memory = SampleMemory::new(&context, MAX_PAGES as u64 * tiles_to_a_page * tile);
         Some((context, memory))

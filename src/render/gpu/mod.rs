@@ -325,23 +325,25 @@ fn target_for<'a>(
     Ok(target.insert(found))
 }
 
+/// An adapter for a test; `None`, said aloud, where the machine has none, a failure where `OVERLOOK_REQUIRE_GPU` asks for one.
+#[cfg(test)]
+pub(super) fn opened<T>(adapter: Result<T>) -> Option<T> {
+    let say = |error: &Error| {
+        crate::simd::skip::skip(Some("OVERLOOK_REQUIRE_GPU"), &format!("nothing was painted: {error}"));
+    };
+    adapter.inspect_err(say).ok()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::capture::demo::{Demo, DemoSpec};
     use crate::preprocess::preprocess;
     use crate::settings::Settings;
-    use crate::simd::skip::skip;
 
     #[test]
     fn after_a_failure_the_next_picture_is_painted() {
-        let mut gpu = match GpuRenderer::new(AdapterChoice::Any) {
-            Ok(gpu) => gpu,
-            Err(error) => {
-                skip(Some("OVERLOOK_REQUIRE_GPU"), &format!("nothing was painted: {error}"));
-                return;
-            }
-        };
+        let Some(mut gpu) = opened(GpuRenderer::new(AdapterChoice::Any)) else { return };
         let size = Some((48, 36));
         let spec =
             DemoSpec { scene: "orrery".to_owned(), cameras: Some(2), frames: Some(2), size, noise: None };
