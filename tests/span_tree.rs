@@ -13,8 +13,11 @@ use overlook::job::Job;
 use overlook::preprocess::noise::Noise;
 use overlook::preprocess::split::{BATCH, Given, Split};
 use overlook::preprocess::static_test::StaticTest;
-use overlook::preprocess::{PixelClass, Preprocessed, Span, inspect_frame, preprocess, scan};
-use overlook::settings::{PruningMethod, Settings, SpanLevels};
+use overlook::preprocess::{
+    PixelClass, Preprocessed, Span, Spooled, inspect_frame, preprocess, preprocess_spooled, scan,
+};
+use overlook::settings::{Precision, PruningMethod, Settings, SpanLevels};
+use overlook::store::{self, Extras};
 use proptest::prelude::*;
 use scene::{Scene, arc, camera};
 
@@ -363,4 +366,29 @@ fn samples_that_do_not_fit_the_memory_wait_in_a_file_and_come_back_the_same() {
     let (tight, ample) = (with_memory(16), with_memory(4096));
     assert!(tight.sample_count() > 1 << 16, "{} samples: more than a mebibyte", tight.sample_count());
     assert_eq!(tight.images, ample.images);
+}
+
+#[test]
+fn kept_samples_that_do_not_fit_the_memory_are_stored_as_those_that_do() {
+    let mut scene = Scene::still_life();
+    scene.ground_light = Some(Arc::new(|frame, point| 0.05 * ((2.0 * frame as f64 + point.x).sin() as f32)));
+    let capture = scene.record(arc(3, 96), 24);
+    let folder = tempfile::tempdir().unwrap();
+    let [from_memory, from_file] = ["memory.ovl", "file.ovl"].map(|name| folder.path().join(name));
+    for precision in [Precision::Lossless, Precision::Bits10] {
+        let mut settings = with_levels(SpanLevels::Tree);
+        (settings.spans.color_tolerance, settings.spans.noise) = (0.0, 0.0);
+        settings.pruning.method = PruningMethod::Off;
+        settings.capture.cache = 16;
+        settings.store.precision = precision;
+        let Preprocessed { samples, report } = preprocess(&capture, &settings, &Job::new()).unwrap();
+        assert!(samples.bytes() > 1 << 20, "{} bytes: more than a sixteenth of the setting", samples.bytes());
+        store::write(&from_memory, &samples, &report, &Job::new()).unwrap();
+        let Spooled { outline, images, report } =
+            preprocess_spooled(&capture, &settings, &Job::new()).unwrap();
+        assert!(outline.images.is_empty());
+        store::write_spooled(&from_file, (&outline, &images), &report, &Extras::default(), &Job::new())
+            .unwrap();
+        assert_eq!(std::fs::read(&from_memory).unwrap(), std::fs::read(&from_file).unwrap());
+    }
 }

@@ -17,7 +17,7 @@ use crate::evaluate::hold_out;
 use crate::job::Job;
 use crate::preprocess::report::CameraReport;
 use crate::preprocess::residuals::PairResiduals;
-use crate::preprocess::{Preprocessed, Report, preprocess};
+use crate::preprocess::{Report, Spooled, preprocess_spooled};
 use crate::settings::{CaptureSettings, Settings, SpanLevels};
 use crate::store::{self, Extras, Provenance, Rivals};
 
@@ -81,12 +81,12 @@ impl PreprocessArgs {
         let seconds_decode_only = if self.measure_decode { Some(self.decode_seconds()?) } else { None };
         let mut clock = Clock::start();
         let (report, bytes_store) = progress::watched(|job| {
-            let Preprocessed { samples, report } = preprocess(&capture, &settings, job)?;
+            let Spooled { outline, images, report } = preprocess_spooled(&capture, &settings, job)?;
             let inputs = rivals::input_files(&capture, job)?;
             let rivals = clock.aside(|| self.rivals(&capture, job))?;
             let provenance = Provenance { inputs, rivals, ..Provenance::default() };
             let extras = Extras { provenance, ..Extras::default() };
-            let bytes = store::write_with(&self.out, &samples, &report, &extras, job)?;
+            let bytes = store::write_spooled(&self.out, (&outline, &images), &report, &extras, job)?;
             Ok::<_, Error>((report, bytes))
         })?;
         output::warn(&report.doubts());

@@ -21,7 +21,8 @@ pub const TILE_SAMPLES: usize = TILE * TILE;
 const WIDE: u32 = 1 << 24;
 
 /// Depths of one tile: where they lie, and between which bounds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct DepthTile {
     /// Bits of the smallest inverse depth.
     pub farthest: u32,
@@ -137,6 +138,11 @@ impl DepthPlane {
         self.tiles.push(DepthTile { first_high: self.high.len() as u32, ..tile.place });
         self.low.extend_from_slice(tile.low);
         self.high.extend_from_slice(tile.high);
+    }
+
+    /// Planes as [`DepthPlane::tiles`], [`DepthPlane::low`] and [`DepthPlane::high`] gave them.
+    pub(super) fn of_planes(tiles: Vec<DepthTile>, low: Vec<u16>, high: Vec<u8>) -> Self {
+        Self { tiles, low, high }
     }
 
     /// A plane with room for so many tiles and depths.

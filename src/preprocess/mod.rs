@@ -33,6 +33,7 @@ pub mod normal_errors;
 mod normal_lanes;
 pub mod normals;
 mod octahedral;
+mod overflow;
 pub mod pack;
 pub mod pruning;
 pub mod range_shares;
@@ -53,6 +54,7 @@ pub mod span_samples;
 pub mod span_sums;
 pub mod span_tree;
 pub mod split;
+pub mod spool;
 mod spread;
 pub mod static_test;
 mod summons;
@@ -60,7 +62,6 @@ pub mod temporal;
 pub mod testimony;
 mod walk;
 
-use std::cmp::Reverse;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -81,6 +82,7 @@ use pruning::{Decided, Rig};
 use report::Tally;
 use residuals::Residuals;
 use span_tree::{SpanTree, all_frames};
+use spool::Spool;
 
 pub use argument::spans_of_pixel;
 pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
@@ -99,6 +101,17 @@ pub struct Preprocessed {
     pub report: Report,
 }
 
+/// As [`Preprocessed`], where more was kept than memory may hold.
+#[derive(Debug)]
+pub struct Spooled {
+    /// All but the samples: a set without images.
+    pub outline: SampleSet,
+    /// The kept samples, ordered as [`SampleSet::images`].
+    pub images: Spool,
+    /// The account.
+    pub report: Report,
+}
+
 /// The whole method: scan over time, split into spans, prune between cameras.
 ///
 /// # Errors
@@ -109,6 +122,25 @@ pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<P
     let mut preprocessed = prune(capture, &scan, settings, job)?;
     preprocessed.report.seconds = started.elapsed().as_secs_f64();
     Ok(preprocessed)
+}
+
+/// The same for a sequence of any length: what is kept waits in a temporary file where it takes more than a share of the memory
+/// setting.
+///
+/// # Errors
+/// As [`preprocess`].
+pub fn preprocess_spooled(capture: &Capture, settings: &Settings, job: &Job) -> Result<Spooled> {
+    let started = Instant::now();
+    let scan = scan(capture, settings, job)?;
+    let mut spooled = prune_into(Spool::new(samples_in_memory(settings)), (capture, &scan), settings, job)?;
+    spooled.report.seconds = started.elapsed().as_secs_f64();
+    Ok(spooled)
+}
+
+/// Bytes of the memory setting that samples take, before pruning and after, until they go to a temporary file.
+fn samples_in_memory(settings: &Settings) -> usize {
+    const SHARE: usize = 16;
+    ((settings.capture.cache as usize) << 20) / SHARE
 }
 
 /// The pass over all frames: the samples of every span, before any pruning. No pruning threshold touches it.
@@ -126,6 +158,17 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<Tem
 /// # Errors
 /// As [`preprocess`].
 pub fn prune(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &Job) -> Result<Preprocessed> {
+    let Spooled { outline, images, report } =
+        prune_into(Spool::new(usize::MAX), (capture, scan), settings, job)?;
+    Ok(Preprocessed { samples: Arc::new(SampleSet { images: images.into_images()?, ..outline }), report })
+}
+
+fn prune_into(
+    mut images: Spool,
+    (capture, scan): (&Capture, &TemporalScan),
+    settings: &Settings,
+    job: &Job,
+) -> Result<Spooled> {
     settings.validate("settings")?;
     let started = Instant::now();
     let other;
@@ -139,7 +182,7 @@ pub fn prune(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &
     let background = Background::of(capture, scan, settings, job)?;
     let mut tally = Tally::new(capture, scan, settings);
     tally.add(scan.tree(&settings.spans).root(), &background.decided);
-    let images = pack_all(all_frames(scan.frames), &background.layers, &background.decided, settings);
+    pack_all(all_frames(scan.frames), &background.layers, &background.decided, settings, &mut images)?;
     let rig = Rig::new(&capture.cameras);
     let mut residuals = Residuals::new(&rig, scan.frames);
     residuals.add_lasting(&background.layers, job)?;
@@ -148,12 +191,11 @@ pub fn prune(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &
     let mut walk = Walk { tree: descent.tree(), descent, tally, residuals, images, settings, job };
     walk.below(all_frames(scan.frames), ROOT)?;
     let Walk { tally, residuals, mut images, .. } = walk;
-    images.sort_by_key(|image| (Reverse(image.span.len()), image.span, image.camera));
-    let samples = Arc::new(sample_set(capture, settings, images));
-    let mut report = tally.finish(&samples);
+    images.sort();
+    let mut report = tally.finish(images.facts());
     report.residuals = residuals.finish();
     report.seconds = started.elapsed().as_secs_f64();
-    Ok(Preprocessed { samples, report })
+    Ok(Spooled { outline: sample_set(capture, settings, Vec::new()), images, report })
 }
 
 /// Goes over all spans, parents before children, and decides what lives in each.
@@ -162,7 +204,7 @@ struct Walk<'a> {
     descent: Descent<'a>,
     tally: Tally,
     residuals: Residuals<'a>,
-    images: Vec<SampleImage>,
+    images: Spool,
     settings: &'a Settings,
     job: &'a Job,
 }
@@ -173,7 +215,7 @@ impl Walk<'_> {
         for child in self.tree.children(span) {
             let step = self.descent.enter(child, level + 1, self.job)?;
             self.tally.add(child, &step.decided);
-            self.images.extend(pack_all(child, &self.descent.layers, &step.decided, self.settings));
+            pack_all(child, &self.descent.layers, &step.decided, self.settings, &mut self.images)?;
             // Of a single frame the paper's two levels are as long as each other.
             if child.len() < span.len() {
                 self.below(child, level + 1)?;
@@ -263,15 +305,20 @@ pub fn prepare_frame(
     FrameLayers::of(capture, Some(scan), &rig, settings, frame, job)?.prepare(&rig, settings, job)
 }
 
-/// The kept samples of every camera over one span.
-fn pack_all(span: Span, layers: &[Layer], decided: &[Decided], settings: &Settings) -> Vec<SampleImage> {
+/// Adds the kept samples of every camera over one span.
+fn pack_all(
+    span: Span,
+    layers: &[Layer],
+    decided: &[Decided],
+    settings: &Settings,
+    images: &mut Spool,
+) -> Result<()> {
     let cameras = layers.par_iter().zip(decided).enumerate();
-    cameras
-        .filter_map(|(camera, (layer, decided))| {
-            let masks = Masks::decided(layer, decided);
-            pack::pack(camera, span, layer, masks, settings.store.normals)
-        })
-        .collect()
+    let packed = cameras.filter_map(|(camera, (layer, decided))| {
+        let masks = Masks::decided(layer, decided);
+        pack::pack(camera, span, layer, masks, settings.store.normals)
+    });
+    packed.collect::<Vec<_>>().into_iter().try_for_each(|image| images.push(image))
 }
 
 fn sample_set(capture: &Capture, settings: &Settings, images: Vec<SampleImage>) -> SampleSet {

@@ -10,8 +10,9 @@ use super::pruning::Decided;
 use super::range_shares::RangeFacts;
 use super::residuals::{PairResiduals, doubts};
 use super::sampling_rate::Rate;
+use super::spool::ImageFacts;
 use super::temporal::CameraScan;
-use super::{Rule, SampleSet, Span, TemporalScan, Verdict};
+use super::{Rule, Span, TemporalScan, Verdict};
 use crate::capture::Capture;
 use crate::settings::Settings;
 
@@ -221,16 +222,16 @@ impl Tally {
         kept
     }
 
-    pub(super) fn finish(mut self, samples: &SampleSet) -> Report {
+    pub(super) fn finish<'a>(mut self, images: impl Iterator<Item = &'a ImageFacts>) -> Report {
         let mut spans = BTreeMap::<_, u64>::new();
-        for image in &samples.images {
+        for image in images {
             *spans.entry((std::cmp::Reverse(image.span.len()), image.span)).or_default() +=
-                image.len() as u64;
+                image.samples as u64;
+            self.report.samples_kept += image.samples as u64;
+            self.report.bytes_memory += image.bytes as u64;
         }
         self.report.spans =
             spans.into_iter().map(|((_, span), samples)| SpanReport { span, samples }).collect();
-        self.report.samples_kept = samples.sample_count();
-        self.report.bytes_memory = samples.bytes();
         self.report
     }
 }

@@ -46,7 +46,8 @@ impl Span {
 }
 
 /// A tile of a [`SampleImage`] that holds at least one sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct SampleTile {
     /// Column of the tile, in tiles from the left.
     pub tile_x: u16,

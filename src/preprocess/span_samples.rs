@@ -1,20 +1,19 @@
 //! The samples of one camera over one span before pruning: a sparse picture. There are many of them; beyond a bound they
-//! wait in a temporary file. What of them pruning keeps stays in memory until the store is written, 9 bytes a sample.
+//! wait in a temporary file, as what pruning keeps of them does ([`super::spool`]).
 //!
 //! ```text
 //! record in the file: pixel u32 …, inverse depth f32 …, [normal 3 × f32 …,] color 3 × f16 …    machine's byte order
 //! ```
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{Read, Seek, SeekFrom, Write};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use glam::Vec3;
 use half::f16;
 
 use super::Span;
-use crate::error::{Error, Result};
+use super::overflow::Overflow;
+use crate::error::Result;
 
 /// Samples with their pixels, in ascending order of the pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -89,15 +88,14 @@ pub struct SpanStore {
     bytes: usize,
     /// Bytes that are held in memory at most.
     bound: usize,
-    file: Mutex<Option<File>>,
-    file_bytes: u64,
+    overflow: Overflow,
 }
 
 impl SpanStore {
     /// An empty store that holds at most `bound` bytes in memory.
     #[must_use]
     pub fn new(bound: usize) -> Self {
-        Self { places: BTreeMap::new(), bytes: 0, bound, file: Mutex::new(None), file_bytes: 0 }
+        Self { places: BTreeMap::new(), bytes: 0, bound, overflow: Overflow::default() }
     }
 
     /// Takes the samples of `camera` over `span`.
@@ -113,25 +111,19 @@ impl SpanStore {
             self.bytes += bytes;
             Place::Memory(Arc::new(samples))
         } else {
-            self.write(&samples).map_err(in_file)?
+            self.write(&samples)?
         };
         self.places.insert((camera, span), place);
         Ok(())
     }
 
-    fn write(&mut self, samples: &SpanSamples) -> std::io::Result<Place> {
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        let file = match &mut *file {
-            Some(file) => file,
-            none => none.insert(tempfile::tempfile()?),
-        };
-        let offset = self.file_bytes;
-        file.seek(SeekFrom::Start(offset))?;
-        file.write_all(bytemuck::cast_slice(&samples.pixels))?;
-        file.write_all(bytemuck::cast_slice(&samples.inverse_depth))?;
-        file.write_all(bytemuck::cast_slice(&samples.normal))?;
-        file.write_all(bytemuck::cast_slice(&samples.color))?;
-        self.file_bytes += samples.bytes() as u64;
+    fn write(&mut self, samples: &SpanSamples) -> Result<Place> {
+        let offset = self.overflow.append(&[
+            bytemuck::cast_slice(&samples.pixels),
+            bytemuck::cast_slice(&samples.inverse_depth),
+            bytemuck::cast_slice(&samples.normal),
+            bytemuck::cast_slice(&samples.color),
+        ])?;
         Ok(Place::File { offset, samples: samples.len(), normals: !samples.normal.is_empty() })
     }
 
@@ -144,26 +136,25 @@ impl SpanStore {
             None => Ok(None),
             Some(Place::Memory(samples)) => Ok(Some(samples.clone())),
             Some(&Place::File { offset, samples, normals }) => {
-                let read = self.read(offset, samples, normals).map_err(in_file)?;
-                Ok(Some(Arc::new(read)))
+                Ok(Some(Arc::new(self.read(offset, samples, normals)?)))
             }
         }
     }
 
-    fn read(&self, offset: u64, samples: usize, normals: bool) -> std::io::Result<SpanSamples> {
+    fn read(&self, offset: u64, samples: usize, normals: bool) -> Result<SpanSamples> {
         let mut read = SpanSamples {
             pixels: vec![0; samples],
             color: vec![[f16::ZERO; 3]; samples],
             inverse_depth: vec![0.0; samples],
             normal: vec![Vec3::ZERO; if normals { samples } else { 0 }],
         };
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        let file = file.as_mut().ok_or(std::io::ErrorKind::NotFound)?;
-        file.seek(SeekFrom::Start(offset))?;
-        file.read_exact(bytemuck::cast_slice_mut(&mut read.pixels))?;
-        file.read_exact(bytemuck::cast_slice_mut(&mut read.inverse_depth))?;
-        file.read_exact(bytemuck::cast_slice_mut(&mut read.normal))?;
-        file.read_exact(bytemuck::cast_slice_mut(&mut read.color))?;
+        let mut planes = [
+            bytemuck::cast_slice_mut(&mut read.pixels),
+            bytemuck::cast_slice_mut(&mut read.inverse_depth),
+            bytemuck::cast_slice_mut(&mut read.normal),
+            bytemuck::cast_slice_mut(&mut read.color),
+        ];
+        self.overflow.read(offset, &mut planes)?;
         Ok(read)
     }
 
@@ -175,10 +166,6 @@ impl SpanStore {
             Place::File { samples, .. } => (*span, *samples),
         })
     }
-}
-
-fn in_file(error: std::io::Error) -> Error {
-    Error::io(std::env::temp_dir().join("samples of the spans"), error)
 }
 
 #[cfg(test)]

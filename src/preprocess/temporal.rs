@@ -90,8 +90,7 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Tempora
     let frames = capture.frame_count();
     job.start("Reading frames", frames * capture.cameras.len());
     let (cameras, spans) = if settings.spans.levels == SpanLevels::Tree {
-        let memory = (settings.capture.cache as usize) << 20;
-        let store = Mutex::new(SpanStore::new(memory / SAMPLES_SHARE));
+        let store = Mutex::new(SpanStore::new(super::samples_in_memory(settings)));
         let cameras = scan_cameras(capture, |camera| scan_spans(capture, camera, settings, &store, job))?;
         (cameras, Some(store.into_inner().unwrap_or_else(PoisonError::into_inner)))
     } else {
@@ -99,9 +98,6 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Tempora
     };
     Ok(TemporalScan { frames, cameras, spans, made_with: settings.spans.clone(), memo: Memo::default() })
 }
-
-/// Share of the memory setting that samples take before they go to a temporary file.
-const SAMPLES_SHARE: usize = 16;
 
 /// Cameras that are scanned side by side: while one waits for the last frame of a batch, the other has work.
 const SIDE_BY_SIDE: usize = 2;

@@ -6,7 +6,8 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use crate::capture::camera::is_believable_size;
 use crate::capture::{Camera, Intrinsics};
-use crate::preprocess::{SampleImage, SampleSet, Span};
+use crate::preprocess::spool::ImageFacts;
+use crate::preprocess::{SampleSet, Span};
 
 use super::bytes::{ByteReader, push_text};
 
@@ -222,11 +223,11 @@ pub(super) fn chain(entries: &[ImageEntry], index: usize) -> Option<Vec<usize>> 
 
 /// Chooses what each image is predicted from: of the same camera, ending where it starts, the one with most samples; none where
 /// too many would have to be read before it.
-pub(super) fn choose_references(images: &[std::sync::Arc<SampleImage>]) -> Vec<Option<u32>> {
+pub(super) fn choose_references(images: &[&ImageFacts]) -> Vec<Option<u32>> {
     let mut ending_at = std::collections::BTreeMap::<(u32, u32), usize>::new();
     for (index, image) in images.iter().enumerate() {
         let best = ending_at.entry((image.camera, image.span.end)).or_insert(index);
-        if image.len() > images[*best].len() {
+        if image.samples > images[*best].samples {
             *best = index;
         }
     }

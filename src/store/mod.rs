@@ -41,7 +41,7 @@ pub use provenance::{InputFiles, PlaneBytes, Provenance, Rivals};
 pub use reader::{Store, StoreInfo};
 pub use source::ReadAt;
 pub use verify::{Verification, verify};
-pub use writer::{Extras, write, write_to, write_with};
+pub use writer::{Extras, write, write_spooled, write_to, write_with};
 
 /// Writes an open store again, as this Overlook writes it, with what it carries beside the samples; `storage` says how, if it is
 /// not to be as before. Gives its size in bytes. `path` may be the store's own.

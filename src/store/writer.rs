@@ -21,6 +21,7 @@ use super::provenance::{PlaneBytes, Provenance};
 use super::{images, precision};
 use crate::error::{Error, Result};
 use crate::job::Job;
+use crate::preprocess::spool::Spool;
 use crate::preprocess::{Report, SampleImage, SampleSet, Span};
 use crate::settings::{self, StoreSettings};
 use crate::whole_file;
@@ -63,9 +64,23 @@ pub fn write_with(
     extras: &Extras,
     job: &Job,
 ) -> Result<u64> {
+    write_spooled(path, (samples, &Spool::of(&samples.images)), report, extras, job)
+}
+
+/// As [`write_with`], of images that may be in a file; those of the set itself are not asked for.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_spooled(
+    path: &Path,
+    samples: (&SampleSet, &Spool),
+    report: &Report,
+    extras: &Extras,
+    job: &Job,
+) -> Result<u64> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let temporary = whole_file::beside(path, ".tmp")?;
-    let size = write_to(BufWriter::new(temporary.as_file()), path, samples, (report, extras), job)?;
+    let size = write_spooled_to(BufWriter::new(temporary.as_file()), path, samples, (report, extras), job)?;
     temporary.as_file().sync_all().map_err(|error| Error::io(path, error))?;
     job.check()?;
     temporary.persist(path).map_err(|error| Error::io(path, error.error))?;
@@ -82,6 +97,16 @@ pub fn write_to(
     target: impl Write + Seek,
     path: &Path,
     samples: &SampleSet,
+    beside: (&Report, &Extras),
+    job: &Job,
+) -> Result<u64> {
+    write_spooled_to(target, path, (samples, &Spool::of(&samples.images)), beside, job)
+}
+
+fn write_spooled_to(
+    target: impl Write + Seek,
+    path: &Path,
+    (samples, images): (&SampleSet, &Spool),
     (report, extras): (&Report, &Extras),
     job: &Job,
 ) -> Result<u64> {
@@ -89,12 +114,15 @@ pub fn write_to(
     let iff = |error| from_iff(path, error);
     let head = encode_head(samples).map_err(invalid)?;
     let report = encode_report(report).map_err(invalid)?;
-    job.start("Writing the store", 2 * samples.images.len());
+    job.start("Writing the store", 2 * images.len());
     if let Some(before) = &extras.held_to {
         let again = precision::check_again(&samples.settings.store, before, &samples.cameras);
         again.map_err(|what| Error::invalid(path.display(), what))?;
     }
-    let prepared = Prepared::of(samples, extras.held_to.as_ref(), path, job)?;
+    let held_to = extras.held_to.as_ref();
+    let palette = palette_of((samples, images), held_to, path, job)?;
+    let reduced = reduced((samples, images), held_to, &palette, path)?;
+    let prepared = Prepared::of((samples, reduced.as_ref().unwrap_or(images)), palette, path, job)?;
 
     let is_plain = samples.settings.store.coding == settings::Coding::Plain;
     let planes = (!is_plain).then_some(prepared.planes);
@@ -122,17 +150,17 @@ pub fn write_to(
             .into_par_iter()
             .map(|index| {
                 job.check()?;
-                Ok(prepared.encode(samples, index))
+                prepared.encode(samples, index)
             })
             .collect();
         for (index, (payload, head)) in batch.clone().zip(payloads?) {
             let offset = form.plain_chunk(IMAGE, &payload).map_err(iff)?;
-            let image = &prepared.images[index];
+            let image = prepared.images.facts_of(index);
             entries[index] = ImageEntry {
                 camera: image.camera,
                 span: image.span,
-                samples: image.len() as u32,
-                tiles: image.tiles.len() as u32,
+                samples: image.samples as u32,
+                tiles: image.tiles as u32,
                 reference: prepared.references[index],
                 offset,
                 length: payload.len() as u32,
@@ -158,71 +186,93 @@ const NOWHERE: ImageEntry = ImageEntry {
     head: 0,
 };
 
+fn place_of(image: &SampleImage, path: &Path) -> String {
+    let SampleImage { camera, span: Span { start, end }, .. } = image;
+    format!("{}: the image of camera {camera} for frames {start}..{end}", path.display())
+}
+
+/// The colors that occur, as far as `held_to` and the settings leave them apart; checks every image.
+fn palette_of(
+    (samples, images): (&SampleSet, &Spool),
+    held_to: Option<&StoreSettings>,
+    path: &Path,
+    job: &Job,
+) -> Result<Palette> {
+    let used = (0..images.len()).into_par_iter().try_fold(Used::new, |mut used, index| {
+        job.check()?;
+        let image = &*images.get(index)?;
+        images::check(image, &samples.cameras, samples.frame_count())
+            .map_err(|what| Error::invalid(place_of(image, path), format!("cannot be written: {what}")))?;
+        used.add(image);
+        Ok(used)
+    });
+    let used = used.try_reduce(Used::new, |used, more| Ok::<_, Error>(used.plus(&more)))?;
+    Ok(Palette::within(&used, precision::color_room(&samples.settings.store, held_to)))
+}
+
+/// The images as they are stored, where the settings ask for less than all of them.
+fn reduced(
+    (samples, images): (&SampleSet, &Spool),
+    held_to: Option<&StoreSettings>,
+    palette: &Palette,
+    path: &Path,
+) -> Result<Option<Spool>> {
+    let settings = &samples.settings.store;
+    if settings.precision == settings::Precision::Lossless {
+        return Ok(None);
+    }
+    let color_room = precision::color_room(settings, held_to);
+    let reduce = |image: &SampleImage| {
+        let camera = &samples.cameras[image.camera as usize];
+        precision::reduce(image, camera, (palette, color_room), settings)
+            .map_err(|what| Error::invalid(place_of(image, path), what))
+    };
+    images.map(reduce).map(Some)
+}
+
 /// All that is decided before the first sample is written.
-struct Prepared {
-    images: Vec<Arc<SampleImage>>,
+struct Prepared<'a> {
+    images: &'a Spool,
     references: Vec<Option<u32>>,
     palette: Palette,
     model: Model,
     planes: PlaneBytes,
 }
 
-impl Prepared {
-    fn of(samples: &SampleSet, held_to: Option<&StoreSettings>, path: &Path, job: &Job) -> Result<Self> {
-        let place = |image: &SampleImage| {
-            let SampleImage { camera, span: Span { start, end }, .. } = image;
-            format!("{}: the image of camera {camera} for frames {start}..{end}", path.display())
-        };
-        let used = samples.images.par_iter().try_fold(Used::new, |mut used, image| {
-            job.check()?;
-            images::check(image, &samples.cameras, samples.frame_count())
-                .map_err(|what| Error::invalid(place(image), format!("cannot be written: {what}")))?;
-            used.add(image);
-            Ok(used)
-        });
-        let used = used.try_reduce(Used::new, |used, more| Ok::<_, Error>(used.plus(&more)))?;
-        let settings = &samples.settings.store;
-        let color_room = precision::color_room(settings, held_to);
-        let palette = Palette::within(&used, color_room);
-        let images = if settings.precision == settings::Precision::Lossless {
-            samples.images.clone()
-        } else {
-            let reduce = |image: &Arc<SampleImage>| {
-                let camera = &samples.cameras[image.camera as usize];
-                let reduced = precision::reduce(image, camera, (&palette, color_room), settings);
-                reduced.map(Arc::new).map_err(|what| Error::invalid(place(image), what))
-            };
-            samples.images.par_iter().map(reduce).collect::<Result<_>>()?
-        };
+impl<'a> Prepared<'a> {
+    fn of(
+        (samples, images): (&SampleSet, &'a Spool),
+        palette: Palette,
+        path: &Path,
+        job: &Job,
+    ) -> Result<Self> {
+        let fit = |counts: &Counts| Model::fit(counts).map_err(|what| Error::invalid(path.display(), what));
         let mut prepared = Self {
-            references: choose_references(&images),
+            references: choose_references(&images.facts().collect::<Vec<_>>()),
             images,
             palette,
-            model: Model::fit(&Counts::default()).map_err(|what| Error::invalid(path.display(), what))?,
+            model: fit(&Counts::default())?,
             planes: PlaneBytes::default(),
         };
-        let counted =
-            (0..prepared.images.len()).into_par_iter().try_fold(Counts::default, |mut counts, index| {
-                job.check()?;
-                let image = &prepared.images[index];
-                images::count(
-                    image,
-                    prepared.reference(index),
-                    &prepared.coding(samples, image),
-                    &mut counts,
-                );
-                job.advance(1);
-                Ok(counts)
-            });
+        let counted = (0..images.len()).into_par_iter().try_fold(Counts::default, |mut counts, index| {
+            job.check()?;
+            let (image, reference) = prepared.with_reference(index)?;
+            let coding = prepared.coding(samples, &image);
+            images::count(&image, reference.as_deref(), &coding, &mut counts);
+            job.advance(1);
+            Ok(counts)
+        });
         let counted =
             counted.try_reduce(Counts::default, |counts, more| Ok::<_, Error>(counts.plus(&more)))?;
-        prepared.model = Model::fit(&counted).map_err(|what| Error::invalid(path.display(), what))?;
+        prepared.model = fit(&counted)?;
         prepared.planes = PlaneBytes::of_bits(prepared.model.bits(&counted));
         Ok(prepared)
     }
 
-    fn reference(&self, index: usize) -> Option<&SampleImage> {
-        self.references[index].map(|reference| &*self.images[reference as usize])
+    /// An image, and the one that it is predicted from.
+    fn with_reference(&self, index: usize) -> Result<(Arc<SampleImage>, Option<Arc<SampleImage>>)> {
+        let reference = self.references[index].map(|reference| self.images.get(reference as usize));
+        Ok((self.images.get(index)?, reference.transpose()?))
     }
 
     fn coding(&self, samples: &SampleSet, image: &SampleImage) -> Coding<'_> {
@@ -238,10 +288,10 @@ impl Prepared {
         }
     }
 
-    fn encode(&self, samples: &SampleSet, index: usize) -> (Vec<u8>, usize) {
-        let image = &self.images[index];
+    fn encode(&self, samples: &SampleSet, index: usize) -> Result<(Vec<u8>, usize)> {
+        let (image, reference) = self.with_reference(index)?;
         let camera = &samples.cameras[image.camera as usize];
-        images::encode(image, self.reference(index), camera, &self.coding(samples, image))
+        Ok(images::encode(&image, reference.as_deref(), camera, &self.coding(samples, &image)))
     }
 }
 
