@@ -44,7 +44,8 @@ fn ours(capture: &Capture) -> Samples {
 }
 
 /// The paper's background and foreground: a pixel that remains constant over time belongs to the background, all others to the
-/// foreground of their frame. Constant is what stays within the tolerances and what the measured noise explains.
+/// foreground of their frame. Constant is what stays within the tolerances and what the measured noise
+/// explains.
 fn plainly(capture: &Capture, scanned: &TemporalScan) -> Samples {
     let (spans, frames) = (paper().spans, capture.frame_count());
     let sigmas = spans.noise * granted_range_sigmas(frames);
@@ -61,19 +62,20 @@ fn plainly(capture: &Capture, scanned: &TemporalScan) -> Samples {
                 let sum: f64 = colors.iter().map(|color| f64::from(color[channel].to_f32())).sum();
                 f16::from_f32(sum as f32 / frames as f32)
             });
-            let color_range = (0..3)
-                .map(|channel| {
-                    let steps = colors.iter().map(|color| steps_from_linear(color[channel]));
-                    steps.clone().fold(f32::MIN, f32::max) - steps.fold(f32::MAX, f32::min)
-                })
-                .fold(0.0, f32::max);
-            let noisiest = mean.map(|m| known.noise.color_at(steps_from_linear(m)));
-            let color_granted = spans.color_tolerance + sigmas * noisiest.into_iter().fold(0.0, f32::max);
+            let ends: [[f32; 2]; 3] = std::array::from_fn(|channel| {
+                let steps = colors.iter().map(|color| steps_from_linear(color[channel]));
+                [steps.clone().fold(f32::MAX, f32::min), steps.fold(f32::MIN, f32::max)]
+            });
+            let color_range = ends.map(|[low, high]| high - low).into_iter().fold(0.0, f32::max);
+            // At the least noisy brightness that a channel goes through.
+            let noise = ends.map(|[low, high]| {
+                let between = (0..64).map(|i| low + (high - low) * i as f32 / 64.0).chain([high]);
+                between.map(|steps| known.noise.color_at(steps)).fold(f32::MAX, f32::min)
+            });
+            let color_granted = spans.color_tolerance + sigmas * noise.into_iter().fold(0.0, f32::max);
             let (far, near) = depths.iter().fold((f32::MAX, f32::MIN), |(f, n), w| (f.min(*w), n.max(*w)));
             let depth_range = if near > far { (near - far) / near } else { 0.0 };
-            let constant = far >= 0.0
-                && depth_range <= depth_granted
-                && (color_range <= spans.color_tolerance || color_range <= color_granted);
+            let constant = far >= 0.0 && depth_range <= depth_granted && color_range <= color_granted;
             if constant {
                 let exact = depths.iter().map(|w| f64::from(*w)).sum::<f64>() / frames as f64;
                 let depth = if near == far { near } else { exact as f32 };

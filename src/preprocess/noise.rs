@@ -82,7 +82,8 @@ impl Noise {
     }
 }
 
-fn brightness_bin(steps: f32) -> usize {
+/// The brightness class of a value, 8-bit sRGB steps.
+pub(super) fn brightness_bin(steps: f32) -> usize {
     ((steps * (BRIGHTNESS_BINS as f32 / 256.0)) as usize).min(BRIGHTNESS_BINS - 1)
 }
 

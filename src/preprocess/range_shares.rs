@@ -64,9 +64,9 @@ pub struct RangeFacts {
 
 impl RangeShares {
     /// Counts pixels over all frames: their ranges of color (8-bit sRGB steps) and of depth (relative, infinite where there is a
-    /// frame without depth), and their mean colors.
-    pub fn count(&mut self, color: &[f32], depth: &[f32], means: &[[half::f16; 3]], test: &StaticTest) {
-        simd::run(Count { shares: self, color, depth, means, test });
+    /// frame without depth), and the ranges of color that are granted to them.
+    pub fn count(&mut self, color: &[f32], depth: &[f32], granted: &[f32], test: &StaticTest) {
+        simd::run(Count { shares: self, color, depth, granted, test });
     }
 
     /// Adds the counts of other pixels.
@@ -113,7 +113,7 @@ struct Count<'a> {
     shares: &'a mut RangeShares,
     color: &'a [f32],
     depth: &'a [f32],
-    means: &'a [[half::f16; 3]],
+    granted: &'a [f32],
     test: &'a StaticTest,
 }
 
@@ -122,16 +122,14 @@ impl Work for Count<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { shares, color, depth, means, test } = self;
-        let chunks = color.chunks(LANES).zip(depth.chunks(LANES)).zip(means.chunks(LANES));
-        for ((colors, depths), means) in chunks {
+        let Self { shares, color, depth, granted, test } = self;
+        let chunks = color.chunks(LANES).zip(depth.chunks(LANES)).zip(granted.chunks(LANES));
+        for ((colors, depths), granteds) in chunks {
             // What is missing at the end has no depth, and is not counted.
             let (mut color, mut depth, mut granted) = ([0.0; LANES], [f32::INFINITY; LANES], [0.0; LANES]);
             color[..colors.len()].copy_from_slice(colors);
             depth[..depths.len()].copy_from_slice(depths);
-            for (granted, mean) in granted.iter_mut().zip(means) {
-                *granted = test.granted(*mean);
-            }
+            granted[..granteds.len()].copy_from_slice(granteds);
             shares.pixels += colors.len() as u64;
             shares.count_lanes(&color, &depth, &granted, test);
         }
@@ -243,9 +241,9 @@ mod tests {
         let test = StaticTest::new(&settings, &Noise::default(), 0.0, 10);
         let mut shares = RangeShares::default();
         for i in 0..1000 {
-            shares.count(&[i as f32 / 100.0], &[0.0], &[[half::f16::ZERO; 3]], &test);
+            shares.count(&[i as f32 / 100.0], &[0.0], &[test.granted_color()], &test);
         }
-        shares.count(&[0.0], &[f32::INFINITY], &[[half::f16::ZERO; 3]], &test);
+        shares.count(&[0.0], &[f32::INFINITY], &[test.granted_color()], &test);
         let facts = shares.facts(&test);
         let expected = settings.color_tolerance / 10.0;
         assert!((facts.within_color_tolerance - expected).abs() < 2e-3, "{facts:?}");

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::range_shares::RangeShares;
 use super::span_samples::SpanSamples;
-use super::static_test::StaticTest;
+use super::static_test::{StaticTest, color_range_steps};
 use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
 use crate::color;
 use crate::grid::Grid;
@@ -23,9 +23,11 @@ use crate::settings::{SpanLevels, SpanSettings};
 /// Threshold-independent facts about one camera over all frames.
 #[derive(Debug)]
 pub struct Ranges {
-    /// Range of color over time, the widest of the three channels, 8-bit sRGB steps; infinite where some frame has no
+    /// Smallest color over time of each channel, bits of half floats that are not below 0. Of no meaning where some frame has no
     /// depth at the pixel.
-    pub color_steps: Grid<f32>,
+    pub low_color: Grid<[i16; 3]>,
+    /// Largest color over time, likewise.
+    pub high_color: Grid<[i16; 3]>,
     /// Range of inverse depth over time as a share of its maximum, 0 to 1; 0 where always at infinity, infinite where
     /// some frame has no depth at the pixel.
     pub depth_relative: Grid<f32>,
@@ -44,11 +46,20 @@ impl Ranges {
         if settings.levels == SpanLevels::Off {
             return vec![false; self.mean_color.len()];
         }
-        let color = self.color_steps.as_slice().iter().zip(self.mean_color.as_slice());
-        color
-            .zip(self.depth_relative.as_slice())
-            .map(|((&color, mean), &depth)| test.is_static(color, depth, || *mean))
-            .collect()
+        let colors = self.low_color.as_slice().iter().zip(self.high_color.as_slice());
+        let pixels = colors.zip(self.depth_relative.as_slice());
+        let is_static = |((low, high), depth): ((&[i16; 3], &[i16; 3]), &f32)| {
+            *depth <= test.granted_depth() && test.is_color_static(*low, *high)
+        };
+        pixels.map(is_static).collect()
+    }
+
+    /// Range of color over time of every pixel, the widest of the three channels, 8-bit sRGB steps.
+    #[must_use]
+    pub fn color_steps(&self) -> impl ExactSizeIterator<Item = f32> {
+        let table = color::steps_table();
+        let colors = self.low_color.as_slice().iter().zip(self.high_color.as_slice());
+        colors.map(|(low, high)| color_range_steps(table, low, high))
     }
 
     /// The means of the pixels that are `chosen`.
@@ -70,16 +81,18 @@ impl Ranges {
     #[must_use]
     pub fn shares(&self, test: &StaticTest) -> RangeShares {
         let mut shares = RangeShares::default();
-        let (color, depth) = (self.color_steps.as_slice(), self.depth_relative.as_slice());
-        shares.count(color, depth, self.mean_color.as_slice(), test);
+        let colors = self.low_color.as_slice().iter().zip(self.high_color.as_slice());
+        let granted: Vec<f32> = colors.map(|(low, high)| test.granted_within(low, high)).collect();
+        let color: Vec<f32> = self.color_steps().collect();
+        shares.count(&color, self.depth_relative.as_slice(), &granted, test);
         shares
     }
 }
 
 #[derive(Clone, Copy)]
 struct PixelSum {
-    min_steps: [f32; 3],
-    max_steps: [f32; 3],
+    low_color: [i16; 3],
+    high_color: [i16; 3],
     color: [f32; 3],
     min_inverse_depth: f32,
     max_inverse_depth: f32,
@@ -89,8 +102,8 @@ struct PixelSum {
 }
 
 const EMPTY_SUM: PixelSum = PixelSum {
-    min_steps: [f32::INFINITY; 3],
-    max_steps: [f32::NEG_INFINITY; 3],
+    low_color: [i16::MAX; 3],
+    high_color: [0; 3],
     color: [0.0; 3],
     min_inverse_depth: f32::INFINITY,
     max_inverse_depth: f32::NEG_INFINITY,
@@ -114,12 +127,11 @@ impl CameraSum {
     /// Adds the next frame. Frames must come in order: floating-point sums depend on it.
     pub(super) fn add(&mut self, frame: &Frame) {
         let width = self.width.max(1);
-        let steps = color::steps_table();
         self.pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
             let colors = frame.color.row(y);
             let depths = frame.inverse_depth.row(y);
             for ((sum, color), &inverse_depth) in row.iter_mut().zip(colors).zip(depths) {
-                add_pixel(sum, *color, inverse_depth, steps);
+                add_pixel(sum, *color, inverse_depth);
             }
             if let Some(normals) = &frame.normal_in_world {
                 for (sum, normal) in row.iter_mut().zip(normals.row(y)) {
@@ -137,15 +149,8 @@ impl CameraSum {
         let count = frames as f32;
         let pixels = &self.pixels;
         let ranges = Ranges {
-            color_steps: grid(
-                pixels
-                    .iter()
-                    .map(|sum| {
-                        let range = (0..3).map(|c| sum.max_steps[c] - sum.min_steps[c]).fold(0.0, f32::max);
-                        if sum.invalid > 0 { f32::INFINITY } else { range }
-                    })
-                    .collect(),
-            ),
+            low_color: Grid::from_vec(width, height, pixels.iter().map(|sum| sum.low_color).collect()),
+            high_color: Grid::from_vec(width, height, pixels.iter().map(|sum| sum.high_color).collect()),
             depth_relative: grid(pixels.iter().map(depth_range_relative).collect()),
             mean_color: Grid::from_vec(
                 width,
@@ -165,15 +170,16 @@ impl CameraSum {
     }
 }
 
-fn add_pixel(sum: &mut PixelSum, color: [f16; 3], inverse_depth: f32, steps: &[f32]) {
+fn add_pixel(sum: &mut PixelSum, color: [f16; 3], inverse_depth: f32) {
     if inverse_depth < 0.0 {
         sum.invalid += 1;
         return;
     }
     for channel in 0..3 {
-        let value = steps[color[channel].to_bits() as usize];
-        sum.min_steps[channel] = sum.min_steps[channel].min(value);
-        sum.max_steps[channel] = sum.max_steps[channel].max(value);
+        // Half floats from 0 up are in the order of their bits; what is below 0 counts as 0, as it does when shown.
+        let bits = (color[channel].to_bits() as i16).max(0);
+        sum.low_color[channel] = sum.low_color[channel].min(bits);
+        sum.high_color[channel] = sum.high_color[channel].max(bits);
         sum.color[channel] += color[channel].to_f32();
     }
     sum.min_inverse_depth = sum.min_inverse_depth.min(inverse_depth);

@@ -94,9 +94,9 @@ impl Ranges {
 
     /// Whether the color of one pixel stays within the tolerance; see [`StaticTest::is_color_static`].
     #[inline(always)]
-    fn is_color_static(&self, i: usize, test: &StaticTest, mean: impl FnOnce() -> [f32; 3]) -> bool {
+    fn is_color_static(&self, i: usize, test: &StaticTest) -> bool {
         let of = |color: &[[i16; LANES]; 3]| [color[0][i], color[1][i], color[2][i]];
-        test.is_color_static(of(&self.low_color), of(&self.high_color), mean)
+        test.is_color_static(of(&self.low_color), of(&self.high_color))
     }
 }
 
@@ -192,7 +192,7 @@ impl Work for Descend<'_> {
                 let i = left.trailing_zeros() as usize % LANES;
                 left &= left - 1;
                 let pixel = pixels[i];
-                if node.halves.is_some() && !range.is_color_static(i, test, || mean(runs, pixel)) {
+                if node.halves.is_some() && !range.is_color_static(i, test) {
                     is_static &= !(1 << i);
                     continue;
                 }

@@ -5,7 +5,7 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 
 use super::span_sums::{SpanSums, relative_range};
-use super::static_test::{CHANNELS, color_range_steps};
+use super::static_test::{CHANNELS, StaticTest, color_range_steps};
 use crate::color;
 use crate::simd::{self, Work};
 
@@ -16,6 +16,12 @@ impl SpanSums {
         let table = color::steps_table();
         let (lows, highs) = (self.min_color.as_chunks::<3>().0, self.max_color.as_chunks::<3>().0);
         lows.iter().zip(highs).map(|(low, high)| color_range_steps(table, low, high)).collect()
+    }
+
+    /// Range of color that is granted to every pixel, 8-bit sRGB steps.
+    pub(super) fn granted_color_steps(&self, test: &StaticTest) -> Vec<f32> {
+        let (lows, highs) = (self.min_color.as_chunks::<3>().0, self.max_color.as_chunks::<3>().0);
+        lows.iter().zip(highs).map(|(low, high)| test.granted_within(low, high)).collect()
     }
 
     /// Range of inverse depth of every pixel as a share of its maximum, 0 to 1; infinite where some frame has no depth.

@@ -236,9 +236,9 @@ impl Band {
                 sums = union(left, &sums, batch.test, (first, doubtful), given);
             }
             if let Some(root) = &mut root {
-                let means = root.write(first, &sums);
                 let (color, depth) = (sums.color_ranges_steps(), sums.depth_ranges_relative());
-                self.shares.count(&color, &depth, means, batch.test);
+                self.shares.count(&color, &depth, &sums.granted_color_steps(batch.test), batch.test);
+                root.write(first, &sums);
                 root.take(&sums);
             } else {
                 open.push(sums);

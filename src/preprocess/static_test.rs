@@ -3,15 +3,14 @@
 //! A pixel is static over a span while the range (maximum − minimum, so that slow drift cannot creep past) of its color and
 //! of its relative depth stays within a tolerance plus what the measured noise explains.
 //!
-//! What noise explains is the range of as many draws as the *whole* sequence has frames, for short spans too. A pixel that is
-//! static over a span is then static over every part of it; with the narrower range of fewer draws one pixel in a few
-//! thousand would fail in each of the many short spans, and be stored many times over for it.
-
-use std::collections::VecDeque;
+//! What noise explains is the range of as many draws as the *whole* sequence has frames, for short spans too, at the least noisy
+//! brightness that the pixel goes through. A pixel that is static over a span is then static over every part of it, which goes
+//! through no more: it does not matter in which order spans are looked at. With the narrower range of fewer draws one pixel in
+//! a few thousand would fail in each of the many short spans, and be stored many times over for it.
 
 use half::f16;
 
-use super::noise::Noise;
+use super::noise::{BRIGHTNESS_BINS, Noise, brightness_bin};
 use super::noise_range::granted_range_sigmas;
 use crate::color;
 use crate::settings::SpanSettings;
@@ -25,8 +24,8 @@ const POSITIVE_HALVES: usize = 1 << 15;
 pub struct StaticTest {
     /// Color range that is always granted, 8-bit sRGB steps.
     color_steps: f32,
-    /// Color range that is granted for a channel of a mean value, by the bits of the half float.
-    noisy_color_steps: Vec<f32>,
+    /// Color range that is granted to a channel that goes from one brightness class up to another: the least of these.
+    noisy_color_steps: [[f32; BRIGHTNESS_BINS]; BRIGHTNESS_BINS],
     /// Depth range that is granted, relative.
     depth_relative: f32,
     /// See [`StaticTest::is_clearly_static`]; by the bits of the larger half float.
@@ -62,12 +61,10 @@ impl StaticTest {
     pub fn new(settings: &SpanSettings, noise: &Noise, depth_step_relative: f32, frames: usize) -> Self {
         let sigmas = settings.noise * granted_range_sigmas(frames);
         let color_steps = settings.color_tolerance;
-        let granted = |bits| {
-            let steps = color::steps_from_linear(f16::from_bits(bits));
-            color_steps + sigmas * noise.color_at(steps)
-        };
-        let noisy_color_steps: Vec<f32> = (0..POSITIVE_HALVES as u16).map(granted).collect();
-        let margins = margins(&noisy_color_steps);
+        let granted = noise.color_steps.map(|sigma| color_steps + sigmas * sigma);
+        let least =
+            |from: usize, to: usize| granted[from..=to.max(from)].iter().copied().fold(f32::MAX, f32::min);
+        let margins = margins(&granted);
         let margin_step = |step: usize| {
             let first = if step == 0 { 0 } else { DARKEST + step * HALF_OCTAVE };
             let end =
@@ -79,20 +76,11 @@ impl StaticTest {
             color_steps,
             margin_steps: std::array::from_fn(margin_step),
             margins,
-            noisy_color_steps,
+            noisy_color_steps: std::array::from_fn(|from| std::array::from_fn(|to| least(from, to))),
             // A difference of one quantization step either way is no difference.
             depth_relative: settings.depth_tolerance.max(2.0 * depth_step_relative)
                 + sigmas * noise.depth_relative,
         }
-    }
-
-    /// Whether a pixel whose color has this range (8-bit sRGB steps, the widest channel), whose depth has this relative
-    /// range and whose color has this mean is static. An infinite range is not.
-    #[inline(always)]
-    #[must_use]
-    pub fn is_static(&self, color_range: f32, depth_range: f32, mean: impl FnOnce() -> [f16; 3]) -> bool {
-        depth_range <= self.depth_relative
-            && (color_range <= self.color_steps || color_range <= self.granted(mean()))
     }
 
     /// Whether a color channel whose half floats have these smallest and largest bits, neither below 0, stays within the
@@ -121,39 +109,30 @@ impl StaticTest {
         simd::joined(&doubtful)
     }
 
-    /// Whether a color whose half floats have these smallest and largest bits, none below 0, is static around its mean, which
-    /// is asked for where a look at the range is not enough.
+    /// Whether a color whose half floats have these smallest and largest bits, none below 0, is static.
     #[inline(always)]
     #[must_use]
-    pub fn is_color_static(&self, low: [i16; 3], high: [i16; 3], mean: impl FnOnce() -> [f32; 3]) -> bool {
+    pub fn is_color_static(&self, low: [i16; 3], high: [i16; 3]) -> bool {
         let is_clear = |channel: usize| self.is_clearly_static(low[channel], high[channel]);
-        (is_clear(0) & is_clear(1) & is_clear(2)) || self.is_color_static_at(low, high, mean())
+        (is_clear(0) & is_clear(1) & is_clear(2)) || self.is_within_granted(low, high)
     }
 
     #[cold]
-    fn is_color_static_at(&self, low: [i16; 3], high: [i16; 3], mean: [f32; 3]) -> bool {
+    fn is_within_granted(&self, low: [i16; 3], high: [i16; 3]) -> bool {
         let range = color_range_steps(color::steps_table(), &low, &high);
-        range <= self.color_steps || range <= self.granted_around(mean)
+        range <= self.granted_within(&low, &high)
     }
 
-    /// [`StaticTest::granted`] of a mean in single precision, rounded down to a half float.
+    /// Color range that is granted to a pixel whose half floats have these smallest and largest bits, none below 0: that of the
+    /// noisiest channel, 8-bit sRGB steps.
     #[inline(always)]
     #[must_use]
-    pub fn granted_around(&self, mean: [f32; 3]) -> f32 {
-        // The exponent of a half float in its place: the difference of the exponent biases is 112.
-        let bits = |value: f32| ((value.max(0.0) * f32::from_bits(0x0780_0000)).to_bits() >> 13) as usize;
-        mean.iter()
-            .map(|&value| self.noisy_color_steps[bits(value) & (POSITIVE_HALVES - 1)])
-            .fold(0.0, f32::max)
-    }
-
-    /// Color range that is granted to a pixel of this mean color, 8-bit sRGB steps.
-    #[inline(always)]
-    #[must_use]
-    pub fn granted(&self, mean: [f16; 3]) -> f32 {
-        mean.iter()
-            .map(|channel| self.noisy_color_steps[(channel.to_bits() as i16).max(0) as usize])
-            .fold(0.0, f32::max)
+    pub fn granted_within(&self, low: &[i16; 3], high: &[i16; 3]) -> f32 {
+        let table = color::steps_table();
+        let class =
+            |bits: i16| brightness_bin(table[bits as usize & (POSITIVE_HALVES - 1)]) % BRIGHTNESS_BINS;
+        let granted = |channel: usize| self.noisy_color_steps[class(low[channel])][class(high[channel])];
+        granted(0).max(granted(1)).max(granted(2))
     }
 
     /// Color range that is granted to every pixel, whatever the noise, 8-bit sRGB steps.
@@ -178,26 +157,24 @@ pub(super) fn color_range_steps(table: &[f32], low: &[i16; 3], high: &[i16; 3]) 
     steps(0).max(steps(1)).max(steps(2))
 }
 
-/// How far apart two half floats may lie, by the bits of the larger one, that certainly are within the color range granted to any
-/// mean between them.
-fn margins(granted: &[f32]) -> Vec<u16> {
+/// How far apart two half floats may lie, by the bits of the larger one, to be within what is `granted` to the brightness classes
+/// from one to the other.
+fn margins(granted: &[f32; BRIGHTNESS_BINS]) -> Vec<u16> {
     let steps = color::steps_table();
     let mut low = 0;
-    // Bits from `low` on of which none after them is granted less, ascending: the first is granted the least of all.
-    let mut least = VecDeque::new();
     let margin = |high: usize| {
-        while least.back().is_some_and(|&other: &usize| granted[other] >= granted[high]) {
-            least.pop_back();
+        if !f16::from_bits(high as u16).is_finite() {
+            return 0;
         }
-        least.push_back(high);
-        // Means are rounded, and so are steps.
-        while low < high && steps[high] - steps[low] > 0.999 * granted[least[0]] {
+        let least = |low: usize| {
+            let classes = brightness_bin(steps[low])..=brightness_bin(steps[high]);
+            granted[classes].iter().copied().fold(f32::MAX, f32::min)
+        };
+        // What is too low for one half is so for all higher ones.
+        while low < high && steps[high] - steps[low] > least(low) {
             low += 1;
-            if least[0] < low {
-                least.pop_front();
-            }
         }
-        if f16::from_bits(high as u16).is_finite() { (high - low) as u16 } else { 0 }
+        (high - low) as u16
     };
     (0..POSITIVE_HALVES).map(margin).collect()
 }
@@ -206,30 +183,59 @@ fn margins(granted: &[f32]) -> Vec<u16> {
 mod tests {
     use super::*;
 
-    #[test]
-    fn what_is_clearly_static_is_static_when_looked_at_exactly() {
+    /// Classes that are unlike each other, as those of real renderers are.
+    fn test() -> StaticTest {
         let noise = Noise {
             color_steps: std::array::from_fn(|bin| 0.4 + 0.15 * ((bin * 7) % 16) as f32),
             color_steps_overall: 1.0,
             depth_relative: 0.0,
         };
-        let test = StaticTest::new(&SpanSettings::default(), &noise, 0.0, 60);
+        StaticTest::new(&SpanSettings::default(), &noise, 0.0, 60)
+    }
+
+    /// Ranges of a channel, and whether it is clearly static.
+    fn channels(test: &StaticTest) -> impl Iterator<Item = (i16, i16, bool)> + '_ {
+        let apart = |high: i16| (0..2000).step_by(23).map(move |apart| ((high - apart).max(0), high));
+        let ranges = (0..0x7c00_i16).step_by(37).flat_map(apart);
+        ranges.map(|(low, high)| (low, high, test.is_clearly_static(low, high)))
+    }
+
+    #[test]
+    fn what_is_clearly_static_is_static_when_looked_at_exactly() {
+        let test = test();
         let mut clear = 0;
-        for high in (0..0x7c00_i16).step_by(37) {
-            for apart in (0..2000).step_by(23) {
-                let low = (high - apart).max(0);
-                if !test.is_clearly_static(low, high) {
+        for (low, high, is_clear) in channels(&test) {
+            assert_eq!(is_clear, test.is_within_granted([low; 3], [high; 3]), "{low} to {high}");
+            clear += usize::from(is_clear);
+            let doubtful = test.doubtful_colors(&[low; CHANNELS], &[high; CHANNELS]);
+            assert!(is_clear || doubtful == 0xffff, "{low} to {high}");
+        }
+        assert!(clear > 10_000, "{clear}");
+    }
+
+    #[test]
+    fn what_is_static_over_a_range_is_static_over_every_part_of_it() {
+        let test = test();
+        let others = [[0x2000, 0x2010], [0x3400, 0x3480], [0x3800, 0x3b00]];
+        let mut found = 0;
+        for (low, high, _) in channels(&test) {
+            for other in others {
+                let [lows, highs] = [[low, other[0], 0x3000], [high, other[1], 0x3000]];
+                if !test.is_color_static(lows, highs) {
                     continue;
                 }
-                clear += 1;
-                let [low, high] = [low, high].map(|bits| f16::from_bits(bits as u16));
-                let range = color::steps_from_linear(high) - color::steps_from_linear(low);
-                for share in [0.0, 0.3, 0.7, 1.0] {
-                    let mean = f16::from_f32(low.to_f32() + share * (high.to_f32() - low.to_f32()));
-                    assert!(test.is_static(range, 0.0, || [mean; 3]), "{low} to {high}: {range}");
+                found += 1;
+                for share in [0, 1, 5, 8] {
+                    let part = |channel: usize| {
+                        let (low, high) = (i32::from(lows[channel]), i32::from(highs[channel]));
+                        [low + (high - low) * share / 16, high - (high - low) * share / 16 / 2]
+                    };
+                    let parts = [0, 1, 2].map(part);
+                    let [lows, highs] = [0, 1].map(|end| parts.map(|part| part[end] as i16));
+                    assert!(test.is_color_static(lows, highs), "{lows:?} to {highs:?}");
                 }
             }
         }
-        assert!(clear > 10_000, "{clear}");
+        assert!(found > 10_000, "{found}");
     }
 }

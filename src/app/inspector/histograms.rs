@@ -217,10 +217,10 @@ fn of_pixels(
     room: usize,
 ) -> (Vec<Granted>, Vec<Granted>) {
     let is_static = ranges.static_pixels(&settings.spans, test);
-    let stride = ranges.color_steps.len().div_ceil(room.max(1)).max(1);
-    let values = ranges.color_steps.as_slice().iter().zip(ranges.depth_relative.as_slice());
-    let values = values.zip(is_static).step_by(stride).filter(|((color, _), _)| color.is_finite());
-    values.map(|((color, depth), is_static)| ((*color, is_static), (*depth, is_static))).unzip()
+    let stride = is_static.len().div_ceil(room.max(1)).max(1);
+    let values = ranges.color_steps().zip(ranges.depth_relative.as_slice());
+    let values = values.zip(is_static).step_by(stride).filter(|((_, depth), _)| depth.is_finite());
+    values.map(|((color, depth), is_static)| ((color, is_static), (*depth, is_static))).unzip()
 }
 
 /// Of the tree of spans, counts between two ends are known: as many values, scaled down to about `room` of them, and spread
