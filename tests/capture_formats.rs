@@ -389,16 +389,18 @@ fn views_at_times_that_are_fractions_name_the_number_of_their_frame() {
     };
     for (key, time) in [("time", 0.5), ("frame", 0.5)] {
         put(key, time);
-        for refused in [transforms::open_views(&views), transforms::open_views_of(&views, &whole)] {
+        for refused in
+            [transforms::open_views(&views), transforms::open_views_of(&views, whole.frames_are_ranked())]
+        {
             let refused = refused.map(drop).unwrap_err().to_string();
             assert!(refused.contains("frames[0]") && refused.contains("\"frame\""), "{refused}");
         }
     }
     // Frame 1, or the last one?
     put("time", 1.0);
-    assert!(transforms::open_views_of(&views, &ranked).is_err());
-    assert_eq!(transforms::open_views_of(&views, &whole).unwrap()[0].frame_number, 1);
+    assert!(transforms::open_views_of(&views, ranked.frames_are_ranked()).is_err());
+    assert_eq!(transforms::open_views_of(&views, whole.frames_are_ranked()).unwrap()[0].frame_number, 1);
     assert_eq!(transforms::open_views(&views).unwrap()[0].frame_number, 1);
     put("frame", 2.0);
-    assert_eq!(transforms::open_views_of(&views, &ranked).unwrap()[0].frame_number, 2);
+    assert_eq!(transforms::open_views_of(&views, ranked.frames_are_ranked()).unwrap()[0].frame_number, 2);
 }

@@ -264,6 +264,43 @@ fn a_held_out_camera_is_left_out_and_scored() {
 }
 
 #[test]
+fn a_store_of_a_capture_with_fractional_times_takes_frames_by_their_number_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    success(
+        here,
+        &["demo", "orrery", "--out", "scene", "--cameras", "1", "--frames", "3", "--size", "16x16"],
+    );
+    let read = |name: &str| -> Value {
+        serde_json::from_str(&std::fs::read_to_string(here.join(name)).unwrap()).unwrap()
+    };
+    let mut manifest = read("scene/transforms.json");
+    for entry in manifest["frames"].as_array_mut().unwrap() {
+        entry["time"] = (entry["time"].as_f64().unwrap() / 2.0).into();
+    }
+    std::fs::write(here.join("scene/transforms.json"), manifest.to_string()).unwrap();
+    success(here, &["preprocess", "scene", "--out", "scene.ovl"]);
+    let mut views = read("scene/novel/transforms.json");
+    let mut last = views["frames"][0].clone();
+    last["time"] = 1.into();
+    views["frames"] = serde_json::json!([last]);
+    std::fs::write(here.join("views.json"), views.to_string()).unwrap();
+    for command in [
+        &["render", "scene.ovl", "--views", "views.json", "--out", "pictures"][..],
+        &["export", "pictures", "scene.ovl", "--path", "views.json", "--out", "pictures"],
+    ] {
+        let line = trouble(here, command);
+        assert!(line.contains("time 1 names no frame") && line.contains("\"frame\""), "{line}");
+        assert!(!here.join("pictures").exists());
+    }
+    let entry = views["frames"][0].as_object_mut().unwrap();
+    entry.remove("time");
+    entry.insert("frame".to_owned(), 2.into());
+    std::fs::write(here.join("views.json"), views.to_string()).unwrap();
+    success(here, &["render", "scene.ovl", "--views", "views.json", "--out", "pictures"]);
+}
+
+#[test]
 fn a_view_that_would_leave_the_output_folder_is_refused_before_anything_is_painted() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();

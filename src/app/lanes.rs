@@ -18,7 +18,7 @@ use crate::job::Job;
 use crate::preprocess::{self, Report, SampleSet, TemporalScan};
 use crate::render::{Picture, Renderer, SharedDevice, write_png};
 use crate::settings::{CaptureSettings, Settings};
-use crate::store::{self, Playback};
+use crate::store::{self, Extras, Playback, Provenance};
 
 /// What to open.
 #[derive(Clone, Debug)]
@@ -66,7 +66,7 @@ pub(super) struct MeasureRequest {
 /// Read or write a file.
 pub(super) enum FileRequest {
     /// Write what was pruned of a scene as a store.
-    SaveStore { path: PathBuf, scene: u64, samples: Arc<SampleSet>, report: Arc<Report> },
+    SaveStore { path: PathBuf, scene: Arc<Scene>, samples: Arc<SampleSet>, report: Arc<Report> },
     /// The open store again, under another name.
     SaveAgain { path: PathBuf, playback: Arc<Playback> },
     /// Write settings.
@@ -238,8 +238,10 @@ fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Mes
     }
     let capture = transforms::open(&path, settings)?;
     job.check()?;
-    let truth = transforms::truth_beside(&path)
-        .map_or_else(|| Ok(Vec::new()), |views| transforms::open_views_of(&views, &capture))?;
+    let truth = transforms::truth_beside(&path).map_or_else(
+        || Ok(Vec::new()),
+        |views| transforms::open_views_of(&views, capture.frames_are_ranked()),
+    )?;
     open_capture(Origin::Path(path), capture, truth, job)
 }
 
@@ -308,8 +310,12 @@ fn file(request: FileRequest, job: &Job) -> Result<Message> {
     match request {
         FileRequest::SaveStore { path, scene, samples, report } => {
             job.start(format!("Saving {}", path.display()), 0);
-            let bytes = store::write(&path, &samples, &report, job)?;
-            Ok(Message::Saved { path, bytes: Some(bytes), holds: Some((scene, samples.settings.clone())) })
+            let frames_are_ranked = scene.capture().is_some_and(Capture::frames_are_ranked);
+            let provenance = Provenance { frames_are_ranked, ..Provenance::default() };
+            let extras = Extras { provenance, ..Extras::default() };
+            let bytes = store::write_with(&path, &samples, &report, &extras, job)?;
+            let holds = Some((scene.id, samples.settings.clone()));
+            Ok(Message::Saved { path, bytes: Some(bytes), holds })
         }
         FileRequest::SaveAgain { path, playback } => {
             let bytes = store::write_again(&path, playback.store(), None, job)?;

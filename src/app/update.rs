@@ -208,7 +208,7 @@ impl OverlookApp {
             // How it is painted may have changed since; whoever opens it paints it as it was seen here.
             let mut samples = (*whole.samples).clone();
             samples.settings.render = self.state.settings.render.clone();
-            let (scene, samples, report) = (scene.id, Arc::new(samples), whole.report.clone());
+            let (scene, samples, report) = (scene.clone(), Arc::new(samples), whole.report.clone());
             self.lanes.file.submit(FileRequest::SaveStore { path, scene, samples, report });
         }
     }

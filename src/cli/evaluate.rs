@@ -82,7 +82,7 @@ impl EvaluateArgs {
                 capture.cameras.first().map_or("CAMERA", |camera| &camera.name)
             ))
         })?;
-        let views = transforms::open_views_of(&views, &capture)?;
+        let views = transforms::open_views_of(&views, capture.frames_are_ranked())?;
         Ok((capture, views))
     }
 }

@@ -84,7 +84,8 @@ impl PreprocessArgs {
             let Spooled { outline, images, report } = preprocess_spooled(&capture, &settings, job)?;
             let inputs = rivals::input_files(&capture, job)?;
             let rivals = clock.aside(|| self.rivals(&capture, job))?;
-            let provenance = Provenance { inputs, rivals, ..Provenance::default() };
+            let frames_are_ranked = capture.frames_are_ranked();
+            let provenance = Provenance { inputs, rivals, frames_are_ranked, ..Provenance::default() };
             let extras = Extras { provenance, ..Extras::default() };
             let bytes = store::write_spooled(&self.out, (&outline, &images), &report, &extras, job)?;
             Ok::<_, Error>((report, bytes))

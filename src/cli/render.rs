@@ -74,7 +74,8 @@ impl RenderArgs {
         let playback = super::export::open(&self.store)?;
         let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
         self.painting.apply(&mut settings);
-        let views = transforms::open_views(&self.views)?;
+        let frames_are_ranked = playback.store().info().provenance.frames_are_ranked;
+        let views = transforms::open_views_of(&self.views, frames_are_ranked)?;
         let paths = self.picture_paths(&views)?;
         let evaluation = progress::watched(|job| paint(&playback, &views, &paths, &settings, job))?;
         output::warn(evaluation.notice.as_slice());

@@ -44,7 +44,7 @@ impl TruthArgs {
     /// The truth at all frames.
     pub(super) fn truth(&self, path: &Path, capture: &Capture) -> Result<Truth, Failure> {
         match self.views(path) {
-            Some(views) => Ok(Truth::Views(transforms::open_views_of(&views, capture)?)),
+            Some(views) => Ok(Truth::Views(transforms::open_views_of(&views, capture.frames_are_ranked())?)),
             None if capture.cameras.len() >= Truth::HoldOut.least_cameras() => Ok(Truth::HoldOut),
             None => Err(Failure::Usage(format!(
                 "{} comes without truth views and has a single camera, which cannot be left out; name views with --views",

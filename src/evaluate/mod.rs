@@ -287,6 +287,8 @@ fn evaluate_with(
     job.start("Scoring views", views.len());
     let mut scores = Scoreboard::default();
     let order = vantage_order(&views);
+    // What is set up once is not the first picture's to pay for.
+    render_view(renderer, samples, views[order[0]], settings, &Job::new())?;
     for &index in &order {
         job.check()?;
         scores.add(views[index], render_view(renderer, samples, views[index], settings, job)?);
@@ -348,7 +350,8 @@ pub fn compare(capture: &Capture, views: &[View], settings: &Settings, job: &Job
         let mut settings = settings.clone();
         settings.pruning.method = method;
         let pruned = preprocess::prune(capture, &scan, &settings, job)?;
-        let (samples, _, bytes_store) = trial::stored(&pruned.samples, &pruned.report, job)?;
+        let trial::Model { samples, bytes: bytes_store, .. } =
+            trial::stored(&pruned.samples, &pruned.report, job)?;
         let evaluation = evaluate_with(&mut renderer, &samples, views, &settings.render, job)?;
         let (samples_kept, bytes_memory) = (samples.sample_count(), samples.bytes());
         Ok(Compared { method, samples_kept, bytes_memory, bytes_store, evaluation })

@@ -57,6 +57,9 @@ pub struct Point {
     pub samples: u64,
     /// Bytes of the store.
     pub bytes: u64,
+    /// Those of them that say how it was made, see [`Point::bytes_of_samples`].
+    #[serde(default)]
+    pub bytes_record: u64,
     /// Bytes of the samples in memory.
     pub bytes_memory: u64,
     /// Samples that live longer than one frame.
@@ -69,12 +72,22 @@ pub struct Point {
     pub work: f64,
     /// Seconds of preprocessing.
     pub seconds_preprocess: f64,
-    /// Whether no other point is both more accurate (`psnr_filled_db`) and smaller (`bytes`), see [`mark_pareto`]; under
+    /// Vantages that it was scored at: fewer than others where it is a camera that is held out itself.
+    #[serde(default)]
+    pub vantages: usize,
+    /// Whether no other point is both more accurate (`psnr_filled_db`) and smaller, see [`mark_pareto`]; under
     /// stress, no other method's under the same disturbance of the same size.
     pub pareto: bool,
 }
 
 impl Point {
+    /// Bytes of the store without the record of how it was made: of two stores of the same samples none is smaller because its
+    /// settings have shorter names.
+    #[must_use]
+    pub fn bytes_of_samples(&self) -> u64 {
+        self.bytes - self.bytes_record
+    }
+
     /// Whether the store gives back every bit of the samples it keeps.
     #[must_use]
     pub fn is_lossless(&self) -> bool {
@@ -116,12 +129,14 @@ impl Point {
             coverage: of(&|scores| scores.coverage).mean,
             samples: measured.samples,
             bytes: measured.bytes,
+            bytes_record: measured.bytes_record,
             bytes_memory: measured.bytes_memory,
             samples_shared: measured.samples_shared,
             spans: measured.spans,
             milliseconds: measured.milliseconds,
             work: measured.samples_painted * kernel_cost(trial.settings.render.kernel),
             seconds_preprocess: measured.seconds_preprocess,
+            vantages: measured.scores.len(),
             pareto: false,
         }
     }
@@ -129,13 +144,19 @@ impl Point {
 
 /// Marks the points that no other beats in one thing without losing in another: `cost` is better where smaller, `gain`
 /// where larger, and a store that gives back every bit where the other rounds. So a store that rounds never drives a
-/// lossless one from the front, however well its pictures look. Of equals, all are marked.
+/// lossless one from the front, however well its pictures look. Of equals, all are marked. What was scored at fewer vantages than
+/// others cannot be held against them, and is not marked.
 pub fn mark_pareto<'a>(
     points: impl IntoIterator<Item = &'a mut Point>,
     cost: impl Fn(&Point) -> f64,
     gain: impl Fn(&Point) -> f64,
 ) {
-    let points: Vec<&mut Point> = points.into_iter().collect();
+    let mut points: Vec<&mut Point> = points.into_iter().collect();
+    let most = points.iter().map(|point| point.vantages).max();
+    for point in &mut points {
+        point.pareto = false;
+    }
+    points.retain(|point| Some(point.vantages) == most);
     let values: Vec<_> = points.iter().map(|point| (cost(point), gain(point), point.is_lossless())).collect();
     for (point, (cost, gain, lossless)) in points.into_iter().zip(&values) {
         point.pareto = !values.iter().any(|(other_cost, other_gain, other_lossless)| {
@@ -145,9 +166,9 @@ pub fn mark_pareto<'a>(
     }
 }
 
-/// [`mark_pareto`] by the size of the store and `psnr_filled_db`.
+/// [`mark_pareto`] by [`Point::bytes_of_samples`] and `psnr_filled_db`.
 pub fn mark_pareto_of_stores<'a>(points: impl IntoIterator<Item = &'a mut Point>) {
-    mark_pareto(points, |point| point.bytes as f64, |point| point.psnr_filled_db);
+    mark_pareto(points, |point| point.bytes_of_samples() as f64, |point| point.psnr_filled_db);
 }
 
 /// Measures every point of the plan that is not known yet, in the plan's order, but for cameras alone that no view can be

@@ -90,6 +90,8 @@ pub struct Measured {
     pub samples: u64,
     /// Bytes of the store, mean over folds.
     pub bytes: u64,
+    /// Those of them that say how it was made.
+    pub bytes_record: u64,
     /// Bytes of the samples in memory, mean over folds.
     pub bytes_memory: u64,
     /// Samples that live longer than one frame, mean over folds.
@@ -105,10 +107,11 @@ pub struct Measured {
 }
 
 /// Samples of one fold under one trial.
-struct Model {
-    samples: Arc<SampleSet>,
+pub(super) struct Model {
+    pub(super) samples: Arc<SampleSet>,
     report: Report,
-    bytes: u64,
+    pub(super) bytes: u64,
+    bytes_record: u64,
     seconds: f64,
 }
 
@@ -214,6 +217,7 @@ impl Workbench {
             flicker_steps: (!flicker.is_empty()).then(|| Estimate::of(&flicker).mean),
             samples: mean(&|model| model.samples.sample_count() as f64).round() as u64,
             bytes: mean(&|model| model.bytes as f64).round() as u64,
+            bytes_record: mean(&|model| model.bytes_record as f64).round() as u64,
             bytes_memory: mean(&|model| model.samples.bytes() as f64).round() as u64,
             samples_shared: mean(&|model| shared(&model.samples) as f64).round() as u64,
             spans: mean(&|model| span_count(&model.samples) as f64).round() as u64,
@@ -289,8 +293,8 @@ impl FoldState {
                 self.thinned(trial, thinning, count.samples.sample_count(), job)?
             }
         };
-        let (samples, report, bytes) = stored(&model.samples, &model.report, job)?;
-        let model = Arc::new(Model { samples, report, bytes, seconds: model.seconds });
+        let seconds = model.seconds;
+        let model = Arc::new(Model { seconds, ..stored(&model.samples, &model.report, job)? });
         self.models.truncate(KEPT - 1);
         self.models.insert(0, (key, model.clone()));
         Ok(model)
@@ -302,7 +306,7 @@ impl FoldState {
         let capture = self.fold.capture.with_cameras(|_, camera| Self::keeps(trial, &camera.name));
         let pruned = preprocess::prune(&capture, &scan, &trial.settings, job)?;
         let seconds = seconds_scan + pruned.report.seconds;
-        Ok(Model { samples: pruned.samples, report: pruned.report, bytes: 0, seconds })
+        Ok(Model { samples: pruned.samples, report: pruned.report, bytes: 0, bytes_record: 0, seconds })
     }
 
     fn thinned(&mut self, trial: &Trial, thinning: Thinning, count: u64, job: &Job) -> Result<Model> {
@@ -319,7 +323,7 @@ impl FoldState {
             _ => baselines::random(&all.samples, count),
         });
         let seconds = all.seconds + started.elapsed().as_secs_f64();
-        Ok(Model { samples, report: all.report.clone(), bytes: 0, seconds })
+        Ok(Model { samples, report: all.report.clone(), bytes: 0, bytes_record: 0, seconds })
     }
 
     /// Lowers all tolerances together until at least `count` samples stay, and takes as many of them.
@@ -354,16 +358,13 @@ impl FoldState {
 }
 
 /// Samples and report as they come back from a file, and the bytes it has.
-pub(super) fn stored(
-    samples: &SampleSet,
-    report: &Report,
-    job: &Job,
-) -> Result<(Arc<SampleSet>, Report, u64)> {
+pub(super) fn stored(samples: &SampleSet, report: &Report, job: &Job) -> Result<Model> {
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
     let path = folder.path().join("trial.ovl");
     let bytes = store::write(&path, samples, report, job)?;
     let (samples, report) = store::read(&path, job)?;
-    Ok((Arc::new(samples), report, bytes))
+    let bytes_record = store::Store::open(&path)?.info().record_bytes;
+    Ok(Model { samples: Arc::new(samples), report, bytes, bytes_record, seconds: 0.0 })
 }
 
 /// How much work a kernel does per sample, as a rule that is the same on every machine: ranks of the measured times.

@@ -12,6 +12,8 @@ pub struct Provenance {
     pub inputs: Option<InputFiles>,
     /// What the same pictures take in other forms.
     pub rivals: Option<Rivals>,
+    /// Whether frames are numbered by the order of times that are fractions, so that a view's time of 1 may mean another frame.
+    pub frames_are_ranked: bool,
     /// What each plane of the samples takes in the store, bytes; the writer says it, where samples are not coded plainly.
     pub planes: Option<PlaneBytes>,
 }
@@ -55,6 +57,7 @@ impl Default for Provenance {
             program: concat!("overlook ", env!("CARGO_PKG_VERSION")).to_owned(),
             inputs: None,
             rivals: None,
+            frames_are_ranked: false,
             planes: None,
         }
     }

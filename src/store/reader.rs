@@ -51,6 +51,8 @@ pub struct StoreInfo {
     pub images: Vec<ImageEntry>,
     /// Size of the file, bytes.
     pub bytes: u64,
+    /// Bytes of it that say how it was made: settings, report and provenance. Their length says nothing of the samples.
+    pub record_bytes: u64,
 }
 
 impl StoreInfo {
@@ -142,6 +144,7 @@ impl Store {
             provenance,
             images,
             bytes: form.size(),
+            record_bytes: [SETTINGS, REPORT, PROVENANCE].map(|id| chunks.get(id).len() as u64).iter().sum(),
         };
         Ok(Self {
             path: path.to_path_buf(),

@@ -50,10 +50,10 @@ fn a_pose_error_costs_accuracy_and_the_point_of_failure_lies_on_the_dial() {
     for point in &points {
         let beats = |other: &StressPoint| {
             other.dial == point.dial
-                && other.point.bytes <= point.point.bytes
+                && other.point.bytes_of_samples() <= point.point.bytes_of_samples()
                 && other.point.psnr_filled_db >= point.point.psnr_filled_db
-                && (other.point.bytes, other.point.psnr_filled_db)
-                    != (point.point.bytes, point.point.psnr_filled_db)
+                && (other.point.bytes_of_samples(), other.point.psnr_filled_db)
+                    != (point.point.bytes_of_samples(), point.point.psnr_filled_db)
         };
         assert_eq!(point.point.pareto, !points.iter().any(beats), "{}", point.point.label);
     }

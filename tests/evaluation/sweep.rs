@@ -1,10 +1,12 @@
 //! Sweeps: baselines keep as many samples as they may, a sweep that was cut short goes on, the front is the front.
 
 use overlook::evaluate::sweep::{self, Plan, Point, Series};
+use overlook::evaluate::trial::{Trial, Workbench};
+use overlook::evaluate::truth::Recorded;
 use overlook::job::Job;
 use overlook::settings::{Kernel, Precision, PruningMethod, Settings};
 
-use crate::scenes::orrery;
+use crate::scenes::{orrery, still};
 
 fn axes() -> Vec<(String, Vec<String>)> {
     vec![
@@ -56,14 +58,36 @@ fn a_sweep_measures_settings_and_baselines_and_goes_on_where_it_was_cut_short() 
     let unpruned = of(Series::NoPruning).next().unwrap();
     assert!(unpruned.samples > reference.samples);
     for point in &whole {
-        let beaten = whole
-            .iter()
-            .any(|other| other.bytes < point.bytes && other.psnr_filled_db > point.psnr_filled_db);
+        let beaten = whole.iter().any(|other| {
+            other.bytes_of_samples() < point.bytes_of_samples() && other.psnr_filled_db > point.psnr_filled_db
+        });
         assert!(point.is_lossless(), "nothing here asks a store to round");
         assert!(point.psnr_filled_db.is_finite() && point.bytes > 0 && !(point.pareto && beaten));
     }
     assert!(reference.pareto, "{reference:?}");
     a_store_that_rounds_beats_only_stores_that_round(reference);
+    what_was_scored_at_fewer_vantages_is_not_compared(reference);
+}
+
+fn what_was_scored_at_fewer_vantages_is_not_compared(whole: &Point) {
+    let easier = Point { vantages: whole.vantages - 1, psnr_filled_db: 99.0, ..whole.clone() };
+    let mut points = [easier, whole.clone()];
+    sweep::mark_pareto_of_stores(&mut points);
+    assert_eq!(points.map(|point| point.pareto), [false, true]);
+}
+
+#[test]
+fn a_camera_that_is_held_out_in_turn_is_scored_at_fewer_vantages_alone() {
+    let scene = still(2);
+    let recorded = Recorded::undisturbed(&scene.capture);
+    let settings = Settings::default();
+    let mut workbench = Workbench::new(&recorded, &scene.truth, &settings, &Job::new()).unwrap();
+    let all = Trial::new("all", settings);
+    let one = Trial { cameras: Some(vec![scene.capture.cameras[0].name.clone()]), ..all.clone() };
+    let [all, one] = [all, one].map(|trial| {
+        Point::new(&trial, Series::Variation, &workbench.measure(&trial, &Job::new()).unwrap()).vantages
+    });
+    assert_eq!((all, one), (3, 2));
 }
 
 fn a_store_that_rounds_beats_only_stores_that_round(exact: &Point) {

@@ -24,8 +24,12 @@ fn a_redundant_camera_is_dropped_and_no_other_and_the_answer_is_the_same_every_t
     let names: Vec<_> = scene.capture.cameras[..3].iter().map(|camera| camera.name.clone()).collect();
     assert_eq!(first.cameras, names, "exactly the added camera goes");
     let limit_db = first.limit_db.unwrap();
-    assert!(first.chosen.psnr_filled_db >= limit_db && first.chosen.bytes <= first.best.bytes);
-    let simpler = |point: &&Point| point.bytes < first.chosen.bytes && point.psnr_filled_db >= limit_db;
+    assert!(
+        first.chosen.psnr_filled_db >= limit_db
+            && first.chosen.bytes_of_samples() <= first.best.bytes_of_samples()
+    );
+    let most = first.chosen.bytes_of_samples();
+    let simpler = |point: &&Point| point.bytes_of_samples() < most && point.psnr_filled_db >= limit_db;
     assert!(first.points.iter().filter(|point| !point.label.starts_with("without")).find(simpler).is_none());
 
     let second = tuned(&scene, &plan());
@@ -33,6 +37,20 @@ fn a_redundant_camera_is_dropped_and_no_other_and_the_answer_is_the_same_every_t
         (first.settings, first.cameras, first.camera_costs, first.words),
         (second.settings, second.cameras, second.camera_costs, second.words)
     );
+}
+
+#[test]
+fn what_changes_nothing_is_not_turned() {
+    let scene = orrery(2);
+    let one = Scene { capture: scene.capture.with_cameras(|index, _| index == 0), truth: scene.truth };
+    let pruning = tuned(&one, &Plan { drop_cameras: false, ..plan() }).settings.pruning;
+    let default = Settings::default().pruning;
+    // A camera alone has nothing to prune, by whatever rule.
+    assert_eq!(
+        (pruning.method, pruning.rate, pruning.depth_tolerance, pruning.normal_tolerance),
+        (default.method, default.rate, default.depth_tolerance, default.normal_tolerance)
+    );
+    assert_eq!((pruning.color_tolerance, pruning.overlap), (default.color_tolerance, default.overlap));
 }
 
 #[test]

@@ -96,22 +96,18 @@ pub fn truth_beside(capture: &Path) -> Option<PathBuf> {
 /// # Errors
 /// As [`open`], and `Invalid` for times that are fractions: which frame of a capture one of them means is not known here.
 pub fn open_views(path: &Path) -> Result<Vec<View>> {
-    views_of(path, false)
+    open_views_of(path, false)
 }
 
-/// As [`open_views`], of a capture: where its own times are fractions, so that a time of 1 may mean frame 1 or the last one, views
-/// have to name the number of their frame as `frame`.
+/// As [`open_views`], of a capture or a store: where its own times are fractions ([`Capture::frames_are_ranked`]), so that a time
+/// of 1 may mean frame 1 or the last one, views have to name the number of their frame as `frame`.
 ///
 /// # Errors
 /// As [`open_views`].
-pub fn open_views_of(path: &Path, capture: &Capture) -> Result<Vec<View>> {
-    views_of(path, capture.frames_are_ranked())
-}
-
-fn views_of(path: &Path, is_ranked: bool) -> Result<Vec<View>> {
+pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<View>> {
     let path = manifest_path(path);
     let manifest = Manifest::read(&path)?;
-    cameras::refuse_times(&manifest, &path, is_ranked)?;
+    cameras::refuse_times(&manifest, &path, frames_are_ranked)?;
     let places = cameras::entries(&manifest, &path)?;
     places
         .into_iter()

@@ -6,6 +6,7 @@ use crate::capture::{Camera, View, transforms};
 use crate::error::{Error, Result};
 use crate::render::Vantage;
 use crate::render::film::{PathKey, pose_at};
+use crate::store::StoreInfo;
 
 /// A film: where from at which frame, and the frames' numbers.
 #[derive(Clone, Debug)]
@@ -21,8 +22,8 @@ pub(super) struct Stops {
 ///
 /// # Errors
 /// Whatever the manifest gives; `Invalid` where it has no view, two at one frame, or none that the store has.
-pub(super) fn along(manifest: &Path, frame_numbers: &[i64]) -> Result<Stops> {
-    let mut views = transforms::open_views(manifest)?;
+pub(super) fn along(manifest: &Path, store: &StoreInfo) -> Result<Stops> {
+    let mut views = transforms::open_views_of(manifest, store.provenance.frames_are_ranked)?;
     views.sort_by_key(|view| view.frame_number);
     let invalid = |what: &str| Err(Error::invalid(manifest.display(), what));
     if let Some(pair) = views.windows(2).find(|pair| pair[0].frame_number == pair[1].frame_number) {
@@ -38,7 +39,7 @@ pub(super) fn along(manifest: &Path, frame_numbers: &[i64]) -> Result<Stops> {
     };
     let keys: Vec<PathKey> = views.iter().map(key).collect();
     let mut stops = Stops { vantages: Vec::new(), numbers: Vec::new() };
-    for (frame, &number) in frame_numbers.iter().enumerate() {
+    for (frame, &number) in store.frame_numbers.iter().enumerate() {
         if !all && !range.contains(&number) {
             continue;
         }

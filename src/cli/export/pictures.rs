@@ -38,7 +38,7 @@ impl FilmArgs {
         let info = playback.store().info();
         let mut settings: Settings = self.settings.over(info.settings.clone())?;
         self.painting.apply(&mut settings.render);
-        let stops = path::along(&self.path, &info.frame_numbers)?;
+        let stops = path::along(&self.path, info)?;
         Ok((Arc::new(playback), stops, settings.render))
     }
 }

@@ -6,7 +6,7 @@ use super::svg::{Anchor, Marker, Svg, color};
 use crate::evaluate::sweep::{Point, Series, mark_pareto};
 use crate::settings::Kernel;
 
-const BYTES: &str = "size of the store, MiB";
+const BYTES: &str = "samples in the store, MiB";
 const WIDTH: f64 = 1800.0;
 const HEIGHT: f64 = 1040.0;
 const TOP: f64 = 110.0;
@@ -39,7 +39,7 @@ fn marker(series: Series, is_lossless: bool) -> Marker {
 }
 
 fn mebibytes(point: &Point) -> f64 {
-    point.bytes as f64 / (1024.0 * 1024.0)
+    point.bytes_of_samples() as f64 / (1024.0 * 1024.0)
 }
 
 /// Ends of a point's bar, dB.

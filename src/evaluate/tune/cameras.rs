@@ -81,7 +81,7 @@ fn at_its_own_place(
     let (_, views) = hold_out::split(capture, &[name.to_owned()])?;
     let rest = capture.with_cameras(|_, camera| without.contains(&camera.name));
     let pruned = preprocess::preprocess(&rest, settings, search.job)?;
-    let (samples, ..) = stored(&pruned.samples, &pruned.report, search.job)?;
+    let samples = stored(&pruned.samples, &pruned.report, search.job)?.samples;
     let filling = RenderSettings { fill: Fill::PushPull, ..settings.render.clone() };
     let evaluation = evaluate(&samples, &views, &filling, search.job)?;
     let scores: Vec<Scores> = evaluation.views.iter().filter_map(|view| view.scores).collect();

@@ -72,13 +72,13 @@ impl<'a> Search<'a> {
         Ok(point)
     }
 
-    /// The most accurate point so far; of equals the simplest.
+    /// The most accurate point so far; of equals the simplest, of these the first.
     pub(super) fn best(&self) -> &Point {
         let better = |a: &&Point, b: &&Point| {
             a.psnr_filled_db.total_cmp(&b.psnr_filled_db).then(simplicity(b).cmp(&simplicity(a)))
         };
         // There is always the point of the settings that the search started from.
-        self.points.iter().max_by(better).unwrap_or(&self.points[0])
+        self.points.iter().rev().max_by(better).unwrap_or(&self.points[0])
     }
 
     /// Accuracy that is good enough, dB.
@@ -118,7 +118,7 @@ impl<'a> Search<'a> {
 
     /// Adds one change after the other to the start, those that save most first, and keeps what stays allowed.
     fn combine(&mut self, mut changes: Vec<Change>) -> Result<()> {
-        changes.sort_by(|a, b| simplicity(&a.point).cmp(&simplicity(&b.point)));
+        changes.sort_by_key(|change| simplicity(&change.point));
         let mut current = self.points[0].clone();
         let mut labels: Vec<&str> = Vec::new();
         let mut settled: Vec<&str> = Vec::new();
@@ -163,7 +163,7 @@ impl<'a> Search<'a> {
             }
             Some(budget) => {
                 let within = self.points.iter().filter(|point| budget.allows(point));
-                within.max_by(|a, b| {
+                within.rev().max_by(|a, b| {
                     a.psnr_filled_db.total_cmp(&b.psnr_filled_db).then(simplicity(b).cmp(&simplicity(a)))
                 })
             }
@@ -194,7 +194,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Fewest bytes first, then least work, then the name: no two different points are alike, and no clock is asked.
-fn simplicity(point: &Point) -> (u64, u64, &str) {
-    (point.bytes, point.work as u64, &point.label)
+/// Fewest bytes first, then least work: no clock is asked. Of equals, what was measured first is preferred.
+fn simplicity(point: &Point) -> (u64, u64) {
+    (point.bytes_of_samples(), point.work as u64)
 }
