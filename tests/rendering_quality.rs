@@ -8,8 +8,8 @@ use glam::{DVec2, DVec3};
 use overlook::capture::{Camera, Capture, Intrinsics};
 use overlook::job::Job;
 use overlook::preprocess::{SampleSet, preprocess};
-use overlook::render::{CpuRenderer, NO_IMAGE, Picture, Vantage};
-use overlook::settings::{Kernel, PruningMethod, RenderSettings, Settings};
+use overlook::render::{CpuRenderer, NO_IMAGE, Picture, Renderer, Vantage};
+use overlook::settings::{Backend, Kernel, PruningMethod, RenderSettings, Settings};
 use scene::{Scene, arc, camera, ground_color};
 
 fn samples(capture: &Capture, method: PruningMethod) -> Arc<SampleSet> {
@@ -112,6 +112,60 @@ fn fine_detail_does_not_alias_at_four_times_the_minification() {
     for kernel in [Kernel::Block, Kernel::Surfel, Kernel::Gather] {
         assert!(spread(kernel) < 0.06, "{kernel}: {}", spread(kernel));
     }
+}
+
+/// The same view in fewer pixels.
+fn coarser(camera: &Camera, times: u32) -> Camera {
+    let (k, share) = (camera.intrinsics, 1.0 / f64::from(times));
+    let (width, height) = (k.width / times, k.height / times);
+    let [fx, fy, cx, cy] = [k.fx, k.fy, k.cx, k.cy].map(|length| length * share);
+    Camera { intrinsics: Intrinsics { width, height, fx, fy, cx, cy }, ..camera.clone() }
+}
+
+#[test]
+fn a_coarse_picture_shows_what_a_fine_one_averages_to_on_slopes_and_at_edges() {
+    let mut scene = Scene::still_life();
+    scene.ground_light =
+        Some(Arc::new(|_, point| 0.2 * ((point.x * 23.0).sin() * (point.y * 19.0).sin()) as f32));
+    let capture = scene.record(arc(5, 192), 1);
+    let fine = camera("novel", DVec3::new(0.4, -4.4, 1.2), DVec3::new(0.3, 0.2, 0.3), 192);
+    let samples = samples(&capture, PruningMethod::HighestRate);
+    for kernel in [Kernel::Gather, Kernel::Surfel] {
+        let settings = RenderSettings { kernel, backend: Backend::Cpu, ..RenderSettings::default() };
+        let render = |camera: &Camera, settings: &RenderSettings| {
+            let vantage = Vantage { camera: camera.clone(), frame: 0 };
+            Renderer::new().render(&samples, &vantage, settings, &Job::new()).unwrap().0
+        };
+        let whole = render(&fine, &settings);
+        for times in [2, 4, 8] {
+            let decibel = |antialias| {
+                let settings = RenderSettings { antialias, ..settings.clone() };
+                off_the_mean(&render(&coarser(&fine, times), &settings), &whole, times as usize)
+            };
+            let (off, on) = (decibel(false), decibel(true));
+            println!("{kernel}, {times} times as coarse: {off:.1} dB, antialiased {on:.1} dB");
+            assert!(on > 34.0 && on > off + 3.0, "{kernel}, {times}: {off:.1} dB, antialiased {on:.1} dB");
+        }
+    }
+}
+
+/// How close a picture is to the mean of so many by so many pixels of a finer one, where all of these show something, dB.
+fn off_the_mean(coarse: &Picture, fine: &Picture, times: usize) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for y in 0..coarse.color.height() {
+        for x in 0..coarse.color.width() {
+            let parts = || (0..times * times).map(|nth| (x * times + nth % times, y * times + nth / times));
+            if coarse.image[(x, y)] == NO_IMAGE || parts().any(|at| fine.image[at] == NO_IMAGE) {
+                continue;
+            }
+            for channel in 0..3 {
+                let mean = parts().map(|at| fine.color[at][channel]).sum::<f32>() / (times * times) as f32;
+                sum += f64::from(coarse.color[(x, y)][channel] - mean).powi(2);
+                count += 1.0;
+            }
+        }
+    }
+    -10.0 * (sum / count).log10()
 }
 
 /// Mean squared error over the pixels that both pictures of a kernel show.

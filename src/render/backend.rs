@@ -2,8 +2,10 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::time::Instant;
 
 use super::cpu::CpuRenderer;
+use super::finer::{averaged, finer, times_as_fine};
 use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};
@@ -155,19 +157,32 @@ impl Renderer {
         settings: &RenderSettings,
         job: &Job,
     ) -> Result<Painted> {
-        let request = Request { samples, vantage, settings, job };
-        match settings.backend {
-            Backend::Cpu => self.on_cpu_by_choice(&request),
+        let started = Instant::now();
+        let times = times_as_fine(samples, vantage, settings);
+        if times == 1 {
+            return self.paint(&Request { samples, vantage, settings, job });
+        }
+        let finer = finer(vantage, times);
+        let (picture, stats) = self.paint(&Request { samples, vantage: &finer, settings, job })?;
+        let picture = averaged(&picture, times);
+        let milliseconds = started.elapsed().as_secs_f64() * 1e3;
+        let stats = RenderStats { holes: picture.holes(), milliseconds, ..stats };
+        Ok((Arc::new(picture), stats))
+    }
+
+    fn paint(&mut self, request: &Request<'_>) -> Result<Painted> {
+        match request.settings.backend {
+            Backend::Cpu => self.on_cpu_by_choice(request),
             Backend::Gpu => {
                 self.open(AdapterChoice::Any);
-                self.on_gpu_if_possible(&request)
+                self.on_gpu_if_possible(request)
             }
-            Backend::Auto => self.on_the_faster(&request),
+            Backend::Auto => self.on_the_faster(request),
         }
     }
 
-    /// Paints for a window: on its own device where the GPU paints there, so that nothing is copied, else as
-    /// [`Renderer::render`].
+    /// Paints for a window in motion: on its own device where the GPU paints there, so that nothing is copied, else as
+    /// [`Renderer::render`]; as coarse as the window is, since the next picture follows at once.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -204,7 +219,7 @@ impl Renderer {
                 Err(error) => return Err(error),
             }
         }
-        let (picture, stats) = self.render(samples, vantage, settings, job)?;
+        let (picture, stats) = self.paint(&Request { samples, vantage, settings, job })?;
         Ok((Shown::InMemory(picture), stats))
     }
 

@@ -19,6 +19,7 @@ mod cull;
 mod dense_tile;
 mod fill;
 pub mod film;
+mod finer;
 mod footprint;
 mod frame_samples;
 mod gather;

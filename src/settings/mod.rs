@@ -110,6 +110,8 @@ section! {
         fill: Fill = Fill::None, "", Kind::Choice(Fill::NAMES);
         /// Samples this close behind the nearest one belong to the same surface and are blended with it.
         depth_tolerance: f32 = 4.0, "footprints", Kind::Number { min: 0.1, max: 64.0, log: true };
+        /// Whether a picture that is coarser than what was recorded is painted finer and averaged, by kernels that interpolate.
+        antialias: bool = true, "", Kind::Switch;
         /// What paints.
         backend: Backend = Backend::Auto, "", Kind::Choice(Backend::NAMES);
     }

@@ -197,7 +197,9 @@ fn shown(
         let holes = HolePattern { colors, stripe: STRIPE as u32 };
         return renderer.show(samples, &key.vantage, &key.settings, &holes, job);
     }
-    let (picture, stats) = renderer.render(samples, &key.vantage, &key.settings, job)?;
+    let settings =
+        RenderSettings { antialias: key.settings.antialias && !key.in_motion, ..key.settings.clone() };
+    let (picture, stats) = renderer.render(samples, &key.vantage, &settings, job)?;
     Ok((Shown::InMemory(picture), stats))
 }
 
