@@ -112,7 +112,8 @@ impl PaintCase {
     /// Paints one vantage after the other.
     fn paint(&self, bench: &Bench<'_>, round: &Round<'_>) -> Result<Measured> {
         let settings =
-            RenderSettings { kernel: self.kernel, backend: self.backend, ..RenderSettings::default() };
+            // A stage is what it takes at its own size.
+            RenderSettings { kernel: self.kernel, backend: self.backend, antialias: false, ..RenderSettings::default() };
         let mut renderer = Renderer::strict(self.backend)?;
         let mut turns = round.vantages.iter().cycle();
         let (mut holes, mut background_reused) = (0, false);
