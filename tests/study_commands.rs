@@ -154,6 +154,28 @@ fn tune_writes_settings_that_preprocess_takes_and_refuses_a_budget_that_cannot_b
 }
 
 #[test]
+fn a_camera_that_alone_sees_the_views_may_go_missing_and_the_rest_of_the_stress_is_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let size = ["--cameras", "1", "--frames", "2", "--size", "48x36"];
+    succeed(folder, &[&["demo", "orrery", "--out", "scene"], &size[..]].concat());
+    let stress =
+        ["stress", "scene", "--only", "missing camera", "--set", "render.kernel=block", "--out", "stress"];
+    for run in ["the first", "one that goes on"] {
+        let output = overlook(folder, &stress);
+        let said = String::from_utf8(output.stderr).unwrap();
+        let of_it: Vec<_> = said.lines().filter(|line| line.contains("missing camera")).collect();
+        let [line] = of_it[..] else { panic!("{run}: {said}") };
+        assert!(line.contains("warning: 'missing camera' at 100 % of frames is left out"), "{run}: {said}");
+        assert!(output.status.success(), "{run}: {said}");
+        let document = json(&folder.join("stress/stress.json"));
+        has_promised_keys(&document);
+        assert_eq!(document["failures"][0]["last_dial"], 50.0, "{run}");
+        is_picture(&folder.join("stress/stress.png"));
+    }
+}
+
+#[test]
 fn results_that_cannot_be_written_end_the_run_with_the_place() {
     let folder = scene();
     let folder = folder.path();
