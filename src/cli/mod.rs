@@ -8,6 +8,7 @@ mod clock;
 mod demo;
 mod evaluate;
 mod export;
+mod hold_out;
 mod info;
 mod inputs;
 mod machine;

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::clock::Clock;
+use super::hold_out::HoldOutArgs;
 use super::{Failure, SettingsArgs, machine, output, progress, rivals, targets};
 use crate::capture::{Capture, transforms};
 use crate::error::{Error, Result};
@@ -31,9 +32,8 @@ pub(super) struct PreprocessArgs {
     out: PathBuf,
     #[command(flatten)]
     settings: SettingsArgs,
-    /// Leave this camera out, to score against it later; may be given several times.
-    #[arg(long, value_name = "CAMERA")]
-    hold_out: Vec<String>,
+    #[command(flatten)]
+    held_out: HoldOutArgs,
     /// Also measure how long decoding every frame takes on its own.
     #[arg(long)]
     measure_decode: bool,
@@ -108,7 +108,8 @@ impl PreprocessArgs {
 
     fn open(&self, settings: &CaptureSettings) -> Result<Capture> {
         let capture = transforms::open(&self.capture, settings)?;
-        if self.hold_out.is_empty() { Ok(capture) } else { Ok(hold_out::split(&capture, &self.hold_out)?.0) }
+        let held_out = self.held_out.names();
+        if held_out.is_empty() { Ok(capture) } else { Ok(hold_out::split(&capture, &held_out)?.0) }
     }
 
     fn rivals(&self, capture: &Capture, job: &Job) -> Result<Option<Rivals>> {
