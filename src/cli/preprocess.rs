@@ -112,8 +112,16 @@ impl PreprocessArgs {
         if held_out.is_empty() { Ok(capture) } else { Ok(hold_out::split(&capture, &held_out)?.0) }
     }
 
+    /// What is told beside the store must not cost the store: what keeps it from being measured is a warning.
     fn rivals(&self, capture: &Capture, job: &Job) -> Result<Option<Rivals>> {
-        self.measure_rivals.then(|| rivals::measure(capture, job)).transpose()
+        match self.measure_rivals.then(|| rivals::measure(capture, job)) {
+            Some(Err(Error::Cancelled)) => Err(Error::Cancelled),
+            Some(Err(error)) => {
+                job.warn(format!("the input's other forms are not measured: {error}"));
+                Ok(None)
+            }
+            measured => measured.transpose(),
+        }
     }
 
     /// Decodes every frame once, through a capture of its own so that neither cache helps the other.
