@@ -151,6 +151,9 @@ impl PreprocessArgs {
         for (rule, dropped) in &result.pruned {
             let _ = writeln!(text, "  dropped {:>16}  {rule}", output::count(*dropped));
         }
+        if let Some(line) = output::without_depth(&result.report) {
+            text.push_str(&line);
+        }
         let disputes: u64 = result.report.rate_disputes.iter().flatten().sum();
         let _ = writeln!(
             text,
