@@ -1,17 +1,19 @@
 //! Where results go, looked at before the work: long work must end neither in "no such folder" nor in what it was made from.
 
 use std::collections::HashSet;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::picture::PicturePaths;
 use crate::capture::transforms::{manifest_path, picture_places, truth_beside};
 use crate::error::{Error, Result};
 use crate::store::Store;
+use crate::whole_file;
 
 /// Refuses a file that cannot be written where it is named; `example` says how one is called.
 ///
 /// # Errors
-/// `Invalid` where its folder does not exist, and where it is a folder itself.
+/// `Invalid` where its folder does not exist or takes no file, and where it is a folder itself, a pipe or a device; `Io`.
 pub(super) fn file(out: &Path, example: &str) -> Result<()> {
     let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
@@ -26,7 +28,12 @@ pub(super) fn file(out: &Path, example: &str) -> Result<()> {
             format!("is a folder; name a file in it, as in {example}"),
         ));
     }
-    Ok(())
+    match whole_file::beside(out, ".probe") {
+        Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {
+            Err(Error::invalid(out.display(), "no file can be made there; name another place"))
+        }
+        probed => probed.map(drop),
+    }
 }
 
 /// Refuses a folder that cannot be made, since a file stands there or above.
