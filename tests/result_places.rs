@@ -77,3 +77,18 @@ fn a_folder_that_takes_no_file_is_told_before_anything_is_read() {
         assert!(said.contains("/proc/x.") && said.contains("no file can be made there"), "{said}");
     }
 }
+
+#[test]
+fn no_command_writes_over_the_settings_that_it_reads() {
+    let folder = scene();
+    let folder = folder.path();
+    succeed(folder, &["preprocess", "scene", "--out", "scene.ovl"]);
+    let settings = "[pruning]\ndepth_tolerance = 2.0\n";
+    std::fs::write(folder.join("same.toml"), settings).unwrap();
+    for command in [["preprocess", "scene"].as_slice(), &["tune", "scene"], &["export", "store", "scene.ovl"]]
+    {
+        let said = refused(folder, &[command, &["--settings", "same.toml", "--out", "./same.toml"]].concat());
+        assert!(said.contains("is what is read; name another file with --out"), "{said}");
+        assert_eq!(std::fs::read_to_string(folder.join("same.toml")).unwrap(), settings);
+    }
+}

@@ -127,6 +127,11 @@ impl SettingsArgs {
         Ok(settings)
     }
 
+    /// Refuses to write over the file that they are read from.
+    fn apart_from(&self, out: &Path) -> Result<(), Error> {
+        self.settings.as_ref().map_or(Ok(()), |settings| targets::apart_from(settings, out))
+    }
+
     /// Refuses to --set what is not in the one section that a command uses: it would change nothing. A file of settings may say
     /// more, as it serves other commands too.
     fn only(&self, section: &str) -> Result<(), Failure> {

@@ -75,6 +75,7 @@ impl PreprocessArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let settings = self.settings.over(Settings::default())?;
         targets::file(&self.out, "scene.ovl")?;
+        self.settings.apart_from(&self.out)?;
         let capture = self.open(&frame_cache(&settings))?;
         targets::apart_from_capture(&self.capture, None, &self.out)?;
         output::warn(&capture.warnings);
