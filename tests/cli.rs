@@ -251,7 +251,9 @@ fn a_held_out_camera_is_left_out_and_scored() {
         rest["cameras"].as_array().unwrap().iter().map(|c| c["name"].as_str().unwrap()).collect();
     assert!(!names.contains(&camera) && names.len() + 1 == info["cameras"].as_array().unwrap().len());
 
-    let scored = json(here, &["evaluate", "scene", "--hold-out", camera, "--json"]);
+    let twice = ["--hold-out", camera, "--hold-out", camera, "--json"];
+    let scored = json(here, &[&["evaluate", "scene"], &twice[..]].concat());
+    assert_eq!(scored["hold_out"], serde_json::json!([camera]), "named twice, left out once");
     assert_eq!(scored["views"].as_array().unwrap().len(), 2);
     assert!(scored["mean"]["coverage"].as_f64().unwrap() > 0.2);
     assert!(trouble(here, &["evaluate", "scene", "--hold-out", "nobody"]).contains("nobody"));

@@ -100,6 +100,32 @@ fn every_frame_gets_a_file_and_static_points_one() {
 }
 
 #[test]
+fn no_export_replaces_what_it_is_made_from_or_another_store() {
+    let (folder, store, path) = scene();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let (other, picture, settings) = (at("other.ovl"), at("1.exr"), at("settings.toml"));
+    std::fs::copy(&store, &other).unwrap();
+    std::fs::write(&picture, "a picture of the path").unwrap();
+    std::fs::write(&settings, "[render]\nkernel = \"block\"\n").unwrap();
+    let files = [&store, &path, &other, &picture, &settings];
+    let before = files.map(|name| std::fs::read(name).unwrap());
+    for (export, out, why) in [
+        (["points", &store, "--frame", "2"].as_slice(), &other, "is a store"),
+        (&["points", &store, "--static"], &store, "is what is read"),
+        (&["video", &store, "--path", &path], &store, "is what is read"),
+        (&["video", &store, "--path", &path], &path, "is what is read"),
+        (&["video", &store, "--path", &path], &picture, "is what is read"),
+        (&["video", &store, "--path", &path], &other, "is a store"),
+        (&["video", &store, "--path", &path, "--settings", &settings], &settings, "is what is read"),
+    ] {
+        let output = overlook(&[export, &["--out", out]].concat());
+        assert_eq!(output.status.code(), Some(1), "{export:?} to {out}");
+        assert!(said(&output).contains(why) && said(&output).contains(out.as_str()), "{}", said(&output));
+    }
+    assert_eq!(before, files.map(|name| std::fs::read(name).unwrap()));
+}
+
+#[test]
 fn pictures_follow_the_path_frame_by_frame() {
     let (folder, store, path) = scene();
     let out = folder.path().join("pictures");

@@ -27,6 +27,11 @@ fn temporary_files(folder: &Path) -> Vec<PathBuf> {
     entries.filter(is_temporary).collect()
 }
 
+/// Whether a store is being written; whether one can be is tried at once, with a file of another name.
+fn is_writing(folder: &Path) -> bool {
+    temporary_files(folder).iter().any(|path| path.extension().is_some_and(|extension| extension == "tmp"))
+}
+
 fn preprocess(folder: &Path) -> Child {
     Command::new(env!("CARGO_BIN_EXE_overlook"))
         .args(["preprocess", "scene", "--out", "scene.ovl", "--threads", "1", "--set", "pruning.method=off"])
@@ -72,7 +77,7 @@ fn what_is_stopped_while_it_writes_leaves_no_temporary_file_and_says_so() {
     capture(folder.path());
     for name in ["INT", "TERM"] {
         let mut child = preprocess(folder.path());
-        let wrote = wait_until(&mut child, || !temporary_files(folder.path()).is_empty());
+        let wrote = wait_until(&mut child, || is_writing(folder.path()));
         assert!(wrote, "the store was written before it could be stopped");
         signal(&child, name);
         let output = child.wait_with_output().unwrap();

@@ -1,7 +1,8 @@
 //! `overlook sweep`, `stress` and `tune` as a user calls them: the files they leave, how they go on, and what they refuse.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -140,17 +141,57 @@ fn tune_writes_settings_that_preprocess_takes_and_refuses_a_budget_that_cannot_b
     let again = overlook(folder, &[&tune[..], &["tuned.toml"]].concat());
     assert_eq!(String::from_utf8(again.stdout).unwrap(), words);
     assert_eq!(std::fs::read_to_string(&journal).unwrap(), measured, "a journal grows by what is new");
-    if cfg!(target_os = "linux") {
-        let lost = overlook(folder, &[&tune[..], &["/proc/tuned.toml"]].concat());
-        let told = String::from_utf8(lost.stdout).unwrap();
-        assert!(
-            lost.status.code() == Some(1) && !told.is_empty() && words.starts_with(told.trim_end()),
-            "{told}"
-        );
-    }
     succeed(folder, &["preprocess", "scene", "--settings", "tuned.toml", "--out", "tuned.ovl"]);
     let refused = fail(folder, &[&tune[..], &["none.toml", "--max-bytes", "10"]].concat(), 1);
     assert!(refused.contains("10 bytes") && !folder.join("none.toml").exists(), "{refused}");
+}
+
+#[test]
+fn what_tune_found_is_told_even_where_its_folder_went_away_meanwhile() {
+    let folder = scene();
+    let folder = folder.path();
+    std::fs::create_dir(folder.join("gone")).unwrap();
+    let tune = ["tune", "scene", "--frames", "1", "--all-cameras", "--journal", "tuning", "--out"];
+    let child = Command::new(env!("CARGO_BIN_EXE_overlook"))
+        .current_dir(folder)
+        .args([&tune[..], &["gone/tuned.toml"]].concat())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The journal is begun after the folder was looked at and before anything is measured.
+    let asked = Instant::now();
+    while !folder.join("tuning/tune.journal").exists() {
+        assert!(asked.elapsed() < Duration::from_mins(1), "nothing happens");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    std::fs::remove_dir(folder.join("gone")).unwrap();
+    let lost = child.wait_with_output().unwrap();
+    let [told, said] = [lost.stdout, lost.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+    assert_eq!(lost.status.code(), Some(1), "{said}");
+    assert!(told.contains("Chosen: ") && said.contains("gone/tuned.toml"), "{told}{said}");
+}
+
+#[test]
+fn a_camera_that_alone_sees_the_views_may_go_missing_and_the_rest_of_the_stress_is_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let size = ["--cameras", "1", "--frames", "2", "--size", "48x36"];
+    succeed(folder, &[&["demo", "orrery", "--out", "scene"], &size[..]].concat());
+    let stress =
+        ["stress", "scene", "--only", "missing camera", "--set", "render.kernel=block", "--out", "stress"];
+    for run in ["the first", "one that goes on"] {
+        let output = overlook(folder, &stress);
+        let said = String::from_utf8(output.stderr).unwrap();
+        let of_it: Vec<_> = said.lines().filter(|line| line.contains("missing camera")).collect();
+        let [line] = of_it[..] else { panic!("{run}: {said}") };
+        assert!(line.contains("warning: 'missing camera' at 100 % of frames is left out"), "{run}: {said}");
+        assert!(output.status.success(), "{run}: {said}");
+        let document = json(&folder.join("stress/stress.json"));
+        has_promised_keys(&document);
+        assert_eq!(document["failures"][0]["last_dial"], 50.0, "{run}");
+        is_picture(&folder.join("stress/stress.png"));
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::hold_out::HoldOutArgs;
 use super::render::PaintingArgs;
 use super::{Failure, SettingsArgs, output, progress};
 use crate::capture::{Capture, View, transforms};
@@ -21,9 +22,8 @@ pub(super) struct EvaluateArgs {
     /// Vantages whose truth is known [default: the capture's novel/transforms.json].
     #[arg(long, value_name = "TRANSFORMS", conflicts_with = "hold_out")]
     views: Option<PathBuf>,
-    /// Leave this camera out and score against its frames; may be given several times.
-    #[arg(long, value_name = "CAMERA")]
-    hold_out: Vec<String>,
+    #[command(flatten)]
+    held_out: HoldOutArgs,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -58,7 +58,7 @@ impl EvaluateArgs {
                 as_set,
                 no_pruning,
                 first_camera,
-                hold_out: &self.hold_out,
+                hold_out: &self.held_out.names(),
                 settings: &settings,
             });
         }
@@ -72,8 +72,9 @@ impl EvaluateArgs {
 
     /// The capture to preprocess, and the views to score it at.
     fn truth(&self, capture: Capture) -> Result<(Capture, Vec<View>), Failure> {
-        if !self.hold_out.is_empty() {
-            return Ok(hold_out::split(&capture, &self.hold_out)?);
+        let held_out = self.held_out.names();
+        if !held_out.is_empty() {
+            return Ok(hold_out::split(&capture, &held_out)?);
         }
         let views = self.views.clone().or_else(|| transforms::truth_beside(&self.capture)).ok_or_else(|| {
             Failure::Usage(format!(

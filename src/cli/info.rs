@@ -136,11 +136,12 @@ impl Info {
             ),
             Contents::Store { samples, bytes, sizes, spans, report, .. } => write!(
                 text,
-                "  {} samples ({} of {} pixels) over {spans} spans in {}\n{}Next: overlook {path}",
+                "  {} samples ({} of {} pixels) over {spans} spans in {}\n{}{}Next: overlook {path}",
                 output::count(*samples),
                 output::percent(*samples, report.samples_in),
                 output::count(report.samples_in),
                 output::bytes(*bytes),
+                output::without_depth(report).unwrap_or_default(),
                 sizes.text()
             ),
         };

@@ -8,6 +8,7 @@ mod clock;
 mod demo;
 mod evaluate;
 mod export;
+mod hold_out;
 mod info;
 mod inputs;
 mod machine;
@@ -124,6 +125,11 @@ impl SettingsArgs {
             settings.set_text(assignment).map_err(|error| Failure::Usage(error.to_string()))?;
         }
         Ok(settings)
+    }
+
+    /// Refuses to write over the file that they are read from.
+    fn apart_from(&self, out: &Path) -> Result<(), Error> {
+        self.settings.as_ref().map_or(Ok(()), |settings| targets::apart_from(settings, out))
     }
 
     /// Refuses to --set what is not in the one section that a command uses: it would change nothing. A file of settings may say

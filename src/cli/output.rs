@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::Failure;
 use crate::error::Error;
+use crate::preprocess::Report;
 
 /// Prints lines of text.
 pub(super) fn print(text: &str) -> Result<(), Failure> {
@@ -57,6 +58,12 @@ pub(super) fn bytes(number: u64) -> String {
         unit += 1;
     }
     format!("{value:.1} {}", UNITS[unit])
+}
+
+/// The line that says how many pixels have no depth, where there are any; it stands below what was dropped.
+pub(super) fn without_depth(report: &Report) -> Option<String> {
+    let pixels = report.without_depth();
+    (pixels > 0).then(|| format!("  without depth {:>10}\n", count(pixels)))
 }
 
 /// `part` of `whole` in percent.

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::clock::Clock;
+use super::hold_out::HoldOutArgs;
 use super::{Failure, SettingsArgs, machine, output, progress, rivals, targets};
 use crate::capture::{Capture, transforms};
 use crate::error::{Error, Result};
@@ -31,9 +32,8 @@ pub(super) struct PreprocessArgs {
     out: PathBuf,
     #[command(flatten)]
     settings: SettingsArgs,
-    /// Leave this camera out, to score against it later; may be given several times.
-    #[arg(long, value_name = "CAMERA")]
-    hold_out: Vec<String>,
+    #[command(flatten)]
+    held_out: HoldOutArgs,
     /// Also measure how long decoding every frame takes on its own.
     #[arg(long)]
     measure_decode: bool,
@@ -75,6 +75,7 @@ impl PreprocessArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         let settings = self.settings.over(Settings::default())?;
         targets::file(&self.out, "scene.ovl")?;
+        self.settings.apart_from(&self.out)?;
         let capture = self.open(&frame_cache(&settings))?;
         targets::apart_from_capture(&self.capture, None, &self.out)?;
         output::warn(&capture.warnings);
@@ -109,11 +110,20 @@ impl PreprocessArgs {
 
     fn open(&self, settings: &CaptureSettings) -> Result<Capture> {
         let capture = transforms::open(&self.capture, settings)?;
-        if self.hold_out.is_empty() { Ok(capture) } else { Ok(hold_out::split(&capture, &self.hold_out)?.0) }
+        let held_out = self.held_out.names();
+        if held_out.is_empty() { Ok(capture) } else { Ok(hold_out::split(&capture, &held_out)?.0) }
     }
 
+    /// What is told beside the store must not cost the store: what keeps it from being measured is a warning.
     fn rivals(&self, capture: &Capture, job: &Job) -> Result<Option<Rivals>> {
-        self.measure_rivals.then(|| rivals::measure(capture, job)).transpose()
+        match self.measure_rivals.then(|| rivals::measure(capture, job)) {
+            Some(Err(Error::Cancelled)) => Err(Error::Cancelled),
+            Some(Err(error)) => {
+                job.warn(format!("the input's other forms are not measured: {error}"));
+                Ok(None)
+            }
+            measured => measured.transpose(),
+        }
     }
 
     /// Decodes every frame once, through a capture of its own so that neither cache helps the other.
@@ -142,6 +152,9 @@ impl PreprocessArgs {
         );
         for (rule, dropped) in &result.pruned {
             let _ = writeln!(text, "  dropped {:>16}  {rule}", output::count(*dropped));
+        }
+        if let Some(line) = output::without_depth(&result.report) {
+            text.push_str(&line);
         }
         let disputes: u64 = result.report.rate_disputes.iter().flatten().sum();
         let _ = writeln!(

@@ -20,38 +20,50 @@ use crate::store::{InputFiles, Rivals};
 /// Largest number of a 16-bit pixel.
 const LARGEST: f32 = 65_535.0;
 
-/// Measures all rivals; those that need an ffmpeg or a zstd are `None` where there is none.
+/// Measures all rivals; those that need an ffmpeg or a zstd are `None` where there is none, and where it fails: what it said is a
+/// warning.
 ///
 /// # Errors
 /// Whatever decoding the capture gives, `Io`, `Cancelled`.
 pub(super) fn measure(capture: &Capture, job: &Job) -> Result<Rivals> {
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
     let zip_exr = zip_exr(capture, folder.path(), job)?;
-    let mut rivals = Rivals { zip_exr, ..Rivals::default() };
     let (ffmpeg, zstd) = (is_there("ffmpeg", "-version"), is_there("zstd", "--version"));
     if !ffmpeg && !zstd {
-        return Ok(rivals);
+        return Ok(Rivals { zip_exr, ..Rivals::default() });
     }
+    let form = |name, is_there: bool| is_there.then(|| Form::new(name, folder.path()));
+    let mut color = form("lossless video of color", ffmpeg);
+    let mut depth = form("lossless video of depth", ffmpeg);
+    let mut changes = form("each frame xor the one before", zstd);
     job.start("Measuring other forms", 2 * capture.cameras.len() * capture.frame_count());
     for (camera, named) in capture.cameras.iter().enumerate() {
-        let mut video = ffmpeg.then(|| Video::start(folder.path(), named.intrinsics.size())).transpose()?;
-        let mut changes = zstd.then(|| Changes::start(folder.path())).transpose()?;
+        let size = named.intrinsics.size();
+        if let Some(color) = &mut color {
+            color.start("ffmpeg", &video("rgb24", size, &["-c:v", "libx264rgb", "-qp", "0"]), "color.mkv");
+        }
+        if let Some(depth) = &mut depth {
+            let codec = ["-c:v", "ffv1", "-level", "3", "-coder", "2"];
+            depth.start("ffmpeg", &video("gray16le", size, &codec), "depth.mkv");
+        }
+        if let Some(changes) = &mut changes {
+            changes.start("zstd", &["-3", "-q", "-f", "-o"].map(str::to_owned), "xor.zst");
+        }
+        let mut before = Vec::new();
         displayed(capture, camera, job, |rgb, gray| {
-            if let Some(video) = &mut video {
-                video.color.feed(rgb)?;
-                video.depth.feed(gray)?;
+            for (form, bytes) in [(&mut color, rgb), (&mut depth, gray)] {
+                if let Some(form) = form {
+                    form.feed(bytes);
+                }
             }
-            changes.as_mut().map_or(Ok(()), |changes| changes.feed([rgb, gray].concat()))
+            if let Some(changes) = &mut changes {
+                changes.feed(&xor(&mut before, [rgb, gray].concat()));
+            }
         })?;
-        if let Some(Video { color, depth }) = video {
-            *rivals.video_color.get_or_insert(0) += color.finish()?;
-            *rivals.video_depth.get_or_insert(0) += depth.finish()?;
-        }
-        if let Some(changes) = changes {
-            *rivals.xor_zstd.get_or_insert(0) += changes.zstd.finish()?;
-        }
+        [&mut color, &mut depth, &mut changes].into_iter().flatten().for_each(Form::finish);
     }
-    Ok(rivals)
+    let [video_color, video_depth, xor_zstd] = [color, depth, changes].map(|form| form?.measured(job));
+    Ok(Rivals { zip_exr, video_color, video_depth, xor_zstd })
 }
 
 fn is_there(program: &str, argument: &str) -> bool {
@@ -81,12 +93,7 @@ fn zip_exr(capture: &Capture, folder: &Path, job: &Job) -> Result<u64> {
 }
 
 /// Hands on every frame of a camera: 8-bit sRGB colors, and inverse depths in 16 bits, of which the camera's largest is the largest.
-fn displayed(
-    capture: &Capture,
-    camera: usize,
-    job: &Job,
-    mut take: impl FnMut(&[u8], &[u8]) -> Result<()>,
-) -> Result<()> {
+fn displayed(capture: &Capture, camera: usize, job: &Job, mut take: impl FnMut(&[u8], &[u8])) -> Result<()> {
     let frames = capture.frame_count();
     let mut nearest = f32::MIN_POSITIVE;
     for frame in 0..frames {
@@ -104,7 +111,7 @@ fn displayed(
         let gray: Vec<u8> = levels
             .flat_map(|depth| ((depth.max(0.0) / nearest * LARGEST).round() as u16).to_le_bytes())
             .collect();
-        take(&rgb, &gray)?;
+        take(&rgb, &gray);
         job.advance(1);
     }
     Ok(())
@@ -115,73 +122,99 @@ struct Program {
     name: &'static str,
     child: Child,
     out: PathBuf,
+    /// A file rather than a pipe, which a program that has much to say would fill and then wait.
+    says: PathBuf,
 }
 
 impl Program {
-    fn start(name: &'static str, arguments: &[&str], out: PathBuf) -> Result<Self> {
+    fn start(name: &'static str, arguments: &[String], out: PathBuf) -> std::io::Result<Self> {
+        let says = out.with_extension("said");
         let mut command = Command::new(name);
         command.args(arguments).arg(&out).stdin(Stdio::piped()).stdout(Stdio::null());
-        let child = command.spawn().map_err(|error| Error::io(name, error))?;
-        Ok(Self { name, child, out })
+        let child = command.stderr(File::create(&says)?).spawn()?;
+        Ok(Self { name, child, out, says })
     }
 
-    fn feed(&mut self, bytes: &[u8]) -> Result<()> {
-        match &mut self.child.stdin {
-            Some(pipe) => pipe.write_all(bytes).map_err(|error| Error::io(self.name, error)),
-            None => Err(Error::invalid(self.name, "takes no pictures")),
-        }
-    }
-
-    /// Bytes of the file, once it is whole.
-    fn finish(mut self) -> Result<u64> {
+    /// Bytes of the file, once it is whole; else what the program said last, and where it said nothing how it ended.
+    fn finish(&mut self) -> Result<u64, String> {
         drop(self.child.stdin.take());
-        let status = self.child.wait().map_err(|error| Error::io(self.name, error))?;
+        let status = self.child.wait().map_err(|error| error.to_string())?;
         if status.success() {
-            size_of(&self.out)
-        } else {
-            Err(Error::invalid(self.name, format!("failed: {status}")))
+            return size_of(&self.out).map_err(|error| error.to_string());
+        }
+        let said = std::fs::read(&self.says).unwrap_or_default();
+        let said = String::from_utf8_lossy(&said);
+        let last = said.lines().map(str::trim).rfind(|line| !line.is_empty());
+        Err(format!("{} failed: {}", self.name, last.map_or_else(|| status.to_string(), str::to_owned)))
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // Of one that has ended there is no process left to end.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// What a program makes of one camera after another.
+struct Form<'a> {
+    name: &'static str,
+    folder: &'a Path,
+    /// Bytes of the cameras that are done, or why they cannot be told.
+    bytes: Result<u64, String>,
+    running: Option<Program>,
+}
+
+impl<'a> Form<'a> {
+    fn new(name: &'static str, folder: &'a Path) -> Self {
+        Self { name, folder, bytes: Ok(0), running: None }
+    }
+
+    /// Starts on a camera, unless another one failed.
+    fn start(&mut self, program: &'static str, arguments: &[String], file: &str) {
+        if self.bytes.is_ok() {
+            match Program::start(program, arguments, self.folder.join(file)) {
+                Ok(running) => self.running = Some(running),
+                Err(error) => self.bytes = Err(format!("{program}: {error}")),
+            }
         }
     }
-}
 
-/// Color and depth of a camera as lossless video.
-struct Video {
-    color: Program,
-    depth: Program,
-}
+    fn feed(&mut self, bytes: &[u8]) {
+        let Some(running) = &mut self.running else { return };
+        let Some(Err(error)) = running.child.stdin.as_mut().map(|pipe| pipe.write_all(bytes)) else { return };
+        // It went away: what it has to say comes before what the pipe says.
+        let said = running.finish().err();
+        self.bytes = Err(said.unwrap_or_else(|| format!("{}: {error}", running.name)));
+        self.running = None;
+    }
 
-impl Video {
-    fn start(folder: &Path, (width, height): (usize, usize)) -> Result<Self> {
-        let size = format!("{width}x{height}");
-        let start = |name: &str, format: &str, codec: &[&str]| {
-            let input = ["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", format, "-s", &size, "-i", "-"];
-            Program::start("ffmpeg", &[&input, codec].concat(), folder.join(name))
-        };
-        Ok(Self {
-            color: start("color.mkv", "rgb24", &["-c:v", "libx264rgb", "-qp", "0"])?,
-            depth: start("depth.mkv", "gray16le", &["-c:v", "ffv1", "-level", "3", "-coder", "2"])?,
-        })
+    /// Ends with a camera.
+    fn finish(&mut self) {
+        if let (Some(mut running), Ok(before)) = (self.running.take(), &self.bytes) {
+            self.bytes = running.finish().map(|bytes| before + bytes);
+        }
+    }
+
+    fn measured(self, job: &Job) -> Option<u64> {
+        self.bytes.map_err(|what| job.warn(format!("{} is not measured: {what}", self.name))).ok()
     }
 }
 
-/// Each frame of a camera xor the one before, through zstd.
-struct Changes {
-    zstd: Program,
-    before: Vec<u8>,
+/// What ffmpeg is told before the file to write.
+fn video(format: &str, (width, height): (usize, usize), codec: &[&str]) -> Vec<String> {
+    let size = format!("{width}x{height}");
+    let input = ["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", format, "-s", &size, "-i", "-"];
+    input.iter().chain(codec).map(|word| (*word).to_owned()).collect()
 }
 
-impl Changes {
-    fn start(folder: &Path) -> Result<Self> {
-        let zstd = Program::start("zstd", &["-3", "-q", "-f", "-o"], folder.join("xor.zst"))?;
-        Ok(Self { zstd, before: Vec::new() })
-    }
-
-    fn feed(&mut self, frame: Vec<u8>) -> Result<()> {
-        self.before.resize(frame.len(), 0);
-        let change: Vec<u8> = frame.iter().zip(&self.before).map(|(now, before)| now ^ before).collect();
-        self.before = frame;
-        self.zstd.feed(&change)
-    }
+/// A frame xor the one before, which it takes the place of; the first is as it is.
+fn xor(before: &mut Vec<u8>, frame: Vec<u8>) -> Vec<u8> {
+    before.resize(frame.len(), 0);
+    let change = frame.iter().zip(&*before).map(|(now, before)| now ^ before).collect();
+    *before = frame;
+    change
 }
 
 /// Reads every file of a capture once more and sums them up; `None` where it does not come from files.

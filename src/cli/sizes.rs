@@ -16,7 +16,7 @@ const RAW_PIXEL: u64 = 3 + 4;
 pub(super) struct Sizes {
     /// All input pixels, 8-bit color and 32-bit depth.
     raw: u64,
-    /// The same of what is left without repetitions in time.
+    /// The same of what is left without pixels that have no depth and without repetitions in time.
     after_time: u64,
     /// The same of what is left without redundancy between cameras.
     after_pruning: u64,
@@ -52,6 +52,7 @@ impl Sizes {
     pub(super) fn of(info: &StoreInfo) -> Self {
         let report = &info.report;
         let repeated = report.pruned.get(STATIC_RULE).copied().unwrap_or(0);
+        let distinct = report.samples_in.saturating_sub(report.without_depth()).saturating_sub(repeated);
         let rivals = info.provenance.rivals;
         let zip_exr = rivals.map(|rivals| rivals.zip_exr);
         let lossless_video = rivals.and_then(|rivals| Some(rivals.video_color? + rivals.video_depth?));
@@ -60,7 +61,7 @@ impl Sizes {
         let share = |of: u64| store as f64 / of.max(1) as f64;
         Self {
             raw: report.bytes_raw,
-            after_time: report.samples_in.saturating_sub(repeated) * RAW_PIXEL,
+            after_time: distinct * RAW_PIXEL,
             after_pruning: report.samples_kept * RAW_PIXEL,
             memory: report.bytes_memory,
             images: info.images.iter().map(|image| u64::from(image.length)).sum(),

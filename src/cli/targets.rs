@@ -1,17 +1,19 @@
 //! Where results go, looked at before the work: long work must end neither in "no such folder" nor in what it was made from.
 
 use std::collections::HashSet;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::picture::PicturePaths;
 use crate::capture::transforms::{manifest_path, picture_places, truth_beside};
 use crate::error::{Error, Result};
 use crate::store::Store;
+use crate::whole_file;
 
 /// Refuses a file that cannot be written where it is named; `example` says how one is called.
 ///
 /// # Errors
-/// `Invalid` where its folder does not exist, and where it is a folder itself.
+/// `Invalid` where its folder does not exist or takes no file, and where it is a folder itself, a pipe or a device; `Io`.
 pub(super) fn file(out: &Path, example: &str) -> Result<()> {
     let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
@@ -26,7 +28,12 @@ pub(super) fn file(out: &Path, example: &str) -> Result<()> {
             format!("is a folder; name a file in it, as in {example}"),
         ));
     }
-    Ok(())
+    match whole_file::beside(out, ".probe") {
+        Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {
+            Err(Error::invalid(out.display(), "no file can be made there; name another place"))
+        }
+        probed => probed.map(drop),
+    }
 }
 
 /// Refuses a folder that cannot be made, since a file stands there or above.
@@ -67,25 +74,35 @@ pub(super) fn apart_from_pictures_of(manifest: &Path, targets: &[PicturePaths]) 
 /// # Errors
 /// `Invalid` where it is one; whatever the capture's manifest gives, and that of `views` where they are named.
 pub(super) fn apart_from_capture(capture: &Path, views: Option<&Path>, out: &Path) -> Result<()> {
-    let manifests = [Some(manifest_path(capture)), truth_beside(capture), views.map(manifest_path)];
-    for manifest in manifests.iter().flatten() {
-        apart_from(manifest, out)?;
+    let beside = truth_beside(capture);
+    if let Some(beside) = &beside {
+        apart_from(beside, out)?;
     }
-    let mut pictures = picture_places(capture)?;
-    if let Some(views) = views {
-        pictures.extend(picture_places(views)?);
+    for manifest in [Some(capture), views].into_iter().flatten() {
+        apart_from_views(manifest, out)?;
     }
     // Views that nobody named may be broken without a word: the command does not read them.
-    pictures
-        .extend(truth_beside(capture).and_then(|beside| picture_places(&beside).ok()).unwrap_or_default());
+    apart_from_any(&beside.and_then(|beside| picture_places(&beside).ok()).unwrap_or_default(), out)
+}
+
+/// Refuses a file that views are read from: their manifest, or a picture that it names.
+///
+/// # Errors
+/// `Invalid` where it is one; whatever the manifest gives.
+pub(super) fn apart_from_views(manifest: &Path, out: &Path) -> Result<()> {
+    apart_from(&manifest_path(manifest), out)?;
+    apart_from_any(&picture_places(manifest)?, out)
+}
+
+fn apart_from_any(inputs: &[PathBuf], out: &Path) -> Result<()> {
     let out_resolved = resolved(out);
-    match pictures.iter().find(|picture| resolved(picture) == out_resolved) {
+    match inputs.iter().find(|input| resolved(input) == out_resolved) {
         None => Ok(()),
-        Some(picture) => apart_from(picture, out),
+        Some(input) => apart_from(input, out),
     }
 }
 
-/// Refuses to write text over a store.
+/// Refuses to write what is no store over a store.
 ///
 /// # Errors
 /// `Invalid` where `out` is one; `Io` where it cannot be read.

@@ -44,6 +44,7 @@ impl TuneArgs {
         let settings = self.settings.over(Settings::default())?;
         targets::file(&self.out, "tuned.toml")?;
         targets::apart_from_stores(&self.out)?;
+        self.settings.apart_from(&self.out)?;
         if let Some(journal) = &self.journal {
             targets::folder(journal)?;
         }

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Every disturbance is applied to frames as they are asked for. Loss is against the same method at the first value of the
-//! dial, where nothing is disturbed.
+//! dial, where nothing is disturbed. A value at which no camera sees anything of the truth has no points.
 
 mod disturbance;
 mod frames;
@@ -19,7 +19,7 @@ use super::pace::Pace;
 use super::subset;
 use super::sweep::{self, Point, Series};
 use super::trial::{Trial, Workbench};
-use super::truth::Truth;
+use super::truth::{self, Truth};
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
@@ -123,11 +123,12 @@ pub struct Failure {
 pub const LOST_DB: f64 = 1.0;
 
 /// Measures every disturbance of the plan at every value of its dial with every method; `on_point` is told each that was not
-/// known already, with how many are known then, of how many.
+/// known already, with how many are known then, of how many. A value that leaves nothing of the truth to be compared with is
+/// passed over, and told as a warning.
 ///
 /// # Errors
-/// Whatever preprocessing, painting and truth give; `Cancelled`, after which the points told so far can be put into
-/// [`Plan::done`] to go on.
+/// Whatever preprocessing, painting and truth give; `Invalid` where no value leaves anything to be compared with; `Cancelled`,
+/// after which the points told so far can be put into [`Plan::done`] to go on.
 pub fn run(
     capture: &Capture,
     plan: &Plan,
@@ -142,30 +143,31 @@ pub fn run(
             disturbance.dial(capture, truth).into_iter().map(move |dial| (disturbance, dial))
         })
         .collect();
-    let total = steps.len() * plan.methods.len();
-    let is_open = |step| plan.methods.iter().filter(|method| plan.known(step, method).is_none()).count();
-    let open: usize = steps.iter().map(|step| is_open(*step)).sum();
-    let (mut pace, mut points) = (Pace::start(), Vec::with_capacity(total));
+    let mut total = steps.len() * plan.methods.len();
+    let open_at = |step| plan.methods.iter().filter(|method| plan.known(step, method).is_none()).count();
+    let mut open: usize = steps.iter().map(|step| open_at(*step)).sum();
+    let (mut pace, mut points, mut passed_over) = (Pace::start(), Vec::with_capacity(total), Vec::new());
     for step in steps {
         let mut disturbed = None;
         for method in &plan.methods {
             let known = plan.known(step, method).cloned();
             let is_new = known.is_none();
-            let mut point = if let Some(known) = known {
+            let point = if let Some(known) = known {
                 known
             } else {
                 pace.next(job, (points.len() + 1, total), open - pace.measured());
-                let disturbed = match &mut disturbed {
-                    Some(disturbed) => disturbed,
-                    nothing => nothing.insert(Disturbed::new(capture, plan, truth, step, job)?),
+                if disturbed.is_none() {
+                    disturbed = Disturbed::new(capture, plan, truth, step, job)?;
+                }
+                let Some(disturbed) = &mut disturbed else {
+                    // The pace counts one point as begun.
+                    (total, open) = (total - open_at(step), open + 1 - open_at(step));
+                    passed_over.push(step);
+                    break;
                 };
                 disturbed.measure(method, job)?
             };
-            let undisturbed = points.iter().find(|other: &&StressPoint| {
-                other.disturbance == point.disturbance && other.method == point.method
-            });
-            let before = undisturbed.map_or(point.point.psnr_filled_db, |point| point.point.psnr_filled_db);
-            point.loss_db = before - point.point.psnr_filled_db;
+            let point = point.with_loss(&points);
             if is_new {
                 on_point(&point, (points.len() + 1, total));
             }
@@ -173,6 +175,12 @@ pub fn run(
         }
     }
     job.set_context("");
+    if points.is_empty() && !passed_over.is_empty() {
+        return Err(truth::nothing_to_compare(&capture.name));
+    }
+    for step in passed_over {
+        job.warn(leaves_nothing(step));
+    }
     for methods in points.chunk_by_mut(|a, b| a.disturbance == b.disturbance && a.dial == b.dial) {
         sweep::mark_pareto_of_stores(methods.iter_mut().map(|method| &mut method.point));
     }
@@ -182,6 +190,25 @@ pub fn run(
 /// A disturbance and where its dial stands.
 type Step = (Disturbance, f64);
 
+/// That a step has no points.
+fn leaves_nothing((disturbance, dial): Step) -> String {
+    format!(
+        "'{}' at {dial} {} is left out: no camera sees anything of the true pictures then",
+        disturbance.name(),
+        disturbance.unit()
+    )
+}
+
+impl StressPoint {
+    /// The same with its loss since the first of these `points` that has its disturbance and method.
+    fn with_loss(self, points: &[Self]) -> Self {
+        let is_alike = |other: &&Self| other.disturbance == self.disturbance && other.method == self.method;
+        let now = self.point.psnr_filled_db;
+        let before = points.iter().find(is_alike).map_or(now, |first| first.point.psnr_filled_db);
+        Self { loss_db: before - now, ..self }
+    }
+}
+
 /// The disturbed capture ready to be measured, and the pixels it has.
 struct Disturbed {
     step: Step,
@@ -190,7 +217,8 @@ struct Disturbed {
 }
 
 impl Disturbed {
-    fn new(capture: &Capture, plan: &Plan, truth: &Truth, step: Step, job: &Job) -> Result<Self> {
+    /// `None` where nothing of the truth is left.
+    fn new(capture: &Capture, plan: &Plan, truth: &Truth, step: Step, job: &Job) -> Result<Option<Self>> {
         let mut recorded = step.0.apply(capture, step.1)?;
         let mut truth = truth.clone();
         if let Some(count) = plan.frames {
@@ -204,8 +232,15 @@ impl Disturbed {
             };
         }
         let pixels = recorded.capture.pixel_count();
-        let workbench = Workbench::new(&recorded, &truth, &plan.methods[0].settings, job)?;
-        Ok(Self { step, workbench, pixels })
+        let (folds, unseen) = truth.folds_left(&recorded, job)?;
+        if folds.is_empty() {
+            return Ok(None);
+        }
+        for view in unseen {
+            job.warn(view);
+        }
+        let workbench = Workbench::on(folds, &plan.methods[0].settings);
+        Ok(Some(Self { step, workbench, pixels }))
     }
 
     /// What a method gives; the loss is left open.

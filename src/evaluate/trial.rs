@@ -141,13 +141,17 @@ impl Workbench {
     /// # Errors
     /// As [`Truth::folds`].
     pub fn new(recorded: &Recorded, truth: &Truth, reference: &Settings, job: &Job) -> Result<Self> {
-        let folds = truth.folds(recorded, job)?;
+        Ok(Self::on(truth.folds(recorded, job)?, reference))
+    }
+
+    /// As [`Workbench::new`], with the truth loaded.
+    pub(super) fn on(folds: Vec<Fold>, reference: &Settings) -> Self {
         let state = |fold| FoldState { fold, scans: Vec::new(), models: Vec::new() };
-        Ok(Self {
+        Self {
             folds: folds.into_iter().map(state).collect(),
             reference: reference.clone(),
             renderers: HashMap::new(),
-        })
+        }
     }
 
     /// Opens what will paint the trials, so that what is not there is told before anything is measured.

@@ -81,6 +81,15 @@ impl Truth {
     /// Whatever loading frames and truth gives; `Invalid` where nothing is left, and where a single camera should be left
     /// out; `Cancelled`.
     pub fn folds(&self, recorded: &Recorded, job: &Job) -> Result<Vec<Fold>> {
+        let (folds, unseen) = self.folds_left(recorded, job)?;
+        for view in unseen {
+            job.warn(view);
+        }
+        if folds.is_empty() { Err(nothing_to_compare(&recorded.capture.name)) } else { Ok(folds) }
+    }
+
+    /// As [`Truth::folds`], with no fold where nothing is left, and a line on each view that was dropped.
+    pub(super) fn folds_left(&self, recorded: &Recorded, job: &Job) -> Result<(Vec<Fold>, Vec<String>)> {
         let folds = match self {
             Self::Views(views) => vec![(None, with_truth(views, job).into_iter().cloned().collect())],
             Self::HoldOut => {
@@ -92,17 +101,8 @@ impl Truth {
                 names.map(split).collect::<Result<Vec<_>>>()?
             }
         };
-        let nothing = || {
-            Error::invalid(
-                &recorded.capture.name,
-                "no view has a true picture to be compared with; name others with --views, or leave cameras out",
-            )
-        };
-        let count: usize = folds.iter().map(|(_, views)| views.len()).sum();
-        if count == 0 {
-            return Err(nothing());
-        }
-        job.start("Loading the truth", count);
+        job.start("Loading the truth", folds.iter().map(|(_, views)| views.len()).sum());
+        let mut dropped = Vec::new();
         let mask = |(held_out, views): (Option<String>, Vec<View>)| {
             let keep = |_: usize, camera: &Camera| Some(&camera.name) != held_out.as_ref();
             let fold = Recorded {
@@ -120,16 +120,22 @@ impl Truth {
                 })
                 .collect::<Result<_>>()?;
             let (known, unseen): (Vec<_>, Vec<_>) = masked.into_iter().partition(|(_, has_truth)| *has_truth);
-            for (view, _) in &unseen {
-                job.warn(says_nothing(view));
-            }
+            dropped.extend(unseen.iter().map(|(view, _)| says_nothing(view)));
             let views: Vec<View> = known.into_iter().map(|(view, _)| view).collect();
             Ok(Fold { held_out, capture: fold.capture, views: ordered(&views) })
         };
         let mut folds = folds.into_iter().map(mask).collect::<Result<Vec<_>>>()?;
         folds.retain(|fold| !fold.views.is_empty());
-        if folds.is_empty() { Err(nothing()) } else { Ok(folds) }
+        Ok((folds, dropped))
     }
+}
+
+/// That nothing can be measured on what is called `name`.
+pub(super) fn nothing_to_compare(name: &str) -> Error {
+    Error::invalid(
+        name,
+        "no view has a true picture to be compared with; name others with --views, or leave cameras out",
+    )
 }
 
 /// Views of one vantage after each other, each by frame; vantages in the order in which they first come.

@@ -78,14 +78,14 @@ pub fn write_spooled(
     extras: &Extras,
     job: &Job,
 ) -> Result<u64> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let temporary = whole_file::beside(path, ".tmp")?;
     let size = write_spooled_to(BufWriter::new(temporary.as_file()), path, samples, (report, extras), job)?;
     temporary.as_file().sync_all().map_err(|error| Error::io(path, error))?;
     job.check()?;
-    temporary.persist(path).map_err(|error| Error::io(path, error.error))?;
+    whole_file::persist(temporary.into_temp_path(), path)?;
     // The new name is on the disk once its folder is; where folders cannot be synced the file is whole all the same.
-    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    let place = whole_file::place_of(path);
+    let _ = File::open(whole_file::folder_of(&place)).and_then(|folder| folder.sync_all());
     Ok(size)
 }
 

@@ -67,6 +67,29 @@ fn a_pose_error_costs_accuracy_and_the_point_of_failure_lies_on_the_dial() {
 }
 
 #[test]
+fn a_value_that_leaves_nothing_to_compare_has_no_points_and_only_a_plan_of_such_values_fails() {
+    let scene = orrery(2);
+    let alone = scene.capture.with_cameras(|index, _| index == 0);
+    let disturbances = vec![Disturbance::MissingCamera, Disturbance::FewerCameras];
+    let mut plan = Plan { disturbances, ..Plan::standard(&Settings::default()) };
+    plan.methods.truncate(2);
+    let (job, mut told) = (Job::new(), Vec::new());
+    let points = stress::run(&alone, &plan, &scene.truth, &job, |_, known| told.push(known)).unwrap();
+    let dials: Vec<_> = points.iter().map(|point| (point.disturbance.as_str(), point.dial)).collect();
+    let missing = [0.0, 25.0, 50.0].map(|dial| ("missing camera", dial));
+    let expected: Vec<_> = missing.into_iter().chain([("fewer cameras", 0.0)]).collect();
+    assert!(dials.chunks(2).all(|methods| methods[0] == methods[1]), "{dials:?}");
+    assert_eq!(dials.iter().step_by(2).copied().collect::<Vec<_>>(), expected);
+    assert_eq!((told[0], told[7]), ((1, 10), (8, 8)), "what is left out is not waited for");
+    let left_out = job.warnings().into_iter().filter(|line| line.contains("100 % of frames is left out"));
+    assert_eq!(left_out.count(), 1);
+
+    let (nothing, job) = (Truth::Views(Vec::new()), Job::new());
+    let error = stress::run(&alone, &plan, &nothing, &job, |_, _| ()).unwrap_err().to_string();
+    assert!(error.contains("no view has a true picture") && job.warnings().is_empty(), "{error}");
+}
+
+#[test]
 fn one_decibel_is_interpolated_between_values_of_the_dial() {
     let scene = orrery(2);
     let Truth::Views(views) = &scene.truth else { panic!("the orrery has views") };

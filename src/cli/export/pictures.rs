@@ -1,6 +1,6 @@
 //! `overlook export pictures`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
@@ -31,6 +31,14 @@ pub(super) struct FilmArgs {
 }
 
 impl FilmArgs {
+    /// Refuses a file that the film is made from, and any other store.
+    pub(super) fn apart_from(&self, out: &Path) -> Result<()> {
+        targets::apart_from(&self.store, out)?;
+        targets::apart_from_stores(out)?;
+        self.settings.apart_from(out)?;
+        targets::apart_from_views(&self.path, out)
+    }
+
     /// The open store, the stops of the path, and the settings to paint with.
     pub(super) fn plan(&self) -> Result<(Arc<Playback>, Stops, RenderSettings), Failure> {
         self.settings.only("render")?;

@@ -31,6 +31,7 @@ impl PointsArgs {
         targets::apart_from(&self.store, &self.out)?;
         if self.frame.is_some() || self.still {
             targets::file(&self.out, "points.ply")?;
+            targets::apart_from_stores(&self.out)?;
         } else {
             targets::folder(&self.out)?;
         }

@@ -24,6 +24,7 @@ impl StoreArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         self.settings.only("store")?;
         targets::file(&self.out, "scene.ovl")?;
+        self.settings.apart_from(&self.out)?;
         let opened = Store::open(&self.store)?;
         let settings = self.settings.over(opened.info().settings.clone())?;
         let bytes =

@@ -35,6 +35,7 @@ impl VideoArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         targets::file(&self.out, "film.mp4")?;
         let (playback, stops, settings) = self.film.plan()?;
+        self.film.apart_from(&self.out)?;
         let (width, height) = stops.vantages[0].camera.intrinsics.size();
         let mut encoder = Encoder::start(&self.out, [width, height], self.fps)?;
         let notice = progress::watched(|job| {

@@ -23,8 +23,8 @@ const COLOR_TAGS: [&str; 8] =
 pub struct Encoder {
     ffmpeg: Child,
     pipe: Option<ChildStdin>,
-    /// What is written until it is whole.
-    unfinished: tempfile::TempPath,
+    /// What is written until it is whole and takes its name.
+    unfinished: Option<tempfile::TempPath>,
     out: PathBuf,
 }
 
@@ -50,7 +50,7 @@ impl Encoder {
             _ => Error::io("ffmpeg", error),
         })?;
         let pipe = ffmpeg.stdin.take();
-        Ok(Self { ffmpeg, pipe, unfinished, out: out.to_path_buf() })
+        Ok(Self { ffmpeg, pipe, unfinished: Some(unfinished), out: out.to_path_buf() })
     }
 
     /// Adds a picture of the size that was named at the start. Holes are black.
@@ -78,7 +78,8 @@ impl Encoder {
         self.pipe = None;
         let said = self.said();
         said.map_err(|what| self.failed(&what))?;
-        std::fs::rename(&self.unfinished, &self.out).map_err(|error| Error::io(&self.out, error))
+        let unfinished = self.unfinished.take();
+        unfinished.map_or(Ok(()), |unfinished| whole_file::persist(unfinished, &self.out))
     }
 
     /// Waits for ffmpeg; what it said where it failed.
