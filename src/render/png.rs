@@ -7,15 +7,19 @@ use image::{ImageFormat, Rgba, RgbaImage};
 use super::vantage::Picture;
 use crate::color::srgb8_from_linear;
 use crate::error::{Error, Result};
+use crate::whole_file;
 
-/// Writes a picture as 8-bit sRGB with alpha. Alpha is 0 only in holes that were not filled: the file is made to be looked at.
+/// Writes a picture as 8-bit sRGB with alpha. Alpha is 0 only in holes that were not filled: the file is made to be looked at. It takes
+/// its name once it is whole.
 ///
 /// # Errors
 /// `Io` where the file cannot be written, `Invalid` where a PNG cannot hold the picture.
 pub fn write_png(path: &Path, picture: &Picture) -> Result<()> {
-    png_of(picture).save_with_format(path, ImageFormat::Png).map_err(|error| match error {
-        image::ImageError::IoError(error) => Error::io(path, error),
-        error => Error::invalid(path.display(), error.to_string()),
+    whole_file::write(path, |writer| {
+        png_of(picture).write_to(writer, ImageFormat::Png).map_err(|error| match error {
+            image::ImageError::IoError(error) => Error::io(path, error),
+            error => Error::invalid(path.display(), error.to_string()),
+        })
     })
 }
 

@@ -1,6 +1,7 @@
 //! A film file, written by the ffmpeg on this machine.
 
-use std::io::{ErrorKind, Read, Write};
+use std::fs::File;
+use std::io::{ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
 
@@ -18,11 +19,16 @@ const FILTERS: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt70
 const COLOR_TAGS: [&str; 8] =
     ["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv"];
 
+/// Bytes of what a failing ffmpeg says that are told.
+const MOST_SAID: u64 = 2000;
+
 /// A running ffmpeg that is given one picture after another. The film takes its name once it is whole: dropped before
 /// [`Encoder::finish`], nothing is left of it, and what had that name before stays.
 pub struct Encoder {
     ffmpeg: Child,
     pipe: Option<ChildStdin>,
+    /// What it says: a file, as a pipe that is full would hold it up.
+    words: File,
     /// What is written until it is whole and takes its name.
     unfinished: Option<tempfile::TempPath>,
     out: PathBuf,
@@ -41,7 +47,9 @@ impl Encoder {
         command.args(["-s", &format!("{width}x{height}"), "-r", &frames_per_second.to_string(), "-i", "-"]);
         command.args(["-vf", FILTERS, "-c:v", "libx264", "-crf", "16", "-pix_fmt", "yuv420p"]);
         command.args(COLOR_TAGS).args(["-movflags", "+faststart"]).arg(&unfinished);
-        command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
+        command.stdin(Stdio::piped()).stdout(Stdio::null());
+        let words = tempfile::tempfile().map_err(|error| Error::io(std::env::temp_dir(), error))?;
+        command.stderr(words.try_clone().map_err(|error| Error::io(std::env::temp_dir(), error))?);
         let mut ffmpeg = command.spawn().map_err(|error| match error.kind() {
             ErrorKind::NotFound => Error::unsupported(
                 out.display(),
@@ -50,7 +58,7 @@ impl Encoder {
             _ => Error::io("ffmpeg", error),
         })?;
         let pipe = ffmpeg.stdin.take();
-        Ok(Self { ffmpeg, pipe, unfinished: Some(unfinished), out: out.to_path_buf() })
+        Ok(Self { ffmpeg, pipe, words, unfinished: Some(unfinished), out: out.to_path_buf() })
     }
 
     /// Adds a picture of the size that was named at the start. Holes are black.
@@ -84,12 +92,13 @@ impl Encoder {
 
     /// Waits for ffmpeg; what it said where it failed.
     fn said(&mut self) -> std::result::Result<(), String> {
-        let mut said = String::new();
-        if let Some(stderr) = &mut self.ffmpeg.stderr {
-            let _ = stderr.read_to_string(&mut said);
-        }
         let status = self.ffmpeg.wait().map_err(|error| error.to_string())?;
-        if status.success() { Ok(()) } else { Err(format!("{status}: {}", said.trim().replace('\n', "; "))) }
+        if status.success() {
+            return Ok(());
+        }
+        let mut said = Vec::new();
+        let _ = self.words.rewind().and_then(|()| (&self.words).take(MOST_SAID).read_to_end(&mut said));
+        Err(format!("{status}: {}", String::from_utf8_lossy(&said).trim().replace('\n', "; ")))
     }
 
     fn failed(&self, what: &str) -> Error {
