@@ -130,6 +130,11 @@ impl PictureFiles {
         Ok(())
     }
 
+    /// Whether the manifest says which channel depth is.
+    pub(super) fn names_depth_channel(&self) -> bool {
+        self.wishes.depth_channel.is_some()
+    }
+
     /// What to look for in the color file: channels that lie in files of their own are not there.
     pub(super) fn wishes_of_color_file(&self) -> ChannelWishes {
         ChannelWishes {
