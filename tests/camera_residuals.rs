@@ -4,13 +4,13 @@ mod scene;
 
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
 use overlook::error::Result;
 use overlook::job::Job;
 use overlook::preprocess::residuals::{Doubt, doubts};
 use overlook::preprocess::{Report, inspect_frame, preprocess, scan};
-use overlook::settings::{PruningMethod, Settings};
+use overlook::settings::{NormalSource, PruningMethod, Settings};
 use scene::{Scene, Sphere, arc};
 
 const FRAMES: usize = 8;
@@ -163,4 +163,23 @@ fn a_wrong_camera_costs_samples_and_nothing_else() {
     for verdict in dropped {
         assert!(verdicts[verdict.witness_camera as usize][verdict.witness_pixel as usize].is_kept());
     }
+}
+
+#[test]
+fn normals_in_another_space_than_the_poses_are_told_once_for_all_cameras() {
+    let mut capture = passing_ball().record(arc(4, 96), 2);
+    for camera in &mut capture.cameras {
+        let turned = DAffine3::from_rotation_x(std::f64::consts::FRAC_PI_2);
+        camera.world_from_camera = turned * camera.world_from_camera;
+    }
+    let of_normals = |settings: &Settings| -> Vec<String> {
+        let doubts = preprocess(&capture, settings, &Job::new()).unwrap().report.doubts();
+        doubts.into_iter().filter(|doubt| doubt.contains("normal_space")).collect()
+    };
+    let mut settings = Settings::default();
+    let told = of_normals(&settings);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(told[0].starts_with("the normals of cameras 'arc0', 'arc1', 'arc2' and 1 more"), "{told:?}");
+    settings.normals.source = NormalSource::Estimated;
+    assert_eq!(of_normals(&settings), Vec::<String>::new(), "nobody reads them");
 }

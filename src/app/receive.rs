@@ -60,7 +60,7 @@ impl OverlookApp {
             Message::Pruned { scene, settings, result } if Some(scene) == current => {
                 let report = &result.report;
                 for doubt in report.doubts() {
-                    self.state.notify(NoticeKind::Warning, "Cameras disagree", text::sentence(&doubt));
+                    self.state.notify(NoticeKind::Warning, "Check the capture", text::sentence(&doubt));
                 }
                 let line = format!(
                     "Pruned the capture: {} of {} samples kept in {} s",

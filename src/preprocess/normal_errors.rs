@@ -21,6 +21,38 @@ pub struct NormalErrors {
     pub trusted: f32,
 }
 
+/// Normals of another space than the poses are off by more, those of bumps and smooth shading by far less, degrees.
+const DOUBTFUL_DEGREES: f32 = 30.0;
+
+/// Where fewer estimates are trusted, they accuse nobody.
+const MIN_TRUSTED: f32 = 0.1;
+
+/// How far given normals are off those of the depth, degrees, by the estimator that they fit best; `None` where they may well be
+/// what the depth shows.
+#[must_use]
+pub fn contradiction(errors: &[NormalErrors]) -> Option<f32> {
+    let trusted = errors.iter().filter(|errors| errors.trusted >= MIN_TRUSTED);
+    let best = trusted.map(|errors| errors.median_degrees).min_by(f32::total_cmp);
+    best.filter(|degrees| *degrees > DOUBTFUL_DEGREES)
+}
+
+/// What to say of cameras whose normals contradict their depth, each a name and how far, degrees; nothing where there are none.
+#[must_use]
+pub fn doubt(cameras: &[(&str, f32)]) -> Option<String> {
+    const NAMED: usize = 3;
+    let least = cameras.iter().map(|(_, degrees)| *degrees).min_by(f32::total_cmp)?;
+    let names: Vec<String> = cameras.iter().take(NAMED).map(|(name, _)| format!("'{name}'")).collect();
+    let names = names.join(", ");
+    let whose = match cameras.len() {
+        1 => format!("camera {names}"),
+        several if several <= NAMED => format!("cameras {names}"),
+        many => format!("cameras {names} and {} more", many - NAMED),
+    };
+    Some(format!(
+        "the normals of {whose} are not those of the depth (half are {least:.0}° off or more); name the space that they are in as \"normal_space\", \"world\" being that of transform_matrix, or write null to have them estimated"
+    ))
+}
+
 /// Compares every estimator with the normals that `frame` of `camera` gives; empty where it gives none.
 #[must_use]
 pub fn compare_with_given(frame: &Frame, camera: &Camera, settings: &NormalSettings) -> Vec<NormalErrors> {

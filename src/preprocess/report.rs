@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::normal_errors::NormalErrors;
+use super::normal_errors::{self, NormalErrors};
 use super::pruning::Decided;
 use super::range_shares::RangeFacts;
 use super::residuals::{PairResiduals, doubts};
@@ -14,7 +14,7 @@ use super::spool::ImageFacts;
 use super::temporal::CameraScan;
 use super::{Rule, Span, TemporalScan, Verdict};
 use crate::capture::Capture;
-use crate::settings::Settings;
+use crate::settings::{NormalSource, Settings};
 
 /// One camera's part of a [`Report`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -44,6 +44,10 @@ pub struct CameraReport {
     pub ranges: RangeFacts,
     /// Estimated against given normals on the first frame; empty where none are given.
     pub normal_errors: Vec<NormalErrors>,
+    /// How far half of the given normals are off those of the depth on the first frame, degrees, where that is so far that they
+    /// must be in another space, and they are used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normals_off_degrees: Option<f32>,
 }
 
 /// Samples kept in one span.
@@ -97,11 +101,19 @@ impl Report {
         self.cameras.iter().fold(0, |sum, camera| sum.saturating_add(camera.invalid))
     }
 
-    /// What is to be said about cameras that do not fit the others; see [`doubts`].
+    /// What is to be said about cameras that do not fit the others, and about normals that do not fit the depth; see [`doubts`]
+    /// and [`normal_errors::contradiction`].
     #[must_use]
     pub fn doubts(&self) -> Vec<String> {
+        let off = self
+            .cameras
+            .iter()
+            .filter_map(|camera| Some((camera.name.as_str(), camera.normals_off_degrees?)));
+        let normals = normal_errors::doubt(&off.collect::<Vec<_>>());
         let doubts = doubts(&self.residuals).into_iter();
-        doubts.filter_map(|doubt| Some(doubt.sentence(&self.cameras.get(doubt.camera)?.name))).collect()
+        let sentences =
+            doubts.filter_map(|doubt| Some(doubt.sentence(&self.cameras.get(doubt.camera)?.name)));
+        normals.into_iter().chain(sentences).collect()
     }
 }
 
@@ -145,6 +157,8 @@ impl Tally {
                 depth_step_relative: scan.depth_step_relative,
                 ranges,
                 normal_errors: scan.normal_errors.clone(),
+                normals_off_degrees: normal_errors::contradiction(&scan.normal_errors)
+                    .filter(|_| settings.normals.source != NormalSource::Estimated),
                 ..CameraReport::default()
             })
             .collect();

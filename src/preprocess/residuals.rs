@@ -344,12 +344,20 @@ fn doubts_over(
         partners
     };
     let partners: Vec<_> = (0..pairs.len()).map(partners).collect();
+    let is_mutual = |a: usize, b: usize| of(a, b).is_some() && of(b, a).is_some();
     let doubtful_footprints = if over_time { DOUBTFUL_CLOCK_FOOTPRINTS } else { DOUBTFUL_POSE_FOOTPRINTS };
     let doubt = |camera: usize| {
         let footprints = partners[camera].first()?.0;
-        let best_without = |of: &Vec<(f32, usize)>| Some(of.iter().find(|(_, other)| *other != camera)?.0);
+        // Cameras of which but one finds things in the other's picture see next to nothing in common: few silhouettes decide.
+        if partners[camera].iter().all(|(_, other)| !is_mutual(camera, *other)) {
+            return None;
+        }
+        let best_without = |a: usize| {
+            let counts = |other: usize| other != camera && is_mutual(a, other);
+            Some(partners[a].iter().find(|(_, other)| counts(*other))?.0)
+        };
         let others = (0..pairs.len()).filter(|other| *other != camera);
-        let mut usual: Vec<f32> = others.filter_map(|other| best_without(&partners[other])).collect();
+        let mut usual: Vec<f32> = others.filter_map(best_without).collect();
         usual.sort_unstable_by(f32::total_cmp);
         let usual_footprints = usual.get(usual.len() / 2).copied().unwrap_or(0.0);
         let is_doubtful = footprints > doubtful_footprints && footprints > DOUBTFUL_RATIO * usual_footprints;
@@ -392,6 +400,22 @@ mod tests {
         part[3].clear();
         part[0].truncate(2);
         assert_eq!(doubts(&part).iter().map(|doubt| doubt.camera).collect::<Vec<_>>(), [1]);
+    }
+
+    #[test]
+    fn a_camera_that_is_seen_but_sees_no_other_is_not_doubted_nor_makes_others_look_worse() {
+        let mut one_sided = pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1; 4]);
+        one_sided[1].fill(PairResiduals::default());
+        assert!(doubts(&one_sided).is_empty());
+        let mut hardly_seen = pairs(&[0.05, 0.3, 0.05, 0.0], &[0.1; 4]);
+        for (a, row) in hardly_seen.iter_mut().enumerate().take(3) {
+            row[3].lasting = (a != 1)
+                .then_some(row[3].lasting)
+                .flatten()
+                .map(|fits| Residual { most_footprints: 0.0, ..fits });
+        }
+        hardly_seen[3].fill(PairResiduals::default());
+        assert!(doubts(&hardly_seen).is_empty());
     }
 
     #[test]

@@ -8,16 +8,11 @@
 //! |---|---|---|---|---|
 //! | Blender | `L.Combined.R…` | `L.Depth.Z`, or `.V` by its File Output node | `L.Normal.X…` | `L.Position.X…` |
 //! | Mitsuba 3 | `R…` or `image.R…` | `aov.T` | `nn.X…`, `sh_normal.X…` | `position.X…` |
-//! | Arnold and plain files | `R…` | `Z` | `N.X…` | `P.X…` |
+//! | Arnold and plain files | `R…` | `Z` | `N.X…` or `N.R…` | `P.X…` or `P.R…` |
 //! | Unreal | `R…` | `FinalImage…WorldDepth.R` | | |
 
-use crate::error::{Error, Result};
-
-const NORMAL_LAYERS: &[&str] = &["normal", "normals", "n", "nn", "sh_normal", "geo_normal", "shading_normal"];
-const POSITION_LAYERS: &[&str] = &["position", "positions", "pos", "p", "pp"];
-const DEPTH_LAYERS: &[&str] = &["depth", "z"];
-const DEPTH_SUFFIXES: &[&str] = &["Z", "V", "T", "Y", "R"];
-const COLOR_LAYERS: &[&str] = &["", "combined", "rgba", "rgb", "beauty", "color", "finalimage", "image"];
+use super::channel_finder::{Finder, NORMAL_LAYERS, POSITION_LAYERS, RGB};
+use crate::error::Result;
 
 /// What the manifest says about channels where names alone do not decide.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -49,34 +44,6 @@ pub struct ChannelNames {
     pub position: Option<[usize; 3]>,
 }
 
-#[derive(Clone, Copy)]
-struct Name<'a> {
-    layer: &'a str,
-    suffix: &'a str,
-}
-
-impl<'a> Name<'a> {
-    fn of(full: &'a str) -> Self {
-        let (layer, suffix) = full.rsplit_once('.').unwrap_or(("", full));
-        Self { layer, suffix }
-    }
-}
-
-/// The last component of a layer and what stands before it: `ViewLayer.Depth` is `("ViewLayer", "Depth")`.
-fn split_pass(layer: &str) -> (&str, &str) {
-    layer.rsplit_once('.').unwrap_or(("", layer))
-}
-
-fn is_one_of(pass: &str, known: &[&str]) -> bool {
-    known.iter().any(|name| pass.eq_ignore_ascii_case(name))
-}
-
-struct Finder<'a> {
-    full: Vec<&'a str>,
-    names: Vec<Name<'a>>,
-    place: &'a str,
-}
-
 impl ChannelNames {
     /// Recognizes channels among their full names. What is not there is `None`; `place` is named in errors.
     ///
@@ -85,18 +52,13 @@ impl ChannelNames {
     pub fn find<'a>(
         full: impl IntoIterator<Item = &'a str>,
         wishes: &ChannelWishes,
-        place: &str,
+        place: &'a str,
     ) -> Result<Self> {
-        let full: Vec<&str> = full.into_iter().collect();
-        let names = full.iter().map(|full| Name::of(full)).collect();
-        let finder = Finder { full, names, place };
-        let color_layer = finder.color_layer(wishes.layer.as_deref())?;
-        let root = match (&wishes.layer, color_layer) {
-            (Some(layer), _) => Some(layer.as_str()),
-            (None, Some(layer)) => Some(finder.root_of_color(layer)),
-            (None, None) => None,
-        };
-        let color = color_layer.and_then(|layer| finder.triple(layer, ["R", "G", "B"]));
+        let finder = Finder::new(full, place);
+        let layer = wishes.layer.as_deref();
+        let color_layer = finder.color_layer(layer)?;
+        let root = finder.root(layer, color_layer);
+        let color = color_layer.and_then(|layer| finder.triple(layer, RGB));
         let alpha = color_layer.and_then(|layer| finder.channel(layer, "A"));
         let depth = match &wishes.depth_channel {
             Some(wish) => Some(finder.wished(wish)?),
@@ -121,138 +83,6 @@ impl ChannelNames {
             position,
         })
     }
-}
-
-impl<'a> Finder<'a> {
-    fn channel(&self, layer: &str, suffix: &str) -> Option<usize> {
-        self.names.iter().position(|name| name.layer == layer && name.suffix.eq_ignore_ascii_case(suffix))
-    }
-
-    fn triple(&self, layer: &str, suffixes: [&str; 3]) -> Option<[usize; 3]> {
-        let [a, b, c] = suffixes.map(|suffix| self.channel(layer, suffix));
-        Some([a?, b?, c?])
-    }
-
-    /// The layer that holds the picture: a known pass name, or the only layer with R, G and B.
-    fn color_layer(&self, layer: Option<&str>) -> Result<Option<&'a str>> {
-        let mut candidates: Vec<&'a str> = Vec::new();
-        for name in &self.names {
-            let is_inside = layer.is_none_or(|layer| is_inside(name.layer, layer));
-            let is_new = !candidates.contains(&name.layer);
-            if is_inside && is_new && self.triple(name.layer, ["R", "G", "B"]).is_some() {
-                candidates.push(name.layer);
-            }
-        }
-        let rank = |candidate: &str| {
-            let pass = if Some(candidate) == layer { "" } else { split_pass(candidate).1 };
-            COLOR_LAYERS
-                .iter()
-                .position(|known| pass.eq_ignore_ascii_case(known))
-                .unwrap_or(COLOR_LAYERS.len())
-        };
-        let Some(best) = candidates.iter().map(|candidate| rank(candidate)).min() else {
-            return Ok(None);
-        };
-        candidates.retain(|candidate| rank(candidate) == best);
-        match candidates.as_slice() {
-            [only] => Ok(Some(only)),
-            several => Err(Error::invalid(
-                self.place,
-                format!(
-                    "several layers hold a picture ({}); name one as \"layer\" in the manifest",
-                    several.join(", ")
-                ),
-            )),
-        }
-    }
-
-    /// `ViewLayer` of `ViewLayer.Combined`; a color layer of no known name is a root itself only if others lie in it.
-    fn root_of_color(&self, color_layer: &'a str) -> &'a str {
-        let has_children = self.names.iter().any(|name| {
-            !color_layer.is_empty() && name.layer != color_layer && is_inside(name.layer, color_layer)
-        });
-        if has_children { color_layer } else { split_pass(color_layer).0 }
-    }
-
-    fn depth(&self, root: Option<&str>, color_layer: Option<&str>) -> Option<usize> {
-        let score = |name: &Name| {
-            let (parent, pass) = split_pass(name.layer);
-            let is_plain = name.suffix.eq_ignore_ascii_case("Z") || name.suffix.eq_ignore_ascii_case("depth");
-            let is_depth_pass = is_one_of(pass, DEPTH_LAYERS) && is_one_of(name.suffix, DEPTH_SUFFIXES);
-            let is_at_root = |layer: &str| root.is_none_or(|root| root == layer);
-            if is_depth_pass && is_at_root(parent) {
-                Some(0)
-            } else if is_plain && (is_at_root(name.layer) || Some(name.layer) == color_layer) {
-                // With no picture in the file there is no root, and a bare suffix proves nothing inside a layer.
-                (root.is_some() || name.layer.is_empty()).then_some(1)
-            } else if name.suffix == "T" {
-                Some(2)
-            } else if pass.ends_with("WorldDepth") && name.suffix == "R" {
-                Some(3)
-            } else if is_depth_pass && parent.is_empty() {
-                Some(4)
-            } else {
-                None
-            }
-        };
-        let best = (0..self.names.len())
-            .filter_map(|index| Some((score(&self.names[index])?, index)))
-            .min()
-            .map(|(_, index)| index);
-        best.or_else(|| (self.names.len() == 1).then_some(0))
-    }
-
-    /// x, y, z of a pass of one of the known names: at the root first, then anywhere if only one.
-    fn vector(&self, known: &[&str], root: Option<&str>) -> Option<[usize; 3]> {
-        let mut layers: Vec<&str> = self
-            .names
-            .iter()
-            .map(|name| name.layer)
-            .filter(|layer| is_one_of(split_pass(layer).1, known))
-            .filter(|layer| self.triple(layer, ["X", "Y", "Z"]).is_some())
-            .collect();
-        layers.dedup();
-        let at_root = layers.iter().find(|layer| root.is_none_or(|root| split_pass(layer).0 == root));
-        let elsewhere = layers.iter().find(|layer| !split_pass(layer).0.contains('.') && root == Some(""));
-        at_root.or(elsewhere).and_then(|layer| self.triple(layer, ["X", "Y", "Z"]))
-    }
-
-    fn wished(&self, wish: &str) -> Result<usize> {
-        self.full.iter().position(|full| *full == wish).ok_or_else(|| self.missing(wish))
-    }
-
-    fn wished_triple(&self, wish: &str) -> Result<[usize; 3]> {
-        let layers = [Some(wish), wish.rsplit_once('.').map(|(layer, _)| layer)];
-        layers
-            .into_iter()
-            .flatten()
-            .find_map(|layer| self.triple(layer, ["X", "Y", "Z"]).or(self.triple(layer, ["R", "G", "B"])))
-            .ok_or_else(|| self.missing(wish))
-    }
-
-    fn refuse_namesakes(&self, index: usize) -> Result<()> {
-        let name = self.full[index];
-        if self.full.iter().filter(|full| **full == name).count() == 1 {
-            return Ok(());
-        }
-        let what = format!(
-            "several channels are called '{name}'; save each under its own name, or the parts under theirs"
-        );
-        Err(Error::invalid(self.place, what))
-    }
-
-    fn missing(&self, wish: &str) -> Error {
-        const SHOWN: usize = 24;
-        let mut there = self.full.iter().take(SHOWN).copied().collect::<Vec<_>>().join(", ");
-        if self.full.len() > SHOWN {
-            there.push_str(", …");
-        }
-        Error::invalid(self.place, format!("there is no channel '{wish}'; there are {there}"))
-    }
-}
-
-fn is_inside(layer: &str, root: &str) -> bool {
-    layer == root || layer.strip_prefix(root).is_some_and(|rest| rest.starts_with('.'))
 }
 
 #[cfg(test)]
@@ -355,6 +185,57 @@ mod tests {
         let wishes = ChannelWishes { layer: Some("Back".into()), ..ChannelWishes::default() };
         let found = wish(&names, &wishes).unwrap();
         assert_eq!((found.color, found.depth), (Some([4, 5, 6]), Some(7)));
+    }
+
+    #[test]
+    fn normals_and_positions_in_red_green_and_blue_are_no_picture_unless_named_as_one() {
+        let triple = |layer: &str| ["R", "G", "B"].map(|suffix| format!("{layer}.{suffix}"));
+        let names = [triple("diffuse"), triple("normals"), triple("P")].concat();
+        let names: Vec<&str> = names.iter().map(String::as_str).chain(["Depth.Z"]).collect();
+        let found = find(&names);
+        assert_eq!((found.color, found.depth), (Some([0, 1, 2]), Some(9)));
+        assert_eq!((found.normal, found.position), (Some([3, 4, 5]), Some([6, 7, 8])));
+        let found = find(&names[3..]);
+        assert_eq!((found.color, found.normal), (None, Some([0, 1, 2])));
+        let wishes = ChannelWishes { layer: Some("normals".into()), ..ChannelWishes::default() };
+        assert_eq!(wish(&names, &wishes).unwrap().color, Some([3, 4, 5]));
+    }
+
+    #[test]
+    fn a_layer_may_be_named_by_its_picture_and_a_composited_one_has_the_only_passes_there_are() {
+        let of = |layer: &str, passes: &[&str]| -> Vec<String> {
+            passes.iter().map(|pass| format!("{layer}.{pass}")).collect()
+        };
+        let picture = ["Combined.R", "Combined.G", "Combined.B"];
+        let passes = [picture.as_slice(), &["Depth.Z", "Normal.X", "Normal.Y", "Normal.Z"]].concat();
+        let with = |layers: [Vec<String>; 2], layer: &str| {
+            let names = layers.concat();
+            let wishes = ChannelWishes { layer: Some(layer.into()), ..ChannelWishes::default() };
+            wish(&names.iter().map(String::as_str).collect::<Vec<_>>(), &wishes).unwrap()
+        };
+        let two = || [of("Front", &passes), of("Back", &passes)];
+        for (layer, first) in [("Front.Combined", 0), ("Front", 0), ("Back.Combined", 7), ("Back", 7)] {
+            let found = with(two(), layer);
+            assert_eq!(found.color, Some([0, 1, 2].map(|at| first + at)), "{layer}");
+            assert_eq!(found.depth, Some(first + 3), "{layer}");
+            assert_eq!(found.normal, Some([4, 5, 6].map(|at| first + at)), "{layer}");
+        }
+        for layer in ["Composite", "Composite.Combined"] {
+            let found = with([of("Composite", &picture), of("ViewLayer", &passes)], layer);
+            assert_eq!((found.color, found.depth), (Some([0, 1, 2]), Some(6)), "{layer}");
+            assert_eq!(found.normal, Some([7, 8, 9]), "{layer}");
+        }
+        let views = ["R", "G", "B", "Z", "left.R", "left.G", "left.B"].map(str::to_owned).to_vec();
+        assert_eq!(with([views, Vec::new()], "left").depth, None, "the other eye's is not this one's");
+        let three = [of("Composite", &picture), two().concat()];
+        assert_eq!(with(three, "Composite").depth, None, "which of two is meant is not known");
+    }
+
+    #[test]
+    fn a_t_beside_an_s_is_no_distance() {
+        let names = ["R", "G", "B", "st.S", "st.T", "P.X", "P.Y", "P.Z"];
+        let found = find(&names);
+        assert_eq!((found.depth, found.position), (None, Some([5, 6, 7])));
     }
 
     #[test]

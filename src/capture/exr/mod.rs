@@ -6,9 +6,11 @@
 //!        channels (who is who) ─┘
 //! ```
 //!
-//! Nothing is decoded before the header has been checked, and only the parts that hold a wanted channel are.
+//! `channel_finder` looks for the channels that `channels` describes. Nothing is decoded before the header has been checked,
+//! and only the parts that hold a wanted channel are.
 
 pub mod assemble;
+mod channel_finder;
 pub mod channels;
 pub mod color_planes;
 pub mod depth;

@@ -130,6 +130,11 @@ impl PictureFiles {
         Ok(())
     }
 
+    /// Whether the manifest says which channel depth is.
+    pub(super) fn names_depth_channel(&self) -> bool {
+        self.wishes.depth_channel.is_some()
+    }
+
     /// What to look for in the color file: channels that lie in files of their own are not there.
     pub(super) fn wishes_of_color_file(&self) -> ChannelWishes {
         ChannelWishes {
@@ -192,16 +197,33 @@ pub(super) fn picture_path(folder: &Path, name: &str) -> PathBuf {
     if elsewhere.is_file() { elsewhere } else { path }
 }
 
-/// The first data sets of radiance fields name pictures without extension.
+/// The first data sets of radiance fields name pictures without extension; what stands behind a dot may be a number.
 fn with_extension(path: PathBuf) -> PathBuf {
-    if path.extension().is_some() || path.is_file() {
+    if path.is_file() {
         return path;
     }
-    PICTURE_EXTENSIONS.map(|e| path.with_extension(e)).into_iter().find(|it| it.is_file()).unwrap_or(path)
+    extended(&path).into_iter().find(|it| it.is_file()).unwrap_or(path)
 }
 
 /// Pictures that are named without extension may have one of these.
 const PICTURE_EXTENSIONS: [&str; 2] = ["exr", "png"];
+
+/// Where a picture may lie that is named without its extension; nowhere else where it is named with it.
+fn extended(path: &Path) -> Vec<PathBuf> {
+    let is_whole = path
+        .extension()
+        .is_some_and(|own| PICTURE_EXTENSIONS.iter().any(|known| own.eq_ignore_ascii_case(known)));
+    if is_whole {
+        return Vec::new();
+    }
+    let with = |extension: &str| {
+        let mut name = path.as_os_str().to_owned();
+        name.push(".");
+        name.push(extension);
+        PathBuf::from(name)
+    };
+    PICTURE_EXTENSIONS.map(with).to_vec()
+}
 
 /// Every place that pictures of a capture or of views are read from, whether or not there is a file.
 ///
@@ -215,9 +237,7 @@ pub fn picture_places(path: &Path) -> Result<Vec<PathBuf>> {
         let named = [Some(&entry.file_path), entry.depth_file_path.as_ref(), entry.normal_file_path.as_ref()];
         let spellings = named.into_iter().flatten().flat_map(|name| [name.clone(), name.replace('\\', "/")]);
         for picture in spellings.map(|name| folder.join(name)) {
-            if picture.extension().is_none() {
-                pictures.extend(PICTURE_EXTENSIONS.map(|extension| picture.with_extension(extension)));
-            }
+            pictures.extend(extended(&picture));
             pictures.push(picture);
         }
     }

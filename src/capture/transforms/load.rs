@@ -74,6 +74,10 @@ impl<'a> Picture<'a> {
         let found = match self.files.depth_kind {
             Some(DepthKind::WorldPosition) => position(),
             Some(kind) => one(kind),
+            // Positions leave nothing open, a distance where it starts.
+            None if self.names.depth_is_ray_distance && !self.files.names_depth_channel() => {
+                position().or_else(|| one(DepthKind::RayDistanceFromNearClip))
+            }
             None if self.names.depth_is_ray_distance => one(DepthKind::RayDistanceFromNearClip),
             None => one(DepthKind::PlanarZ).or_else(position),
         };

@@ -3,6 +3,8 @@
 //! OpenGL's camera space (x right, y up, z toward the viewer) and ours (x right, y down, z forward) differ by half a
 //! turn about x, which is its own inverse.
 
+use std::f64::consts::PI;
+
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::manifest::Keys;
@@ -12,6 +14,8 @@ use crate::error::{Error, Result};
 
 /// How far the axes of a pose may be from orthonormal: matrices are often written with six digits, or were `f32`.
 const RIGID_TOLERANCE: f64 = 1e-3;
+/// How far the last row of a pose may be from 0 0 0 1: programs that invert matrices leave rounding there.
+const LAST_ROW_TOLERANCE: f64 = 1e-6;
 /// Farthest camera that is believed: beyond it, `f32` world coordinates hold no detail, and sums overflow.
 const MAX_DISTANCE: f64 = 1e9;
 /// Focal lengths beyond this many pixels see less than a thousandth of a degree.
@@ -33,7 +37,8 @@ pub(super) fn world_from_camera(rows: &[Vec<f64>], place: &str) -> Result<DAffin
     if rows.iter().flatten().any(|value| !value.is_finite()) {
         return refuse("holds numbers that are not finite; export the camera again");
     }
-    if rows.get(3).is_some_and(|row| *row != [0.0, 0.0, 0.0, 1.0]) {
+    let mut last = rows.get(3).into_iter().flatten().zip([0.0, 0.0, 0.0, 1.0]);
+    if last.any(|(value, expected)| (value - expected).abs() > LAST_ROW_TOLERANCE) {
         return refuse("does not end in 0 0 0 1; write camera-to-world, row by row");
     }
     let column = |index: usize| DVec3::new(rows[0][index], rows[1][index], rows[2][index]);
@@ -78,9 +83,8 @@ pub(super) fn intrinsics(
     refuse_distortion(keys, place)?;
     let (width, height) = picture_size(keys, size, place)?;
     let (w, h) = (f64::from(width), f64::from(height));
-    let from_angle = |angle: Option<f64>, side: f64| angle.map(|angle| 0.5 * side / (0.5 * angle).tan());
-    let fx = keys.fl_x.or(from_angle(keys.camera_angle_x, w));
-    let fy = keys.fl_y.or(from_angle(keys.camera_angle_y, h));
+    let fx = focal_px(keys.fl_x, ("camera_angle_x", keys.camera_angle_x), w, place)?;
+    let fy = focal_px(keys.fl_y, ("camera_angle_y", keys.camera_angle_y), h, place)?;
     let Some(fx) = fx.or(fy) else {
         return Err(Error::invalid(place, "there is no focal length; give fl_x (pixels) or camera_angle_x"));
     };
@@ -106,6 +110,22 @@ pub(super) fn intrinsics(
         }
     }
     Ok(Intrinsics { width, height, fx, fy, cx, cy })
+}
+
+/// A focal length as it is given, or else from the angle under which a side of so many pixels is seen.
+fn focal_px(
+    focal: Option<f64>,
+    (name, angle): (&str, Option<f64>),
+    side: f64,
+    place: &str,
+) -> Result<Option<f64>> {
+    match (focal, angle) {
+        (None, Some(angle)) if !(angle > 0.0 && angle < PI) => {
+            Err(Error::invalid(place, format!("{name} is {angle}; it is in radians, between 0 and π")))
+        }
+        (None, Some(angle)) => Ok(Some(0.5 * side / (0.5 * angle).tan())),
+        _ => Ok(focal),
+    }
 }
 
 /// Columns and rows as the manifest has them, or else the picture; where the manifest has one of them, the picture must agree.
@@ -148,12 +168,15 @@ fn side(name: &str, value: f64, place: &str) -> Result<u32> {
     }
 }
 
+/// Models of lenses that are pinholes, or are where their distortion is 0.
+const PINHOLE_MODELS: [&str; 7] =
+    ["PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "PERSPECTIVE", "SIMPLE_RADIAL", "RADIAL", "FULL_OPENCV"];
+
 fn refuse_distortion(keys: &Keys, place: &str) -> Result<()> {
-    let is_known_model = keys.camera_model.as_deref().is_none_or(|model| {
-        ["PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "PERSPECTIVE"]
-            .iter()
-            .any(|known| model.eq_ignore_ascii_case(known))
-    });
+    let is_known_model = keys
+        .camera_model
+        .as_deref()
+        .is_none_or(|model| PINHOLE_MODELS.iter().any(|known| model.eq_ignore_ascii_case(known)));
     if !is_known_model || !keys.lens.is_pinhole() {
         return Err(Error::unsupported(
             place,
@@ -167,6 +190,7 @@ fn refuse_distortion(keys: &Keys, place: &str) -> Result<()> {
 mod tests {
     use super::*;
     use crate::capture::Camera;
+    use crate::capture::transforms::manifest::LensKeys;
     use glam::DVec2;
 
     const SIZE: (usize, usize) = (640, 480);
@@ -222,6 +246,8 @@ mod tests {
             assert!(error.starts_with("frames[3]: transform_matrix"), "{error}");
         }
         assert!(world_from_camera(&change(0, 1, 1e-5), "").is_ok());
+        assert!(world_from_camera(&change(3, 2, 1e-17), "").is_ok(), "what an inversion leaves");
+        assert!(world_from_camera(&change(3, 2, 1e-3), "").is_err());
         assert!(world_from_camera(&good[..3], "").is_ok());
     }
 
@@ -240,6 +266,35 @@ mod tests {
         };
         let found = intrinsics(&keys, || Ok(SIZE), "").unwrap();
         assert_eq!((found.fy, found.cx, found.cy), (500.0, 320.0, 240.0));
+    }
+
+    #[test]
+    fn an_angle_that_cannot_be_in_radians_is_refused_by_its_own_name() {
+        for angle in [52.0, 0.0, -1.0, PI, f64::NAN] {
+            let keys = Keys { camera_angle_x: Some(angle), ..Keys::default() };
+            let error = intrinsics(&keys, || Ok(SIZE), "test").unwrap_err().to_string();
+            let expected = format!("test: camera_angle_x is {angle}; it is in radians, between 0 and π");
+            assert_eq!(error, expected);
+            let keys = Keys { camera_angle_y: Some(angle), ..Keys::default() };
+            let error = intrinsics(&keys, || Ok(SIZE), "test").unwrap_err().to_string();
+            assert!(error.contains("camera_angle_y is"), "{error}");
+            let unused = Keys { fl_x: Some(500.0), fl_y: Some(500.0), ..keys };
+            assert!(intrinsics(&unused, || Ok(SIZE), "test").is_ok());
+        }
+    }
+
+    #[test]
+    fn models_of_lenses_are_pinholes_where_their_distortion_is_0() {
+        let with = |model: &str, k1: f64| {
+            let lens = LensKeys { k1: Some(k1), ..LensKeys::default() };
+            let camera_model = Some(model.to_owned());
+            let keys = Keys { fl_x: Some(500.0), camera_model, lens, ..Keys::default() };
+            intrinsics(&keys, || Ok(SIZE), "")
+        };
+        for model in PINHOLE_MODELS {
+            assert!(with(model, 0.0).is_ok() && with(model, 0.01).is_err(), "{model}");
+        }
+        assert!(with("OPENCV_FISHEYE", 0.0).is_err());
     }
 
     #[test]

@@ -1,0 +1,245 @@
+//! Looks for the channels of [`channels`](super::channels) among names.
+
+use crate::error::{Error, Result};
+
+pub(super) const RGB: [&str; 3] = ["R", "G", "B"];
+pub(super) const NORMAL_LAYERS: &[&str] =
+    &["normal", "normals", "n", "nn", "sh_normal", "geo_normal", "shading_normal"];
+pub(super) const POSITION_LAYERS: &[&str] = &["position", "positions", "pos", "p", "pp"];
+const DEPTH_LAYERS: &[&str] = &["depth", "z"];
+const DEPTH_SUFFIXES: &[&str] = &["Z", "V", "T", "Y", "R"];
+const COLOR_LAYERS: &[&str] = &["", "combined", "rgba", "rgb", "beauty", "color", "finalimage", "image"];
+
+#[derive(Clone, Copy)]
+pub(super) struct Name<'a> {
+    layer: &'a str,
+    pub(super) suffix: &'a str,
+}
+
+impl<'a> Name<'a> {
+    fn of(full: &'a str) -> Self {
+        let (layer, suffix) = full.rsplit_once('.').unwrap_or(("", full));
+        Self { layer, suffix }
+    }
+}
+
+/// The last component of a layer and what stands before it: `ViewLayer.Depth` is `("ViewLayer", "Depth")`.
+fn split_pass(layer: &str) -> (&str, &str) {
+    layer.rsplit_once('.').unwrap_or(("", layer))
+}
+
+fn is_one_of(pass: &str, known: &[&str]) -> bool {
+    known.iter().any(|name| pass.eq_ignore_ascii_case(name))
+}
+
+/// The worst score of depth that belongs to its root.
+const OWN_DEPTH: u8 = 1;
+
+/// Whether a layer holds a normal, position or depth pass by its name.
+fn is_geometry(layer: &str) -> bool {
+    let pass = split_pass(layer).1;
+    [NORMAL_LAYERS, POSITION_LAYERS, DEPTH_LAYERS].into_iter().any(|known| is_one_of(pass, known))
+}
+
+/// Full names of channels, taken apart.
+pub(super) struct Finder<'a> {
+    full: Vec<&'a str>,
+    pub(super) names: Vec<Name<'a>>,
+    place: &'a str,
+}
+
+impl<'a> Finder<'a> {
+    pub(super) fn new(full: impl IntoIterator<Item = &'a str>, place: &'a str) -> Self {
+        let full: Vec<&str> = full.into_iter().collect();
+        let names = full.iter().map(|full| Name::of(full)).collect();
+        Self { full, names, place }
+    }
+
+    pub(super) fn channel(&self, layer: &str, suffix: &str) -> Option<usize> {
+        self.names.iter().position(|name| name.layer == layer && name.suffix.eq_ignore_ascii_case(suffix))
+    }
+
+    pub(super) fn triple(&self, layer: &str, suffixes: [&str; 3]) -> Option<[usize; 3]> {
+        let [a, b, c] = suffixes.map(|suffix| self.channel(layer, suffix));
+        Some([a?, b?, c?])
+    }
+
+    /// The layer that holds the picture: a known pass name, or the only layer with R, G and B. Some renderers write normals and
+    /// positions as R, G and B too, which are a picture only where they are named as one.
+    pub(super) fn color_layer(&self, layer: Option<&str>) -> Result<Option<&'a str>> {
+        let mut candidates: Vec<&'a str> = Vec::new();
+        for name in &self.names {
+            let is_inside = layer.is_none_or(|layer| is_inside(name.layer, layer));
+            let is_new = !candidates.contains(&name.layer);
+            let is_picture = Some(name.layer) == layer || !is_geometry(name.layer);
+            if is_inside && is_new && is_picture && self.triple(name.layer, RGB).is_some() {
+                candidates.push(name.layer);
+            }
+        }
+        let rank = |candidate: &str| {
+            let pass = if Some(candidate) == layer { "" } else { split_pass(candidate).1 };
+            COLOR_LAYERS
+                .iter()
+                .position(|known| pass.eq_ignore_ascii_case(known))
+                .unwrap_or(COLOR_LAYERS.len())
+        };
+        let Some(best) = candidates.iter().map(|candidate| rank(candidate)).min() else {
+            return Ok(None);
+        };
+        candidates.retain(|candidate| rank(candidate) == best);
+        match candidates.as_slice() {
+            [only] => Ok(Some(only)),
+            several => Err(Error::invalid(
+                self.place,
+                format!(
+                    "several layers hold a picture ({}); name one as \"layer\" in the manifest",
+                    several.join(", ")
+                ),
+            )),
+        }
+    }
+
+    /// `ViewLayer` of `ViewLayer.Combined`; a color layer of no known name is a root itself only if others lie in it.
+    fn root_of_color(&self, color_layer: &'a str) -> &'a str {
+        let has_children = self.names.iter().any(|name| {
+            !color_layer.is_empty() && name.layer != color_layer && is_inside(name.layer, color_layer)
+        });
+        if has_children { color_layer } else { split_pass(color_layer).0 }
+    }
+
+    /// The layer that the passes of a picture lie in. A layer that was asked for may be that one, or the picture itself; and
+    /// what was composited of a view layer lies beside it, without passes of its own.
+    pub(super) fn root<'b>(
+        &'b self,
+        layer: Option<&'b str>,
+        color_layer: Option<&'b str>,
+    ) -> Option<&'b str> {
+        let Some(color) = color_layer else { return layer };
+        let of_color = self.root_of_color(color);
+        let own = match layer {
+            Some(layer) if layer == color && !self.is_other_view(of_color) => vec![layer, of_color],
+            Some(layer) => vec![layer],
+            None => vec![of_color],
+        };
+        let has_geometry = |root: &&str| self.has_geometry(root, color_layer);
+        let last = own.last().copied();
+        let nearest = own.into_iter().find(has_geometry);
+        nearest.or_else(|| self.root_beside(last, color_layer)).or(last)
+    }
+
+    /// The only root with geometry, where there is no depth for the picture's own.
+    fn root_beside(&self, own: Option<&str>, color_layer: Option<&str>) -> Option<&str> {
+        if self.depth(own, color_layer).is_some() {
+            return None;
+        }
+        let of_name = |name: &Name<'a>| {
+            let is_picture = self.triple(name.layer, RGB).is_some();
+            [Some(split_pass(name.layer).0), Some(name.layer).filter(|_| is_picture)]
+        };
+        let mut roots: Vec<&str> = self.names.iter().flat_map(of_name).flatten().collect();
+        roots.sort_unstable();
+        roots.dedup();
+        roots.retain(|root| self.has_geometry(root, color_layer) && !self.is_other_view(root));
+        <[&str; 1]>::try_from(roots).ok().map(|[only]| only)
+    }
+
+    /// Whether a root that is not the picture's own is another view's: of several views of one scene, the first one's channels
+    /// stand without a layer.
+    fn is_other_view(&self, root: &str) -> bool {
+        root.is_empty() && self.triple(root, RGB).is_some()
+    }
+
+    /// Whether a root has depth or positions of its own.
+    fn has_geometry(&self, root: &str, color_layer: Option<&str>) -> bool {
+        let has_depth = self.names.iter().any(|name| {
+            self.depth_score(name, Some(root), color_layer).is_some_and(|score| score <= OWN_DEPTH)
+        });
+        has_depth || self.vector_at(POSITION_LAYERS, |parent| parent == root).is_some()
+    }
+
+    pub(super) fn depth(&self, root: Option<&str>, color_layer: Option<&str>) -> Option<usize> {
+        let score = |index: usize| Some((self.depth_score(&self.names[index], root, color_layer)?, index));
+        let best = (0..self.names.len()).filter_map(score).min().map(|(_, index)| index);
+        best.or_else(|| (self.names.len() == 1).then_some(0))
+    }
+
+    /// How well a channel answers for depth, 0 best; none where it is something else.
+    fn depth_score(&self, name: &Name, root: Option<&str>, color_layer: Option<&str>) -> Option<u8> {
+        let (parent, pass) = split_pass(name.layer);
+        let is_plain = name.suffix.eq_ignore_ascii_case("Z") || name.suffix.eq_ignore_ascii_case("depth");
+        let is_depth_pass = is_one_of(pass, DEPTH_LAYERS) && is_one_of(name.suffix, DEPTH_SUFFIXES);
+        let is_at_root = |layer: &str| root.is_none_or(|root| root == layer);
+        if is_depth_pass && is_at_root(parent) {
+            Some(0)
+        } else if is_plain && (is_at_root(name.layer) || Some(name.layer) == color_layer) {
+            // With no picture in the file there is no root, and a bare suffix proves nothing inside a layer.
+            (root.is_some() || name.layer.is_empty()).then_some(OWN_DEPTH)
+        } else if name.suffix == "T" && self.is_alone(name.layer) {
+            Some(2)
+        } else if pass.ends_with("WorldDepth") && name.suffix == "R" {
+            Some(3)
+        } else if is_depth_pass && parent.is_empty() {
+            Some(4)
+        } else {
+            None
+        }
+    }
+
+    /// Whether a layer holds one channel, as Mitsuba's layers of depth do: beside an S, a T is a coordinate of textures.
+    fn is_alone(&self, layer: &str) -> bool {
+        self.names.iter().filter(|name| name.layer == layer).count() == 1
+    }
+
+    /// x, y, z of a pass of one of the known names: at the root first, then anywhere if only one.
+    pub(super) fn vector(&self, known: &[&str], root: Option<&str>) -> Option<[usize; 3]> {
+        let at_root = self.vector_at(known, |parent| root.is_none_or(|root| parent == root));
+        let elsewhere = || self.vector_at(known, |parent| !parent.contains('.') && root == Some(""));
+        at_root.or_else(elsewhere)
+    }
+
+    /// The first pass of one of the known names in a layer that `is_parent` accepts.
+    fn vector_at(&self, known: &[&str], is_parent: impl Fn(&str) -> bool) -> Option<[usize; 3]> {
+        let is_pass = |layer: &&str| {
+            let (parent, pass) = split_pass(layer);
+            is_one_of(pass, known) && is_parent(parent)
+        };
+        self.names.iter().map(|name| name.layer).filter(is_pass).find_map(|layer| self.vector_of(layer))
+    }
+
+    fn vector_of(&self, layer: &str) -> Option<[usize; 3]> {
+        self.triple(layer, ["X", "Y", "Z"]).or_else(|| self.triple(layer, RGB))
+    }
+
+    pub(super) fn wished(&self, wish: &str) -> Result<usize> {
+        self.full.iter().position(|full| *full == wish).ok_or_else(|| self.missing(wish))
+    }
+
+    pub(super) fn wished_triple(&self, wish: &str) -> Result<[usize; 3]> {
+        let layers = [Some(wish), wish.rsplit_once('.').map(|(layer, _)| layer)];
+        layers.into_iter().flatten().find_map(|layer| self.vector_of(layer)).ok_or_else(|| self.missing(wish))
+    }
+
+    pub(super) fn refuse_namesakes(&self, index: usize) -> Result<()> {
+        let name = self.full[index];
+        if self.full.iter().filter(|full| **full == name).count() == 1 {
+            return Ok(());
+        }
+        let what = format!(
+            "several channels are called '{name}'; save each under its own name, or the parts under theirs"
+        );
+        Err(Error::invalid(self.place, what))
+    }
+
+    fn missing(&self, wish: &str) -> Error {
+        const SHOWN: usize = 24;
+        let mut there = self.full.iter().take(SHOWN).copied().collect::<Vec<_>>().join(", ");
+        if self.full.len() > SHOWN {
+            there.push_str(", …");
+        }
+        Error::invalid(self.place, format!("there is no channel '{wish}'; there are {there}"))
+    }
+}
+
+fn is_inside(layer: &str, root: &str) -> bool {
+    layer == root || layer.strip_prefix(root).is_some_and(|rest| rest.starts_with('.'))
+}
