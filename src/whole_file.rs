@@ -19,7 +19,8 @@ pub(crate) fn beside(path: &Path, suffix: &str) -> Result<NamedTempFile> {
     builder.prefix(".overlook-").suffix(suffix);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder).map_err(|error| Error::io(path, error))
+    // What tempfile says names a file that nobody asked for.
+    builder.tempfile_in(folder).map_err(|error| Error::io(path, error.kind().into()))
 }
 
 /// Writes a file by `write`, and gives what that gave.
@@ -60,5 +61,14 @@ mod tests {
         assert!(result.is_err());
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_is_said_without_the_name_of_a_temporary_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("missing/kept.ovl");
+        let error = write_all(&path, "new").unwrap_err().to_string();
+        let expected = format!("{}: there is no such file or folder; check the path", path.display());
+        assert_eq!(error, expected);
     }
 }
