@@ -89,8 +89,12 @@ fn rates<'a>(
 pub(super) fn finer(vantage: &Vantage, times: usize) -> Vantage {
     let mut finer = vantage.clone();
     let Intrinsics { width, height, fx, fy, cx, cy } = &mut finer.camera.intrinsics;
-    [width, height].into_iter().for_each(|side| *side *= times as u32);
-    [fx, fy, cx, cy].into_iter().for_each(|length| *length *= times as f64);
+    for side in [width, height] {
+        *side *= times as u32;
+    }
+    for length in [fx, fy, cx, cy] {
+        *length *= times as f64;
+    }
     finer
 }
 
