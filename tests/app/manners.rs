@@ -155,7 +155,7 @@ fn a_path_that_is_taken_asks_in_its_field_and_a_second_press_replaces() {
 
 #[test]
 fn what_an_empty_view_offers_is_within_it() {
-    let mut window = open(small_demo(), SIZE);
+    let mut window = open(small_demo(), [SIZE[0], 620.0]);
     settle(&mut window);
     for (view, button) in [
         ("Camera path", "Add key here (K)"),
