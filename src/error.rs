@@ -46,7 +46,8 @@ pub enum Error {
 
 /// What the operating system said, and what to do about it; what a library said, as it is.
 fn said(error: &std::io::Error) -> String {
-    if error.raw_os_error().is_none() {
+    let is_bare_kind = error.to_string() == error.kind().to_string();
+    if error.raw_os_error().is_none() && !is_bare_kind {
         return error.to_string();
     }
     let advice = match error.kind() {

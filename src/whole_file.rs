@@ -48,7 +48,8 @@ pub(crate) fn beside(path: &Path, suffix: &str) -> Result<NamedTempFile> {
     builder.prefix(".overlook-").suffix(suffix);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder_of(&place_of(path))).map_err(|error| Error::io(path, error))
+    // What tempfile says names a file that nobody asked for.
+    builder.tempfile_in(folder_of(&place_of(path))).map_err(|error| Error::io(path, error.kind().into()))
 }
 
 /// Gives a file that was made [`beside`] `path` that name.
@@ -133,5 +134,14 @@ mod tests {
             let said = beside(place, "").unwrap_err().to_string();
             assert!(said.starts_with(&place.display().to_string()) && said.contains("name a file"), "{said}");
         }
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_is_said_without_the_name_of_a_temporary_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("missing/kept.ovl");
+        let error = write_all(&path, "new").unwrap_err().to_string();
+        let expected = format!("{}: there is no such file or folder; check the path", path.display());
+        assert_eq!(error, expected);
     }
 }

@@ -115,7 +115,7 @@ pub(super) enum Command {
     CopyArgument,
     /// Copy the picture of the live view.
     CopyPicture,
-    /// Put the kept pixel in the middle of the live view.
+    /// Put the pixel that is looked at in the middle of the live view.
     FramePoint,
     /// Open, change or close the command palette.
     Palette(Option<Palette>),
@@ -123,10 +123,10 @@ pub(super) enum Command {
     CheatSheet(bool),
     /// Show this callout of the first run next.
     Callout(usize),
-    /// Ask whether to close with something unsaved or half written, or stop asking.
-    AskToClose(bool),
-    /// Close, whatever is lost by it.
-    CloseAnyway,
+    /// Neither close nor open something else.
+    Stay,
+    /// Close, or open something else, whatever is lost by it.
+    GoOnAnyway,
     /// Add a key to the camera path where the view stands.
     AddKey,
     /// Take a key out of the camera path.
@@ -137,6 +137,8 @@ pub(super) enum Command {
     GoToKey(usize),
     /// Pictures from one key of the camera path to the next.
     PicturesPerLeg(usize),
+    /// Columns and rows of exported pictures.
+    PictureSize([u32; 2]),
     /// Play the camera path from its beginning, or stop.
     PlayPath(bool),
     /// Measure: a sweep or a stress test.

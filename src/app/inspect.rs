@@ -2,12 +2,13 @@
 
 use super::OverlookApp;
 use super::command::Command;
+use super::dock::View;
 use super::inspector::charts::{Study, StudyRequest};
 use super::inspector::path::{ExportRequest, PathKey, Target};
 use super::inspector::presets::{self, PRESETS};
 use super::inspector::probe::Spot;
 use super::message::Purpose;
-use super::state::{FIRST_SIZE, NoticeKind};
+use super::state::NoticeKind;
 use super::views::live_image::Pixels;
 use super::views::{marks, words};
 use crate::render::film::Reel;
@@ -45,11 +46,11 @@ impl OverlookApp {
             Command::Palette(palette) => state.inspector.palette = palette,
             Command::CheatSheet(open) => state.inspector.cheat_sheet = open,
             Command::Callout(next) => state.inspector.callout = next,
-            Command::AskToClose(asks) => state.inspector.closing.asks = asks,
-            Command::CloseAnyway => {
-                state.inspector.closing.anyway = true;
-                self.ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            Command::Stay => {
+                state.inspector.closing.asks = false;
+                state.asks_to_open = None;
             }
+            Command::GoOnAnyway => self.go_on_anyway(),
             Command::Study(study) => self.study(study),
             Command::ChartAxes(axes) => state.inspector.charts.axes = axes,
             Command::Disturbance(name) => state.inspector.charts.disturbance = name,
@@ -89,14 +90,12 @@ impl OverlookApp {
             self.state.notify(NoticeKind::Warning, "Already measuring", text);
             return;
         }
-        let charts = &mut self.state.inspector.charts;
-        if study == Study::Stress {
-            // Its points do not say which settings they were made with.
-            charts.stress.clear();
-        }
-        let request =
-            StudyRequest { scene, study, settings: self.state.settings.clone(), known: charts.sweep.clone() };
-        self.state.inspector.charts.studying = true;
+        let inspector = &mut self.state.inspector;
+        // Its points do not say which settings they were made with.
+        inspector.stress_anew = study == Study::Stress;
+        inspector.charts.studying = true;
+        let known = inspector.charts.sweep.clone();
+        let request = StudyRequest { scene, study, settings: self.state.settings.clone(), known };
         self.lanes.inspector.study.submit(request);
     }
 
@@ -122,13 +121,27 @@ impl OverlookApp {
         self.state.notify(NoticeKind::Warning, "No picture yet", text);
     }
 
-    /// Puts the point that is kept in the middle of the live view; without one, home.
+    /// Puts the point that is looked at in the middle of the live view.
     fn frame_point(&mut self) {
-        let probe = &self.state.inspector.probe;
-        let point = probe.shown.as_ref().filter(|_| probe.pinned).and_then(|probed| probed.point_in_world);
-        match (point, &mut self.state.live.rig) {
-            (Some(point), Some(rig)) => rig.look_at(point),
-            _ => self.apply(Command::Home),
+        let probed = self.state.inspector.probe.shown.clone();
+        let point = probed.as_ref().and_then(|probed| probed.point_in_world);
+        if let (Some(point), Some(rig)) = (point, &mut self.state.live.rig) {
+            rig.look_at(point);
+            return;
+        }
+        let (title, text) = match probed {
+            Some(_) => ("No point here", "This pixel lies infinitely far away; point at another one."),
+            None => ("Point at a pixel first", "F then puts what it shows into the middle of the live view."),
+        };
+        self.state.notify(NoticeKind::Warning, title, text);
+    }
+
+    fn add_key(&mut self, key: PathKey) {
+        let keys = &mut self.state.inspector.path.keys;
+        keys.push(key);
+        let added = format!("Key {} added", keys.len());
+        if !self.dock.visible().contains(&View::Path) {
+            self.state.notify(NoticeKind::Done, added, "The Camera path view plays and exports the path.");
         }
     }
 
@@ -136,7 +149,11 @@ impl OverlookApp {
         let here = self.state.live.rig.clone().map(|rig| PathKey { rig, frame: self.state.timeline.frame });
         let path = &mut self.state.inspector.path;
         match command {
-            Command::AddKey => path.keys.extend(here),
+            Command::AddKey => {
+                if let Some(key) = here {
+                    self.add_key(key);
+                }
+            }
             Command::RemoveKey(index) if index < path.keys.len() => {
                 path.keys.remove(index);
                 path.playing = None;
@@ -152,6 +169,7 @@ impl OverlookApp {
                 }
             }
             Command::PicturesPerLeg(pictures) => path.pictures_per_leg = pictures.clamp(1, 2000),
+            Command::PictureSize(size) => path.size = Some(size),
             Command::PlayPath(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
             Command::RemoveKey(_) => {}
             other => return Some(other),
@@ -173,11 +191,7 @@ impl OverlookApp {
         }
         let Some(samples) = self.state.whole_samples().cloned() else { return };
         let path = self.state.inspector.path.clone();
-        let size = self
-            .state
-            .live_shown
-            .as_ref()
-            .map_or(FIRST_SIZE, |shown| shown.picture.size.map(|side| side as u32));
+        let size = self.state.export_size();
         let settings = self.state.settings.render.clone();
         let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
         let reel = playback.map_or(Reel::Memory(samples), Reel::Disk);

@@ -18,11 +18,11 @@ pub(super) const HELP: &[(&str, &str)] = &[
     ("Shift + 1 – 9", "stand where a camera stood"),
     ("W A S D, Q E", "fly, down and up"),
     ("P", "keep the pixel, or let go of it"),
-    ("F", "the kept pixel into the middle"),
+    ("F", "the pixel that is looked at into the middle"),
     ("Home", "back to the first vantage"),
     ("X", "the other side of a comparison"),
     ("K", "add a key to the camera path"),
-    ("Esc", "close a message, or cancel"),
+    ("Esc", "close a message, cancel, or let go of the pixel"),
     ("Ctrl + O", "open a file"),
     ("Ctrl + S", "save the store"),
     ("Ctrl + Z, Ctrl + Y", "take back a change, do it again"),
@@ -44,7 +44,7 @@ pub(super) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
     let inspector = &state.inspector;
     let typing = state.typed_path.is_some() || inspector.palette.is_some() || inspector.naming.is_some();
     let edits = edits_text(ctx);
-    let asks = typing || inspector.cheat_sheet || inspector.closing.asks;
+    let asks = typing || inspector.cheat_sheet || inspector.closing.asks || state.asks_to_open.is_some();
     // An open menu takes the key for itself, and so does a number that is typed: it goes back to what it was.
     if !egui::Popup::is_any_open(ctx)
         && (asks || !edits)

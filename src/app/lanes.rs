@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::inspector::InspectorLanes;
 use super::message::{Message, Purpose};
 use super::own_thread;
+use super::paths::Destination;
 use super::scene::{Origin, Scene, median_depth};
 use super::state::Inspected;
 use super::views::live_image::{self, LiveKey};
@@ -112,8 +113,10 @@ pub(super) struct Lanes {
     pub measure: Lane<MeasureRequest>,
     /// Files.
     pub file: Lane<FileRequest>,
-    /// The system's dialogs.
-    pub dialog: Lane<Purpose>,
+    /// The system's dialogs, and the name that they suggest.
+    pub dialog: Lane<(Purpose, String)>,
+    /// What stands where something is to be written.
+    pub look: Lane<Destination>,
     /// What the inspector asks.
     pub inspector: InspectorLanes,
 }
@@ -157,8 +160,11 @@ impl Lanes {
                 let (title, text) = request.stopped();
                 or_stopped(job, title, text, || file(request, job))
             })?,
-            dialog: Lane::start("Dialog", Supersede::Never, outbox.clone(), |purpose, _| {
-                Ok(Message::PathChosen { purpose, path: ask(purpose) })
+            dialog: Lane::start("Dialog", Supersede::Never, outbox.clone(), |(purpose, name), _| {
+                Ok(Message::PathChosen { purpose, path: ask(purpose, name) })
+            })?,
+            look: Lane::start("Look", Supersede::Never, outbox.clone(), |destination: Destination, _| {
+                Ok(destination.look())
             })?,
             inspector: InspectorLanes::start(outbox)?,
         })
@@ -174,6 +180,7 @@ impl Lanes {
             && self.live.is_idle()
             && self.measure.is_idle()
             && self.file.is_idle()
+            && self.look.is_idle()
             && self.inspector.are_idle()
     }
 }
@@ -336,8 +343,8 @@ fn file(request: FileRequest, job: &Job) -> Result<Message> {
     }
 }
 
-fn ask(purpose: Purpose) -> Option<PathBuf> {
-    let dialog = rfd::FileDialog::new();
+fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
+    let dialog = rfd::FileDialog::new().set_file_name(name);
     match purpose {
         Purpose::OpenFile => dialog
             .set_title("Open a store or a transforms.json")
@@ -345,27 +352,15 @@ fn ask(purpose: Purpose) -> Option<PathBuf> {
             .add_filter("All files", &["*"])
             .pick_file(),
         Purpose::OpenFolder => dialog.set_title("Open a capture folder").pick_folder(),
-        Purpose::SaveStore => dialog
-            .set_title("Save the store")
-            .set_file_name("capture.ovl")
-            .add_filter("Store", &["ovl"])
-            .save_file(),
-        Purpose::SaveSettings => dialog
-            .set_title("Save the settings")
-            .set_file_name("settings.toml")
-            .add_filter("Settings", &["toml"])
-            .save_file(),
-        Purpose::SavePicture => dialog
-            .set_title("Save the picture")
-            .set_file_name("picture.png")
-            .add_filter("PNG", &["png"])
-            .save_file(),
+        Purpose::SaveStore => dialog.set_title("Save the store").add_filter("Store", &["ovl"]).save_file(),
+        Purpose::SaveSettings => {
+            dialog.set_title("Save the settings").add_filter("Settings", &["toml"]).save_file()
+        }
+        Purpose::SavePicture => dialog.set_title("Save the picture").add_filter("PNG", &["png"]).save_file(),
         Purpose::ExportPictures => dialog.set_title("Export pictures into a folder").pick_folder(),
-        Purpose::ExportFilm => dialog
-            .set_title("Export a film")
-            .set_file_name("film.mp4")
-            .add_filter("Film", &["mp4", "mkv", "mov"])
-            .save_file(),
+        Purpose::ExportFilm => {
+            dialog.set_title("Export a film").add_filter("Film", &["mp4", "mkv", "mov"]).save_file()
+        }
         Purpose::LoadSettings => {
             dialog.set_title("Load settings").add_filter("Settings", &["toml"]).pick_file()
         }

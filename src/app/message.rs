@@ -9,6 +9,7 @@ use super::inspector::histograms::Histogram;
 use super::inspector::memory_map::Block;
 use super::inspector::path::Exported;
 use super::inspector::probe::{Probed, Spot};
+use super::paths::Destination;
 use super::scene::Scene;
 use super::state::Inspected;
 use super::views::live_image::{LiveKey, LivePicture};
@@ -93,6 +94,8 @@ pub(super) enum Message {
     SettingsLoaded { path: PathBuf, settings: Settings },
     /// A dialog was answered; `None` where it was closed.
     PathChosen { purpose: Purpose, path: Option<PathBuf> },
+    /// Whether something stands where something is to be written.
+    Looked { destination: Destination, taken: bool },
     /// A file, pictures or a film were given up as the person asked.
     Stopped { title: &'static str, text: String },
     /// A job failed or was cancelled.

@@ -21,6 +21,7 @@ mod memory;
 mod message;
 mod own_thread;
 mod panels;
+mod paths;
 mod plan;
 mod receive;
 mod scene;
@@ -52,7 +53,7 @@ use lanes::Lanes;
 use memory::Memory;
 use message::Message;
 use plan::Plan;
-use state::{Busy, FIRST_SIZE, LiveLook, NoticeKind, SourceLook, State, Timeline, Work};
+use state::{Busy, FIRST_SIZE, LiveLook, NoticeKind, SourceLook, State, Timeline, TypedPath, Work};
 use texture::Texture;
 use worker::Outbox;
 
@@ -88,6 +89,8 @@ pub struct OverlookApp {
     commands: Vec<Command>,
     /// When the system's dialog was asked for.
     asked_at: Option<Instant>,
+    /// The path that was taken from the field last.
+    last_typed: Option<TypedPath>,
     ctx: egui::Context,
     /// What draws the window, where that is wgpu.
     window: Option<eframe::egui_wgpu::RenderState>,
@@ -130,6 +133,7 @@ impl OverlookApp {
             inbox,
             commands: Vec::new(),
             asked_at: None,
+            last_typed: None,
             ctx: ctx.clone(),
             window: window.cloned(),
             stages: std::collections::HashMap::new(),
@@ -250,15 +254,17 @@ impl OverlookApp {
         ctx.request_repaint();
     }
 
-    /// Asks before the window closes with something unsaved or half written.
+    /// Asks before the window closes with something unsaved, half written or half measured.
     fn watch_closing(&mut self, ctx: &egui::Context) {
         let inspector = &mut self.state.inspector;
         let closing = &mut inspector.closing;
         closing.writing = !self.lanes.file.is_idle() || !self.lanes.inspector.export.is_idle();
-        let loses = (inspector.unsaved || closing.writing) && !closing.anyway;
-        if loses && ctx.input(|input| input.viewport().close_requested()) {
+        if closing.anyway || !ctx.input(|input| input.viewport().close_requested()) {
+            return;
+        }
+        if inspector.unsaved || inspector.closing.writing || inspector.losses().is_some() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            closing.asks = true;
+            inspector.closing.asks = true;
         }
     }
 
@@ -389,6 +395,7 @@ fn fresh_state() -> State {
         notices: Vec::new(),
         inspector: inspector::Inspector::default(),
         typed_path: None,
+        asks_to_open: None,
         dark: true,
         recent: Vec::new(),
         busy: Vec::new(),

@@ -1,8 +1,7 @@
 //! Takes in the answers of the lanes.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
 
 use egui::{TextureFilter, TextureOptions};
 
@@ -12,7 +11,7 @@ use super::inspector::difference::Comparison;
 use super::inspector::path::Exported;
 use super::inspector::probe::{Probed, Spot};
 use super::memory::remember_recent;
-use super::message::{Message, Purpose};
+use super::message::Message;
 use super::scene::{Origin, Scene};
 use super::state::{NoticeKind, Shown, Whole, and_others, method_of};
 use super::text;
@@ -21,9 +20,6 @@ use super::views::live_image::{LivePicture, Pixels};
 use super::views::rig::Rig;
 use crate::error::Error;
 use crate::settings::Settings;
-
-/// A dialog that is answered faster than this was not seen by a person: there is none on this system.
-const NO_DIALOG: Duration = Duration::from_millis(200);
 
 /// Pixels of the recording are looked at one by one; those of the live view are only as fine as there are samples.
 const SOURCE: (&str, TextureFilter) = ("source", TextureFilter::Nearest);
@@ -118,15 +114,21 @@ impl OverlookApp {
                 self.state.inspector.charts.add(*point);
             }
             Message::Stressed { scene, point } if Some(scene) == current => {
-                self.state.inspector.charts.stress.push(*point);
+                self.state.inspector.add_stress_point(*point);
             }
             Message::Studied => self.take_stock(),
             Message::Exported { path, exported } => self.exported(&path, &exported),
             Message::SettingsLoaded { path, settings } => {
                 self.change_settings("file", settings);
-                self.state.notify(NoticeKind::Done, "Settings loaded", path.display().to_string());
+                let text = if self.state.has_thresholds() {
+                    path.display().to_string()
+                } else {
+                    "Painting was taken; thresholds apply to captures opened from now on.".to_owned()
+                };
+                self.state.notify(NoticeKind::Done, "Settings loaded", text);
             }
             Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
+            Message::Looked { destination, taken } => self.looked(&destination, taken),
             Message::Stopped { title, text } => self.state.notify(NoticeKind::Warning, title, text),
             Message::Failed { what, error } => self.failed(what, &error),
             // What nobody sees, or an answer about a scene that is no longer open.
@@ -251,17 +253,6 @@ impl OverlookApp {
         }
     }
 
-    fn path_chosen(&mut self, purpose: Purpose, path: Option<PathBuf>) {
-        let asked_at = self.asked_at.take();
-        match path {
-            Some(path) => self.take_path(purpose, path),
-            None if asked_at.is_some_and(|at| at.elapsed() < NO_DIALOG) => {
-                self.type_path(purpose, Some("This system offers no file dialog; type the path instead."));
-            }
-            None => {}
-        }
-    }
-
     fn failed(&mut self, what: &'static str, error: &Error) {
         if matches!(what, "Open" | "Study") {
             self.take_stock();
@@ -289,5 +280,6 @@ impl OverlookApp {
             other => other,
         };
         self.state.notify(NoticeKind::Error, title, error.to_string());
+        self.type_again(what, error);
     }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::command::Command;
 use super::inspector::Inspector;
 use super::message::{Accuracy, Purpose};
 use super::scene::{Content, Scene};
@@ -111,6 +112,9 @@ pub(super) struct LiveLook {
 /// Size of the right view before it was first laid out, in pixels: other views want its picture while it lies behind them.
 pub(super) const FIRST_SIZE: [u32; 2] = [960, 720];
 
+/// Columns or rows that exported pictures can have.
+pub(super) const SIDES: std::ops::RangeInclusive<u32> = 2..=16_384;
+
 /// A path that is being typed.
 #[derive(Clone, Debug)]
 pub(super) struct TypedPath {
@@ -119,7 +123,9 @@ pub(super) struct TypedPath {
     /// The text so far.
     pub text: String,
     /// Why the field is shown in place of the system's dialog, if it is.
-    pub reason: Option<&'static str>,
+    pub reason: Option<String>,
+    /// Whether something stands there already, and the question is whether to replace it.
+    pub replaces: bool,
 }
 
 /// Work that can be stopped, by the lane that does it.
@@ -200,6 +206,8 @@ pub(super) struct State {
     pub inspector: Inspector,
     /// A path being typed.
     pub typed_path: Option<TypedPath>,
+    /// What is to be opened, while the question is whether what is lost by it may be.
+    pub asks_to_open: Option<Command>,
     /// Dark or light.
     pub dark: bool,
     /// What was open lately, the latest first.
@@ -307,6 +315,15 @@ impl State {
             Some(Content::Store { samples, .. }) => Some(samples),
             _ => self.whole.as_ref().map(|whole| &whole.samples),
         }
+    }
+
+    /// Columns and rows of exported pictures: as chosen, else those of the largest camera; even, as films want them.
+    pub(super) fn export_size(&self) -> [u32; 2] {
+        let cameras = self.scene.iter().flat_map(|scene| &scene.cameras);
+        let sizes = cameras.map(|camera| [camera.intrinsics.width, camera.intrinsics.height]);
+        let largest = sizes.max_by_key(|[width, height]| u64::from(*width) * u64::from(*height));
+        let size = self.inspector.path.size.or(largest).unwrap_or(FIRST_SIZE);
+        size.map(|side| (side & !1).clamp(*SIDES.start(), *SIDES.end()))
     }
 
     /// Adds a message.

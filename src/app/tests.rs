@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::settings::PruningMethod;
 use crate::store::Store;
 
+mod paths;
 mod stopping;
 
 /// Far longer than anything here takes.

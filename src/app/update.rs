@@ -1,17 +1,14 @@
 //! Carries out commands. Here and where answers are taken in is the only place where the state changes.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::Instant;
 
 use super::OverlookApp;
 use super::command::Command;
 use super::dock::Dock;
-use super::inspector::path::Target;
-use super::lanes::{FileRequest, OpenRequest};
-use super::message::Purpose;
-use super::scene::Content;
-use super::state::{NoticeKind, TypedPath, Work, method_of};
+use super::lanes::OpenRequest;
+use super::paths::lasting;
+use super::state::{NoticeKind, Work, method_of};
 use super::text;
 use super::views::rig::Rig;
 use crate::capture::demo::DemoSpec;
@@ -22,28 +19,12 @@ impl OverlookApp {
     pub(super) fn apply(&mut self, command: Command) {
         self.state.timeline.will_play &= leaves_time_alone(&command);
         match command {
-            Command::OpenDemo(scene) => {
-                self.open_demo(DemoSpec { scene, cameras: None, frames: None, size: None, noise: None });
-            }
-            Command::OpenPath(path) => self.open_path(path),
-            // Before a path is chosen for nothing.
-            Command::AskPath(purpose) | Command::TypePath(purpose) if self.refuses(purpose) => {}
-            Command::AskPath(purpose) => {
-                self.asked_at = Some(Instant::now());
-                self.lanes.dialog.submit(purpose);
-            }
-            Command::TypePath(purpose) => self.type_path(purpose, None),
-            Command::TypedPath(text) => {
-                if let Some(typed) = &mut self.state.typed_path {
-                    typed.text = text;
-                }
-            }
-            Command::TakeTypedPath => {
-                if let Some(typed) = self.state.typed_path.take() {
-                    self.take_path(typed.purpose, PathBuf::from(typed.text.trim()));
-                }
-            }
-            Command::CloseTypedPath => self.state.typed_path = None,
+            Command::OpenDemo(_) | Command::OpenPath(_) => self.ask_to_open(command),
+            Command::AskPath(_)
+            | Command::TypePath(_)
+            | Command::TypedPath(_)
+            | Command::TakeTypedPath
+            | Command::CloseTypedPath => self.apply_to_typed_path(command),
             Command::ForgetRecent => self.state.recent.clear(),
             Command::Set { path, value } => self.set(path, value),
             Command::Reset(path) => {
@@ -144,6 +125,39 @@ impl OverlookApp {
         }
     }
 
+    /// Opens something, after a question where a camera path or measured points are lost by it.
+    fn ask_to_open(&mut self, command: Command) {
+        let inspector = &self.state.inspector;
+        if inspector.path.pictures() > 0 || inspector.has_measured() {
+            self.state.asks_to_open = Some(command);
+        } else {
+            self.open(command);
+        }
+    }
+
+    fn open(&mut self, command: Command) {
+        match command {
+            Command::OpenDemo(scene) => {
+                self.open_demo(DemoSpec { scene, cameras: None, frames: None, size: None, noise: None });
+            }
+            Command::OpenPath(path) => self.open_path(path),
+            _ => {}
+        }
+    }
+
+    /// Closes, or opens something else, whatever is lost by it.
+    pub(super) fn go_on_anyway(&mut self) {
+        let opens = self.state.asks_to_open.take();
+        if self.state.inspector.closing.asks {
+            self.state.inspector.closing.anyway = true;
+            self.ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            return;
+        }
+        if let Some(command) = opens {
+            self.open(command);
+        }
+    }
+
     /// Opens a built-in scene.
     pub(super) fn open_demo(&mut self, spec: DemoSpec) {
         self.state.opening = Some(text::words(&spec.scene));
@@ -155,83 +169,6 @@ impl OverlookApp {
         let path = lasting(path);
         self.state.opening = Some(path.display().to_string());
         self.lanes.open.submit(OpenRequest::Path { path, settings: self.state.settings.capture.clone() });
-    }
-
-    pub(super) fn type_path(&mut self, purpose: Purpose, reason: Option<&'static str>) {
-        let text = match purpose {
-            Purpose::SaveStore => format!("{}.ovl", self.state.scene.as_ref().map_or("capture", |s| &s.name)),
-            Purpose::SaveSettings => "settings.toml".to_owned(),
-            Purpose::SavePicture => "picture.png".to_owned(),
-            Purpose::ExportPictures => "pictures".to_owned(),
-            Purpose::ExportFilm => "film.mp4".to_owned(),
-            _ => String::new(),
-        };
-        self.state.typed_path = Some(TypedPath { purpose, text, reason });
-    }
-
-    pub(super) fn take_path(&mut self, purpose: Purpose, path: PathBuf) {
-        if path.as_os_str().is_empty() {
-            return;
-        }
-        let path = lasting(path);
-        match purpose {
-            Purpose::OpenFile | Purpose::OpenFolder => self.open_path(path),
-            Purpose::SaveStore => self.save_store(path),
-            Purpose::SaveSettings => {
-                let settings = self.state.shown_settings();
-                self.lanes.file.submit(FileRequest::SaveSettings { path, settings });
-            }
-            Purpose::LoadSettings => self.lanes.file.submit(FileRequest::LoadSettings { path }),
-            Purpose::SavePicture => {
-                let rendered = self.state.live_shown.as_ref().and_then(|shown| shown.picture.rendered());
-                match rendered.cloned() {
-                    Some(picture) => self.lanes.file.submit(FileRequest::SavePicture { path, picture }),
-                    None => self.tell_of_motion(),
-                }
-            }
-            Purpose::ExportPictures => self.export_path(Target::Pictures(path)),
-            Purpose::ExportFilm => {
-                let rate = f64::from(self.state.timeline.frames_per_second);
-                self.export_path(Target::Film(path, rate));
-            }
-        }
-    }
-
-    fn save_store(&mut self, path: PathBuf) {
-        if self.refuses(Purpose::SaveStore) {
-            return;
-        }
-        let Some(scene) = &self.state.scene else { return };
-        if let Content::Store { playback, .. } = &scene.content {
-            self.lanes.file.submit(FileRequest::SaveAgain { path, playback: playback.clone() });
-        } else if let Some(whole) = &self.state.whole {
-            // How it is painted may have changed since; whoever opens it paints it as it was seen here.
-            let mut samples = (*whole.samples).clone();
-            samples.settings.render = self.state.settings.render.clone();
-            let (scene, samples, report) = (scene.clone(), Arc::new(samples), whole.report.clone());
-            self.lanes.file.submit(FileRequest::SaveStore { path, scene, samples, report });
-        }
-    }
-
-    /// Whether there is nothing yet that a file of this purpose could hold; says so.
-    pub(super) fn refuses(&mut self, purpose: Purpose) -> bool {
-        let title = match purpose {
-            Purpose::SaveStore => "Nothing to save yet",
-            Purpose::ExportPictures | Purpose::ExportFilm => "Nothing to export yet",
-            _ => return false,
-        };
-        let ready = self.state.is_whole_ready();
-        if !ready {
-            let text = if self.state.scene.is_none() {
-                "Open a capture or a store first."
-            } else if self.state.stopped {
-                "The whole capture is not pruned with these settings; rerun it (below), then try again."
-            } else {
-                "The whole capture is not pruned with these settings yet; try again once the line at the bottom is done."
-            };
-            self.state.notify(NoticeKind::Warning, title, text);
-        }
-        !ready
     }
 
     fn set(&mut self, path: &'static str, value: toml::Value) {
@@ -298,7 +235,8 @@ impl OverlookApp {
         let was_open = inspector.palette.take().is_some()
             | inspector.naming.take().is_some()
             | inspector.cheat_sheet
-            | inspector.closing.asks;
+            | inspector.closing.asks
+            | self.state.asks_to_open.take().is_some();
         (inspector.cheat_sheet, inspector.closing.asks) = (false, false);
         if was_open || self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
             return;
@@ -306,17 +244,13 @@ impl OverlookApp {
         if self.state.inspector.path.playing.take().is_some() {
             return;
         }
-        if self.state.inspector.probe.pinned {
+        let is_cancellable = self.state.busy.iter().any(|busy| busy.cancellable);
+        if self.state.inspector.probe.pinned && !is_cancellable {
             self.apply(Command::Pin(false));
         } else {
             self.cancel();
         }
     }
-}
-
-/// A path that means the same from whatever folder the window is started next time.
-fn lasting(path: PathBuf) -> PathBuf {
-    std::path::absolute(&path).unwrap_or(path)
 }
 
 /// Whether a command only looks around, so that a scene that was about to move still may.

@@ -1,8 +1,8 @@
 //! How the window behaves beside its work: it explains itself, asks before it closes, and does anything by name.
 
 use super::driver::{
-    SIZE, Window, click, drag, look_at, open, open_store, open_view, save_store, settle, shows, small_demo,
-    type_path, wait,
+    SIZE, Window, click, drag, drop_on, look_at, open, open_store, open_view, save_store, settle, shows,
+    small_demo, type_path, wait,
 };
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
@@ -91,6 +91,7 @@ fn closing_while_pictures_are_written_asks_first() {
         window.run_steps(2);
     }
     export_to(&mut window, "Pictures to path…", folder.path());
+    wait(&mut window, "the export", |window| window.query_by_label("Path").is_none());
     close(&mut window);
     assert!(shows(&window, "Close before all is written?"));
     click(&mut window, "Stay");
@@ -99,6 +100,73 @@ fn closing_while_pictures_are_written_asks_first() {
     settle(&mut window);
     close(&mut window);
     assert!(!shows(&window, "Close before all is written?") && !shows(&window, "Close now?"));
+    assert!(shows(&window, "the camera path (12 keys)"));
+}
+
+#[test]
+fn a_camera_path_is_lost_only_after_a_question() {
+    let capture = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    window.key_press(Key::K);
+    window.run_steps(2);
+    close(&mut window);
+    assert!(shows(&window, "Close without saving?") && shows(&window, "the camera path (1 key)"));
+    click(&mut window, "Stay");
+    window.key_press(Key::K);
+    window.run_steps(2);
+    for _ in 0..2 {
+        drop_on(&mut window, &capture);
+        window.run_steps(3);
+        assert!(shows(&window, "Open something else?") && shows(&window, "the camera path (2 keys)"));
+        window.key_press(Key::Escape);
+        window.run_steps(3);
+        assert!(!shows(&window, "Open something else?"));
+    }
+    assert_eq!(window.state().scene_name(), Some("orrery"));
+    drop_on(&mut window, &capture);
+    window.run_steps(3);
+    for key in [Key::Tab, Key::Enter] {
+        window.key_press(key);
+        window.run_steps(3);
+    }
+    wait(&mut window, "the capture", |window| window.state().scene_name() == Some("small_capture"));
+    settle(&mut window);
+    close(&mut window);
+    assert!(!shows(&window, "Close without saving?"));
+}
+
+#[test]
+fn a_path_that_is_taken_asks_in_its_field_and_a_second_press_replaces() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("settings.toml");
+    std::fs::write(&path, "old").unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    type_path(&mut window, "Save", "Save settings to path…", &path, "Save this path");
+    wait(&mut window, "the question", |window| shows(window, "It exists already."));
+    assert_eq!(std::fs::read(&path).unwrap(), b"old");
+    window.run_steps(3);
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    wait(&mut window, "the file", |_| std::fs::read(&path).is_ok_and(|now| now != b"old"));
+    assert!(window.query_by_label("Path").is_none());
+}
+
+#[test]
+fn what_an_empty_view_offers_is_within_it() {
+    let mut window = open(small_demo(), [SIZE[0], 620.0]);
+    settle(&mut window);
+    for (view, button) in [
+        ("Camera path", "Add key here (K)"),
+        ("Speed and accuracy", "Run a sweep"),
+        ("Stability", "Run a stress test"),
+    ] {
+        open_view(&mut window, view);
+        let (offered, below) =
+            (window.get_by_label(button).rect(), window.get_by_label("Timeline").rect().top());
+        assert!(offered.height() > 10.0 && offered.bottom() <= below, "{view}: {offered:?}, {below}");
+    }
 }
 
 #[test]

@@ -267,7 +267,7 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     let [pixel, line] = [("Source picture", 0.5), ("Pruning depth tolerance on its histogram", 0.6)]
         .map(|(name, share)| place_of(name, &capture, share));
     let (_server, display) = start_display();
-    let program = start_program(&display, folder.path(), &[]);
+    let mut program = start_program(&display, folder.path(), &[]);
 
     say(&display, "skip the introduction");
     say(&display, "open path");
@@ -328,5 +328,10 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     assert!(tuned.pruning.depth_tolerance > 1.2, "{}", tuned.pruning.depth_tolerance);
     assert_eq!((samples.name.as_str(), &samples.settings.pruning), ("small_capture", &tuned.pruning));
     assert_eq!(tuned.render.kernel, overlook::settings::Kernel::Block);
-    quit(&display, program);
+    xdotool(&display, &["key", "ctrl+q"]).unwrap();
+    std::thread::sleep(Duration::from_secs(1));
+    // The camera path and the sweep are lost: the first button says to close anyway.
+    xdotool(&display, &["key", "Tab", "Return"]).unwrap();
+    let status = wait_for("the program to end", || program.0.try_wait().unwrap());
+    assert!(status.success(), "{status}");
 }

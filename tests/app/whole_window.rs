@@ -107,7 +107,7 @@ fn the_live_view_orbits_jumps_and_comes_home() {
     pick(&mut window, "Go to camera", "left");
     settle(&mut window);
     assert_ne!(orbited, window.state().live_position().unwrap());
-    window.key_press(Key::F);
+    window.key_press(Key::Home);
     settle(&mut window);
     assert_eq!(home, window.state().live_position().unwrap());
     window.key_down(Key::W);
@@ -169,7 +169,8 @@ fn a_broken_file_gives_a_readable_message_and_the_window_stays_up() {
         assert!(!message.contains('\n'), "{message}");
     }
     assert!(window.state().scene_name().is_some(), "what was open stays open");
-    for _ in 0..3 {
+    assert!(window.query_by_label("Path").is_some(), "the path that is not there can be mended");
+    for _ in 0..4 {
         window.key_press(Key::Escape);
         window.run_steps(2);
     }

@@ -26,6 +26,7 @@ use super::panels::Palette;
 use super::state::{NoticeKind, State};
 use super::worker::{Lane, Outbox, Supersede};
 use crate::error::{Error, Result};
+use crate::evaluate::stress::StressPoint;
 use crate::preprocess::{FrameInspection, SampleSet, TemporalScan};
 use crate::settings::Settings;
 use charts::{Charts, StudyRequest};
@@ -99,6 +100,8 @@ pub(crate) struct Inspector {
     pub compare_trouble: Option<String>,
     /// What was measured.
     pub charts: Charts,
+    /// Whether the next point of a stress test takes the place of those of the test before.
+    pub stress_anew: bool,
     /// The camera path.
     pub path: CameraPath,
     /// The command palette, while it is open.
@@ -130,9 +133,42 @@ impl Inspector {
         self.compared = None;
         self.path = CameraPath::default();
         self.charts = Charts::default();
+        self.stress_anew = false;
         self.unsaved = false;
         self.compare_trouble = None;
         self.told_damage.clear();
+    }
+
+    /// Adds a point of a stress test; the first of a new one in place of the test before.
+    pub(crate) fn add_stress_point(&mut self, point: StressPoint) {
+        if std::mem::take(&mut self.stress_anew) {
+            self.charts.stress.clear();
+        }
+        self.charts.stress.push(point);
+    }
+
+    /// Whether a sweep or a stress test has points, or is under way.
+    pub(crate) fn has_measured(&self) -> bool {
+        let charts = &self.charts;
+        charts.studying || !charts.sweep.is_empty() || !charts.stress.is_empty()
+    }
+
+    /// What stands in no file and ends with the scene, in words; `None` where there is nothing.
+    pub(crate) fn losses(&self) -> Option<String> {
+        let counted = |count: usize, of: &str| match count {
+            0 => None,
+            1 => Some(format!("1 {of}")),
+            _ => Some(format!("{count} {of}s")),
+        };
+        let charts = &self.charts;
+        let parts = [
+            counted(self.path.keys.len(), "key").map(|keys| format!("the camera path ({keys})")),
+            counted(charts.sweep.len(), "point").map(|points| format!("the sweep ({points})")),
+            counted(charts.stress.len(), "point").map(|points| format!("the stress test ({points})")),
+            charts.studying.then(|| "what is being measured".to_owned()),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        (!parts.is_empty()).then(|| parts.join(", "))
     }
 
     /// Adds a line to the log.

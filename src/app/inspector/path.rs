@@ -13,6 +13,10 @@ use crate::render::film::{self, Encoder, Reel};
 use crate::render::{Picture, Renderer, Vantage, write_png};
 use crate::settings::RenderSettings;
 
+/// Why a path of fewer than two keys cannot be exported.
+pub(crate) const NO_KEYS: &str =
+    "A camera path needs two keys at least; add them in the Camera path view (K).";
+
 /// A place on the path.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PathKey {
@@ -29,13 +33,15 @@ pub(crate) struct CameraPath {
     pub keys: Vec<PathKey>,
     /// Pictures from one key to the next.
     pub pictures_per_leg: usize,
+    /// Columns and rows of exported pictures, where they were chosen.
+    pub size: Option<[u32; 2]>,
     /// The picture that is played; `None` while it does not play.
     pub playing: Option<f32>,
 }
 
 impl Default for CameraPath {
     fn default() -> Self {
-        Self { keys: Vec::new(), pictures_per_leg: 48, playing: None }
+        Self { keys: Vec::new(), pictures_per_leg: 48, size: None, playing: None }
     }
 }
 
@@ -155,7 +161,7 @@ pub(crate) struct Exported {
 pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Exported> {
     let vantages = request.path.vantages(request.size, request.reel.frame_count());
     if vantages.is_empty() {
-        return Err(Error::invalid("camera path", "it needs two keys at least; add them in the Path view"));
+        return Err(Error::invalid("camera path", NO_KEYS));
     }
     let mut renderer = Renderer::new();
     let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| {
@@ -191,7 +197,7 @@ mod tests {
             rig.world_from_camera.translation = *position;
             PathKey { rig, frame: index * 10 }
         });
-        CameraPath { keys: keys.collect(), pictures_per_leg: 8, playing: None }
+        CameraPath { keys: keys.collect(), pictures_per_leg: 8, size: None, playing: None }
     }
 
     #[test]

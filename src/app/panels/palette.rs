@@ -140,7 +140,7 @@ fn entries(state: &State) -> Vec<Entry> {
         ("Switch between settings A and B", "", Command::SwitchSettings),
         ("Play or pause", "Space", Command::TogglePlay),
         ("Back to the first vantage", "Home", Command::Home),
-        ("Frame the kept pixel", "F", Command::FramePoint),
+        ("Frame the pixel that is looked at", "F", Command::FramePoint),
         ("Add key to the camera path", "K", Command::AddKey),
         ("Rerun", "", Command::Rerun),
         ("Run a sweep", "", Command::Study(Study::Sweep)),

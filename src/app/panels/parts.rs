@@ -1,6 +1,6 @@
 //! Small widgets that several areas share.
 
-use egui::{Button, ComboBox, Response, RichText, Sense, Ui, Vec2};
+use egui::{Button, ComboBox, Response, RichText, ScrollArea, Sense, Ui, Vec2};
 use egui_material_icons::MaterialIcon;
 
 use super::super::theme::{Tokens, space};
@@ -73,6 +73,9 @@ pub(crate) fn segments_ui<T: Copy + PartialEq>(
     clicked
 }
 
+/// Height from which on an empty area has room for its icon.
+const ROOMY: f32 = 210.0;
+
 /// What an area shows in place of contents: an icon, a title, a sentence, and ways out.
 pub(crate) fn empty_ui(
     ui: &mut Ui,
@@ -84,16 +87,25 @@ pub(crate) fn empty_ui(
     let tokens = Tokens::in_ui(ui);
     let area = ui.available_rect_before_wrap();
     let width = area.width().min(380.0);
-    let column = egui::Rect::from_center_size(area.center(), Vec2::new(width, 190.0_f32.min(area.height())));
+    let is_low = area.height() < ROOMY;
+    // Known from the picture before.
+    let id = ui.scope_id().with(title);
+    let height = ui.data(|data| data.get_temp(id)).unwrap_or(ROOMY);
+    let column = egui::Rect::from_center_size(area.center(), Vec2::new(width, height.min(area.height())));
     ui.scope_builder(egui::UiBuilder::new().max_rect(column), |ui| {
-        ui.vertical_centered(|ui| {
-            ui.label(icon.rich_text().size(34.0).color(tokens.text_weak));
-            ui.add_space(space::SMALL);
-            ui.heading(title);
-            ui.label(RichText::new(text).color(tokens.text_weak));
-            ui.add_space(space::MEDIUM);
-            ui.vertical_centered(ways_out);
+        let shown = ScrollArea::vertical().id_salt(title).auto_shrink(false).show(ui, |ui| {
+            ui.vertical_centered(|ui| {
+                if !is_low {
+                    ui.label(icon.rich_text().size(34.0).color(tokens.text_weak));
+                    ui.add_space(space::SMALL);
+                }
+                ui.heading(title);
+                ui.label(RichText::new(text).color(tokens.text_weak));
+                ui.add_space(space::MEDIUM);
+                ui.vertical_centered(ways_out);
+            });
         });
+        ui.data_mut(|data| data.insert_temp(id, shown.content_size.y));
     });
     ui.allocate_rect(area, Sense::hover());
 }

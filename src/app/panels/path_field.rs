@@ -4,25 +4,40 @@ use egui::{Id, Key, Modal, RichText, TextEdit};
 
 use super::super::command::Command;
 use super::super::message::Purpose;
-use super::super::state::State;
+use super::super::state::{State, TypedPath};
 use super::super::theme::{Tokens, space};
+
+/// The question before something is replaced.
+fn replaced_words(typed: &TypedPath) -> String {
+    let path = typed.text.trim();
+    match typed.purpose {
+        Purpose::ExportPictures => {
+            format!(
+                "Replace pictures in {path}? It holds files already; those of the same name will be replaced."
+            )
+        }
+        _ => format!("Replace {path}? It exists already."),
+    }
+}
 
 /// The field, while one is asked for.
 pub(super) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
     let Some(typed) = &state.typed_path else { return };
-    let (title, action) = match typed.purpose {
-        Purpose::OpenFile | Purpose::OpenFolder => ("Open a capture or a store", "Open"),
-        Purpose::SaveStore => ("Save the store", "Save"),
-        Purpose::SaveSettings => ("Save the settings", "Save"),
-        Purpose::SavePicture => ("Save the picture", "Save"),
-        Purpose::ExportPictures => ("Export pictures into a folder", "Export"),
-        Purpose::ExportFilm => ("Export a film", "Export"),
-        Purpose::LoadSettings => ("Load settings", "Load"),
+    let (title, action, hint) = match typed.purpose {
+        Purpose::OpenFile | Purpose::OpenFolder => {
+            ("Open a capture or a store", "Open", "folder, transforms.json or .ovl file")
+        }
+        Purpose::SaveStore => ("Save the store", "Save", ".ovl file"),
+        Purpose::SaveSettings => ("Save the settings", "Save", ".toml file"),
+        Purpose::SavePicture => ("Save the picture", "Save", ".png file"),
+        Purpose::ExportPictures => ("Export pictures into a folder", "Export", "folder"),
+        Purpose::ExportFilm => ("Export a film", "Export", ".mp4, .mkv or .mov file"),
+        Purpose::LoadSettings => ("Load settings", "Load", ".toml file"),
     };
     let modal = Modal::new(Id::unique("path field")).show(ctx, |ui| {
         ui.set_width(480.0);
         ui.heading(title);
-        if let Some(reason) = typed.reason {
+        if let Some(reason) = &typed.reason {
             ui.label(RichText::new(reason).color(Tokens::in_ui(ui).text_weak));
         }
         ui.add_space(space::MEDIUM);
@@ -32,7 +47,7 @@ pub(super) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut V
                 TextEdit::singleline(&mut text)
                     .desired_width(f32::INFINITY)
                     .margin(egui::vec2(8.0, 6.0))
-                    .hint_text("folder, transforms.json or .ovl file"),
+                    .hint_text(hint),
             )
             .accessible_name("Path");
         if field.changed() {
@@ -43,8 +58,12 @@ pub(super) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut V
         } else if ui.memory(|memory| memory.focused().is_none()) {
             field.request_focus();
         }
+        if typed.replaces {
+            ui.label(RichText::new(replaced_words(typed)).color(Tokens::in_ui(ui).warning));
+        }
         ui.add_space(space::MEDIUM);
         ui.horizontal(|ui| {
+            let action = if typed.replaces { "Replace" } else { action };
             let take = ui.add_enabled(!typed.text.trim().is_empty(), egui::Button::new(action));
             if take.accessible_name(format!("{action} this path")).clicked() {
                 commands.push(Command::TakeTypedPath);

@@ -5,7 +5,7 @@ use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_
 
 use super::super::command::Command;
 use super::super::message::Purpose;
-use super::super::state::State;
+use super::super::state::{SIDES, State};
 use super::super::theme::{Tokens, space};
 use super::{empty_ui, icon_button};
 
@@ -26,8 +26,25 @@ fn export_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
     menu.response.on_disabled_hover_text("A path needs two keys at least.");
 }
 
-const PICTURES: &str = "A folder of numbered PNG pictures, as large as the live view shows them.";
+const PICTURES: &str = "A folder of numbered PNG pictures.";
 const FILM: &str = "A film at the frame rate of the timeline, through the ffmpeg on this machine.";
+
+/// How large exported pictures are.
+fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Vec<Command>) {
+    let mut chosen = size;
+    let [width, height] = &mut chosen;
+    ui.label("Size");
+    for (name, separator, side) in [("Picture width", "×", width), ("Picture height", "", height)] {
+        let drag = DragValue::new(side).range(SIDES).speed(2.0).update_while_editing(false);
+        ui.add(drag).on_hover_text(SIZE).accessible_name(name);
+        ui.label(separator);
+    }
+    if chosen != size {
+        commands.push(Command::PictureSize(chosen));
+    }
+}
+
+const SIZE: &str = "Columns and rows of exported pictures, at first those of the largest camera. What the lens sees fits inside.";
 
 /// The view.
 pub(super) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -59,9 +76,12 @@ pub(super) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         if ui.add(drag).accessible_name("Pictures per leg").changed() {
             commands.push(Command::PicturesPerLeg(pictures));
         }
+        size_ui(ui, state.export_size(), commands);
         ui.add_space(space::MEDIUM);
         ui.add_enabled_ui(ready, |ui| export_menu_ui(ui, commands));
-        ui.label(RichText::new(format!("{} pictures", path.pictures())).color(tokens.text_weak));
+        let [width, height] = state.export_size();
+        let facts = format!("{} pictures, {width}×{height}", path.pictures());
+        ui.label(RichText::new(facts).color(tokens.text_weak));
     });
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {

@@ -69,6 +69,7 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ("Open file…", "Ctrl+O", Command::AskPath(Purpose::OpenFile)),
             ("Open path…", "", Command::TypePath(Purpose::OpenFile)),
             ("Load settings…", "", Command::AskPath(Purpose::LoadSettings)),
+            ("Load settings from path…", "", Command::TypePath(Purpose::LoadSettings)),
         ] {
             if ui.add(item(name, keys)).accessible_name(name).clicked() {
                 commands.push(command);
@@ -98,6 +99,7 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ("Save store…", "Ctrl+S", ready, Command::AskPath(Purpose::SaveStore)),
             ("Save store to path…", "", ready, Command::TypePath(Purpose::SaveStore)),
             ("Save settings…", "", true, Command::AskPath(Purpose::SaveSettings)),
+            ("Save settings to path…", "", true, Command::TypePath(Purpose::SaveSettings)),
             ("Save picture…", "", shown, Command::AskPath(Purpose::SavePicture)),
             ("Save picture to path…", "", shown, Command::TypePath(Purpose::SavePicture)),
             ("Copy picture", "", shown, Command::CopyPicture),

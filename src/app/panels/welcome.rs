@@ -1,4 +1,4 @@
-//! Three callouts on the first run, and the question before closing with something unsaved or half written.
+//! Three callouts on the first run, and the question before something unsaved or half written is lost.
 
 use egui::{Align2, Area, Button, Frame, Id, Margin, Modal, Order, RichText, Stroke};
 
@@ -80,37 +80,46 @@ const WRITING: &str = "A file, pictures or a film are still being written. Closi
      they are.";
 const WRITTEN: &str = "What was being written is done.";
 
-/// The question before closing, while it is asked.
+/// The question before closing or before opening something else, while it is asked.
 pub(super) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
-    if !state.inspector.closing.asks {
+    let closes = state.inspector.closing.asks;
+    if !closes && state.asks_to_open.is_none() {
         return;
     }
     let modal = Modal::new(Id::unique("closing")).show(ctx, |ui| {
         ui.set_width(420.0);
         let inspector = &state.inspector;
+        let losses = inspector.losses();
         let (title, text) = match (inspector.closing.writing, inspector.unsaved) {
-            (true, _) => ("Close before all is written?", WRITING),
-            (false, true) => ("Close without saving?", UNSAVED),
-            (false, false) => ("Close now?", WRITTEN),
+            _ if !closes => ("Open something else?", None),
+            (true, _) => ("Close before all is written?", Some(WRITING)),
+            (false, true) => ("Close without saving?", Some(UNSAVED)),
+            (false, false) if losses.is_some() => ("Close without saving?", None),
+            (false, false) => ("Close now?", Some(WRITTEN)),
         };
         ui.heading(title);
-        ui.label(text);
+        if let Some(text) = text {
+            ui.label(text);
+        }
+        if let Some(losses) = losses {
+            ui.label(format!("This would be lost: {losses}."));
+        }
         ui.add_space(space::MEDIUM);
         ui.horizontal(|ui| {
-            let saves = inspector.unsaved && !inspector.closing.writing;
+            let saves = closes && inspector.unsaved && !inspector.closing.writing;
             if saves && ui.button("Save store…").accessible_name("Save before closing").clicked() {
-                commands.push(Command::AskToClose(false));
+                commands.push(Command::Stay);
                 commands.push(Command::AskPath(Purpose::SaveStore));
             }
-            if ui.button("Close anyway").clicked() {
-                commands.push(Command::CloseAnyway);
+            if ui.button(if closes { "Close anyway" } else { "Open anyway" }).clicked() {
+                commands.push(Command::GoOnAnyway);
             }
             if ui.button("Stay").clicked() {
-                commands.push(Command::AskToClose(false));
+                commands.push(Command::Stay);
             }
         });
     });
     if modal.should_close() {
-        commands.push(Command::AskToClose(false));
+        commands.push(Command::Stay);
     }
 }
