@@ -166,8 +166,7 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
             }
         });
         if let (Some(value), true) = (value.as_float(), cuts) {
-            let histogram = state.inspector.histograms.iter().find(|histogram| histogram.path == field.path);
-            histogram::histogram_ui(ui, field, &full_name, value, histogram, commands);
+            histogram::histogram_ui(ui, field, &full_name, value, state, commands);
         } else if let Some(value) = value_ui(ui, field, &full_name, value) {
             commands.push(Command::Set { path: field.path, value });
         }
