@@ -13,6 +13,7 @@ use crate::settings::PruningMethod;
 use crate::store::Store;
 
 mod stopping;
+mod telling;
 
 /// Far longer than anything here takes.
 const PATIENCE: Duration = Duration::from_mins(3);

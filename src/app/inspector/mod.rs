@@ -11,6 +11,7 @@ pub(crate) mod meter;
 pub(crate) mod path;
 pub(crate) mod presets;
 pub(crate) mod probe;
+pub(crate) mod quantity;
 mod thumbs;
 
 use std::collections::{BTreeSet, VecDeque};

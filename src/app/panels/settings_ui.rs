@@ -7,21 +7,12 @@ use super::super::command::Command;
 use super::super::inspector::histograms::CUT;
 use super::super::inspector::history::Slot;
 use super::super::keyboard::gave_up_number;
+use super::super::names::SECTIONS;
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
 use super::{choice_ui, histogram, icon_button, presets};
 use crate::settings::{Field, Kind, Settings};
-
-/// Sections in the order of the panel: id, heading, whether it is open at first.
-const SECTIONS: &[(&str, &str, bool)] = &[
-    ("pruning", "Redundancy between cameras", true),
-    ("spans", "Redundancy over time", true),
-    ("render", "Painting the live view", true),
-    ("normals", "Surface normals", false),
-    ("store", "Saved file", false),
-    ("capture", "Reading frames", false),
-];
 
 /// Width of the number beside a slider: as much as `65536` needs.
 const NUMBER_BOX: f32 = 58.0;
@@ -33,6 +24,12 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
     let editable = state.has_thresholds();
     if editable {
         history_ui(ui, state, commands);
+        let words = match values.changed() {
+            0 => "Every setting has its default".to_owned(),
+            1 => "1 setting differs from its default".to_owned(),
+            count => format!("{count} settings differ from their defaults"),
+        };
+        ui.label(RichText::new(words).small().color(Tokens::in_ui(ui).text_weak));
     }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if !editable {
@@ -104,6 +101,12 @@ impl Values {
     fn of(settings: &Settings) -> Self {
         let table = |settings: &Settings| toml::Table::try_from(settings).unwrap_or_default();
         Self { now: table(settings), default: table(&Settings::default()) }
+    }
+
+    /// How many settings differ from their defaults.
+    fn changed(&self) -> usize {
+        let differs = |field: &&Field| self.of_field(field).is_some_and(|(now, default)| now != default);
+        Settings::fields().filter(differs).count()
     }
 
     /// The value of a setting, and its default.
