@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use glam::{DVec2, DVec3};
 
 use super::dock::View;
-use super::inspector::charts::{Quantity, Study};
+use super::inspector::charts::Study;
 use super::inspector::compare_look::CompareLook;
 use super::inspector::probe::Spot;
+use super::inspector::quantity::Quantity;
 use super::message::Purpose;
 use super::panels::Palette;
 use super::views::live_image::ColorBy;

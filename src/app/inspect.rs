@@ -8,11 +8,15 @@ use super::inspector::path::{ExportRequest, PathKey, Target};
 use super::inspector::presets::{self, PRESETS};
 use super::inspector::probe::Spot;
 use super::message::Purpose;
+use super::names;
 use super::state::NoticeKind;
 use super::views::live_image::Pixels;
 use super::views::{marks, words};
 use crate::render::film::Reel;
 use crate::settings::Settings;
+
+/// Changes of settings that a message tells one by one.
+const CHANGES: usize = 5;
 
 impl OverlookApp {
     /// Carries out what belongs to the inspector; gives back what does not.
@@ -52,9 +56,9 @@ impl OverlookApp {
             }
             Command::GoOnAnyway => self.go_on_anyway(),
             Command::Study(study) => self.study(study),
-            Command::ChartAxes(axes) => state.inspector.charts.axes = axes,
+            Command::ChartAxes(axes) => state.inspector.charts.set_axes(axes),
             Command::Disturbance(name) => state.inspector.charts.disturbance = name,
-            Command::TakeSettings(settings) => self.change_settings("chart", *settings),
+            Command::TakeSettings(settings) => self.take_point(*settings),
             Command::CopyArgument => self.copy_argument(),
             Command::CopyPicture => self.copy_picture(),
             Command::FramePoint => self.frame_point(),
@@ -90,13 +94,38 @@ impl OverlookApp {
             self.state.notify(NoticeKind::Warning, "Already measuring", text);
             return;
         }
-        let inspector = &mut self.state.inspector;
-        // Its points do not say which settings they were made with.
-        inspector.stress_anew = study == Study::Stress;
-        inspector.charts.studying = true;
-        let known = inspector.charts.sweep.clone();
-        let request = StudyRequest { scene, study, settings: self.state.settings.clone(), known };
+        let settings = self.state.settings.clone();
+        let charts = &mut self.state.inspector.charts;
+        if !charts.begin(study, &settings) {
+            let text =
+                "All that starts from these settings is measured; change one to measure around others.";
+            self.state.notify(NoticeKind::Done, "Nothing left to measure", text);
+            return;
+        }
+        let (known, known_stress) = (charts.sweep.clone(), charts.known_stress());
+        let request = StudyRequest { scene, study, settings, known, known_stress };
         self.lanes.inspector.study.submit(request);
+    }
+
+    /// Puts the settings of a chart's point on, and says which that changes.
+    fn take_point(&mut self, settings: Settings) {
+        let changes = names::changes(&self.state.settings, &settings);
+        if changes.is_empty() {
+            self.state.notify(NoticeKind::Done, "On already", "The sliders stand at these settings.");
+            return;
+        }
+        let (told, others) = changes.split_at(changes.len().min(CHANGES));
+        let more = if others.is_empty() { String::new() } else { format!("; and {} more", others.len()) };
+        let text = format!("{}{more} (Ctrl+Z undoes)", told.join("; "));
+        self.change_settings("chart", settings);
+        self.state.notify(NoticeKind::Done, "Settings put on", text);
+    }
+
+    /// Says how far a sweep or a stress test came that was stopped.
+    pub(super) fn tell_stopped_study(&mut self) {
+        if let Some((title, text)) = self.state.inspector.charts.stopped() {
+            self.state.notify(NoticeKind::Done, title, text);
+        }
     }
 
     fn copy_argument(&mut self) {

@@ -82,10 +82,10 @@ pub(super) enum Message {
     MemoryMapped { scene: u64, blocks: Vec<Block> },
     /// A file is written; `bytes` where it is a store, `holds` where that holds what was pruned of a scene, by which settings.
     Saved { path: PathBuf, bytes: Option<u64>, holds: Option<(u64, Settings)> },
-    /// A point of a sweep.
-    Swept { scene: u64, point: Box<Point> },
-    /// A point of a stress test.
-    Stressed { scene: u64, point: Box<StressPoint> },
+    /// A point of a sweep, and how many are known, of how many.
+    Swept { scene: u64, point: Box<Point>, known: (usize, usize) },
+    /// A point of a stress test, and how many are known, of how many.
+    Stressed { scene: u64, point: Box<StressPoint>, known: (usize, usize) },
     /// A sweep or a stress test is done.
     Studied,
     /// The pictures or the film of the camera path are written.

@@ -19,6 +19,7 @@ mod keyboard;
 mod lanes;
 mod memory;
 mod message;
+mod names;
 mod own_thread;
 mod panels;
 mod paths;
@@ -293,7 +294,7 @@ impl OverlookApp {
             .filter_map(|(work, progress, cancellable)| {
                 let progress = progress?;
                 let began = *self.stages.entry(progress.stage.clone()).or_insert_with(Instant::now);
-                let secs_left = secs_left(&progress, began.elapsed());
+                let secs_left = secs_left(work, &progress, began.elapsed());
                 Some(Busy { work, progress, cancellable, secs_left })
             })
             .collect();
@@ -352,9 +353,10 @@ impl eframe::App for OverlookApp {
 }
 
 /// How long the rest takes at the pace so far; `None` while too little is done to tell.
-fn secs_left(progress: &crate::job::Progress, elapsed: Duration) -> Option<f32> {
+fn secs_left(work: Work, progress: &crate::job::Progress, elapsed: Duration) -> Option<f32> {
     let share = progress.fraction();
-    (share > 0.02 && elapsed > Duration::from_millis(500))
+    // Measuring is a row of stages, of which each would tell only its own end.
+    (work != Work::Study && share > 0.02 && elapsed > Duration::from_millis(500))
         .then(|| elapsed.as_secs_f32() * (1.0 - share) / share)
 }
 

@@ -110,13 +110,16 @@ impl OverlookApp {
                 self.state.inspector.memory = Some(blocks);
             }
             Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
-            Message::Swept { scene, point } if Some(scene) == current => {
-                self.state.inspector.charts.add(*point);
+            Message::Swept { scene, point, known } if Some(scene) == current => {
+                self.state.inspector.charts.add(*point, known);
             }
-            Message::Stressed { scene, point } if Some(scene) == current => {
-                self.state.inspector.add_stress_point(*point);
+            Message::Stressed { scene, point, known } if Some(scene) == current => {
+                self.state.inspector.charts.add_stressed(*point, known);
             }
-            Message::Studied => self.take_stock(),
+            Message::Studied => {
+                self.state.inspector.charts.complete();
+                self.take_stock();
+            }
             Message::Exported { path, exported } => self.exported(&path, &exported),
             Message::SettingsLoaded { path, settings } => {
                 self.change_settings("file", settings);
@@ -258,6 +261,9 @@ impl OverlookApp {
             self.take_stock();
         }
         if matches!(error, Error::Cancelled) {
+            if what == "Study" {
+                self.tell_stopped_study();
+            }
             return;
         }
         if what == "Prune" && self.lanes.whole.is_idle() {

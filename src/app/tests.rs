@@ -14,6 +14,7 @@ use crate::store::Store;
 
 mod paths;
 mod stopping;
+mod telling;
 
 /// Far longer than anything here takes.
 const PATIENCE: Duration = Duration::from_mins(3);

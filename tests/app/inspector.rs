@@ -219,10 +219,34 @@ fn a_sweep_draws_its_points_as_they_come_and_is_cancelled() {
     click(&mut window, "Run a sweep");
     wait(&mut window, "the first points", |window| shows(window, "2 settings; click one to put it on"));
     assert!(window.query_by_label("Speed and accuracy chart").is_some());
-    pick(&mut window, "Along axis", "Milliseconds");
+    assert!(shows(&window, "settings it started from") && shows(&window, "best lossless by both axes"));
+    assert!(shows(&window, "Sweep: "), "the line at the bottom");
+    pick(&mut window, "Along axis", "Painting a view, ms");
     window.key_press(Key::Escape);
     settle(&mut window);
-    assert!(window.state().notices().is_empty());
+    let notices = window.state().notices();
+    assert!(notices.len() == 1 && notices[0].starts_with("Sweep stopped: After "), "{notices:?}");
+    let known: usize =
+        notices[0]["Sweep stopped: After ".len()..].split(' ').next().unwrap().parse().unwrap();
+    click(&mut window, "Go on");
+    wait(&mut window, "another point", |window| {
+        (known + 1..known + 20).any(|count| shows(window, &format!("{count} settings; click one")))
+    });
+    window.key_press(Key::Escape);
+    window.key_press(Key::Escape);
+    settle(&mut window);
+}
+
+#[test]
+fn a_store_has_no_map_of_memory_and_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    assert!(shows(&window, "hole: no sample reached it"));
+    let path = save_store(&mut window, folder.path());
+    open_store(&mut window, &path);
+    open_view(&mut window, "Memory");
+    assert!(shows(&window, "A store plays from disk") && !shows(&window, "No samples yet"));
 }
 
 #[test]

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use super::super::message::Message;
 use super::super::scene::{Content, Scene};
+use super::super::state::method_of;
 use super::super::worker::Outbox;
+use super::quantity::Quantity;
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::evaluate::stress::{self, StressPoint};
@@ -22,64 +24,24 @@ pub(crate) enum Study {
     Stress,
 }
 
-/// A quantity along an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Quantity {
-    /// Closeness to the truth, dB.
-    Psnr,
-    /// Structural similarity.
-    Ssim,
-    /// Perceived difference.
-    Flip,
-    /// Share of true pixels that got a sample.
-    Coverage,
-    /// Bytes of the store.
-    Bytes,
-    /// Samples kept.
-    Samples,
-    /// Milliseconds of painting a view.
-    Milliseconds,
-    /// Seconds of preprocessing.
-    Seconds,
-}
-
-impl Quantity {
-    /// Every quantity: name, and whether its axis is logarithmic.
-    pub(crate) const ALL: [(Self, &'static str, bool); 8] = [
-        (Self::Psnr, "PSNR, dB", false),
-        (Self::Ssim, "SSIM", false),
-        (Self::Flip, "FLIP", false),
-        (Self::Coverage, "Coverage", false),
-        (Self::Bytes, "Bytes", true),
-        (Self::Samples, "Samples", true),
-        (Self::Milliseconds, "Milliseconds", true),
-        (Self::Seconds, "Seconds", true),
-    ];
-
+impl Study {
     /// Its name.
     pub(crate) fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(of, ..)| *of == self).map_or("", |(_, name, _)| name)
+        match self {
+            Self::Sweep => "Sweep",
+            Self::Stress => "Stress test",
+        }
     }
+}
 
-    /// Its value, as its axis shows it.
-    pub(crate) fn of(self, point: &Point) -> f64 {
-        let value = match self {
-            Self::Psnr => point.psnr_filled_db,
-            Self::Ssim => point.ssim,
-            Self::Flip => point.flip,
-            Self::Coverage => point.coverage,
-            Self::Bytes => point.bytes as f64,
-            Self::Samples => point.samples as f64,
-            Self::Milliseconds => point.milliseconds,
-            Self::Seconds => point.seconds_preprocess,
-        };
-        if self.is_log() { value.max(1e-3).log10() } else { value }
-    }
-
-    /// Whether its axis is logarithmic.
-    pub(crate) fn is_log(self) -> bool {
-        Self::ALL.iter().any(|(of, _, log)| *of == self && *log)
-    }
+/// A sweep or a stress test that was begun.
+struct Run {
+    /// The settings it starts from.
+    settings: Settings,
+    /// Points that are known, of how many.
+    known: (usize, usize),
+    /// Whether there is nothing left to measure.
+    is_complete: bool,
 }
 
 /// What was measured, and how it is shown.
@@ -91,9 +53,15 @@ pub(crate) struct Charts {
     /// The disturbance that is shown.
     pub disturbance: String,
     /// Along and up.
-    pub axes: [Quantity; 2],
+    axes: [Quantity; 2],
     /// Whether something is being measured.
     pub studying: bool,
+    /// What is being measured, or was last.
+    study: Option<Study>,
+    /// The last sweep and the last stress test.
+    runs: [Option<Run>; 2],
+    /// Whether the points of the stress test are those of the one before, until the first new one takes their place.
+    of_the_test_before: bool,
 }
 
 impl Default for Charts {
@@ -104,15 +72,127 @@ impl Default for Charts {
             disturbance: String::new(),
             axes: [Quantity::Bytes, Quantity::Psnr],
             studying: false,
+            study: None,
+            runs: [None, None],
+            of_the_test_before: false,
         }
     }
 }
 
 impl Charts {
-    /// Adds a point and marks anew which no other beats.
-    pub(crate) fn add(&mut self, point: Point) {
+    /// Adds a point of the sweep; `known` are known then, of how many.
+    pub(crate) fn add(&mut self, point: Point, known: (usize, usize)) {
         self.sweep.push(point);
-        sweep::mark_pareto_of_stores(&mut self.sweep);
+        self.note(Study::Sweep, known);
+        self.mark_front();
+    }
+
+    /// Adds a point of the stress test; `known` are known then, of how many.
+    pub(crate) fn add_stressed(&mut self, point: StressPoint, known: (usize, usize)) {
+        if std::mem::take(&mut self.of_the_test_before) {
+            self.stress.clear();
+        }
+        self.stress.push(point);
+        self.note(Study::Stress, known);
+    }
+
+    fn note(&mut self, study: Study, known: (usize, usize)) {
+        if let Some(run) = &mut self.runs[study as usize] {
+            run.known = known;
+        }
+    }
+
+    /// Along and up.
+    pub(crate) fn axes(&self) -> [Quantity; 2] {
+        self.axes
+    }
+
+    /// Chooses what is along and up.
+    pub(crate) fn set_axes(&mut self, axes: [Quantity; 2]) {
+        self.axes = axes;
+        self.mark_front();
+    }
+
+    /// Marks which points no other beats in both quantities that are shown.
+    fn mark_front(&mut self) {
+        let [along, up] = self.axes;
+        sweep::mark_pareto(&mut self.sweep, |point| along.cost(point), |point| -up.cost(point));
+    }
+
+    /// Lossless settings that no other lossless ones beat in both quantities that are shown, along the first.
+    pub(crate) fn front(&self) -> Vec<[f64; 2]> {
+        let best = self.sweep.iter().filter(|point| point.pareto && point.is_lossless());
+        let mut front: Vec<_> = best.map(|point| self.axes.map(|quantity| quantity.of(point))).collect();
+        front.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        front
+    }
+
+    /// Begins to measure from `settings`, or goes on where the same was stopped. Gives false where nothing is left.
+    pub(crate) fn begin(&mut self, study: Study, settings: &Settings) -> bool {
+        let run = &mut self.runs[study as usize];
+        let known = run.as_ref().filter(|run| run.settings == *settings);
+        if known.is_some_and(|run| run.is_complete) {
+            return false;
+        }
+        if known.is_none() {
+            *run = Some(Run { settings: settings.clone(), known: (0, 0), is_complete: false });
+            if study == Study::Stress {
+                self.of_the_test_before = true;
+            }
+        }
+        (self.study, self.studying) = (Some(study), true);
+        true
+    }
+
+    /// The points of the stress test that was begun.
+    pub(crate) fn known_stress(&self) -> Vec<StressPoint> {
+        if self.of_the_test_before { Vec::new() } else { self.stress.clone() }
+    }
+
+    /// All is measured.
+    pub(crate) fn complete(&mut self) {
+        if let Some(run) = self.study.and_then(|study| self.runs[study as usize].as_mut()) {
+            run.is_complete = true;
+        }
+    }
+
+    /// What is being measured.
+    pub(crate) fn under_way(&self) -> Option<Study> {
+        self.study.filter(|_| self.studying)
+    }
+
+    fn run(&self, study: Study) -> Option<&Run> {
+        self.runs[study as usize].as_ref()
+    }
+
+    /// Whether measuring from `settings` goes on where it was stopped.
+    pub(crate) fn goes_on(&self, study: Study, settings: &Settings) -> bool {
+        self.run(study).is_some_and(|run| run.known.0 > 0 && !run.is_complete && run.settings == *settings)
+    }
+
+    /// What to say of a stress test that was made with other settings than `now`; `None` where it holds.
+    pub(crate) fn stale_stress_words(&self, now: &Settings) -> Option<&'static str> {
+        let made = &self.runs[Study::Stress as usize].as_ref()?.settings;
+        let painting = |settings: &Settings| (settings.render.kernel, settings.render.fill);
+        if self.of_the_test_before && !self.stress.is_empty() {
+            Some("Of the test before; the first new point takes their place.")
+        } else if method_of(made) != method_of(now) {
+            Some("Made with other thresholds; run it again to see what these give.")
+        } else if painting(made) != painting(now) {
+            Some("Made with another kernel or fill; run it again to see what this one gives.")
+        } else {
+            None
+        }
+    }
+
+    /// What there is to say once measuring was stopped: title and text.
+    pub(crate) fn stopped(&self) -> Option<(String, String)> {
+        let study = self.study.filter(|_| !self.studying)?;
+        let text = match self.run(study)?.known {
+            (0, _) => "Nothing was measured yet.".to_owned(),
+            (known, of) => format!("After {known} of {of} points; Go on measures the rest."),
+        };
+        Some((format!("{} stopped", study.name()), text))
     }
 
     /// The point that shows what these settings give.
@@ -138,6 +218,15 @@ pub(crate) fn series_name(series: Series) -> &'static str {
     if series == Series::Reference { START } else { series.name() }
 }
 
+/// Name of a method of a stress test in the window.
+pub(crate) fn method_name(method: &str) -> &str {
+    match method {
+        "ours" => START,
+        "paper" => "as in the paper",
+        other => other,
+    }
+}
+
 /// Name of a point in the window.
 pub(crate) fn point_name(point: &Point) -> String {
     point
@@ -156,6 +245,8 @@ pub(crate) struct StudyRequest {
     pub settings: Settings,
     /// What is known of the sweep already.
     pub known: Vec<Point>,
+    /// What is known of the stress test already.
+    pub known_stress: Vec<StressPoint>,
 }
 
 /// Measures; every point is told as it comes.
@@ -181,7 +272,7 @@ pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result
     let truth = if known { Truth::Views(truth.clone()) } else { Truth::HoldOut };
     match request.study {
         Study::Sweep => run_sweep(&scene, capture, &truth, request, outbox, job)?,
-        Study::Stress => run_stress(&scene, capture, &truth, &request, outbox, job)?,
+        Study::Stress => run_stress(&scene, capture, &truth, request, outbox, job)?,
     }
     Ok(Message::Studied)
 }
@@ -196,8 +287,9 @@ fn run_sweep(
 ) -> Result<()> {
     let mut plan = sweep::Plan::standard(&request.settings, capture);
     plan.done = request.known;
-    sweep::run(capture, &plan, truth, job, |point, _| {
-        outbox.send(Message::Swept { scene: scene.id, point: Box::new(point.clone()) });
+    let of = plan.trials.len();
+    sweep::run(capture, &plan, truth, job, |point, known| {
+        outbox.send(Message::Swept { scene: scene.id, point: Box::new(point.clone()), known: (known, of) });
     })?;
     Ok(())
 }
@@ -206,14 +298,15 @@ fn run_stress(
     scene: &Scene,
     capture: &Capture,
     truth: &Truth,
-    request: &StudyRequest,
+    request: StudyRequest,
     outbox: &Outbox,
     job: &Job,
 ) -> Result<()> {
     let mut plan = stress::Plan::standard(&request.settings);
     plan.frames = Some(FRAMES);
-    stress::run(capture, &plan, truth, job, |point, _| {
-        outbox.send(Message::Stressed { scene: scene.id, point: Box::new(point.clone()) });
+    plan.done = request.known_stress;
+    stress::run(capture, &plan, truth, job, |point, known| {
+        outbox.send(Message::Stressed { scene: scene.id, point: Box::new(point.clone()), known });
     })?;
     Ok(())
 }
@@ -250,16 +343,76 @@ mod tests {
         }
     }
 
+    fn point(label: &str, psnr: f64, bytes: u64, seconds: f64) -> Point {
+        let trial = Trial::new(label, Settings::default());
+        let mut point = Point::new(&trial, Series::Variation, &Measured::default());
+        (point.psnr_filled_db, point.bytes, point.seconds_preprocess) = (psnr, bytes, seconds);
+        point
+    }
+
+    #[test]
+    fn the_best_are_those_of_the_quantities_that_are_shown() {
+        let mut charts = Charts::default();
+        for (label, psnr, bytes, seconds) in
+            [("small", 20.0, 10, 9.0), ("good", 30.0, 1000, 3.0), ("fast", 10.0, 100, 1.0)]
+        {
+            charts.add(point(label, psnr, bytes, seconds), (1, 3));
+        }
+        assert_eq!(charts.front(), [[1.0, 20.0], [3.0, 30.0]]);
+        // Less of one and more of the other, whichever is along.
+        charts.set_axes([Quantity::Psnr, Quantity::Seconds]);
+        let logarithm = 3.0_f64.log10();
+        assert_eq!(charts.front(), [[10.0, 0.0], [30.0, logarithm]]);
+        assert_eq!(Quantity::Seconds.axis_name(), "Preprocessing, s (lower is better)");
+    }
+
+    #[test]
+    fn what_was_stopped_says_how_far_it_came_and_goes_on_from_there_until_it_is_done() {
+        let (settings, mut other) = (Settings::default(), Settings::default());
+        other.pruning.depth_tolerance = 2.0;
+        let mut charts = Charts::default();
+        assert!(charts.begin(Study::Sweep, &settings) && charts.under_way() == Some(Study::Sweep));
+        charts.studying = false;
+        assert_eq!(charts.stopped().unwrap().1, "Nothing was measured yet.");
+        assert!(!charts.goes_on(Study::Sweep, &settings));
+        charts.studying = true;
+        charts.add(point("first", 20.0, 10, 1.0), (33, 210));
+        assert!(charts.stopped().is_none(), "it goes on");
+        charts.studying = false;
+        let (title, text) = charts.stopped().unwrap();
+        assert_eq!((title.as_str(), text.starts_with("After 33 of 210 ")), ("Sweep stopped", true), "{text}");
+        assert!(charts.goes_on(Study::Sweep, &settings) && !charts.goes_on(Study::Sweep, &other));
+        assert!(!charts.goes_on(Study::Stress, &settings));
+        assert!(charts.begin(Study::Sweep, &settings));
+        charts.complete();
+        assert!(!charts.goes_on(Study::Sweep, &settings) && !charts.begin(Study::Sweep, &settings));
+        assert!(charts.begin(Study::Sweep, &other));
+    }
+
+    #[test]
+    fn a_stress_test_of_other_settings_says_so() {
+        let (settings, mut other) = (Settings::default(), Settings::default());
+        let mut charts = Charts::default();
+        assert_eq!(charts.stale_stress_words(&settings), None);
+        charts.begin(Study::Stress, &settings);
+        assert_eq!(charts.stale_stress_words(&settings), None);
+        other.render.kernel = crate::settings::Kernel::Point;
+        assert!(charts.stale_stress_words(&other).is_some_and(|words| words.contains("kernel")));
+        other.pruning.depth_tolerance = 2.0;
+        assert!(charts.stale_stress_words(&other).is_some_and(|words| words.contains("thresholds")));
+        assert_eq!(
+            ["ours", "paper", "without defenses"].map(method_name),
+            [START, "as in the paper", "without defenses"]
+        );
+    }
+
     #[test]
     fn samples_that_were_thinned_are_not_what_their_settings_give() {
         let settings = Settings::default();
         let mut charts = Charts::default();
         for series in [Series::Random, Series::SingleCamera, Series::NoPruning, Series::VoxelGrid] {
-            charts.add(Point::new(
-                &Trial::new(series.name(), settings.clone()),
-                series,
-                &Measured::default(),
-            ));
+            let trial = Trial::new(series.name(), settings.clone());
+            charts.add(Point::new(&trial, series, &Measured::default()), (1, 4));
         }
         assert_eq!(charts.of(&settings).map(|point| point.series), Some(Series::NoPruning));
     }
@@ -272,8 +425,13 @@ mod tests {
         let (sender, _inbox) = std::sync::mpsc::sync_channel(8);
         let outbox = Outbox::new(sender, egui::Context::default());
         for study in [Study::Sweep, Study::Stress] {
-            let request =
-                StudyRequest { scene: scene.clone(), study, settings: settings.clone(), known: Vec::new() };
+            let request = StudyRequest {
+                scene: scene.clone(),
+                study,
+                settings: settings.clone(),
+                known: Vec::new(),
+                known_stress: Vec::new(),
+            };
             let Err(error) = super::study(request, &outbox, &Job::new()) else { panic!("it was measured") };
             assert!(error.to_string().contains("record a second camera"), "{error}");
             assert!(!error.to_string().contains('\n'), "{error}");

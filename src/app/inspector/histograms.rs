@@ -85,6 +85,8 @@ pub(crate) struct Histogram {
     pub bars: Vec<[u32; 2]>,
     /// Every value, ascending.
     sorted: Vec<f32>,
+    /// The frame it is of; `None` where it is of all.
+    pub frame: Option<usize>,
     /// What the measured noise explains, in the unit of the axis; `None` where none was measured.
     pub noise: Option<f32>,
 }
@@ -108,7 +110,7 @@ impl Histogram {
             sorted.push(value);
         }
         sorted.sort_unstable_by(f32::total_cmp);
-        Some(Self { path, of, bars, sorted, noise: noise.filter(|noise| *noise > 0.0) })
+        Some(Self { path, of, bars, sorted, frame: None, noise: noise.filter(|noise| *noise > 0.0) })
     }
 
     /// Whether anything was counted.
@@ -168,6 +170,9 @@ pub(crate) fn histograms(
             of_pairs(&|pair| near(pair) && facing(pair), &|pair| pair.color_difference_steps),
         ),
     ];
+    for histogram in found.iter_mut().flatten() {
+        histogram.frame = Some(inspection.frame);
+    }
     if let Some(scan) = scan {
         let granted = granted_range_sigmas(scan.frames);
         let [color, depth] = ranges(scan, settings);

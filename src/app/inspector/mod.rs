@@ -11,6 +11,7 @@ pub(crate) mod meter;
 pub(crate) mod path;
 pub(crate) mod presets;
 pub(crate) mod probe;
+pub(crate) mod quantity;
 mod thumbs;
 
 use std::collections::{BTreeSet, VecDeque};
@@ -26,7 +27,6 @@ use super::panels::Palette;
 use super::state::{NoticeKind, State};
 use super::worker::{Lane, Outbox, Supersede};
 use crate::error::{Error, Result};
-use crate::evaluate::stress::StressPoint;
 use crate::preprocess::{FrameInspection, SampleSet, TemporalScan};
 use crate::settings::Settings;
 use charts::{Charts, StudyRequest};
@@ -100,8 +100,6 @@ pub(crate) struct Inspector {
     pub compare_trouble: Option<String>,
     /// What was measured.
     pub charts: Charts,
-    /// Whether the next point of a stress test takes the place of those of the test before.
-    pub stress_anew: bool,
     /// The camera path.
     pub path: CameraPath,
     /// The command palette, while it is open.
@@ -133,18 +131,9 @@ impl Inspector {
         self.compared = None;
         self.path = CameraPath::default();
         self.charts = Charts::default();
-        self.stress_anew = false;
         self.unsaved = false;
         self.compare_trouble = None;
         self.told_damage.clear();
-    }
-
-    /// Adds a point of a stress test; the first of a new one in place of the test before.
-    pub(crate) fn add_stress_point(&mut self, point: StressPoint) {
-        if std::mem::take(&mut self.stress_anew) {
-            self.charts.stress.clear();
-        }
-        self.charts.stress.push(point);
     }
 
     /// Whether a sweep or a stress test has points, or is under way.

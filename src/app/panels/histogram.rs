@@ -1,9 +1,10 @@
 //! A threshold as a line that is dragged on the histogram of what it cuts.
 
-use egui::{Align2, Rect, Sense, Stroke, Ui, pos2, vec2};
+use egui::{Align2, Label, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
 use super::super::command::Command;
 use super::super::inspector::histograms::{Axis, BARS, Histogram};
+use super::super::state::State;
 use super::super::text;
 use super::super::theme::Tokens;
 use crate::settings::Field;
@@ -19,7 +20,7 @@ pub(super) fn histogram_ui(
     field: &'static Field,
     name: &str,
     value: f64,
-    histogram: Option<&Histogram>,
+    state: &State,
     commands: &mut Vec<Command>,
 ) {
     let tokens = Tokens::in_ui(ui);
@@ -33,7 +34,8 @@ pub(super) fn histogram_ui(
     let painter = ui.painter_at(rect);
     painter.rect_filled(plot, 3.0, tokens.background);
     // Its room is kept while nothing is counted, so that nothing below jumps; the line can be dragged all the same.
-    let histogram = histogram.filter(|histogram| !histogram.is_empty());
+    let mut histograms = state.inspector.histograms.iter();
+    let histogram = histograms.find(|histogram| histogram.path == field.path && !histogram.is_empty());
     if let Some(histogram) = histogram {
         bars(&painter, plot, axis, histogram, tokens);
     }
@@ -49,7 +51,13 @@ pub(super) fn histogram_ui(
     let share = |part: usize| text::percent(part as u64, (within + beyond) as u64);
     let (left, right) = (format!("{} within", share(within)), format!("{} beyond", share(beyond)));
     painter.text(rect.left_top(), Align2::LEFT_TOP, left, font.clone(), tokens.text_weak);
-    painter.text(rect.right_top(), Align2::RIGHT_TOP, right, font, tokens.text_weak);
+    painter.text(rect.right_top(), Align2::RIGHT_TOP, right, font.clone(), tokens.text_weak);
+    let frame = histogram.and_then(|histogram| histogram.frame);
+    if let Some(frame) = frame.filter(|frame| *frame != state.timeline.frame) {
+        let words = RichText::new(at_frame(frame)).font(font).color(tokens.warning);
+        let place = Rect::from_min_max(rect.min, pos2(rect.right(), plot.top()));
+        ui.place(place, Label::new(words).selectable(false));
+    }
     if enabled
         && response.is_pointer_button_down_on()
         && let Some(pointer) = response.interact_pointer_pos()
@@ -62,14 +70,18 @@ pub(super) fn histogram_ui(
     let help = match histogram {
         None => "Nothing is counted here yet: the line can be dragged all the same.".to_owned(),
         Some(histogram) => format!(
-            "{} {} at this frame: {within} within the line, {beyond} beyond. Blue passes all rules, orange does not{}. Drag \
-             the line.",
+            "{} {}{}: {within} within the line, {beyond} beyond. Blue passes all rules, orange does not{}. Drag the line.",
             text::count((within + beyond) as u64),
             histogram.of,
+            frame.map_or_else(String::new, |frame| format!(", {}", at_frame(frame))),
             if histogram.noise.is_some() { "; the light band is what measured noise explains" } else { "" }
         ),
     };
     response.on_hover_text(help);
+}
+
+fn at_frame(frame: usize) -> String {
+    format!("at frame {}", frame + 1)
 }
 
 /// The bars, over the band that noise explains.

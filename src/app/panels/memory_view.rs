@@ -15,12 +15,15 @@ use super::report::stale_ui;
 pub(super) fn memory_ui(ui: &mut Ui, state: &State) {
     let tokens = Tokens::in_ui(ui);
     let (Some(scene), Some(blocks)) = (&state.scene, &state.inspector.memory) else {
-        let text = if state.scene.is_none() || state.has_capture() {
-            "What the kept samples take is known once the whole capture is pruned."
+        let (title, text) = if state.scene.is_none() || state.has_capture() {
+            ("No samples yet", "What the kept samples take is known once the whole capture is pruned.")
         } else {
-            "A store plays from disk: only the samples around the frame shown are in memory."
+            (
+                "A store plays from disk",
+                "Only the samples around the frame shown are in memory; what all of them would take is the figure at the top.",
+            )
         };
-        empty_ui(ui, ICON_MEMORY, "No samples yet", text, |_| {});
+        empty_ui(ui, ICON_MEMORY, title, text, |_| {});
         return;
     };
     let total: u64 = blocks.iter().map(|block| block.bytes).sum();

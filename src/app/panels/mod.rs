@@ -26,7 +26,9 @@ use super::command::Command;
 use super::dock::{Dock, View};
 use super::state::State;
 use super::theme::{Tokens, space};
-use super::views::{cameras_view, chart_view, compare_view, live_view, pixel_view, source_view};
+use super::views::{
+    cameras_view, chart_view, compare_view, live_view, pixel_view, source_view, stability_view,
+};
 pub(super) use palette::Palette;
 pub(super) use parts::{choice_ui, empty_ui, icon_button, segments_ui};
 
@@ -74,7 +76,7 @@ pub(super) fn view_ui(ui: &mut egui::Ui, view: View, state: &State, commands: &m
         View::Compare => compare_view::compare_view_ui(ui, state, commands),
         View::Path => path_view::path_ui(ui, state, commands),
         View::Tradeoff => chart_view::tradeoff_ui(ui, state, commands),
-        View::Stability => chart_view::stability_ui(ui, state, commands),
+        View::Stability => stability_view::stability_ui(ui, state, commands),
         View::Pixel => pixel_view::pixel_view_ui(ui, state, commands),
         View::Cameras => cameras_view::cameras_view_ui(ui, state, commands),
         View::Matrix => report::matrix_view_ui(ui, state),

@@ -7,21 +7,12 @@ use super::super::command::Command;
 use super::super::inspector::histograms::CUT;
 use super::super::inspector::history::Slot;
 use super::super::keyboard::gave_up_number;
+use super::super::names::SECTIONS;
 use super::super::state::State;
 use super::super::text;
 use super::super::theme::{Tokens, space};
 use super::{choice_ui, histogram, icon_button, presets};
 use crate::settings::{Field, Kind, Settings};
-
-/// Sections in the order of the panel: id, heading, whether it is open at first.
-const SECTIONS: &[(&str, &str, bool)] = &[
-    ("pruning", "Redundancy between cameras", true),
-    ("spans", "Redundancy over time", true),
-    ("render", "Painting the live view", true),
-    ("normals", "Surface normals", false),
-    ("store", "Saved file", false),
-    ("capture", "Reading frames", false),
-];
 
 /// Width of the number beside a slider: as much as `65536` needs.
 const NUMBER_BOX: f32 = 58.0;
@@ -33,6 +24,12 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
     let editable = state.has_thresholds();
     if editable {
         history_ui(ui, state, commands);
+        let words = match values.changed() {
+            0 => "Every setting has its default".to_owned(),
+            1 => "1 setting differs from its default".to_owned(),
+            count => format!("{count} settings differ from their defaults"),
+        };
+        ui.label(RichText::new(words).small().color(Tokens::in_ui(ui).text_weak));
     }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if !editable {
@@ -106,6 +103,12 @@ impl Values {
         Self { now: table(settings), default: table(&Settings::default()) }
     }
 
+    /// How many settings differ from their defaults.
+    fn changed(&self) -> usize {
+        let differs = |field: &&Field| self.of_field(field).is_some_and(|(now, default)| now != default);
+        Settings::fields().filter(differs).count()
+    }
+
     /// The value of a setting, and its default.
     fn of_field(&self, field: &Field) -> Option<(&toml::Value, &toml::Value)> {
         let (section, name) = field.path.split_once('.')?;
@@ -166,8 +169,7 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
             }
         });
         if let (Some(value), true) = (value.as_float(), cuts) {
-            let histogram = state.inspector.histograms.iter().find(|histogram| histogram.path == field.path);
-            histogram::histogram_ui(ui, field, &full_name, value, histogram, commands);
+            histogram::histogram_ui(ui, field, &full_name, value, state, commands);
         } else if let Some(value) = value_ui(ui, field, &full_name, value) {
             commands.push(Command::Set { path: field.path, value });
         }

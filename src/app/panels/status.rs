@@ -4,7 +4,7 @@ use egui::{Align, Button, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons::{ICON_CANCEL, ICON_REPLAY};
 
 use super::super::command::Command;
-use super::super::state::State;
+use super::super::state::{Busy, State, Work};
 use super::super::text;
 use super::super::theme::{Tokens, space};
 
@@ -20,23 +20,7 @@ pub(super) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>)
                     commands.push(Command::Cancel);
                 }
             }
-            let progress = &busy.progress;
-            let stage = if progress.stage.is_empty() { "Starting" } else { &progress.stage };
-            ui.label(stage);
-            if progress.total > 0 {
-                let count = format!("{} of {}", progress.done.min(progress.total), progress.total);
-                let bar = ProgressBar::new(progress.fraction())
-                    .desired_width(200.0)
-                    .desired_height(8.0)
-                    .fill(tokens.accent);
-                ui.add(bar).accessible_name("Progress");
-                ui.label(RichText::new(count).color(tokens.text_weak));
-                if let Some(secs) = busy.secs_left {
-                    ui.label(RichText::new(text::time_left(secs)).color(tokens.text_weak));
-                }
-            } else {
-                ui.add(egui::Spinner::new().size(14.0));
-            }
+            busy_ui(ui, state, busy);
         } else if state.stopped {
             ui.label(
                 RichText::new("The whole capture was not pruned with these settings.").color(tokens.warning),
@@ -53,6 +37,39 @@ pub(super) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>)
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| frame_facts_ui(ui, state));
     });
+}
+
+/// What is going on. Where it is a part of more, the whole comes first and has the time that is left.
+fn busy_ui(ui: &mut Ui, state: &State, busy: &Busy) {
+    let tokens = Tokens::in_ui(ui);
+    let progress = &busy.progress;
+    let stage = if progress.stage.is_empty() { "Starting" } else { &progress.stage };
+    let study = state.inspector.charts.under_way().filter(|_| busy.work == Work::Study);
+    let whole = match study {
+        Some(study) if progress.context.is_empty() => study.name().to_owned(),
+        Some(study) => format!("{}: {}", study.name(), progress.context),
+        None => progress.context.clone(),
+    };
+    if whole.is_empty() {
+        ui.label(stage);
+    } else {
+        ui.label(&whole);
+        ui.label(RichText::new(stage).color(tokens.text_weak));
+    }
+    if progress.total == 0 {
+        ui.add(egui::Spinner::new().size(14.0));
+        return;
+    }
+    let count = format!("{} of {}", progress.done.min(progress.total), progress.total);
+    let bar = ProgressBar::new(progress.fraction())
+        .desired_width(if whole.is_empty() { 200.0 } else { 100.0 })
+        .desired_height(8.0)
+        .fill(tokens.accent);
+    ui.add(bar).accessible_name("Progress");
+    ui.label(RichText::new(count).color(tokens.text_weak));
+    if let Some(secs) = busy.secs_left {
+        ui.label(RichText::new(text::time_left(secs)).color(tokens.text_weak));
+    }
 }
 
 fn frame_facts_ui(ui: &mut Ui, state: &State) {

@@ -120,7 +120,7 @@ fn figures(state: &State) -> Vec<Figure> {
             "Memory",
             of_report(&|r| text::bytes(r.bytes_memory)),
             memory_note,
-            "The kept samples in memory, of all pixels as 8-bit color and 32-bit depth.",
+            "The kept samples in memory, of all pixels as 8-bit color and 32-bit depth; a saved store is smaller.",
         ),
         accuracy_figure(state),
         figure(
@@ -145,8 +145,8 @@ fn accuracy_figure(state: &State) -> Figure {
                 format!("{:.1} dB", accuracy.psnr_db),
                 format!("{change:+.2} dB by pruning"),
                 format!(
-                    "Mean PSNR at {} vantages whose truth is known, over the pixels that samples reached. With nothing \
-                     pruned it is {:.1} dB.",
+                    "Mean PSNR at {} vantages whose truth is known, over the pixels that samples reached: charts fill holes \
+                     first and count all. With nothing pruned it is {:.1} dB.",
                     accuracy.views, accuracy.unpruned_psnr_db
                 ),
             )

@@ -17,7 +17,7 @@ const CALLOUTS: [(&str, &str, [f32; 2]); 3] = [
     ),
     (
         "Fly through what is left",
-        "Drag to orbit, wheel to zoom, W A S D to fly. Hatched pixels are holes: no camera saw them.",
+        "Drag to orbit, wheel to zoom, W A S D to fly. Hatched pixels are holes: no sample reached them.",
         [0.42, 0.30],
     ),
     (

@@ -1,52 +1,38 @@
-//! Charts: accuracy against cost over many settings, and accuracy against the size of a disturbance.
+//! Accuracy against cost over many settings.
 
 use std::collections::BTreeMap;
 
-use egui::{Color32, RichText, Ui};
-use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
-use egui_plot::{Legend, Line, MarkerShape, Plot, PlotPoint, PlotPoints, PlotUi, Points};
+use egui::{RichText, Ui};
+use egui_material_icons::icons::ICON_SCATTER_PLOT;
+use egui_plot::{Line, Plot, Points};
 
 use super::super::command::Command;
-use super::super::inspector::charts::{Quantity, Study, point_name, series_name, settings_alone};
-use super::super::panels::{choice_ui, empty_ui};
+use super::super::inspector::charts::{Study, point_name, series_name, settings_alone};
+use super::super::inspector::quantity::Quantity;
+use super::super::names;
+use super::super::panels::choice_ui;
 use super::super::state::State;
 use super::super::text;
-use super::super::theme::{Tokens, space};
+use super::super::theme::Tokens;
+use super::chart_parts::{HINT, Mark, hint_ui, legend_ui, nearest, no_points_ui, shape, study_button};
 use super::{axis_marks, colormap};
-use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::{Point, Series};
 
-/// A point this near to the pointer is meant, points on the screen.
-const NEAR: f32 = 12.0;
+/// Names of the line and of the ring in the chart.
+const FRONT: &str = "best lossless by both axes";
+const ON_NOW: &str = "on now";
 
-/// Accuracy against cost.
+/// The view.
 pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let charts = &state.inspector.charts;
     if charts.sweep.is_empty() {
         let text = "A sweep tries many settings and other methods on this capture, and draws what each costs and how close \
                     it comes to the truth. Points appear one by one; a click on one puts its settings on.";
-        empty_ui(ui, ICON_SCATTER_PLOT, "No sweep yet", text, |ui| {
-            study_button(ui, state, Study::Sweep, commands);
-        });
+        no_points_ui(ui, state, Study::Sweep, (ICON_SCATTER_PLOT, text), commands);
         return;
     }
-    ui.horizontal(|ui| {
-        let quantities: Vec<_> =
-            Quantity::ALL.iter().map(|(of, name, _)| (*of, (*name).to_owned(), String::new())).collect();
-        for (index, caption, name) in [(0, "Along", "Along axis"), (1, "Up", "Up axis")] {
-            ui.label(RichText::new(caption).color(Tokens::in_ui(ui).text_weak));
-            if let Some(quantity) = choice_ui(ui, name, charts.axes[index], &quantities, 96.0) {
-                let mut axes = charts.axes;
-                axes[index] = quantity;
-                commands.push(Command::ChartAxes(axes));
-            }
-        }
-        study_button(ui, state, Study::Sweep, commands);
-        let hint = format!("{} settings; click one to put it on", charts.sweep.len());
-        let hint = RichText::new(hint).small().color(Tokens::in_ui(ui).text_weak);
-        ui.add(egui::Label::new(hint).truncate());
-    });
-    let [along, up] = charts.axes;
+    axes_ui(ui, state, commands);
+    let [along, up] = charts.axes();
     let tokens = *Tokens::in_ui(ui);
     let place = |point: &Point| [along.of(point), up.of(point)];
     let mut series = BTreeMap::<&str, (Series, Vec<[f64; 2]>)>::new();
@@ -54,13 +40,18 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
         let (_, places) = series.entry(point.series.name()).or_insert((point.series, Vec::new()));
         places.push(place(point));
     }
-    let on_front = charts.sweep.iter().filter(|point| point.pareto && point.is_lossless());
-    let mut front: Vec<[f64; 2]> = on_front.map(place).collect();
-    front.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let current = charts.of(&state.settings).map(place);
-    let plot = plot("tradeoff", along, up, &tokens);
+    let names = series.values().enumerate().map(|(index, (series, _))| {
+        (Mark::Points(shape(index)), colormap::camera(index), series_name(*series))
+    });
+    let lines = [(Mark::Line, tokens.text_weak, FRONT), (Mark::Ring, tokens.mark, ON_NOW)];
+    let lines = &lines[..=usize::from(current.is_some())];
+    legend_ui(ui, names.chain(lines.iter().copied()));
+    let places: Vec<_> = charts.sweep.iter().map(place).collect();
+    let height = (ui.available_height() - HINT).max(40.0);
+    let plot = plot("tradeoff", [along, up], &places, &tokens).height(height);
     let shown = plot.show(ui, |plot_ui| {
-        plot_ui.line(Line::new("best lossless for its size", front).color(tokens.text_weak).width(1.0));
+        plot_ui.line(Line::new(FRONT, charts.front()).color(tokens.text_weak).width(1.0));
         for (index, (series, places)) in series.into_values().enumerate() {
             let color = colormap::camera(index);
             plot_ui.points(
@@ -68,10 +59,11 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
             );
         }
         if let Some(at) = current {
-            plot_ui.points(Points::new("on now", vec![at]).color(tokens.mark).radius(8.0).filled(false));
+            plot_ui.points(Points::new(ON_NOW, vec![at]).color(tokens.mark).radius(8.0).filled(false));
         }
-        nearest(plot_ui, charts.sweep.iter().map(place))
+        nearest(plot_ui, places.into_iter())
     });
+    hint_ui(ui, &format!("{} settings; click one to put it on", charts.sweep.len()));
     shown
         .response
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Speed and accuracy chart"));
@@ -79,32 +71,54 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
         if let Some(settings) = settings_alone(point).filter(|_| shown.response.clicked()) {
             commands.push(Command::TakeSettings(Box::new(settings.clone())));
         }
-        shown.response.on_hover_text_at_pointer(words(point));
+        shown.response.on_hover_text_at_pointer(words(point, [along, up]));
     }
 }
 
-fn words(point: &Point) -> String {
-    let advice =
-        if settings_alone(point).is_some() { "" } else { "\nOnly for comparison: no settings give it" };
-    format!(
-        "{}\n{:.2} ± {:.2} dB, SSIM {:.3}, coverage {:.1} %\n{} in {} samples, {} ms a view{advice}",
-        point_name(point),
+/// What is along and up, and the button that measures.
+fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let axes = state.inspector.charts.axes();
+    ui.horizontal_wrapped(|ui| {
+        let quantities: Vec<_> =
+            Quantity::ALL.iter().map(|(of, name, _)| (*of, (*name).to_owned(), String::new())).collect();
+        for (index, caption, name) in [(0, "Along", "Along axis"), (1, "Up", "Up axis")] {
+            ui.label(RichText::new(caption).color(Tokens::in_ui(ui).text_weak));
+            if let Some(quantity) = choice_ui(ui, name, axes[index], &quantities, 124.0) {
+                let mut axes = axes;
+                axes[index] = quantity;
+                commands.push(Command::ChartAxes(axes));
+            }
+        }
+        study_button(ui, state, Study::Sweep, commands);
+    });
+}
+
+/// What a point is and costs, first by the axes that are shown.
+fn words(point: &Point, axes: [Quantity; 2]) -> String {
+    let mut lines = vec![names::label(&point_name(point))];
+    lines.extend(axes.map(|quantity| format!("{}: {}", quantity.name(), quantity.words(point))));
+    lines.push(format!(
+        "{:.2} ± {:.2} dB with holes filled, SSIM {:.3}, coverage {:.1} %",
         point.psnr_filled_db,
         point.psnr_filled_db_se,
         point.ssim,
-        100.0 * point.coverage,
+        100.0 * point.coverage
+    ));
+    lines.push(format!(
+        "{} store of {} samples, {} in memory, {} ms a view",
         text::bytes(point.bytes),
         text::count(point.samples),
+        text::bytes(point.bytes_memory),
         text::significant(point.milliseconds)
-    )
+    ));
+    if settings_alone(point).is_none() {
+        lines.push("Only for comparison: no settings give it".to_owned());
+    }
+    lines.join("\n")
 }
 
-fn shape(index: usize) -> MarkerShape {
-    [MarkerShape::Circle, MarkerShape::Diamond, MarkerShape::Square, MarkerShape::Up, MarkerShape::Down]
-        [index % 5]
-}
-
-fn plot<'a>(id: &'static str, along: Quantity, up: Quantity, tokens: &Tokens) -> Plot<'a> {
+fn plot<'a>(id: &'static str, axes: [Quantity; 2], places: &[[f64; 2]], tokens: &Tokens) -> Plot<'a> {
+    let [along, up] = axes;
     let axis = |quantity: Quantity| {
         move |mark: egui_plot::GridMark, range: &std::ops::RangeInclusive<f64>| {
             let whole = |mark: egui_plot::GridMark| 10_f64.powf(mark.value) as u64;
@@ -115,112 +129,57 @@ fn plot<'a>(id: &'static str, along: Quantity, up: Quantity, tokens: &Tokens) ->
             }
         }
     };
-    Plot::new(id)
-        .legend(Legend::default())
-        .x_axis_label(along.name())
-        .y_axis_label(up.name())
+    let mut plot = Plot::new(id)
+        .x_axis_label(along.axis_name())
+        .y_axis_label(up.axis_name())
         .x_axis_formatter(axis(along))
         .y_axis_formatter(axis(up))
         .x_grid_spacer(move |grid| axis_marks::marks(grid.bounds, along.is_log()))
         .y_grid_spacer(move |grid| axis_marks::marks(grid.bounds, up.is_log()))
         .grid_color(tokens.border)
         .allow_scroll(false)
-        .set_margin_fraction(egui::vec2(0.06, 0.08))
+        .set_margin_fraction(egui::vec2(0.06, 0.08));
+    if let Some([low, high]) = around(places.iter().map(|place| place[0]), along.is_log()) {
+        plot = plot.include_x(low).include_x(high);
+    }
+    if let Some([low, high]) = around(places.iter().map(|place| place[1]), up.is_log()) {
+        plot = plot.include_y(low).include_y(high);
+    }
+    plot
 }
 
-/// The point under the pointer, if one is near.
-fn nearest(plot_ui: &PlotUi<'_>, places: impl Iterator<Item = [f64; 2]>) -> Option<usize> {
-    let pointer = plot_ui.screen_from_plot(plot_ui.pointer_coordinate()?);
-    places
-        .enumerate()
-        .map(|(index, [x, y])| (index, plot_ui.screen_from_plot(PlotPoint::new(x, y)).distance(pointer)))
-        .filter(|(_, distance)| *distance < NEAR)
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(index, _)| index)
+/// What an axis shows at least, so that points at one value do not span decades.
+fn around(values: impl Iterator<Item = f64>, log: bool) -> Option<[f64; 2]> {
+    let [low, high] = values
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
+    let middle = 0.5 * (low + high);
+    // About half a decade, or a twentieth of the value.
+    let span = if log { 0.5 } else { 0.05 * middle.abs().max(0.1) };
+    (middle.is_finite() && high - low < span).then_some([middle - 0.5 * span, middle + 0.5 * span])
 }
 
-fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &mut Vec<Command>) {
-    let (name, help) = match study {
-        Study::Sweep => (
-            "Run a sweep",
-            "Measures around the settings on the sliders; takes minutes, and can be cancelled.",
-        ),
-        Study::Stress => {
-            ("Run a stress test", "Disturbs the capture more and more; takes minutes, and can be cancelled.")
-        }
-    };
-    let idle = !state.inspector.charts.studying;
-    let button = ui.add_enabled(state.has_capture() && idle, egui::Button::new(name));
-    if button
-        .on_hover_text(help)
-        .on_disabled_hover_text("A capture must be open, and nothing else being measured.")
-        .clicked()
-    {
-        commands.push(Command::Study(study));
-    }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::trial::{Measured, Trial};
+    use crate::settings::Settings;
 
-/// Accuracy against the size of a disturbance.
-pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let charts = &state.inspector.charts;
-    let mut names: Vec<&str> = Vec::new();
-    for point in &charts.stress {
-        if !names.contains(&point.disturbance.as_str()) {
-            names.push(&point.disturbance);
-        }
+    #[test]
+    fn an_axis_with_one_value_shows_half_a_decade_around_it() {
+        assert_eq!(around([6.0, 6.0].into_iter(), true), Some([5.75, 6.25]));
+        assert_eq!(around([5.0, 6.0].into_iter(), true), None);
+        assert_eq!(around([20.0].into_iter(), false), Some([19.5, 20.5]));
+        assert_eq!(around([f64::INFINITY].into_iter(), false), None);
+        assert_eq!(around([].into_iter(), true), None);
     }
-    let Some(first) = names.first() else {
-        let text = "A stress test disturbs the capture more and more (noise, miscalibrated cameras, thin things) and draws \
-                    when accuracy breaks: with these settings, without defenses, and as in the paper.";
-        empty_ui(ui, ICON_MONITORING, "No stress test yet", text, |ui| {
-            study_button(ui, state, Study::Stress, commands);
-        });
-        return;
-    };
-    let chosen =
-        if names.contains(&charts.disturbance.as_str()) { charts.disturbance.as_str() } else { first };
-    ui.horizontal(|ui| {
-        let choices: Vec<_> =
-            names.iter().enumerate().map(|(index, name)| (index, text::words(name), String::new())).collect();
-        let now = names.iter().position(|name| *name == chosen).unwrap_or(0);
-        if let Some(index) = choice_ui(ui, "Disturbance", now, &choices, 150.0) {
-            commands.push(Command::Disturbance(names[index].to_owned()));
-        }
-        study_button(ui, state, Study::Stress, commands);
-        ui.add_space(space::SMALL);
-    });
-    let here: Vec<&StressPoint> = charts.stress.iter().filter(|point| point.disturbance == chosen).collect();
-    let mut methods = BTreeMap::<&str, Vec<[f64; 2]>>::new();
-    for point in &here {
-        methods.entry(&point.method).or_default().push([point.dial, point.point.psnr_filled_db]);
-    }
-    let unit = here.first().map_or("", |point| point.unit.as_str()).to_owned();
-    let plot = Plot::new("stability")
-        .legend(Legend::default())
-        .x_axis_label(format!("{} ({unit})", text::words(chosen)))
-        .y_axis_label("PSNR, dB")
-        .x_grid_spacer(|grid| axis_marks::marks(grid.bounds, false))
-        .y_grid_spacer(|grid| axis_marks::marks(grid.bounds, false))
-        .grid_color(Tokens::in_ui(ui).border)
-        .allow_scroll(false);
-    let shown = plot.show(ui, |plot_ui| {
-        for (index, (method, places)) in methods.into_iter().enumerate() {
-            let color: Color32 = colormap::camera(index);
-            plot_ui.line(Line::new(method, PlotPoints::from(places.clone())).color(color).width(2.0));
-            plot_ui.points(Points::new(method, places).color(color).radius(3.5).shape(shape(index)));
-        }
-        nearest(plot_ui, here.iter().map(|point| [point.dial, point.point.psnr_filled_db]))
-    });
-    shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Stability chart"));
-    if let Some(point) = shown.inner.and_then(|index| here.get(index)) {
-        let words = format!(
-            "{} at {} {}: {:.2} dB, {:+.2} dB lost",
-            point.method,
-            text::significant(point.dial),
-            point.unit,
-            point.point.psnr_filled_db,
-            point.loss_db
-        );
-        shown.response.on_hover_text_at_pointer(words);
+
+    #[test]
+    fn a_point_is_told_by_the_axes_that_are_shown_and_by_the_names_of_the_panel() {
+        let trial = Trial::new("spans.color_tolerance = 4, gather", Settings::default());
+        let mut point = Point::new(&trial, Series::Variation, &Measured::default());
+        (point.seconds_preprocess, point.flip) = (2.5, 0.125);
+        let told = words(&point, [Quantity::Seconds, Quantity::Flip]);
+        assert!(told.starts_with("Color tolerance (Redundancy over time): 4, gather\n"), "{told}");
+        assert!(told.contains("Preprocessing, s: 2.50\nFLIP: 0.125\n"), "{told}");
     }
 }

@@ -21,7 +21,7 @@ const SWATCH_WIDTH: f32 = 26.0;
 const MORE_WIDTH: f32 = 56.0;
 
 /// Width of the swatch of holes with its name.
-const HOLE_WIDTH: f32 = 150.0;
+const HOLE_WIDTH: f32 = 172.0;
 
 /// The legend of the left picture.
 pub(super) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, legend: &Legend) {
@@ -96,7 +96,7 @@ pub(super) fn live_legend_ui(ui: &mut Ui, state: &State) {
             }
             ColorBy::SamplingRate => ratio_ui(ui, "denser than pixels", "coarser"),
         }
-        swatch_ui(ui, tokens.hole, "hole: no camera saw it");
+        swatch_ui(ui, tokens.hole, "hole: no sample reached it");
     });
 }
 

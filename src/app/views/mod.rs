@@ -2,6 +2,7 @@
 
 mod axis_marks;
 pub(super) mod cameras_view;
+mod chart_parts;
 pub(super) mod chart_view;
 pub(super) mod colormap;
 pub(super) mod compare_view;
@@ -15,4 +16,5 @@ pub(super) mod readout;
 pub(super) mod rig;
 pub(super) mod source_image;
 pub(super) mod source_view;
+pub(super) mod stability_view;
 pub(super) mod words;

@@ -101,7 +101,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &Scene, probed: &Probed, comman
         }
     } else {
         let text = if state.has_capture() {
-            words::pending_verdict(state)
+            words::pending_verdict(state, state.inspector.probe.pinned)
         } else {
             "A kept sample. The store does not say what it was kept against; open its capture for that."
         };

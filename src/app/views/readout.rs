@@ -52,7 +52,7 @@ fn camera_facts(state: &State) -> String {
 
 fn about_pixel(state: &State, x: usize, y: usize) -> [String; 2] {
     let (Some(scene), Some(inspection)) = (&state.scene, state.inspection_here()) else {
-        return [words::pending_verdict(state).to_owned(), format!("Pixel {x}, {y}")];
+        return [words::pending_verdict(state, false).to_owned(), format!("Pixel {x}, {y}")];
     };
     let camera = &inspection.cameras[state.source.camera];
     let Some(verdict) = camera.verdict.get(x, y) else { return Default::default() };

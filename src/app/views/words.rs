@@ -27,10 +27,12 @@ pub(super) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
 /// What stands where a frame could not be worked out.
 pub(super) const FAILED_FRAME: &str = "This frame could not be worked out: the Log view says why.";
 
-/// What stands for a verdict that is not known yet.
-pub(super) fn pending_verdict(state: &State) -> &'static str {
+/// What stands for a verdict that is not known yet, of the pixel that is kept or of one under the pointer.
+pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {
     if state.is_frame_failed() {
         FAILED_FRAME
+    } else if state.timeline.playing && is_kept {
+        "In motion: pause to read its verdict."
     } else if state.timeline.playing {
         "In motion: pause, or click a pixel, to read its verdict."
     } else {

@@ -1,0 +1,90 @@
+//! Accuracy against the size of a disturbance.
+
+use std::collections::BTreeMap;
+
+use egui::{RichText, Ui};
+use egui_material_icons::icons::ICON_MONITORING;
+use egui_plot::{Line, Plot, PlotPoints, Points};
+
+use super::super::command::Command;
+use super::super::inspector::charts::{Study, method_name};
+use super::super::inspector::quantity::Quantity;
+use super::super::panels::choice_ui;
+use super::super::state::State;
+use super::super::text;
+use super::super::theme::Tokens;
+use super::chart_parts::{Mark, legend_ui, nearest, no_points_ui, shape, study_button};
+use super::{axis_marks, colormap};
+use crate::evaluate::stress::StressPoint;
+
+/// The view.
+pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let charts = &state.inspector.charts;
+    let mut names: Vec<&str> = Vec::new();
+    for point in &charts.stress {
+        if !names.contains(&point.disturbance.as_str()) {
+            names.push(&point.disturbance);
+        }
+    }
+    let Some(first) = names.first() else {
+        let text = "A stress test disturbs the capture more and more (noise, miscalibrated cameras, thin things) and draws \
+                    when accuracy breaks: with these settings, without defenses, and as in the paper.";
+        no_points_ui(ui, state, Study::Stress, (ICON_MONITORING, text), commands);
+        return;
+    };
+    let chosen =
+        if names.contains(&charts.disturbance.as_str()) { charts.disturbance.as_str() } else { first };
+    ui.horizontal_wrapped(|ui| {
+        let choices: Vec<_> =
+            names.iter().enumerate().map(|(index, name)| (index, text::words(name), String::new())).collect();
+        let now = names.iter().position(|name| *name == chosen).unwrap_or(0);
+        if let Some(index) = choice_ui(ui, "Disturbance", now, &choices, 150.0) {
+            commands.push(Command::Disturbance(names[index].to_owned()));
+        }
+        study_button(ui, state, Study::Stress, commands);
+    });
+    if let Some(words) = charts.stale_stress_words(&state.settings) {
+        ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
+    }
+    let here: Vec<&StressPoint> = charts.stress.iter().filter(|point| point.disturbance == chosen).collect();
+    plot_ui(ui, chosen, &here);
+}
+
+fn plot_ui(ui: &mut Ui, disturbance: &str, here: &[&StressPoint]) {
+    let mut methods = BTreeMap::<&str, Vec<[f64; 2]>>::new();
+    for point in here {
+        methods.entry(&point.method).or_default().push([point.dial, point.point.psnr_filled_db]);
+    }
+    let methods = methods.into_iter().enumerate();
+    let curves: Vec<_> = methods
+        .map(|(index, (method, places))| (shape(index), colormap::camera(index), method_name(method), places))
+        .collect();
+    legend_ui(ui, curves.iter().map(|(shape, color, name, _)| (Mark::Points(*shape), *color, *name)));
+    let unit = here.first().map_or("", |point| point.unit.as_str());
+    let plot = Plot::new("stability")
+        .x_axis_label(format!("{} ({unit})", text::words(disturbance)))
+        .y_axis_label(Quantity::Psnr.axis_name())
+        .x_grid_spacer(|grid| axis_marks::marks(grid.bounds, false))
+        .y_grid_spacer(|grid| axis_marks::marks(grid.bounds, false))
+        .grid_color(Tokens::in_ui(ui).border)
+        .allow_scroll(false);
+    let shown = plot.show(ui, |plot_ui| {
+        for (shape, color, name, places) in curves {
+            plot_ui.line(Line::new(name, PlotPoints::from(places.clone())).color(color).width(2.0));
+            plot_ui.points(Points::new(name, places).color(color).radius(3.5).shape(shape));
+        }
+        nearest(plot_ui, here.iter().map(|point| [point.dial, point.point.psnr_filled_db]))
+    });
+    shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Stability chart"));
+    if let Some(point) = shown.inner.and_then(|index| here.get(index)) {
+        let words = format!(
+            "{} at {} {}: {:.2} dB, {:+.2} dB lost",
+            text::sentence(method_name(&point.method)),
+            text::significant(point.dial),
+            point.unit,
+            point.point.psnr_filled_db,
+            point.loss_db
+        );
+        shown.response.on_hover_text_at_pointer(words);
+    }
+}
