@@ -32,6 +32,9 @@ fn is_one_of(pass: &str, known: &[&str]) -> bool {
     known.iter().any(|name| pass.eq_ignore_ascii_case(name))
 }
 
+/// Where Blender puts what was composited of its view layers.
+const COMPOSITED: &str = "composite";
+
 /// The worst score of depth that belongs to its root.
 const OWN_DEPTH: u8 = 1;
 
@@ -127,7 +130,8 @@ impl<'a> Finder<'a> {
         nearest.or_else(|| self.root_beside(last, color_layer)).or(last)
     }
 
-    /// The only root with geometry, where there is no depth for the picture's own.
+    /// The only root with geometry, where there is no depth for the picture's own. One with a picture of its own may be another
+    /// eye's or another scene's; what was composited of it is the exception.
     fn root_beside(&self, own: Option<&str>, color_layer: Option<&str>) -> Option<&str> {
         if self.depth(own, color_layer).is_some() {
             return None;
@@ -139,8 +143,17 @@ impl<'a> Finder<'a> {
         let mut roots: Vec<&str> = self.names.iter().flat_map(of_name).flatten().collect();
         roots.sort_unstable();
         roots.dedup();
-        roots.retain(|root| self.has_geometry(root, color_layer) && !self.is_other_view(root));
+        let is_composited = own.is_some_and(|own| own.eq_ignore_ascii_case(COMPOSITED));
+        roots.retain(|root| {
+            let is_of_this_picture = is_composited || !self.holds_picture(root);
+            self.has_geometry(root, color_layer) && !self.is_other_view(root) && is_of_this_picture
+        });
         <[&str; 1]>::try_from(roots).ok().map(|[only]| only)
+    }
+
+    fn holds_picture(&self, root: &str) -> bool {
+        let is_picture = |layer: &str| !is_geometry(layer) && self.triple(layer, RGB).is_some();
+        self.names.iter().any(|name| is_inside(name.layer, root) && is_picture(name.layer))
     }
 
     /// Whether a root that is not the picture's own is another view's: of several views of one scene, the first one's channels

@@ -172,6 +172,16 @@ mod tests {
     }
 
     #[test]
+    fn an_eye_without_depth_does_not_take_the_other_ones() {
+        let names = ["left.R", "left.G", "left.B", "right.R", "right.G", "right.B", "right.Z"];
+        for layer in ["left", "right"] {
+            let wishes = ChannelWishes { layer: Some(layer.to_owned()), ..ChannelWishes::default() };
+            assert_eq!(wish(&names, &wishes).unwrap().depth, (layer == "right").then_some(6), "{layer}");
+        }
+        assert_eq!(find(&["R", "G", "B", "right.R", "right.G", "right.B", "right.Z"]).depth, None);
+    }
+
+    #[test]
     fn two_view_layers_need_a_choice() {
         let names: Vec<String> = ["Front", "Back"]
             .iter()
