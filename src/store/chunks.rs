@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::bytes::{HEAD, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS};
 use super::header::{VERSION, decode_version};
-use super::iff::{ChunkId, FORM_HEADER, FormReader, IffError};
+use super::iff::{CHECKSUM, CHUNK_HEADER, ChunkId, FORM_HEADER, FormReader, IffError};
 use super::source::ReadAt;
 use crate::error::{Error, Result};
 use crate::settings::Settings;
@@ -48,6 +48,15 @@ impl Chunks {
         }
         let version = version.ok_or_else(|| in_chunk(path, HEAD, "it is missing"))?;
         Ok(Self { version, payloads })
+    }
+
+    /// Bytes of some chunks in the file.
+    pub(super) fn bytes(&self, ids: &[ChunkId]) -> u64 {
+        let of_chunk = |id: &ChunkId| {
+            let payload = self.get(*id).len() as u64 + CHECKSUM;
+            CHUNK_HEADER + payload.next_multiple_of(2)
+        };
+        ids.iter().map(of_chunk).sum()
     }
 
     pub(super) fn get(&self, id: ChunkId) -> &[u8] {

@@ -25,7 +25,8 @@ pub const CHUNK_HEADER: u64 = 8;
 /// Bytes before the first chunk: `FORM`, length, type.
 pub const FORM_HEADER: u64 = 12;
 
-const CHECKSUM: u64 = 4;
+/// Bytes behind a payload.
+pub(super) const CHECKSUM: u64 = 4;
 
 /// What can go wrong with a chunked file.
 #[derive(Debug, thiserror::Error)]

@@ -144,7 +144,7 @@ impl Store {
             provenance,
             images,
             bytes: form.size(),
-            record_bytes: [SETTINGS, REPORT, PROVENANCE].map(|id| chunks.get(id).len() as u64).iter().sum(),
+            record_bytes: chunks.bytes(&[SETTINGS, REPORT, PROVENANCE]),
         };
         Ok(Self {
             path: path.to_path_buf(),

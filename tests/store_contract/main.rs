@@ -135,6 +135,8 @@ fn one_image_is_read_without_the_others() {
     assert_eq!(store.info().sample_count(), samples.sample_count());
     assert_eq!(store.info().span_count(), 2);
     assert_eq!(store.info().bytes, bytes.len() as u64);
+    let record = [*b"SETT", *b"REPT", *b"PROV"].map(|id| 8 + chunk(&bytes, id).1.next_multiple_of(2) as u64);
+    assert_eq!(store.info().record_bytes, record.iter().sum::<u64>());
     assert_eq!(store.image(1).unwrap(), *samples.images[1]);
     assert!(store.damage().is_empty());
     assert!(store.image(0).unwrap().is_empty());
@@ -440,11 +442,11 @@ fn the_old_store_stays_until_the_new_one_is_whole() {
 #[test]
 fn a_store_that_cannot_be_put_there_leaves_nothing_behind() {
     let (folder, path) = scratch();
-    // A folder stands where the store should go: the last step, the rename, fails.
+    // A folder stands where the store should go, which no store replaces.
     std::fs::create_dir(&path).unwrap();
     std::fs::write(path.join("precious"), b"1").unwrap();
     let error = store::write(&path, &small_set(), &small_report(), &Job::new()).unwrap_err();
-    assert!(matches!(error, Error::Io { .. }), "{error}");
+    assert!(matches!(error, Error::Invalid { .. }), "{error}");
     assert_eq!(std::fs::read(path.join("precious")).unwrap(), b"1");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 

@@ -183,6 +183,8 @@ fn escape_stops_work_before_it_lets_go_of_a_pixel() {
     assert!(app.state.inspector.probe.pinned);
     wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);
     step(&mut app);
+    // Messages close before anything else.
+    app.state.notices.clear();
     app.apply(Command::Escape);
     assert!(!app.state.inspector.probe.pinned);
 }
@@ -196,6 +198,9 @@ fn a_stress_test_keeps_the_points_of_the_one_before_until_it_has_its_own() {
     app.apply(Command::Escape);
     wait(&mut app, "the test to stop", |app| !app.state.inspector.charts.studying);
     let before = app.state.inspector.charts.stress.len();
+    // With the same settings it would go on.
+    set_method(&mut app, PruningMethod::FirstCamera);
+    settle(&mut app);
     app.apply(Command::Study(Study::Stress));
     assert_eq!(app.state.inspector.charts.stress.len(), before);
     wait(&mut app, "the first new point", |app| app.state.inspector.charts.stress.len() < before);
