@@ -179,10 +179,10 @@ fn the_window_shows_what_the_inspector_measures_and_how_it_explains_itself() {
     shoot(&mut window, "palette");
     window.key_press(egui::Key::Escape);
     window.run_steps(3);
+    open_view(&mut window, "Camera path");
     window.key_press(egui::Key::K);
     drag(&mut window, "Live picture", egui::vec2(0.5, 0.5), egui::vec2(90.0, 20.0));
     window.key_press(egui::Key::K);
-    open_view(&mut window, "Camera path");
     choose(&mut window, "Live view shows", "Motion");
     settle(&mut window);
     shoot(&mut window, "camera_path");
@@ -216,6 +216,8 @@ fn the_window_shows_that_it_is_loading_and_what_went_wrong() {
     let missing = overlook::app::Start::Path("/no/such/folder/capture.ovl".into());
     let mut window = open(missing, [1280.0, 800.0]);
     wait(&mut window, "the error", |window| !window.state().notices().is_empty());
+    // It is drawn with the next picture of the window.
+    window.run_steps(2);
     assert!(window.query_by_label("Dismiss").is_some());
     shoot(&mut window, "error");
 }

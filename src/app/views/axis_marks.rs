@@ -9,6 +9,9 @@ use super::super::text;
 /// Marks that are aimed at.
 const MARKS: f64 = 6.0;
 
+/// Marks of a logarithmic axis are at least so far apart, in parts of what is aimed at.
+const ROOM: f64 = 0.9;
+
 /// Beyond this ratio of its ends a logarithmic axis is marked at 1, 2 and 5 of every power of ten.
 const WIDE: f64 = 8.0;
 
@@ -23,7 +26,14 @@ pub(super) fn marks((low, high): (f64, f64), log: bool) -> Vec<GridMark> {
         round_values(low, high)
     } else if 10_f64.powf(high - low) < WIDE {
         let values = round_values(10_f64.powf(low), 10_f64.powf(high)).into_iter();
-        values.filter(|value| *value > 0.0).map(f64::log10).collect()
+        let mut last = f64::NEG_INFINITY;
+        // Toward the upper end they come closer together than their labels are wide.
+        let has_room = |value: &f64| {
+            let fits = value - last >= ROOM * step_size;
+            last = if fits { *value } else { last };
+            fits
+        };
+        values.filter(|value| *value > 0.0).map(f64::log10).filter(has_room).collect()
     } else {
         let decades = low.floor() as i32..=high.ceil() as i32;
         let whole = high - low > MARKS / 2.0;
@@ -78,6 +88,7 @@ mod tests {
     fn axes_are_marked_at_round_values() {
         assert_eq!(values(22.4, 28.1, false), [23.0, 24.0, 25.0, 26.0, 27.0, 28.0]);
         assert_eq!(values(3.1_f64.log10(), 4.2_f64.log10(), true), [3.2, 3.4, 3.6, 3.8, 4.0, 4.2]);
+        assert_eq!(values(2.2_f64.log10(), 8.1_f64.log10(), true), [3.0, 4.0, 5.0, 7.0]);
         assert_eq!(values(0.9_f64.log10(), 60_f64.log10(), true), [1.0, 2.0, 5.0, 10.0, 20.0, 50.0]);
         assert_eq!(values(0.0, 4.0, true), [1.0, 10.0, 100.0, 1000.0, 10000.0]);
         assert_eq!(marks((1.0, 1.0), false), []);
