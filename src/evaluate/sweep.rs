@@ -58,7 +58,6 @@ pub struct Point {
     /// Bytes of the store.
     pub bytes: u64,
     /// Those of them that say how it was made, see [`Point::bytes_of_samples`].
-    #[serde(default)]
     pub bytes_record: u64,
     /// Bytes of the samples in memory.
     pub bytes_memory: u64,
@@ -73,7 +72,6 @@ pub struct Point {
     /// Seconds of preprocessing.
     pub seconds_preprocess: f64,
     /// Vantages that it was scored at: fewer than others where it is a camera that is held out itself.
-    #[serde(default)]
     pub vantages: usize,
     /// Whether no other point is both more accurate (`psnr_filled_db`) and smaller, see [`mark_pareto`]; under
     /// stress, no other method's under the same disturbance of the same size.
