@@ -31,7 +31,7 @@ use crate::capture::{Camera, Capture, View};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{self, SampleSet};
-use crate::render::{Painter, Picture, Renderer, Vantage};
+use crate::render::{Painter, Picture, RenderStats, Renderer, Vantage};
 use crate::settings::{PruningMethod, RenderSettings, Settings};
 use metrics::{FlickerMeter, Pair, Scores};
 
@@ -232,10 +232,7 @@ pub fn render_view(
     job: &Job,
 ) -> Result<PaintedView> {
     let place = || format!("view '{}'", view.file_path);
-    let frame = frame_of(view, &samples.name, &samples.frame_numbers)?;
-    let vantage = Vantage { camera: view.camera.clone(), frame };
-    renderer.forget_background();
-    let (picture, stats) = renderer.render(samples, &vantage, settings, job)?;
+    let (picture, stats) = painted(renderer, samples, view, settings, job)?;
     let pair = match &view.truth {
         None => None,
         Some(truth) => Some(Pair::new(&picture, &truth()?).map_err(|error| match error {
@@ -255,6 +252,20 @@ pub fn render_view(
     };
     let notice = renderer.notice().map(str::to_owned);
     Ok(PaintedView { picture, score, pair, fill_ms: stats.fill_ms, notice })
+}
+
+/// The picture of a view, with nothing kept from the view before.
+fn painted(
+    renderer: &mut Renderer,
+    samples: &Arc<SampleSet>,
+    view: &View,
+    settings: &RenderSettings,
+    job: &Job,
+) -> Result<(Arc<Picture>, RenderStats)> {
+    let frame = frame_of(view, &samples.name, &samples.frame_numbers)?;
+    let vantage = Vantage { camera: view.camera.clone(), frame };
+    renderer.forget_background();
+    renderer.render(samples, &vantage, settings, job)
 }
 
 /// Scores the views whose truth is known.
@@ -288,7 +299,7 @@ fn evaluate_with(
     let mut scores = Scoreboard::default();
     let order = vantage_order(&views);
     // What is set up once is not the first picture's to pay for.
-    render_view(renderer, samples, views[order[0]], settings, &Job::new())?;
+    painted(renderer, samples, views[order[0]], settings, job)?;
     for &index in &order {
         job.check()?;
         scores.add(views[index], render_view(renderer, samples, views[index], settings, job)?);

@@ -115,6 +115,13 @@ pub(super) struct Model {
     seconds: f64,
 }
 
+impl Model {
+    /// One that was not through a file yet.
+    fn unstored(samples: Arc<SampleSet>, report: Report, seconds: f64) -> Self {
+        Self { samples, report, bytes: 0, bytes_record: 0, seconds }
+    }
+}
+
 struct FoldState {
     fold: Fold,
     scans: Vec<(ScanKey, Arc<TemporalScan>, f64)>,
@@ -310,7 +317,7 @@ impl FoldState {
         let capture = self.fold.capture.with_cameras(|_, camera| Self::keeps(trial, &camera.name));
         let pruned = preprocess::prune(&capture, &scan, &trial.settings, job)?;
         let seconds = seconds_scan + pruned.report.seconds;
-        Ok(Model { samples: pruned.samples, report: pruned.report, bytes: 0, bytes_record: 0, seconds })
+        Ok(Model::unstored(pruned.samples, pruned.report, seconds))
     }
 
     fn thinned(&mut self, trial: &Trial, thinning: Thinning, count: u64, job: &Job) -> Result<Model> {
@@ -327,7 +334,7 @@ impl FoldState {
             _ => baselines::random(&all.samples, count),
         });
         let seconds = all.seconds + started.elapsed().as_secs_f64();
-        Ok(Model { samples, report: all.report.clone(), bytes: 0, bytes_record: 0, seconds })
+        Ok(Model::unstored(samples, all.report.clone(), seconds))
     }
 
     /// Lowers all tolerances together until at least `count` samples stay, and takes as many of them.
@@ -366,9 +373,10 @@ pub(super) fn stored(samples: &SampleSet, report: &Report, job: &Job) -> Result<
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
     let path = folder.path().join("trial.ovl");
     let bytes = store::write(&path, samples, report, job)?;
-    let (samples, report) = store::read(&path, job)?;
-    let bytes_record = store::Store::open(&path)?.info().record_bytes;
-    Ok(Model { samples: Arc::new(samples), report, bytes, bytes_record, seconds: 0.0 })
+    let store = store::Store::open(&path)?;
+    let (samples, report) = store.read_undamaged(job)?;
+    let bytes_record = store.info().record_bytes;
+    Ok(Model { bytes, bytes_record, ..Model::unstored(Arc::new(samples), report, 0.0) })
 }
 
 /// How much work a kernel does per sample, as a rule that is the same on every machine: ranks of the measured times.

@@ -71,10 +71,5 @@ pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, 
 /// # Errors
 /// `Io`, `Invalid` (naming file, chunk and byte offset), `Unsupported` (a newer version), `Cancelled`.
 pub fn read(path: &Path, job: &Job) -> Result<(SampleSet, Report)> {
-    let store = Store::open(path)?;
-    let read = store.read_all(job)?;
-    match store.damage().first() {
-        None => Ok(read),
-        Some(damage) => Err(Error::invalid(path.display(), damage)),
-    }
+    Store::open(path)?.read_undamaged(job)
 }

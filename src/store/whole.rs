@@ -91,4 +91,16 @@ impl Store {
         samples.images = images.filter(|image| !image.is_empty()).collect();
         Ok((samples, self.info.report.clone()))
     }
+
+    /// As [`Store::read_all`], where nothing may be damaged.
+    ///
+    /// # Errors
+    /// `Io`, `Invalid` naming what is damaged, `Cancelled`.
+    pub fn read_undamaged(&self, job: &Job) -> Result<(SampleSet, Report)> {
+        let read = self.read_all(job)?;
+        match self.damage().first() {
+            None => Ok(read),
+            Some(damage) => Err(Error::invalid(self.path.display(), damage)),
+        }
+    }
 }

@@ -111,9 +111,9 @@ impl PaintCase {
 
     /// Paints one vantage after the other.
     fn paint(&self, bench: &Bench<'_>, round: &Round<'_>) -> Result<Measured> {
-        let settings =
-            // A stage is what it takes at its own size.
-            RenderSettings { kernel: self.kernel, backend: self.backend, antialias: false, ..RenderSettings::default() };
+        // A stage is what it takes at its own size.
+        let defaults = RenderSettings { antialias: false, ..RenderSettings::default() };
+        let settings = RenderSettings { kernel: self.kernel, backend: self.backend, ..defaults };
         let mut renderer = Renderer::strict(self.backend)?;
         let mut turns = round.vantages.iter().cycle();
         let (mut holes, mut background_reused) = (0, false);
