@@ -112,16 +112,20 @@ pub struct Spooled {
     pub report: Report,
 }
 
+impl Spooled {
+    fn into_memory(self) -> Result<Preprocessed> {
+        let Self { outline, images, report } = self;
+        let samples = Arc::new(SampleSet { images: images.into_images()?, ..outline });
+        Ok(Preprocessed { samples, report })
+    }
+}
+
 /// The whole method: scan over time, split into spans, prune between cameras.
 ///
 /// # Errors
 /// Whatever the capture gives (naming file and frame), `Io` where a temporary file cannot be used, and `Cancelled`.
 pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<Preprocessed> {
-    let started = Instant::now();
-    let scan = scan(capture, settings, job)?;
-    let mut preprocessed = prune(capture, &scan, settings, job)?;
-    preprocessed.report.seconds = started.elapsed().as_secs_f64();
-    Ok(preprocessed)
+    preprocess_into(Spool::new(usize::MAX), capture, settings, job)?.into_memory()
 }
 
 /// The same for a sequence of any length: what is kept waits in a temporary file where it takes more than a share of the memory
@@ -130,9 +134,13 @@ pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<P
 /// # Errors
 /// As [`preprocess`].
 pub fn preprocess_spooled(capture: &Capture, settings: &Settings, job: &Job) -> Result<Spooled> {
+    preprocess_into(Spool::new(samples_in_memory(settings)), capture, settings, job)
+}
+
+fn preprocess_into(images: Spool, capture: &Capture, settings: &Settings, job: &Job) -> Result<Spooled> {
     let started = Instant::now();
     let scan = scan(capture, settings, job)?;
-    let mut spooled = prune_into(Spool::new(samples_in_memory(settings)), (capture, &scan), settings, job)?;
+    let mut spooled = prune_into(images, (capture, &scan), settings, job)?;
     spooled.report.seconds = started.elapsed().as_secs_f64();
     Ok(spooled)
 }
@@ -158,9 +166,7 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<Tem
 /// # Errors
 /// As [`preprocess`].
 pub fn prune(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &Job) -> Result<Preprocessed> {
-    let Spooled { outline, images, report } =
-        prune_into(Spool::new(usize::MAX), (capture, scan), settings, job)?;
-    Ok(Preprocessed { samples: Arc::new(SampleSet { images: images.into_images()?, ..outline }), report })
+    prune_into(Spool::new(usize::MAX), (capture, scan), settings, job)?.into_memory()
 }
 
 fn prune_into(

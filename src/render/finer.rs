@@ -111,12 +111,12 @@ pub(super) fn averaged(finer: &Picture, times: usize) -> Picture {
         let is_sampled = |at: &(usize, usize)| finer.image[*at] != NO_IMAGE;
         let shown = || parts().filter(|at| finer.shows(*at));
         let (sampled, shows) = (parts().filter(is_sampled).count(), shown().count());
-        let mut middle = match (2 * sampled >= order.len(), 2 * shows >= order.len()) {
+        let middle = match (2 * sampled >= order.len(), 2 * shows >= order.len()) {
             (true, _) => parts().find(is_sampled),
             (false, true) => shown().find(|at| !is_sampled(at)),
             (false, false) => None,
         };
-        let Some(at) = middle.take() else { return ([0.0; 3], -1.0, NO_IMAGE) };
+        let Some(at) = middle else { return ([0.0; 3], -1.0, NO_IMAGE) };
         let mut sum = [0.0; 3];
         for part in shown() {
             (0..3).for_each(|channel| sum[channel] += finer.color[part][channel]);

@@ -21,7 +21,7 @@ use super::provenance::{PlaneBytes, Provenance};
 use super::{images, precision};
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::spool::Spool;
+use crate::preprocess::spool::{ImageFacts, Spool};
 use crate::preprocess::{Report, SampleImage, SampleSet, Span};
 use crate::settings::{self, StoreSettings};
 use crate::whole_file;
@@ -141,31 +141,17 @@ fn write_spooled_to(
     }
     // The index stands before the images, so that opening a store reads its first few kilobytes only; it has its final
     // length from the start and is filled in at the end.
-    let mut entries = vec![NOWHERE; prepared.images.len()];
+    let mut entries: Vec<ImageEntry> =
+        (0..prepared.images.len()).map(|index| prepared.entry(index)).collect();
     let index = form.chunk(INDEX, &encode_index(&entries, 0)).map_err(iff)?;
-    for start in (0..prepared.images.len()).step_by(BATCH) {
-        let batch = start..(start + BATCH).min(prepared.images.len());
-        let payloads: Result<Vec<_>> = batch
-            .clone()
-            .into_par_iter()
-            .map(|index| {
-                job.check()?;
-                prepared.encode(samples, index)
-            })
-            .collect();
+    for start in (0..entries.len()).step_by(BATCH) {
+        let batch = start..entries.len().min(start + BATCH);
+        let encode = |index| job.check().and_then(|()| prepared.encode(samples, index));
+        let payloads: Result<Vec<_>> = batch.clone().into_par_iter().map(encode).collect();
         for (index, (payload, head)) in batch.clone().zip(payloads?) {
             let offset = form.plain_chunk(IMAGE, &payload).map_err(iff)?;
-            let image = prepared.images.facts_of(index);
-            entries[index] = ImageEntry {
-                camera: image.camera,
-                span: image.span,
-                samples: image.samples as u32,
-                tiles: image.tiles as u32,
-                reference: prepared.references[index],
-                offset,
-                length: payload.len() as u32,
-                head: head as u32,
-            };
+            let (length, head) = (payload.len() as u32, head as u32);
+            entries[index] = ImageEntry { offset, length, head, ..entries[index] };
         }
         job.advance(batch.len());
     }
@@ -174,17 +160,6 @@ fn write_spooled_to(
     form.finish().map_err(iff)?;
     Ok(size)
 }
-
-const NOWHERE: ImageEntry = ImageEntry {
-    camera: 0,
-    span: Span { start: 0, end: 0 },
-    samples: 0,
-    tiles: 0,
-    reference: None,
-    offset: 0,
-    length: 0,
-    head: 0,
-};
 
 fn place_of(image: &SampleImage, path: &Path) -> String {
     let SampleImage { camera, span: Span { start, end }, .. } = image;
@@ -267,6 +242,14 @@ impl<'a> Prepared<'a> {
         prepared.model = fit(&counted)?;
         prepared.planes = PlaneBytes::of_bits(prepared.model.bits(&counted));
         Ok(prepared)
+    }
+
+    /// What the index says of an image that stands nowhere yet.
+    fn entry(&self, index: usize) -> ImageEntry {
+        let ImageFacts { camera, span, samples, tiles, .. } = *self.images.facts_of(index);
+        let reference = self.references[index];
+        let (samples, tiles) = (samples as u32, tiles as u32);
+        ImageEntry { camera, span, samples, tiles, reference, offset: 0, length: 0, head: 0 }
     }
 
     /// An image, and the one that it is predicted from.
