@@ -3,10 +3,11 @@
 use super::OverlookApp;
 use super::command::Command;
 use super::dock::View;
-use super::inspector::charts::{Study, StudyRequest};
+use super::inspector::charts::Study;
 use super::inspector::path::{ExportRequest, PathKey, Target};
 use super::inspector::presets::{self, PRESETS};
 use super::inspector::probe::Spot;
+use super::inspector::study::StudyRequest;
 use super::message::Purpose;
 use super::names;
 use super::state::NoticeKind;

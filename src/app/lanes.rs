@@ -20,6 +20,7 @@ use crate::preprocess::{self, Report, SampleSet, TemporalScan};
 use crate::render::{Picture, Renderer, SharedDevice, write_png};
 use crate::settings::{CaptureSettings, Settings};
 use crate::store::{self, Extras, Playback, Provenance};
+use crate::whole_file;
 
 /// What to open.
 #[derive(Clone, Debug)]
@@ -329,7 +330,7 @@ fn file(request: FileRequest, job: &Job) -> Result<Message> {
             Ok(Message::Saved { path, bytes: Some(bytes), holds: None })
         }
         FileRequest::SaveSettings { path, settings } => {
-            std::fs::write(&path, settings.to_toml()).map_err(|error| Error::io(&path, error))?;
+            whole_file::write_all(&path, settings.to_toml())?;
             Ok(Message::Saved { path, bytes: None, holds: None })
         }
         FileRequest::SavePicture { path, picture } => {

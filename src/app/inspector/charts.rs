@@ -1,18 +1,9 @@
-//! Sweeps and stress tests: run on a lane, points drawn as they come.
+//! What sweeps and stress tests have measured so far, how far they came, and how it is shown.
 
-use std::sync::Arc;
-
-use super::super::message::Message;
-use super::super::scene::{Content, Scene};
 use super::super::state::method_of;
-use super::super::worker::Outbox;
 use super::quantity::Quantity;
-use crate::capture::Capture;
-use crate::error::{Error, Result};
-use crate::evaluate::stress::{self, StressPoint};
+use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::{self, Point, Series};
-use crate::evaluate::truth::Truth;
-use crate::job::Job;
 use crate::settings::Settings;
 
 /// What is measured.
@@ -235,107 +226,19 @@ pub(crate) fn point_name(point: &Point) -> String {
         .map_or_else(|| point.label.clone(), |kernel| format!("{START}, {kernel}"))
 }
 
-/// What to measure.
-pub(crate) struct StudyRequest {
-    /// What is open, a capture.
-    pub scene: Arc<Scene>,
-    /// What is measured.
-    pub study: Study,
-    /// The settings to start from.
-    pub settings: Settings,
-    /// What is known of the sweep already.
-    pub known: Vec<Point>,
-    /// What is known of the stress test already.
-    pub known_stress: Vec<StressPoint>,
-}
-
-/// Measures; every point is told as it comes.
-///
-/// # Errors
-/// `Invalid` for a store; whatever measuring gives; `Cancelled`.
-pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
-    let scene = request.scene.clone();
-    let Content::Capture { capture, truth } = &scene.content else {
-        return Err(Error::invalid(
-            &scene.name,
-            "a store holds no source frames to measure against; open its capture",
-        ));
-    };
-    let known = truth.iter().any(|view| view.truth.is_some());
-    if !known && capture.cameras.len() < 2 {
-        return Err(Error::invalid(
-            &scene.name,
-            "there is no truth to measure against, and its only camera cannot be left out; record a second camera, or \
-             true pictures with a novel/transforms.json beside it",
-        ));
-    }
-    let truth = if known { Truth::Views(truth.clone()) } else { Truth::HoldOut };
-    match request.study {
-        Study::Sweep => run_sweep(&scene, capture, &truth, request, outbox, job)?,
-        Study::Stress => run_stress(&scene, capture, &truth, request, outbox, job)?,
-    }
-    Ok(Message::Studied)
-}
-
-fn run_sweep(
-    scene: &Scene,
-    capture: &Capture,
-    truth: &Truth,
-    request: StudyRequest,
-    outbox: &Outbox,
-    job: &Job,
-) -> Result<()> {
-    let mut plan = sweep::Plan::standard(&request.settings, capture);
-    plan.done = request.known;
-    let of = plan.trials.len();
-    sweep::run(capture, &plan, truth, job, |point, known| {
-        outbox.send(Message::Swept { scene: scene.id, point: Box::new(point.clone()), known: (known, of) });
-    })?;
-    Ok(())
-}
-
-fn run_stress(
-    scene: &Scene,
-    capture: &Capture,
-    truth: &Truth,
-    request: StudyRequest,
-    outbox: &Outbox,
-    job: &Job,
-) -> Result<()> {
-    let mut plan = stress::Plan::standard(&request.settings);
-    plan.frames = Some(FRAMES);
-    plan.done = request.known_stress;
-    stress::run(capture, &plan, truth, job, |point, known| {
-        outbox.send(Message::Stressed { scene: scene.id, point: Box::new(point.clone()), known });
-    })?;
-    Ok(())
-}
-
-/// Frames that a stress test in the window looks at: enough for what moves to move.
-const FRAMES: usize = 8;
-
 #[cfg(test)]
 mod tests {
-    use super::super::super::scene::Origin;
     use super::*;
     use crate::capture::demo::{Demo, DemoSpec};
     use crate::evaluate::trial::{Measured, Trial};
-
-    fn spec(cameras: usize) -> DemoSpec {
-        DemoSpec {
-            scene: "orrery".into(),
-            cameras: Some(cameras),
-            frames: Some(2),
-            size: Some((16, 12)),
-            noise: None,
-        }
-    }
 
     #[test]
     fn what_a_sweep_starts_from_is_not_called_the_defaults() {
         let mut settings = Settings::default();
         settings.pruning.depth_tolerance = 2.0;
-        let capture = Demo::new(&spec(2)).unwrap().capture(&settings.capture);
+        let (scene, size) = ("orrery".to_owned(), Some((16, 12)));
+        let spec = DemoSpec { scene, cameras: Some(2), frames: Some(2), size, noise: None };
+        let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
         for planned in sweep::Plan::standard(&settings, &capture).trials {
             let point = Point::new(&planned.trial, planned.series, &Measured::default());
             assert!(!series_name(point.series).contains("default"), "{:?}", point.series);
@@ -415,26 +318,5 @@ mod tests {
             charts.add(Point::new(&trial, series, &Measured::default()), (1, 4));
         }
         assert_eq!(charts.of(&settings).map(|point| point.series), Some(Series::NoPruning));
-    }
-
-    #[test]
-    fn a_single_camera_without_truth_is_not_measured_and_one_line_says_what_to_do() {
-        let settings = Settings::default();
-        let capture = Demo::new(&spec(1)).unwrap().capture(&settings.capture);
-        let scene = Arc::new(Scene::of_capture(Origin::Demo("orrery".into()), capture, Vec::new(), 1.0));
-        let (sender, _inbox) = std::sync::mpsc::sync_channel(8);
-        let outbox = Outbox::new(sender, egui::Context::default());
-        for study in [Study::Sweep, Study::Stress] {
-            let request = StudyRequest {
-                scene: scene.clone(),
-                study,
-                settings: settings.clone(),
-                known: Vec::new(),
-                known_stress: Vec::new(),
-            };
-            let Err(error) = super::study(request, &outbox, &Job::new()) else { panic!("it was measured") };
-            assert!(error.to_string().contains("record a second camera"), "{error}");
-            assert!(!error.to_string().contains('\n'), "{error}");
-        }
     }
 }

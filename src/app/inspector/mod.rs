@@ -12,6 +12,7 @@ pub(crate) mod path;
 pub(crate) mod presets;
 pub(crate) mod probe;
 pub(crate) mod quantity;
+pub(crate) mod study;
 mod thumbs;
 
 use std::collections::{BTreeSet, VecDeque};
@@ -29,7 +30,7 @@ use super::worker::{Lane, Outbox, Supersede};
 use crate::error::{Error, Result};
 use crate::preprocess::{FrameInspection, SampleSet, TemporalScan};
 use crate::settings::Settings;
-use charts::{Charts, StudyRequest};
+use charts::Charts;
 use compare::{CompareKey, Compared, Comparer};
 use compare_look::{CompareLook, Place};
 use histograms::Histogram;
@@ -39,6 +40,7 @@ use meter::Meter;
 use path::{CameraPath, ExportRequest};
 use presets::OwnPreset;
 use probe::{ProbeKey, Probed, Spot};
+use study::StudyRequest;
 
 /// Entries the log keeps.
 const LOG: usize = 500;
@@ -243,7 +245,7 @@ impl InspectorLanes {
                 "Study",
                 Supersede::Always,
                 outbox.clone(),
-                move |request: StudyRequest, job| threads.install(|| charts::study(request, &studying, job)),
+                move |request: StudyRequest, job| threads.install(|| study::study(request, &studying, job)),
             )?,
             export: Lane::start(
                 "Export",

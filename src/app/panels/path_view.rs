@@ -83,9 +83,15 @@ pub(super) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let facts = format!("{} pictures, {width}×{height}", path.pictures());
         ui.label(RichText::new(facts).color(tokens.text_weak));
     });
+    keys_ui(ui, state, commands);
+}
+
+fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let tokens = Tokens::in_ui(ui);
+    let keys = &state.inspector.path.keys;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {
-            for (index, key) in path.keys.iter().enumerate() {
+            for (index, key) in keys.iter().enumerate() {
                 let number = index + 1;
                 if ui.button(format!("Key {number}")).on_hover_text("Go there").clicked() {
                     commands.push(Command::GoToKey(index));

@@ -43,16 +43,15 @@ pub(super) fn legend_ui<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Mark
         ui.spacing_mut().interact_size.y = 0.0;
         for (mark, color, name) in entries {
             let font = egui::TextStyle::Small.resolve(ui.style());
-            let words = ui.painter().layout_no_wrap(name.to_owned(), font, color).size();
+            let text = Tokens::in_ui(ui).text;
+            let words = ui.painter().layout_no_wrap(name.to_owned(), font, text);
             // A mark stays beside its name.
-            let size = vec2(MARK + 4.0 + words.x + 8.0, words.y.max(MARK));
+            let size = vec2(MARK + 4.0 + words.size().x + 8.0, words.size().y.max(MARK));
             let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
             let middle = rect.left_center() + vec2(MARK / 2.0, 0.0);
             ui.painter().add(mark_at(mark, middle, color));
-            let text = Tokens::in_ui(ui).text;
-            let at = rect.left_center() + vec2(MARK + 4.0, 0.0);
-            let font = egui::TextStyle::Small.resolve(ui.style());
-            ui.painter().text(at, egui::Align2::LEFT_CENTER, name, font, text);
+            let at = rect.left_center() + vec2(MARK + 4.0, -0.5 * words.size().y);
+            ui.painter().galley(at, words, text);
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, name));
         }
     });
