@@ -1,40 +1,23 @@
 //! What `overlook preprocess` tells beside the store, and what must not cost the store.
 
-use std::path::Path;
-use std::process::{Command, Output};
+#[path = "common/command.rs"]
+mod command;
 
+use std::path::Path;
+
+use command::{overlook, scene, succeed};
 use exr::prelude::{ReadChannels, ReadLayers, WritableImage};
 use serde_json::Value;
 
-fn run(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_overlook"));
-    command.current_dir(folder).args(arguments);
-    command
-}
-
-fn succeed(mut command: Command) -> Output {
-    let output = command.output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    output
-}
-
 fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
-}
-
-/// A folder with a small capture called `scene`.
-fn scene() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let size = ["--cameras", "2", "--frames", "2", "--size", "24x16"];
-    succeed(run(folder.path(), &[&["demo", "orrery", "--out", "scene"], &size[..]].concat()));
-    folder
 }
 
 #[test]
 #[cfg(unix)]
 fn a_form_that_cannot_be_measured_is_a_warning_and_the_store_is_written() {
     use std::os::unix::fs::PermissionsExt;
-    let folder = scene();
+    let folder = scene("2", "24x16");
     let folder = folder.path();
     std::fs::create_dir(folder.join("bin")).unwrap();
     let told = "echo no such codec >&2; echo >&2; exit 3";
@@ -48,7 +31,8 @@ fn a_form_that_cannot_be_measured_is_a_warning_and_the_store_is_written() {
         let script = format!("#!/bin/sh\nPATH=/usr/bin:/bin\n[ \"$1\" = -version ] && exit 0\n{script}\n");
         std::fs::write(&program, script).unwrap();
         std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
-        let mut command = run(folder, &["preprocess", "scene", "--out", "scene.ovl", "--measure-rivals"]);
+        let mut command =
+            overlook(folder, &["preprocess", "scene", "--out", "scene.ovl", "--measure-rivals"]);
         command.env("PATH", folder.join("bin"));
         let said = text(&succeed(command).stderr);
         let expected: Vec<_> = ["color", "depth"][..2 - usize::from(measures_depth)]
@@ -61,7 +45,7 @@ fn a_form_that_cannot_be_measured_is_a_warning_and_the_store_is_written() {
             .collect();
         let of_it = said.lines().filter(|line| line.contains("measured") || line.contains("ffmpeg"));
         assert_eq!(of_it.collect::<Vec<_>>(), expected, "{said}");
-        let info = succeed(run(folder, &["info", "scene.ovl", "--json"]));
+        let info = succeed(overlook(folder, &["info", "scene.ovl", "--json"]));
         let info: Value = serde_json::from_slice(&info.stdout).unwrap();
         let rivals = &info["provenance"]["rivals"];
         assert!(rivals["zip_exr"].as_u64().is_some_and(|bytes| bytes > 0), "{rivals}");
@@ -91,9 +75,9 @@ fn lose_depth(path: &Path, pixels: usize) {
 
 #[test]
 fn pixels_without_depth_are_told_and_pass_for_no_redundancy_between_cameras() {
-    let folder = scene();
+    let folder = scene("2", "24x16");
     let folder = folder.path();
-    let whole = text(&succeed(run(folder, &["preprocess", "scene", "--out", "whole.ovl"])).stdout);
+    let whole = text(&succeed(overlook(folder, &["preprocess", "scene", "--out", "whole.ovl"])).stdout);
     assert!(!whole.contains("without depth"), "{whole}");
 
     let manifest = std::fs::read_to_string(folder.join("scene/transforms.json")).unwrap();
@@ -102,13 +86,13 @@ fn pixels_without_depth_are_told_and_pass_for_no_redundancy_between_cameras() {
         lose_depth(&folder.join("scene").join(entry["file_path"].as_str().unwrap()), 100);
     }
     let keep = ["preprocess", "scene", "--out", "scene.ovl", "--set", "pruning.method=off"];
-    let told = text(&succeed(run(folder, &keep)).stdout);
+    let told = text(&succeed(overlook(folder, &keep)).stdout);
     let line = format!("  without depth {:>10}\n", 4 * 100);
     let dropped = told.lines().filter(|line| line.starts_with("  dropped")).count();
     assert!(told.contains(&line) && dropped == 1, "nothing but time is dropped: {told}");
-    let info = text(&succeed(run(folder, &["info", "scene.ovl"])).stdout);
+    let info = text(&succeed(overlook(folder, &["info", "scene.ovl"])).stdout);
     assert!(info.contains(&line), "{info}");
-    let info = succeed(run(folder, &["info", "scene.ovl", "--json"]));
+    let info = succeed(overlook(folder, &["info", "scene.ovl", "--json"]));
     let info: Value = serde_json::from_slice(&info.stdout).unwrap();
     let sizes = &info["sizes"];
     assert_eq!(sizes["after_time"], sizes["after_pruning"], "no camera stands for another: {sizes}");

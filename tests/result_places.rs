@@ -1,39 +1,27 @@
 //! Where commands write: no pipe and no input is replaced, links are written through, and what cannot be written is told before
 //! the work rather than after it.
 
+#[path = "common/command.rs"]
+mod command;
+
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
-fn overlook(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_overlook")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-fn succeed(folder: &Path, arguments: &[&str]) {
-    let output = overlook(folder, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-}
+use command::{overlook, scene, succeed};
 
 /// The one line of a command that is refused.
 fn refused(folder: &Path, arguments: &[&str]) -> String {
-    let output = overlook(folder, arguments);
+    let output = overlook(folder, arguments).output().unwrap();
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!((output.status.code(), said.lines().count()), (Some(1), 1), "{arguments:?}: {said}");
     assert!(output.stdout.is_empty(), "{arguments:?}");
     said
 }
 
-/// A folder with a small capture called `scene`.
-fn scene() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let size = ["--cameras", "2", "--frames", "1", "--size", "24x16"];
-    succeed(folder.path(), &[&["demo", "orrery", "--out", "scene"], &size[..]].concat());
-    folder
-}
-
 #[test]
 #[cfg(unix)]
 fn a_pipe_stays_a_pipe() {
-    let folder = scene();
+    let folder = scene("1", "24x16");
     let folder = folder.path();
     assert!(Command::new("mkfifo").arg(folder.join("pipe.ovl")).status().unwrap().success());
     for command in [["preprocess", "scene"], ["tune", "scene"]] {
@@ -46,7 +34,7 @@ fn a_pipe_stays_a_pipe() {
 #[test]
 #[cfg(unix)]
 fn a_store_is_written_through_a_link_to_it() {
-    let folder = scene();
+    let folder = scene("1", "24x16");
     let folder = folder.path();
     std::fs::create_dir(folder.join("far")).unwrap();
     std::os::unix::fs::symlink("far/scene.ovl", folder.join("link.ovl")).unwrap();
@@ -54,12 +42,12 @@ fn a_store_is_written_through_a_link_to_it() {
         if let Some(stale) = stale {
             std::fs::write(folder.join("far/scene.ovl"), stale).unwrap();
         }
-        succeed(folder, &["preprocess", "scene", "--out", "link.ovl"]);
+        succeed(overlook(folder, &["preprocess", "scene", "--out", "link.ovl"]));
         assert!(folder.join("link.ovl").is_symlink());
         assert!(std::fs::read(folder.join("far/scene.ovl")).unwrap().starts_with(b"FORM"));
         assert_eq!(std::fs::read_dir(folder.join("far")).unwrap().count(), 1);
     }
-    succeed(folder, &["verify", "far/scene.ovl"]);
+    succeed(overlook(folder, &["verify", "far/scene.ovl"]));
 }
 
 #[test]
@@ -80,9 +68,9 @@ fn a_folder_that_takes_no_file_is_told_before_anything_is_read() {
 
 #[test]
 fn no_command_writes_over_the_settings_that_it_reads() {
-    let folder = scene();
+    let folder = scene("1", "24x16");
     let folder = folder.path();
-    succeed(folder, &["preprocess", "scene", "--out", "scene.ovl"]);
+    succeed(overlook(folder, &["preprocess", "scene", "--out", "scene.ovl"]));
     let settings = "[pruning]\ndepth_tolerance = 2.0\n";
     std::fs::write(folder.join("same.toml"), settings).unwrap();
     for command in [["preprocess", "scene"].as_slice(), &["tune", "scene"], &["export", "store", "scene.ovl"]]

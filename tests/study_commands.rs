@@ -1,35 +1,25 @@
 //! `overlook sweep`, `stress` and `tune` as a user calls them: the files they leave, how they go on, and what they refuse.
 
+#[path = "common/command.rs"]
+mod command;
+
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use command::{overlook, scene};
 use serde_json::Value;
 
-fn overlook(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_overlook")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-/// The command's output, which must be a success.
+/// What a command that must succeed prints.
 fn succeed(folder: &Path, arguments: &[&str]) -> String {
-    let output = overlook(folder, arguments);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
+    String::from_utf8(command::succeed(overlook(folder, arguments)).stdout).unwrap()
 }
 
 /// The one line that a command which must fail says.
 fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let output = overlook(folder, arguments);
+    let output = overlook(folder, arguments).output().unwrap();
     assert_eq!(output.status.code(), Some(code), "{}", String::from_utf8_lossy(&output.stdout));
     String::from_utf8(output.stderr).unwrap()
-}
-
-/// A folder with a small capture called `scene`, truth views beside it.
-fn scene() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let size = ["--cameras", "2", "--frames", "2", "--size", "48x36"];
-    succeed(folder.path(), &[&["demo", "orrery", "--out", "scene"], &size[..]].concat());
-    folder
 }
 
 fn json(path: &Path) -> Value {
@@ -63,7 +53,7 @@ const SWEEP: [&str; 7] =
 
 #[test]
 fn a_sweep_leaves_a_table_a_document_and_a_chart_and_goes_on_from_its_journal() {
-    let folder = scene();
+    let folder = scene("2", "48x36");
     let folder = folder.path();
     let table = succeed(folder, &[&SWEEP[..], &["sweep"]].concat());
     let document = json(&folder.join("sweep/sweep.json"));
@@ -104,7 +94,7 @@ fn a_sweep_leaves_a_table_a_document_and_a_chart_and_goes_on_from_its_journal() 
 
 #[test]
 fn stress_names_the_point_of_failure_of_every_method() {
-    let folder = scene();
+    let folder = scene("2", "48x36");
     let folder = folder.path();
     let stress = "stress|scene|--only|camera pose|--frames|1|--set|render.kernel=block|--out|stress";
     let stress: Vec<&str> = stress.split('|').collect();
@@ -129,7 +119,7 @@ fn stress_names_the_point_of_failure_of_every_method() {
 
 #[test]
 fn tune_writes_settings_that_preprocess_takes_and_refuses_a_budget_that_cannot_be_kept() {
-    let folder = scene();
+    let folder = scene("2", "48x36");
     let folder = folder.path();
     let tune = ["tune", "scene", "--frames", "1", "--all-cameras", "--journal", "tuning", "--out"];
     let words = succeed(folder, &[&tune[..], &["tuned.toml"]].concat());
@@ -138,7 +128,7 @@ fn tune_writes_settings_that_preprocess_takes_and_refuses_a_budget_that_cannot_b
     assert!(toml.starts_with("# Of "), "the file says why: {toml}");
     let journal = folder.join("tuning/tune.journal");
     let measured = std::fs::read_to_string(&journal).unwrap();
-    let again = overlook(folder, &[&tune[..], &["tuned.toml"]].concat());
+    let again = overlook(folder, &[&tune[..], &["tuned.toml"]].concat()).output().unwrap();
     assert_eq!(String::from_utf8(again.stdout).unwrap(), words);
     assert_eq!(std::fs::read_to_string(&journal).unwrap(), measured, "a journal grows by what is new");
     succeed(folder, &["preprocess", "scene", "--settings", "tuned.toml", "--out", "tuned.ovl"]);
@@ -148,7 +138,7 @@ fn tune_writes_settings_that_preprocess_takes_and_refuses_a_budget_that_cannot_b
 
 #[test]
 fn what_tune_found_is_told_even_where_its_folder_went_away_meanwhile() {
-    let folder = scene();
+    let folder = scene("2", "48x36");
     let folder = folder.path();
     std::fs::create_dir(folder.join("gone")).unwrap();
     let tune = ["tune", "scene", "--frames", "1", "--all-cameras", "--journal", "tuning", "--out"];
@@ -181,7 +171,7 @@ fn a_camera_that_alone_sees_the_views_may_go_missing_and_the_rest_of_the_stress_
     let stress =
         ["stress", "scene", "--only", "missing camera", "--set", "render.kernel=block", "--out", "stress"];
     for run in ["the first", "one that goes on"] {
-        let output = overlook(folder, &stress);
+        let output = overlook(folder, &stress).output().unwrap();
         let said = String::from_utf8(output.stderr).unwrap();
         let of_it: Vec<_> = said.lines().filter(|line| line.contains("missing camera")).collect();
         let [line] = of_it[..] else { panic!("{run}: {said}") };
@@ -196,7 +186,7 @@ fn a_camera_that_alone_sees_the_views_may_go_missing_and_the_rest_of_the_stress_
 
 #[test]
 fn results_that_cannot_be_written_end_the_run_with_the_place() {
-    let folder = scene();
+    let folder = scene("2", "48x36");
     let folder = folder.path();
     std::fs::write(folder.join("taken"), "a file").unwrap();
     let said = fail(folder, &[&SWEEP[..], &["taken"]].concat(), 1);
@@ -215,7 +205,7 @@ fn results_that_cannot_be_written_end_the_run_with_the_place() {
 
 #[test]
 fn files_of_one_name_are_told_apart_and_one_that_changes_nothing_is_named() {
-    let folder = scene();
+    let folder = scene("2", "48x36");
     let folder = folder.path();
     for (name, text) in [
         ("a/s.toml", "[pruning]\ndepth_tolerance = 2.0\n"),
@@ -227,7 +217,8 @@ fn files_of_one_name_are_told_apart_and_one_that_changes_nothing_is_named() {
     }
     let files =
         ["--with", "a/s.toml", "--with", "b/s.toml", "--with", "same.toml", "--frames", "1", "--json"];
-    let output = overlook(folder, &[&["sweep", "scene", "--out", "sweep"], &files[..]].concat());
+    let output =
+        overlook(folder, &[&["sweep", "scene", "--out", "sweep"], &files[..]].concat()).output().unwrap();
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(said, "overlook: warning: 'same' says the same as 'default', and has no row of its own\n");
     let document: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -238,7 +229,7 @@ fn files_of_one_name_are_told_apart_and_one_that_changes_nothing_is_named() {
 
 #[test]
 fn views_without_a_true_picture_are_told_and_absurd_numbers_are_refused_before_anything_is_read() {
-    let folder = scene();
+    let folder = scene("2", "48x36");
     let folder = folder.path();
     for arguments in [
         ["sweep", "scene", "--out", "x", "--frames", "0"].as_slice(),
@@ -260,7 +251,7 @@ fn views_without_a_true_picture_are_told_and_absurd_numbers_are_refused_before_a
     let views = json(&novel.join("transforms.json"));
     let first = views["frames"][0]["file_path"].as_str().unwrap();
     std::fs::remove_file(novel.join(first)).unwrap();
-    let output = overlook(folder, &["evaluate", "scene", "--kernel", "block"]);
+    let output = overlook(folder, &["evaluate", "scene", "--kernel", "block"]).output().unwrap();
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success() && said.lines().count() == 1, "{said}");
     assert!(said.contains("warning: 1 of 6 views are passed over") && said.contains(first), "{said}");
