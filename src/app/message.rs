@@ -101,3 +101,34 @@ pub(super) enum Message {
     /// A job failed or was cancelled.
     Failed { what: &'static str, error: Error },
 }
+
+impl Message {
+    /// The scene that it is an answer about, where nobody wants the answer once another is open.
+    pub(super) fn scene(&self) -> Option<u64> {
+        match self {
+            Self::Scanned { scene, .. }
+            | Self::Pruned { scene, .. }
+            | Self::Inspected { scene, .. }
+            | Self::Measured { scene, .. }
+            | Self::Probed { scene, .. }
+            | Self::Thumbnails { scene, .. }
+            | Self::Histograms { scene, .. }
+            | Self::MemoryMapped { scene, .. }
+            | Self::Swept { scene, .. }
+            | Self::Stressed { scene, .. } => Some(*scene),
+            Self::SourcePainted { key, .. } => Some(key.scene),
+            Self::LivePainted { key, .. } => Some(key.scene),
+            Self::Compared { key, .. } => Some(key.scene.id),
+            Self::Opened(_)
+            | Self::Prepared
+            | Self::Saved { .. }
+            | Self::Studied
+            | Self::Exported { .. }
+            | Self::SettingsLoaded { .. }
+            | Self::PathChosen { .. }
+            | Self::Looked { .. }
+            | Self::Stopped { .. }
+            | Self::Failed { .. } => None,
+        }
+    }
+}

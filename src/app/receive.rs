@@ -11,7 +11,7 @@ use super::inspector::difference::Comparison;
 use super::inspector::path::Exported;
 use super::inspector::probe::{Probed, Spot};
 use super::memory::remember_recent;
-use super::message::Message;
+use super::message::{Accuracy, Message};
 use super::scene::{Origin, Scene};
 use super::state::{NoticeKind, Shown, Whole, and_others, method_of};
 use super::text;
@@ -19,6 +19,7 @@ use super::texture::Texture;
 use super::views::live_image::{LivePicture, Pixels};
 use super::views::rig::Rig;
 use crate::error::Error;
+use crate::preprocess::{Preprocessed, TemporalScan};
 use crate::settings::Settings;
 
 /// Pixels of the recording are looked at one by one; those of the live view are only as fine as there are samples.
@@ -35,108 +36,107 @@ impl OverlookApp {
         }
     }
 
-    /// Takes in one answer.
+    /// Takes in one answer, unless it is about a scene that is no longer open.
     pub(super) fn receive(&mut self, message: Message, ctx: &egui::Context) {
         let current = self.state.scene.as_ref().map(|scene| scene.id);
+        if message.scene().is_some_and(|scene| Some(scene) != current) {
+            return;
+        }
+        let Self { state, .. } = self;
         match message {
             Message::Opened(scene) => self.opened(scene),
-            Message::Scanned { scene, scan } if Some(scene) == current => {
-                let spans = &self.state.settings.spans;
-                // Of settings that were taken back; what serves those on the sliders is here.
-                let late =
-                    !scan.serves(spans) && self.state.scan.as_ref().is_some_and(|scan| scan.serves(spans));
-                if !late {
-                    self.state.scan = Some(scan);
-                }
+            Message::Scanned { scan, .. } => self.scanned(scan),
+            Message::Pruned { settings, result, .. } => self.pruned(settings, &result),
+            Message::Inspected { inspected, .. } => {
+                state.inspected = Some(inspected);
+                state.failed_frame = None;
             }
-            Message::Pruned { scene, settings, .. }
-                if Some(scene) == current
-                    && self.state.is_whole_ready()
-                    && method_of(&settings) != method_of(&self.state.settings) => {}
-            Message::Pruned { scene, settings, result } if Some(scene) == current => {
-                let report = &result.report;
-                for doubt in report.doubts() {
-                    self.state.notify(NoticeKind::Warning, "Check the capture", text::sentence(&doubt));
-                }
-                let line = format!(
-                    "Pruned the capture: {} of {} samples kept in {} s",
-                    text::count(report.samples_kept),
-                    text::count(report.samples_in),
-                    text::significant(report.seconds)
-                );
-                self.state.inspector.log(NoticeKind::Done, line);
-                self.state.accuracy = None;
-                self.state.whole = Some(Whole {
-                    samples: result.samples.clone(),
-                    report: Arc::new(result.report.clone()),
-                    settings,
-                });
-            }
-            Message::Inspected { scene, inspected } if Some(scene) == current => {
-                self.state.inspected = Some(inspected);
-                self.state.failed_frame = None;
-            }
-            Message::SourcePainted { key, picture } if Some(key.scene) == current => {
-                let replaced = self.state.source_shown.take().map(|shown| shown.texture);
+            Message::SourcePainted { key, picture } => {
+                let replaced = state.source_shown.take().map(|shown| shown.texture);
                 let texture = Texture::send(ctx, SOURCE, &picture.image, replaced);
-                self.state.source_shown = Some(Shown { key, picture, texture });
+                state.source_shown = Some(Shown { key, picture, texture });
             }
-            Message::LivePainted { key, picture } if Some(key.scene) == current => {
-                self.state.tell_damage(&picture.damage);
+            Message::LivePainted { key, picture } => {
+                state.tell_damage(&picture.damage);
                 let texture = self.texture_of(ctx, &picture);
                 self.state.live_shown = texture.map(|texture| Shown { key, picture, texture });
             }
-            Message::Measured { scene, settings, accuracy }
-                if Some(scene) == current && settings == self.state.settings =>
-            {
-                self.state.accuracy = accuracy;
-                let will_play = std::mem::take(&mut self.state.timeline.will_play);
-                self.state.timeline.playing |= will_play && self.state.frame_count() > 1;
+            Message::Measured { settings, accuracy, .. } => self.measured(&settings, accuracy),
+            Message::Probed { spot, probed, .. } => self.probed(spot, probed),
+            Message::Thumbnails { pictures, .. } => {
+                let textures =
+                    pictures.into_iter().map(|it| ctx.load_texture("thumbnail", it, TextureOptions::LINEAR));
+                state.inspector.thumbs = textures.collect();
             }
-            Message::Probed { scene, spot, probed } if Some(scene) == current => self.probed(spot, probed),
-            Message::Thumbnails { scene, pictures } if Some(scene) == current => {
-                self.state.inspector.thumbs = pictures
-                    .into_iter()
-                    .map(|picture| ctx.load_texture("thumbnail", picture, TextureOptions::LINEAR))
-                    .collect();
-            }
-            Message::Histograms { scene, histograms } if Some(scene) == current => {
-                self.state.inspector.histograms = histograms;
-            }
-            Message::Compared { key, outcome } if Some(key.scene.id) == current => {
-                self.compared(outcome, ctx);
-            }
-            Message::MemoryMapped { scene, blocks } if Some(scene) == current => {
-                self.state.inspector.memory = Some(blocks);
-            }
+            Message::Histograms { histograms, .. } => state.inspector.histograms = histograms,
+            Message::Compared { outcome, .. } => self.compared(outcome, ctx),
+            Message::MemoryMapped { blocks, .. } => state.inspector.memory = Some(blocks),
             Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
-            Message::Swept { scene, point, known } if Some(scene) == current => {
-                self.state.inspector.charts.add(*point, known);
-            }
-            Message::Stressed { scene, point, known } if Some(scene) == current => {
-                self.state.inspector.charts.add_stressed(*point, known);
-            }
+            Message::Swept { point, known, .. } => state.inspector.charts.add(*point, known),
+            Message::Stressed { point, known, .. } => state.inspector.charts.add_stressed(*point, known),
             Message::Studied => {
-                self.state.inspector.charts.complete();
+                state.inspector.charts.complete();
                 self.take_stock();
             }
             Message::Exported { path, exported } => self.exported(&path, &exported),
-            Message::SettingsLoaded { path, settings } => {
-                self.change_settings("file", settings);
-                let text = if self.state.has_thresholds() {
-                    path.display().to_string()
-                } else {
-                    "Painting was taken; thresholds apply to captures opened from now on.".to_owned()
-                };
-                self.state.notify(NoticeKind::Done, "Settings loaded", text);
-            }
+            Message::SettingsLoaded { path, settings } => self.settings_loaded(&path, settings),
             Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
             Message::Looked { destination, taken } => self.looked(&destination, taken),
-            Message::Stopped { title, text } => self.state.notify(NoticeKind::Warning, title, text),
+            Message::Stopped { title, text } => state.notify(NoticeKind::Warning, title, text),
             Message::Failed { what, error } => self.failed(what, &error),
-            // What nobody sees, or an answer about a scene that is no longer open.
-            _ => {}
+            // Nobody sees it.
+            Message::Prepared => {}
         }
+    }
+
+    fn scanned(&mut self, scan: Arc<TemporalScan>) {
+        let spans = &self.state.settings.spans;
+        // Of settings that were taken back; what serves those on the sliders is here.
+        let late = !scan.serves(spans) && self.state.scan.as_ref().is_some_and(|scan| scan.serves(spans));
+        if !late {
+            self.state.scan = Some(scan);
+        }
+    }
+
+    fn pruned(&mut self, settings: Settings, result: &Preprocessed) {
+        let state = &mut self.state;
+        // As above.
+        if state.is_whole_ready() && method_of(&settings) != method_of(&state.settings) {
+            return;
+        }
+        let report = &result.report;
+        for doubt in report.doubts() {
+            state.notify(NoticeKind::Warning, "Check the capture", text::sentence(&doubt));
+        }
+        let line = format!(
+            "Pruned the capture: {} of {} samples kept in {} s",
+            text::count(report.samples_kept),
+            text::count(report.samples_in),
+            text::significant(report.seconds)
+        );
+        state.inspector.log(NoticeKind::Done, line);
+        state.accuracy = None;
+        let (samples, report) = (result.samples.clone(), Arc::new(report.clone()));
+        state.whole = Some(Whole { samples, report, settings });
+    }
+
+    fn measured(&mut self, settings: &Settings, accuracy: Option<Accuracy>) {
+        if *settings != self.state.settings {
+            return;
+        }
+        self.state.accuracy = accuracy;
+        let will_play = std::mem::take(&mut self.state.timeline.will_play);
+        self.state.timeline.playing |= will_play && self.state.frame_count() > 1;
+    }
+
+    fn settings_loaded(&mut self, path: &Path, settings: Settings) {
+        self.change_settings("file", settings);
+        let text = if self.state.has_thresholds() {
+            path.display().to_string()
+        } else {
+            "Painting was taken; thresholds apply to captures opened from now on.".to_owned()
+        };
+        self.state.notify(NoticeKind::Done, "Settings loaded", text);
     }
 
     fn probed(&mut self, spot: Spot, probed: Option<Arc<Probed>>) {
