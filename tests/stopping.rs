@@ -16,6 +16,7 @@ use overlook::job::Job;
 use overlook::preprocess::{prune, scan};
 use overlook::settings::Settings;
 use overlook::store;
+use rustix::process::{Pid, Signal, kill_process};
 use scene::{Scene, arc};
 
 /// Everything takes far less.
@@ -58,9 +59,8 @@ fn wait_until(child: &mut Child, what: impl Fn() -> bool) -> bool {
     }
 }
 
-fn signal(child: &Child, name: &str) {
-    let sent = Command::new("kill").args(["-s", name, &child.id().to_string()]).status().unwrap();
-    assert!(sent.success());
+fn signal(child: &Child, signal: Signal) {
+    kill_process(Pid::from_child(child), signal).unwrap();
 }
 
 fn capture(folder: &Path) {
@@ -75,7 +75,7 @@ fn capture(folder: &Path) {
 fn what_is_stopped_while_it_writes_leaves_no_temporary_file_and_says_so() {
     let folder = tempfile::tempdir().unwrap();
     capture(folder.path());
-    for name in ["INT", "TERM"] {
+    for name in [Signal::INT, Signal::TERM] {
         let mut child = preprocess(folder.path());
         let wrote = wait_until(&mut child, || is_writing(folder.path()));
         assert!(wrote, "the store was written before it could be stopped");

@@ -63,22 +63,33 @@ fn wait_for<T>(what: &str, mut attempt: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// Different colors on the display, as the X server itself gives its pixels.
-fn colors_on(display: &str, folder: &Path) -> usize {
+/// What is on the display, as the X server itself gives its pixels.
+fn picture_of(display: &str, folder: &Path) -> image::DynamicImage {
     let shot = folder.join("shot.png");
     let taken = Command::new("import").args(["-window", "root"]).arg(&shot).env("DISPLAY", display).status();
     assert!(taken.unwrap().success());
-    let picture = image::open(&shot).unwrap().to_rgb8();
+    image::open(&shot).unwrap()
+}
+
+fn colors_of(picture: &image::DynamicImage) -> usize {
+    let picture = picture.to_rgb8();
     picture.pixels().map(|pixel| pixel.0).collect::<std::collections::HashSet<_>>().len()
+}
+
+/// Different colors on the display.
+fn colors_on(display: &str, folder: &Path) -> usize {
+    colors_of(&picture_of(display, folder))
+}
+
+/// Mean brightness of the left end of the top bar, of 255.
+fn brightness_of_top_bar(display: &str, folder: &Path) -> f64 {
+    let bar = picture_of(display, folder).crop_imm(0, 0, 400, 40).to_luma8();
+    bar.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>() / f64::from(bar.width() * bar.height())
 }
 
 /// Colors in a part of the display that a picture in the source view covers, and that its empty state leaves bare.
 fn colors_in_source_view(display: &str, folder: &Path) -> usize {
-    let shot = folder.join("shot.png");
-    let taken = Command::new("import").args(["-window", "root"]).arg(&shot).env("DISPLAY", display).status();
-    assert!(taken.unwrap().success());
-    let picture = image::open(&shot).unwrap().crop_imm(30, 168, 420, 34).to_rgb8();
-    picture.pixels().map(|pixel| pixel.0).collect::<std::collections::HashSet<_>>().len()
+    colors_of(&picture_of(display, folder).crop_imm(30, 168, 420, 34))
 }
 
 /// Whether the programs are there that the tests need; says so where they are not.
@@ -162,8 +173,13 @@ fn the_program_opens_a_window_that_answers_and_closes() {
     for keys in ["period", "period", "comma", "2", "space", "space", "w"] {
         xdotool(&display, &["key", keys]).unwrap();
     }
+    let before = brightness_of_top_bar(&display, folder.path());
     // The theme switch at the right end of the top bar, then a drag in the live view.
     xdotool(&display, &["mousemove", "1252", "22", "click", "1"]).unwrap();
+    wait_for("the other theme", || {
+        let now = brightness_of_top_bar(&display, folder.path());
+        ((now - before).abs() > 100.0).then_some(())
+    });
     drag(&display, ["700", "400"], "40");
     std::thread::sleep(Duration::from_millis(500));
     assert!(program.0.try_wait().unwrap().is_none(), "the program is still there");
