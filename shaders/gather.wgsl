@@ -126,8 +126,8 @@ fn surface_color(key: vec2<u32>, at: vec2<f32>) -> vec3<f32> {
         ask = !pruned || camera != sample_camera;
         next += 1u;
     }
-    if sum.w < ENOUGH {
-        let lack = (ENOUGH - sum.w) * OWN_SHARE + 1e-6;
+    if known < ENOUGH {
+        let lack = select(1.0, (ENOUGH - known) * OWN_SHARE * sum.w / known, known > 0.0);
         sum += vec4<f32>(color_of(~key.x), 1.0) * lack;
     }
     return sum.xyz / sum.w;

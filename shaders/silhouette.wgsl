@@ -9,7 +9,7 @@ const SLOPE: f32 = 1.2;
 const SILENCE: f32 = 0.5;
 // A surface is carried on beyond its edge as long as it recedes by no more than this many tolerances a pixel.
 const STEEPEST: f32 = 8.0;
-// Votes that weigh less than this decide nothing.
+// Votes that weigh less than this share of what the camera that counts most could say decide nothing.
 const FEWEST_VOTES: f32 = 0.02;
 
 // How one camera sees a surface point, as shares of the 2×2 samples around it; `weight` is 0 where it does not.
@@ -54,24 +54,32 @@ fn sight_of(camera: u32, at: vec2<f32>, w: f32) -> Sight {
     return sight;
 }
 
-fn key_at(pixel: vec2<i32>, step: vec2<i32>) -> vec2<u32> {
-    let place = pixel + step + RING;
+fn raw_key_at(pixel: vec2<i32>) -> vec2<u32> {
+    let place = pixel + RING;
     return patch_keys[place.y * SIDE + place.x];
+}
+
+// A key, unless it is of a fringe: 0 then, as of a hole.
+fn key_at(pixel: vec2<i32>, step: vec2<i32>) -> vec2<u32> {
+    let key = raw_key_at(pixel + step);
+    return select(vec2<u32>(0u), key, (key.y & CORE) != 0u);
 }
 
 // The votes for the surface at inverse depth `w`; negative where too few have one.
 fn share_of(at: vec2<f32>, w: f32) -> f32 {
     var agree = 0.0;
     var total = 0.0;
+    var most = 0.0;
     for (var nth = 0u; nth < camera_count; nth++) {
         let sight = sight_of(camera_list[nth], at, w);
         if sight.weight > 0.0 {
             let silent = select(0.0, SILENCE * sight.silent, sight.agree > 0.0);
             agree += sight.weight * (sight.agree + 0.5 * silent);
             total += sight.weight * (sight.agree + sight.through + silent);
+            most = max(most, sight.weight);
         }
     }
-    if total > FEWEST_VOTES {
+    if total > FEWEST_VOTES * most {
         return clamp(LEAST + SLOPE * agree / total, 0.0, 1.0);
     }
     return -1.0;
@@ -162,11 +170,17 @@ fn decide(pixel: vec2<i32>, at: vec2<f32>) -> Standing {
     // The surface that the cameras vote for, and what stands there without it.
     var near = crack(own_w, pixel);
     var far = own;
-    let is_crack = near.y != 0u;
-    if !is_crack {
-        if own.y == 0u {
+    var is_crack = near.y != 0u;
+    if !is_crack && own.y == 0u {
+        // What a fringe claims is put to the vote like a crack.
+        near = raw_key_at(pixel);
+        if near.y == 0u {
             return only_own;
         }
+        near.y |= CORE;
+        is_crack = true;
+    }
+    if !is_crack {
         let behind = farther(own_w, pixel);
         if !behind.found {
             return only_own;

@@ -44,6 +44,7 @@ struct Seen {
     // Columns and rows that the footprint may cover, as `edges_around` gives them, and how many pixels they are.
     edges: vec4<i32>,
     pixels: u32,
+    has_fringe: bool,
 }
 
 // The sample at `at` in the tile; called after `lay_out`.
@@ -55,7 +56,14 @@ fn see(projector: Projector, corner: vec2<f32>, at: vec2<u32>) -> Seen {
         seen.projected = projected;
         if stage.kernel == KERNEL_SURFEL || stage.kernel == KERNEL_GATHER {
             seen.footprint = footprint(projector, projected, w, slopes(at, projector.per_footprint));
-            seen.edges = edges_around(projected.pixel, max(seen.footprint.half_size, vec2<f32>(0.5)));
+            var half_size = max(seen.footprint.half_size, vec2<f32>(0.5));
+            let low = ceil(projected.pixel - half_size - 0.5);
+            let high = floor(projected.pixel + half_size - 0.5);
+            seen.has_fringe = stage.kernel == KERNEL_GATHER && any(high > low + 1.0);
+            if seen.has_fringe {
+                half_size = max(seen.footprint.fringe, vec2<f32>(0.5));
+            }
+            seen.edges = edges_around(projected.pixel, half_size);
             let size = max(seen.edges.yw - seen.edges.xz + 1, vec2<i32>(0));
             seen.pixels = u32(size.x) * u32(size.y);
         }
@@ -63,7 +71,8 @@ fn see(projector: Projector, corner: vec2<f32>, at: vec2<u32>) -> Seen {
     return seen;
 }
 
-// Raises the pixels of a footprint in every `step`th column and row, from `first` on.
+// Raises the pixels of a footprint in every `step`th column and row, from `first` on. The fringe of magnified samples fills pixels
+// that are in no footprint.
 fn raise_footprint(seen: Seen, slot: u32, first: vec2<u32>, step: i32) {
     let found = seen.footprint;
     for (var y = seen.edges.z + i32(first.y); y <= seen.edges.w; y += step) {
@@ -72,14 +81,11 @@ fn raise_footprint(seen: Seen, slot: u32, first: vec2<u32>, step: i32) {
             let across = found.inverse.x * off.x + found.inverse.y * off.y;
             let down = found.inverse.z * off.x + found.inverse.w * off.y;
             let covered = max(abs(across), abs(down)) <= 0.5 * OVERLAP || max(abs(off.x), abs(off.y)) <= 0.5;
-            if covered {
-                let deviation = clamp(
-                    found.slope.x * off.x + found.slope.y * off.y,
-                    -found.deviation,
-                    found.deviation,
-                );
+            if covered || (seen.has_fringe && max(abs(across), abs(down)) <= FRINGE) {
+                let most = found.deviation * select(FRINGE / (0.5 * OVERLAP), 1.0, covered);
+                let deviation = clamp(found.slope.x * off.x + found.slope.y * off.y, -most, most);
                 let depth = max(found.inverse_depth + deviation, 0.0);
-                raise(u32(y) * stage.width + u32(x), nearness(depth, CORE), slot);
+                raise(u32(y) * stage.width + u32(x), nearness(depth, select(0u, CORE, covered)), slot);
             }
         }
     }

@@ -76,6 +76,47 @@ fn a_sampled_surface_has_no_crack_at_four_times_the_magnification() {
     }
 }
 
+/// A camera straight above the ground, with so many pixels.
+fn above(name: &str, x: f64, (width, height): (u32, u32)) -> Camera {
+    let (cx, cy) = (f64::from(width) / 2.0, f64::from(height) / 2.0);
+    let intrinsics = Intrinsics { width, height, fx: 150.0, fy: 150.0, cx, cy };
+    Camera::look_at(name, intrinsics, DVec3::new(x, -0.01, 5.0), DVec3::new(x, 0.0, 0.0), DVec3::Z)
+}
+
+#[test]
+fn no_gap_opens_in_a_close_up_where_one_camera_s_samples_give_way_to_another_s() {
+    // Both sample the ground alike, so that each is the better one here and there.
+    let cameras = vec![above("a", 0.0, (160, 120)), above("b", 0.25, (120, 90))];
+    let capture = ground().record(cameras.clone(), 1);
+    let samples = samples(&capture, PruningMethod::HighestRate);
+    let recorded = cameras.iter().map(|camera| camera.intrinsics.pixel_count()).sum::<usize>();
+    assert!(samples.sample_count() < recorded as u64, "nothing gave way");
+    for zoom in [4.0, 6.0, 8.0] {
+        let vantage = zoomed(&cameras[0], zoom);
+        let (error, holes) = worst_error(&paint(&samples, &vantage, Kernel::Gather), &vantage);
+        assert_eq!(holes, 0, "at {zoom} times");
+        assert!(error < 0.02, "at {zoom} times: {error}");
+    }
+}
+
+#[test]
+fn a_close_up_is_as_smooth_as_what_was_recorded() {
+    let camera = above("a", 0.0, (96, 72));
+    let capture = ground().record(vec![camera.clone()], 1);
+    let samples = samples(&capture, PruningMethod::HighestRate);
+    let largest_step = |picture: &Picture| {
+        let (width, height) = (picture.color.width(), picture.color.height());
+        let at = (0..height).flat_map(|y| (1..width).map(move |x| (x, y)));
+        let step = |(x, y)| (picture.color[(x, y)][0] - picture.color[(x - 1, y)][0]).abs();
+        at.map(step).fold(0.0_f32, f32::max)
+    };
+    let recorded = largest_step(&paint(&samples, &camera, Kernel::Gather));
+    for zoom in [2.0, 4.0, 8.0, 16.0] {
+        let step = largest_step(&paint(&samples, &zoomed(&camera, f64::from(zoom)), Kernel::Gather));
+        assert!(step < 1.5 * recorded / zoom, "at {zoom} times: {step}, recorded {recorded}");
+    }
+}
+
 #[test]
 fn fine_detail_does_not_alias_at_four_times_the_minification() {
     // A checker of single camera pixels, whose mean is the only right answer for pixels four times as large.

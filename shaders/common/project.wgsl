@@ -51,12 +51,16 @@ struct Footprint {
     jacobian: vec4<f32>,
     inverse: vec4<f32>,
     half_size: vec2<f32>,
+    // Half the extent of its fringe; no larger than `half_size` where nothing is known of the surface.
+    fringe: vec2<f32>,
 }
 
 // A footprint never stretches beyond this many times its size seen face on.
 const MAX_STRETCH: f32 = 1.5;
 // Neighboring footprints overlap by this factor, so that no crack opens between them.
 const OVERLAP: f32 = 1.05;
+// How far from its sample the fringe of a magnified footprint reaches, in source pixels.
+const FRINGE: f32 = 1.0;
 
 fn footprint(projector: Projector, projected: Projected, w: f32, slopes: vec2<f32>) -> Footprint {
     let reciprocal = projected.reciprocal;
@@ -84,7 +88,9 @@ fn footprint(projector: Projector, projected: Projected, w: f32, slopes: vec2<f3
     found.deviation = 0.5 * OVERLAP * (abs(w_across) + abs(w_down));
     found.jacobian = vec4<f32>(a, b, c, d);
     found.inverse = vec4<f32>(d, -b, -c, a) * inverse;
-    found.half_size = min(0.5 * OVERLAP * vec2<f32>(abs(a) + abs(b), abs(c) + abs(d)), vec2<f32>(largest));
+    let extent = vec2<f32>(abs(a) + abs(b), abs(c) + abs(d));
+    found.half_size = min(0.5 * OVERLAP * extent, vec2<f32>(largest));
+    found.fringe = select(found.half_size, min(FRINGE * extent, vec2<f32>(largest)), inverse != 0.0);
     return found;
 }
 

@@ -17,6 +17,10 @@ pub(super) const MAX_STRETCH: f32 = 1.5;
 /// Neighboring footprints overlap by this factor, so that no crack opens between them.
 pub(super) const OVERLAP: f32 = 1.05;
 
+/// How far from its sample the fringe of a magnified footprint reaches, in source pixels: over the neighbors, which may have been
+/// dropped for another camera's.
+pub(super) const FRINGE: f32 = 1.0;
+
 /// The footprints of a row of sixteen samples.
 pub(super) struct Footprints {
     /// The target's inverse depth at the sample.
@@ -35,6 +39,8 @@ pub(super) struct Footprints {
     pub(super) half_width: [f32; TILE],
     /// Half the extent in target rows.
     pub(super) half_height: [f32; TILE],
+    /// What neither may exceed, nor those of the fringe.
+    pub(super) largest: [f32; TILE],
 }
 
 /// The footprints of a row of samples with inverse depths `w` whose slopes are `slopes`.
@@ -55,6 +61,7 @@ pub(super) fn footprints(
         inverse: [zero; 4],
         half_width: zero,
         half_height: zero,
+        largest: zero,
     };
     let (across, down, origin) = (projector.per_column, projector.per_row, projector.origin);
     for i in 0..TILE {
@@ -85,6 +92,7 @@ pub(super) fn footprints(
         found.inverse[1][i] = -b * inverse;
         found.inverse[2][i] = -c * inverse;
         found.inverse[3][i] = a * inverse;
+        found.largest[i] = largest;
         found.half_width[i] = (0.5 * OVERLAP * (a.abs() + b.abs())).min(largest);
         found.half_height[i] = (0.5 * OVERLAP * (c.abs() + d.abs())).min(largest);
     }

@@ -4,7 +4,7 @@
 //! the z-buffer keeps what any camera claims: surfaces grow. Here every pixel at a step in depth is put to all cameras: how
 //! much of the 2×2 samples around the claimed point shows that surface, and how much shows what is behind it? The share that
 //! supports the nearer surface is the pixel's blend between the two. Cracks, a pixel of the farther surface between two of
-//! a nearer one, are judged in the same way.
+//! a nearer one, are judged in the same way, and so is the fringe of magnified samples, which covers wider gaps.
 //!
 //! Source: for free space seen by one camera that overrules what another claims, Merrell et al., *Real-Time Visibility-Based
 //! Fusion of Depth Maps*, ICCV 2007. What differs: votes are bilinear shares instead of counts, so that the boundary comes
@@ -23,7 +23,7 @@ const SLOPE: f32 = 1.2;
 /// A surface is carried on beyond its edge as long as it recedes by no more than this many tolerances a pixel.
 const STEEPEST: f32 = 8.0;
 
-/// Votes that weigh less than this decide nothing.
+/// Votes that weigh less than this share of what the camera that counts most could say decide nothing.
 const FEWEST_VOTES: f32 = 0.02;
 
 /// What stands in a pixel.
@@ -62,7 +62,7 @@ impl Question {
     /// What stands in the pixel, by the votes on what is claimed.
     #[inline(always)]
     pub(super) fn answer(&self, votes: Votes) -> Pixel {
-        let decides = votes.all > FEWEST_VOTES;
+        let decides = votes.all > FEWEST_VOTES * votes.most;
         let share = decides.then(|| (LEAST + SLOPE * votes.agree / votes.all).clamp(0.0, 1.0));
         match *self {
             Self::Settled(pixel) => pixel,
@@ -84,6 +84,12 @@ impl Question {
             },
         }
     }
+}
+
+/// A key, unless it is of a fringe: 0 then, as of a hole.
+#[inline(always)]
+fn core_of(key: u64) -> u64 {
+    if key >> 63 == 1 { key } else { 0 }
 }
 
 /// Pixels around a block that decisions in it look at.
@@ -111,7 +117,7 @@ impl Patch {
 
     #[inline(always)]
     fn key(&self, x: usize, y: usize, (dx, dy): (isize, isize)) -> u64 {
-        self.keys[(y + RING).wrapping_add_signed(dy)][(x + RING).wrapping_add_signed(dx)]
+        core_of(self.keys[(y + RING).wrapping_add_signed(dy)][(x + RING).wrapping_add_signed(dx)])
     }
 
     /// For every pixel of the block whether there is more than one surface, or none, in the 3×3 pixels around it: a mask of
@@ -122,7 +128,7 @@ impl Patch {
         for (row, keys) in self.keys.iter().enumerate() {
             let mut w = [0.0_f32; SIDE];
             for x in 0..SIDE {
-                w[x] = inverse_depth_of(keys[x]);
+                w[x] = inverse_depth_of(core_of(keys[x]));
             }
             for x in 0..BLOCK {
                 far[row][x] = w[x + 1].min(w[x + 2]).min(w[x + 3]);
@@ -151,7 +157,11 @@ impl Patch {
             return Question::Crack { own, crack };
         }
         if own == 0 {
-            return Question::Settled(Pixel::Hole);
+            // What a fringe claims is put to the vote like a crack.
+            return match self.keys[y + RING][x + RING] {
+                0 => Question::Settled(Pixel::Hole),
+                fringe => Question::Crack { own, crack: fringe | u64::from(CORE) << 32 },
+            };
         }
         match self.farther(own_w, x, y) {
             None => Question::Settled(Pixel::Surface(own)),

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::cull::Band;
 use super::dense_tile::{DenseTile, slopes};
-use super::footprint::{Footprints, OVERLAP, footprints};
+use super::footprint::{FRINGE, Footprints, OVERLAP, footprints};
 use super::frame_samples::FrameSamples;
 use super::keys::{CORE, key, nearness};
 use super::project::{ProjectedRow, Projector};
@@ -66,9 +66,12 @@ pub(super) fn surface(stage: &Stage<'_>, bands: &[Band], keys: &mut [u64]) -> Re
         match stage.kernel {
             Kernel::Point => simd::run(BandSurface { stage, band, keys, splat: Points(window) }),
             Kernel::Block => simd::run(BandSurface { stage, band, keys, splat: Squares(window) }),
-            Kernel::Surfel | Kernel::Gather => {
-                simd::run(BandSurface { stage, band, keys, splat: Planes(window) })
-            }
+            Kernel::Surfel | Kernel::Gather => simd::run(BandSurface {
+                stage,
+                band,
+                keys,
+                splat: Planes { window, fringe: stage.kernel == Kernel::Gather },
+            }),
         }
     })
 }
@@ -252,7 +255,12 @@ impl Splat for Squares {
 }
 
 /// `surfel` and `gather`: a sample touches the pixels whose centers its footprint covers, at the depth of its plane.
-struct Planes(Window);
+struct Planes {
+    window: Window,
+    /// Whether magnified samples have a fringe, which fills pixels that are in no footprint. What of it is surface has to be decided
+    /// afterwards, see [`super::silhouette`].
+    fringe: bool,
+}
 
 impl Splat for Planes {
     #[inline(always)]
@@ -283,8 +291,9 @@ impl Splat for Planes {
             let (columns, rows) = (&edges[corner & 1], &edges[2 + (corner >> 1)]);
             for i in 0..TILE {
                 let (x, y) = (columns[i], rows[i]);
-                let (pixel, inside) = self.0.pixel(x, y, i);
-                let (depth, covered) = depth_at(&found, projected, i, x, y);
+                let (pixel, inside) = self.window.pixel(x, y, i);
+                let (depth, reach) = depth_at(&found, projected, i, x, y);
+                let covered = reach <= 0.5 * OVERLAP;
                 let is_further = further[corner] >> i & 1 == 1;
                 let seen = inside & covered & is_further & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
                 raised.pixels[corner][i] = pixel;
@@ -297,19 +306,36 @@ impl Splat for Planes {
         while large != 0 {
             let i = large.trailing_zeros() as usize % TILE;
             large &= large - 1;
-            let clamp = |value: f32, low: f32, end: f32| value.max(low).min(end) as usize;
-            let end = self.0.bottom + 1.0;
-            let columns = clamp(edges[0][i], 0.0, self.0.right + 1.0)
-                ..clamp(edges[1][i] + 1.0, 0.0, self.0.right + 1.0);
-            for y in clamp(edges[2][i], self.0.top, end)..clamp(edges[3][i] + 1.0, self.0.top, end) {
-                for x in columns.clone() {
-                    let (depth, covered) = depth_at(&found, projected, i, x as f32, y as f32);
-                    if !covered {
-                        continue;
-                    }
-                    let pixel = (y - self.0.top as usize) * self.0.width as usize + x;
-                    let key_there = &mut raised.keys[pixel];
-                    *key_there = (*key_there).max(key(nearness(depth, CORE), slots | i as u32));
+            self.large(&found, projected, i, slots, raised.keys);
+        }
+    }
+}
+
+impl Planes {
+    /// Raises the keys of a footprint of many pixels, that of sample `i`.
+    #[inline(always)]
+    fn large(&self, found: &Footprints, projected: &ProjectedRow, i: usize, slots: u32, keys: &mut [u64]) {
+        let Window { width, right, top, bottom, .. } = self.window;
+        // Edge on, nothing is known of the surface beside its sample.
+        let has_fringe = self.fringe && found.inverse.iter().any(|part| part[i] != 0.0);
+        let [half_width, half_height] = if has_fringe {
+            let [a, b, c, d] = found.jacobian.map(|part| part[i].abs());
+            [a + b, c + d].map(|extent| (FRINGE * extent).min(found.largest[i]))
+        } else {
+            [found.half_width[i], found.half_height[i]]
+        };
+        let (u, v) = (projected.u[i], projected.v[i]);
+        let span = |middle: f32, half: f32, low: f32, last: f32| {
+            let clamp = |value: f32| value.max(low).min(last + 1.0) as usize;
+            clamp((middle - half.max(0.5) - 0.5).ceil())..clamp((middle + half.max(0.5) - 0.5).floor() + 1.0)
+        };
+        for y in span(v, half_height, top, bottom) {
+            for x in span(u, half_width, 0.0, right) {
+                let (depth, reach) = depth_at(found, projected, i, x as f32, y as f32);
+                let tier = if reach <= 0.5 * OVERLAP { CORE } else { 0 };
+                if tier == CORE || (has_fringe && reach <= FRINGE) {
+                    let key_there = &mut keys[(y - top as usize) * width as usize + x];
+                    *key_there = (*key_there).max(key(nearness(depth, tier), slots | i as u32));
                 }
             }
         }
@@ -322,17 +348,18 @@ pub(super) fn whole(number: f32) -> u32 {
     (number + 8_388_608.0).to_bits() & 0x7f_ffff
 }
 
-/// Inverse depth of a sample's plane at the center of pixel `(x, y)`, never negative.
+/// Inverse depth of a sample's plane at the center of pixel `(x, y)`, never negative, and how far that lies from the sample: in
+/// source pixels along the axis where it is farther, 0 where the sample lies in the pixel.
 #[inline(always)]
-fn depth_at(found: &Footprints, projected: &ProjectedRow, i: usize, x: f32, y: f32) -> (f32, bool) {
+fn depth_at(found: &Footprints, projected: &ProjectedRow, i: usize, x: f32, y: f32) -> (f32, f32) {
     let (dx, dy) = (x + 0.5 - projected.u[i], y + 0.5 - projected.v[i]);
     let (across, down) = (
         found.inverse[0][i] * dx + found.inverse[1][i] * dy,
         found.inverse[2][i] * dx + found.inverse[3][i] * dy,
     );
-    let covered = (across.abs().max(down.abs()) <= 0.5 * OVERLAP) | (dx.abs().max(dy.abs()) <= 0.5);
+    let reach = if dx.abs().max(dy.abs()) <= 0.5 { 0.0 } else { across.abs().max(down.abs()) };
     // Not `clamp`, whose check for an empty range is a branch.
-    let deviation =
-        (found.slope_x[i] * dx + found.slope_y[i] * dy).min(found.deviation[i]).max(-found.deviation[i]);
-    ((found.inverse_depth[i] + deviation).max(0.0), covered)
+    let most = found.deviation[i] * if reach <= 0.5 * OVERLAP { 1.0 } else { FRINGE / (0.5 * OVERLAP) };
+    let deviation = (found.slope_x[i] * dx + found.slope_y[i] * dy).min(most).max(-most);
+    ((found.inverse_depth[i] + deviation).max(0.0), reach)
 }

@@ -120,8 +120,9 @@ impl SurfacePoints {
     pub(super) fn color(&self, at: usize, own: impl FnOnce() -> [f32; 3]) -> [f32; 3] {
         let at = at % MOST;
         let (mut sum, mut total) = ([0, 1, 2].map(|channel: usize| self.color[channel][at]), self.weight[at]);
-        if total < ENOUGH {
-            let lack = (ENOUGH - total) * OWN_SHARE + 1e-6;
+        let known = self.known[at];
+        if known < ENOUGH {
+            let lack = if known > 0.0 { (ENOUGH - known) * OWN_SHARE * total / known } else { 1.0 };
             let own = own();
             (0..3).for_each(|channel| sum[channel] += own[channel] * lack);
             total += lack;

@@ -25,6 +25,8 @@ pub(super) struct Votes {
     pub(super) agree: f32,
     /// Everything that is said.
     pub(super) all: f32,
+    /// What the camera that counts most could say.
+    pub(super) most: f32,
 }
 
 impl Points {
@@ -63,11 +65,13 @@ impl Gather<'_> {
         for first in (0..count).step_by(LANES) {
             let (x, y, w) = (lanes(&points.x, first), lanes(&points.y, first), lanes(&points.w, first));
             let asked = u32::MAX >> (32 - LANES.min(count - first));
-            let (mut agree, mut all) = ([0.0; LANES], [0.0; LANES]);
+            let mut heard = [[0.0; LANES]; 3];
             for &camera in cameras {
-                self.hear(camera, [&x, &y, &w], asked, windows, (&mut agree, &mut all));
+                self.hear(camera, [&x, &y, &w], asked, windows, &mut heard);
             }
-            votes.extend((0..LANES.min(count - first)).map(|i| Votes { agree: agree[i], all: all[i] }));
+            let [agree, all, most] = heard;
+            let votes_on = |i: usize| Votes { agree: agree[i], all: all[i], most: most[i] };
+            votes.extend((0..LANES.min(count - first)).map(votes_on));
         }
     }
 
@@ -83,7 +87,7 @@ impl Gather<'_> {
         [x, y, w]: [&Lanes; 3],
         asked: u32,
         windows: &mut Windows,
-        (agree, all): (&mut Lanes, &mut Lanes),
+        [agree, all, most]: &mut [Lanes; 3],
     ) {
         let view = &self.views[camera as usize];
         let places = self.places(view, x, y, w);
@@ -116,6 +120,7 @@ impl Gather<'_> {
             let is_asked = asked >> i & 1 == 1;
             agree[i] += if is_asked { weights[i] * (agreeing + 0.5 * silent) } else { 0.0 };
             all[i] += if is_asked { weights[i] * (agreeing + through + silent) } else { 0.0 };
+            most[i] = most[i].max(if is_asked { weights[i] } else { 0.0 });
         }
     }
 }
