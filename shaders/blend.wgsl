@@ -108,7 +108,7 @@ fn blend(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) 
     if w < 0.0 || !is_seen(projected) {
         return;
     }
-    let color = clamp(unpack_color(piece, pixel.index), vec3<f32>(0.0), vec3<f32>(LARGEST_HALF));
+    let color = clamp(unpack_color(piece, pixel.index), vec3<f32>(-LARGEST_HALF), vec3<f32>(LARGEST_HALF));
     if stage.kernel == KERNEL_SURFEL {
         let found = footprint(projector, projected, w, slopes(local.xy, projector.per_footprint));
         let image =

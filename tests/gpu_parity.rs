@@ -198,6 +198,26 @@ fn colors_are_gathered_as_on_the_cpu() {
 }
 
 #[test]
+fn close_ups_and_colors_outside_of_the_gamut_are_painted_as_on_the_cpu() {
+    let Some(mut gpu) = gpu() else { return };
+    let mut scene = Scene::still_life();
+    scene.ground_light = Some(Arc::new(|_, point| -1.0 - point.x.cos() as f32));
+    let samples = samples(&scene.record(arc(3, 96), 1));
+    let mut close_up = novel();
+    (close_up.intrinsics.fx, close_up.intrinsics.fy) = (900.0, 900.0);
+    for kernel in [Kernel::Block, Kernel::Surfel, Kernel::Gather] {
+        for camera in [novel(), close_up.clone()] {
+            let (cpu, _) = on_cpu(&samples, &camera, 0, kernel);
+            let (gpu, _) = on_gpu(&mut gpu, &samples, &camera, 0, kernel);
+            let found = Difference::between(&cpu, &gpu);
+            assert!(agree(&found) && found.worst <= worst_color(kernel), "{kernel}: {found:?}");
+            let darkest = cpu.color.as_slice().iter().flatten().fold(0.0_f32, |darkest, &it| darkest.min(it));
+            assert!(darkest < -1.0, "{kernel}: {darkest}");
+        }
+    }
+}
+
+#[test]
 fn pictures_of_any_size_and_from_inside_of_things_are_painted_as_on_the_cpu() {
     let Some(mut gpu) = gpu() else { return };
     let samples = samples(&moving_capture());

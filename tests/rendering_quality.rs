@@ -267,3 +267,16 @@ fn a_silhouette_that_other_cameras_see_through_does_not_grow() {
     assert!(2 * grown < block_grown, "gather {grown}, block {block_grown}");
     assert!(grown + shrunk < 120, "{grown} grown, {shrunk} shrunk");
 }
+
+#[test]
+fn colors_outside_of_the_gamut_are_kept_by_every_kernel() {
+    let mut scene = ground();
+    scene.ground_light = Some(Arc::new(|_, _| -3.0));
+    let camera = above("a", 0.0, (96, 72));
+    let samples = samples(&scene.record(vec![camera.clone()], 1), PruningMethod::HighestRate);
+    for &kernel in Kernel::ALL {
+        let picture = paint(&samples, &camera, kernel);
+        let middle = picture.color[(48, 36)];
+        assert!(middle.iter().all(|channel| (-3.0..-2.0).contains(channel)), "{kernel}: {middle:?}");
+    }
+}

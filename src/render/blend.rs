@@ -128,7 +128,7 @@ impl Samples<'_> {
         let (mut left, mut nth) = (self.mask, self.first);
         while left != 0 {
             let column = left.trailing_zeros() as usize;
-            visit(column, self.w[column], self.tile.color(nth).map(|channel| channel.max(0.0)));
+            visit(column, self.w[column], self.tile.color(nth));
             left &= left - 1;
             nth += 1;
         }
