@@ -26,6 +26,7 @@ pub mod layer;
 pub mod mixed_pixels;
 mod moving_patterns;
 pub mod noise;
+mod noise_frames;
 pub mod noise_range;
 mod noisy_colors;
 mod noisy_depths;

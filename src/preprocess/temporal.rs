@@ -5,8 +5,8 @@
 //! from which the background follows.
 //!
 //! Thresholds multiply the noise, which the tree therefore has to know before: it is measured on three pairs of successive
-//! frames, from the beginning, the middle and the end. These frames are kept until their turn comes, so that every frame is
-//! decoded once.
+//! frames ([`noise_frames`](super::noise_frames)). These frames are kept until their turn comes, so that every frame is decoded
+//! once, unless pictures are repeated.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use super::background::Memo;
 use super::noise::{Noise, measure_pairs};
+use super::noise_frames::NoiseFrames;
 use super::normal_errors::{NormalErrors, compare_with_given};
 use super::range_shares::RangeShares;
 use super::ranges::{CameraSum, Ranges};
@@ -118,14 +119,6 @@ fn scan_cameras(
     Ok(cameras)
 }
 
-/// Frames looked at for the noise: pairs from the beginning, the middle and the end.
-fn noise_pairs(frames: usize) -> Vec<[usize; 2]> {
-    let last = frames.saturating_sub(2);
-    let mut firsts = vec![0, last / 2, last];
-    firsts.dedup();
-    firsts.into_iter().filter(|first| first + 1 < frames).map(|first| [first, first + 1]).collect()
-}
-
 /// Frames of this camera that are held at a time: a power of two that takes a moderate share of the memory, since the next
 /// batch is decoded while one is split.
 fn batch_size(capture: &Capture, camera: usize, settings: &Settings) -> usize {
@@ -146,22 +139,14 @@ struct Preview {
 
 impl Preview {
     fn of(capture: &Capture, camera: usize, settings: &Settings, job: &Job) -> Result<Self> {
-        let frames = capture.frame_count();
-        let pairs = noise_pairs(frames);
-        let mut looked_at: Vec<usize> = pairs.iter().flatten().copied().chain(0..frames.min(1)).collect();
-        looked_at.sort_unstable();
-        looked_at.dedup();
-        let held: Vec<(usize, Arc<Frame>)> = looked_at
-            .into_par_iter()
-            .map(|frame| {
-                job.check()?;
-                Ok((frame, capture.frame(camera, frame)?))
-            })
-            .collect::<Result<_>>()?;
-        let held: BTreeMap<usize, Arc<Frame>> = held.into_iter().collect();
-        let pairs: Vec<[&Frame; 2]> = pairs.iter().map(|pair| pair.map(|frame| &*held[&frame])).collect();
+        let frames = NoiseFrames::of(capture.frame_count(), |frame| {
+            job.check()?;
+            capture.frame(camera, frame)
+        })?;
+        let noise = measure_pairs(&frames.pairs());
+        let held = frames.held;
         Ok(Self {
-            noise: measure_pairs(&pairs),
+            noise,
             // Of whole numbers the step grows with the nearest thing there is. A tree of spans is built as frames come and
             // goes by those that are known before.
             depth_step_relative: held.values().map(|frame| frame.depth_step_relative).fold(0.0, f32::max),
