@@ -187,7 +187,8 @@ fn prune_into(
     };
     job.start("Pruning the background", 1);
     let background = Background::of(capture, scan, settings, job)?;
-    let mut tally = Tally::new(capture, scan, settings);
+    let normal_errors = scan.normal_errors(capture, &settings.normals, job)?;
+    let mut tally = Tally::new((capture, scan), &normal_errors, settings);
     tally.add(scan.tree(&settings.spans).root(), &background.decided);
     pack_all(all_frames(scan.frames), &background.layers, &background.decided, settings, &mut images)?;
     let rig = Rig::new(&capture.cameras);

@@ -142,13 +142,18 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    pub(super) fn new(capture: &Capture, scan: &TemporalScan, settings: &Settings) -> Self {
+    /// Nothing is counted yet. `normal_errors` are those of each camera under `settings`.
+    pub(super) fn new(
+        (capture, scan): (&Capture, &TemporalScan),
+        normal_errors: &[Vec<NormalErrors>],
+        settings: &Settings,
+    ) -> Self {
         let frames = capture.frame_count() as u64;
         let cameras: Vec<CameraReport> = capture
             .cameras
             .iter()
-            .zip(scan.cameras.iter().zip(range_facts(scan, settings)))
-            .map(|(camera, (scan, ranges))| CameraReport {
+            .zip(scan.cameras.iter().zip(range_facts(scan, settings)).zip(normal_errors))
+            .map(|(camera, ((scan, ranges), normal_errors))| CameraReport {
                 name: camera.name.clone(),
                 pixels: camera.intrinsics.pixel_count() as u64 * frames,
                 invalid: scan.invalid,
@@ -156,8 +161,8 @@ impl Tally {
                 depth_noise_relative: scan.noise.depth_relative,
                 depth_step_relative: scan.depth_step_relative,
                 ranges,
-                normal_errors: scan.normal_errors.clone(),
-                normals_off_degrees: normal_errors::contradiction(&scan.normal_errors)
+                normal_errors: normal_errors.clone(),
+                normals_off_degrees: normal_errors::contradiction(normal_errors)
                     .filter(|_| settings.normals.source != NormalSource::Estimated),
                 ..CameraReport::default()
             })

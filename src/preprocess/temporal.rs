@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::background::Memo;
+use super::background::{Memo, remember, remembered};
 use super::noise::{Noise, measure_pairs};
 use super::noise_frames::NoiseFrames;
 use super::normal_errors::{NormalErrors, compare_with_given};
@@ -23,10 +23,10 @@ use super::span_samples::SpanStore;
 use super::span_tree::SpanTree;
 use super::split::{BATCH, Split};
 use super::static_test::StaticTest;
-use crate::capture::{Capture, Frame};
+use crate::capture::{Camera, Capture, Frame};
 use crate::error::Result;
 use crate::job::Job;
-use crate::settings::{Settings, SpanLevels, SpanSettings};
+use crate::settings::{NormalSettings, Settings, SpanLevels, SpanSettings};
 
 /// What a pass over all frames told of one camera.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ pub struct CameraScan {
     pub depth_step_relative: f32,
     /// Noise of static pixels.
     pub noise: Noise,
-    /// Estimated against given normals on the first frame; empty where none are given.
+    /// Estimated against given normals on the first frame, with the settings of the scan; empty where none are given.
     pub normal_errors: Vec<NormalErrors>,
 }
 
@@ -56,6 +56,8 @@ pub struct TemporalScan {
     /// The samples of every span of the tree; for the tree only.
     pub spans: Option<SpanStore>,
     made_with: SpanSettings,
+    /// The edge threshold that [`CameraScan::normal_errors`] goes with.
+    edge: f32,
     pub(super) memo: Memo,
 }
 
@@ -73,6 +75,33 @@ impl TemporalScan {
     #[must_use]
     pub fn served(&self, settings: &SpanSettings) -> SpanSettings {
         if self.serves(settings) { settings.clone() } else { self.made_with.clone() }
+    }
+
+    /// Per camera, estimated against given normals on the first frame; empty where none are given. That frame is read again where
+    /// the edge threshold is another than that of the scan.
+    ///
+    /// # Errors
+    /// Whatever the capture gives (naming file and frame), and `Cancelled`.
+    pub(super) fn normal_errors(
+        &self,
+        capture: &Capture,
+        settings: &NormalSettings,
+        job: &Job,
+    ) -> Result<Arc<Vec<Vec<NormalErrors>>>> {
+        if self.edge == settings.edge || !capture.has_normals {
+            return Ok(Arc::new(self.cameras.iter().map(|camera| camera.normal_errors.clone()).collect()));
+        }
+        if let Some(errors) = remembered(&self.memo.normal_errors, &settings.edge) {
+            return Ok(errors);
+        }
+        let of_camera = |(index, camera): (usize, &Camera)| {
+            job.check()?;
+            Ok(compare_with_given(&*capture.frame(index, 0)?, camera, settings))
+        };
+        let errors: Result<Vec<_>> = capture.cameras.par_iter().enumerate().map(of_camera).collect();
+        let errors = Arc::new(errors?);
+        remember(&self.memo.normal_errors, settings.edge, errors.clone());
+        Ok(errors)
     }
 
     /// When a pixel of `camera` counts as static under `settings`.
@@ -97,7 +126,8 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Tempora
     } else {
         (scan_cameras(capture, |camera| scan_ranges(capture, camera, settings, job))?, None)
     };
-    Ok(TemporalScan { frames, cameras, spans, made_with: settings.spans.clone(), memo: Memo::default() })
+    let (made_with, edge) = (settings.spans.clone(), settings.normals.edge);
+    Ok(TemporalScan { frames, cameras, spans, made_with, edge, memo: Memo::default() })
 }
 
 /// Cameras that are scanned side by side: while one waits for the last frame of a batch, the other has work.
