@@ -74,6 +74,9 @@ fn is_same_picture(a: &Frame, b: &Frame) -> bool {
         && bytes(a.color.as_slice()) == bytes(b.color.as_slice())
 }
 
+/// Two frames next to each other that differ, each with its index or how far it is away.
+type Change = [(usize, Arc<Frame>); 2];
+
 /// Two frames next to each other of which the nearer is the same as `still` and the other is not, each with how far it is away;
 /// that one frame away is known to be the same. `at` gives those up to `farthest` away. Nothing where none of those that are looked
 /// at differs.
@@ -81,7 +84,7 @@ fn next_change(
     still: &Arc<Frame>,
     farthest: usize,
     at: impl Fn(usize) -> Result<Arc<Frame>>,
-) -> Result<Option<[(usize, Arc<Frame>); 2]>> {
+) -> Result<Option<Change>> {
     let mut near = (1, still.clone());
     let mut far = None;
     while far.is_none() && near.0 < farthest {
@@ -153,7 +156,8 @@ mod tests {
 
     #[test]
     fn nothing_but_repeats_gives_no_pair_and_costs_a_few_frames() {
-        let (found, asked) = pairs(&[5; 3000]);
+        let still: Vec<usize> = std::iter::repeat_n(5, 3000).collect();
+        let (found, asked) = pairs(&still);
         assert!(found.is_empty() && asked < 50, "{asked} frames");
     }
 }

@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::background::{Memo, remember, remembered};
+use super::background::{AllNormalErrors, Memo, remember, remembered};
 use super::noise::{Noise, measure_pairs};
 use super::noise_frames::NoiseFrames;
 use super::normal_errors::{NormalErrors, compare_with_given};
@@ -87,7 +87,7 @@ impl TemporalScan {
         capture: &Capture,
         settings: &NormalSettings,
         job: &Job,
-    ) -> Result<Arc<Vec<Vec<NormalErrors>>>> {
+    ) -> Result<AllNormalErrors> {
         if self.edge == settings.edge || !capture.has_normals {
             return Ok(Arc::new(self.cameras.iter().map(|camera| camera.normal_errors.clone()).collect()));
         }
