@@ -135,6 +135,12 @@ pub(crate) fn mask(holds: impl Fn(usize) -> bool) -> u32 {
     joined(&bits)
 }
 
+/// A whole number from 0 to 2²³ − 1. (A cast would be turned into sixteen scalar instructions, each with checks.)
+#[inline(always)]
+pub(crate) fn whole(number: f32) -> u32 {
+    (number + 8_388_608.0).to_bits() & 0x7f_ffff
+}
+
 /// Asks for an element to be fetched into the cache while other work goes on. Changes no result; nothing happens where there
 /// is no such element or no such instruction.
 #[inline(always)]

@@ -6,7 +6,8 @@ use overlook::capture::transforms::{open, open_views};
 use overlook::capture::{Capture, View};
 use overlook::evaluate::{Compared, compare, evaluate};
 use overlook::job::Job;
-use overlook::preprocess::{preprocess, scan};
+use overlook::preprocess::normal_errors::NormalErrors;
+use overlook::preprocess::{Report, preprocess, prune, scan};
 use overlook::settings::{CaptureSettings, Kernel, RenderSettings, Settings};
 
 #[test]
@@ -89,4 +90,21 @@ fn both_estimators_come_close_to_the_normals_that_the_renderer_gave() {
             assert!(errors.median_degrees < 10.0 && errors.trusted > 0.4, "{errors:?}");
         }
     }
+}
+
+#[test]
+fn the_report_compares_normals_by_the_settings_that_it_was_pruned_with() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let capture = open(&folder, &CaptureSettings::default()).unwrap();
+    let scan = scan(&capture, &Settings::default(), &Job::new()).unwrap();
+    let errors = |report: Report| -> Vec<Vec<NormalErrors>> {
+        report.cameras.into_iter().map(|camera| camera.normal_errors).collect()
+    };
+    let of_scan = errors(prune(&capture, &scan, &Settings::default(), &Job::new()).unwrap().report);
+    let mut settings = Settings::default();
+    settings.normals.edge *= 0.25;
+    let turned = errors(prune(&capture, &scan, &settings, &Job::new()).unwrap().report);
+    assert_ne!(turned, of_scan, "fewer neighbors are of one surface");
+    assert_eq!(turned, errors(preprocess(&capture, &settings, &Job::new()).unwrap().report));
+    assert_eq!(turned, errors(prune(&capture, &scan, &settings, &Job::new()).unwrap().report), "as before");
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use coverage::assert_covered;
 use glam::{DVec2, DVec3};
-use overlook::capture::{Camera, Capture, Intrinsics};
+use overlook::capture::{Camera, Capture, Frame, Intrinsics};
 use overlook::error::Error;
 use overlook::job::Job;
 use overlook::preprocess::{
@@ -140,9 +140,25 @@ fn a_moving_shadow_takes_the_wall_it_crosses_out_of_the_background_and_nothing_e
     }));
     let capture = scene.record(arc(2, 64), 6);
     let inspection = inspect(&capture, &Settings::default(), 3);
-    let classes = inspection.cameras[0].class.as_slice();
-    let changes = classes.iter().filter(|class| **class != PixelClass::Background).count() as f64 / 4096.0;
-    assert!(changes > 0.02 && changes < 0.3, "{changes}");
+    let mut changes = 0;
+    for (index, seen) in inspection.cameras.iter().enumerate() {
+        let lit = Scene::still_life().trace(&capture.cameras[index], 0, index);
+        let frames: Vec<_> = (0..6).map(|frame| capture.frame(index, frame).unwrap()).collect();
+        for (pixel, class) in seen.class.as_slice().iter().enumerate() {
+            let is_shaded = |frame: &Frame| frame.color.as_slice()[pixel] != lit.color.as_slice()[pixel];
+            let shaded = frames.iter().filter(|frame| is_shaded(frame)).count();
+            assert_eq!(*class != PixelClass::Background, (1..6).contains(&shaded), "pixel {pixel}");
+            changes += usize::from(shaded > 0);
+        }
+    }
+    assert!(changes > 2 * 80, "{changes}");
+    for image in &inspection.samples.images {
+        let recorded = capture.frame(image.camera as usize, 3).unwrap();
+        let depths = image.inverse_depths();
+        for sample in image.samples() {
+            assert_eq!(depths[sample.index], recorded.inverse_depth[(sample.x, sample.y)], "geometry stays");
+        }
+    }
 }
 
 #[test]

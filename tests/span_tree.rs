@@ -4,7 +4,7 @@ mod scene;
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use half::f16;
 use overlook::capture::{Capture, Frame, INVALID_INVERSE_DEPTH};
 use overlook::color;
@@ -38,7 +38,7 @@ const CHANNEL: [f32; 4] = [0.2108, 0.2155, 0.2203, 0.6];
 /// Inverse depths: none, at infinity, three of which neighbors are granted and the first and last are not, and one far from them.
 const INVERSE_DEPTH: [f32; 6] = [INVALID_INVERSE_DEPTH, 0.0, 0.5, 0.499_65, 0.499_3, 0.25];
 
-/// Pictures of `width` pixels in which a channel of a pixel or its depth changes now and then.
+/// Pictures of `width` pixels in which a channel of a pixel or its depth changes now and then, and its normal always.
 fn readings(width: usize, frames: usize, seed: u64) -> Vec<Arc<Frame>> {
     let mut state = seed;
     let mut below = |bound: usize| {
@@ -47,6 +47,7 @@ fn readings(width: usize, frames: usize, seed: u64) -> Vec<Arc<Frame>> {
     };
     let mut color: Vec<[usize; 3]> = (0..width).map(|_| std::array::from_fn(|_| below(4))).collect();
     let mut depth: Vec<usize> = (0..width).map(|_| below(6)).collect();
+    let mut normal = vec![[0.0; 3]; width];
     (0..frames)
         .map(|_| {
             for pixel in 0..width {
@@ -55,13 +56,16 @@ fn readings(width: usize, frames: usize, seed: u64) -> Vec<Arc<Frame>> {
                     3 => depth[pixel] = below(6),
                     _ => {}
                 }
+                let direction =
+                    Vec3::from([0.3, 0.01, 1.0].map(|share| share * (below(2001) as f32 - 1000.0)));
+                normal[pixel] = direction.normalize_or_zero().to_array();
             }
             let colors = color.iter().map(|color| color.map(|level| f16::from_f32(CHANNEL[level])));
             let depths = depth.iter().map(|&level| INVERSE_DEPTH[level]);
             Arc::new(Frame {
                 color: Grid::from_vec(width, 1, colors.collect()),
                 inverse_depth: Grid::from_vec(width, 1, depths.collect()),
-                normal_in_world: None,
+                normal_in_world: Some(Grid::from_vec(width, 1, normal.clone())),
                 depth_step_relative: 0.0,
             })
         })
@@ -171,6 +175,19 @@ fn worst_error_steps(capture: &Capture, result: &Preprocessed) -> f32 {
     worst
 }
 
+/// Every sample lies where its camera saw the surface in each frame of its span.
+fn assert_geometry_stays(capture: &Capture, result: &Preprocessed) {
+    for image in &result.samples.images {
+        let depths = image.inverse_depths();
+        for frame in image.span.start..image.span.end {
+            let recorded = capture.frame(image.camera as usize, frame as usize).unwrap();
+            for sample in image.samples() {
+                assert_eq!(depths[sample.index], recorded.inverse_depth[(sample.x, sample.y)]);
+            }
+        }
+    }
+}
+
 fn is_red(color: [f16; 3]) -> bool {
     color[0].to_f32() > 0.6 && color[1].to_f32() < 0.25
 }
@@ -225,7 +242,13 @@ fn a_moving_shadow_shortens_spans_where_it_passes_and_leaves_the_wall_where_it_i
     let settings = with_levels(SpanLevels::Tree);
     let scan = scan(&capture, &settings, &Job::new()).unwrap();
     let inspection = inspect_frame(&capture, Some(&scan), &settings, 8, &Job::new()).unwrap();
+    assert_geometry_stays(&capture, &tree);
     let seen = &inspection.cameras[0];
+    for (pixel, class) in seen.class.as_slice().iter().enumerate() {
+        let shade = |frame: usize| capture.frame(0, frame).unwrap().color.as_slice()[pixel];
+        let is_passed = (1..16).any(|frame| shade(frame) != shade(0));
+        assert_eq!(*class != PixelClass::Background, is_passed, "pixel {pixel}");
+    }
     let lasting = seen.class.as_slice().iter().filter(|class| **class == PixelClass::Lasting).count();
     assert!(lasting > 64, "{lasting}");
     assert_eq!(inspection.path.len(), 5);

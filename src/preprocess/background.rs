@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::descent::put;
 use super::frame_layers::{FrameKey, FrameLayers};
 use super::layer::{Layer, LayerBuilder, ROOT};
+use super::normal_errors::NormalErrors;
 use super::pruning::{self, Decided, Rig};
 use super::span_tree::all_frames;
 use super::temporal::TemporalScan;
@@ -92,9 +93,13 @@ fn rated(capture: &Capture, layers: Vec<StaticLayer>, settings: &Settings, job: 
 pub(super) struct Memo {
     static_layers: Mutex<Option<(StaticKey, Arc<Vec<StaticLayer>>)>>,
     pub(super) frame: Mutex<Option<(FrameKey, Arc<FrameLayers>)>>,
+    pub(super) normal_errors: Mutex<Option<(f32, AllNormalErrors)>>,
 }
 
 type StaticKey = (NormalSettings, SpanSettings);
+
+/// Per camera.
+pub(super) type AllNormalErrors = Arc<Vec<Vec<NormalErrors>>>;
 
 pub(super) fn remembered<K: PartialEq, V: Clone>(memo: &Mutex<Option<(K, V)>>, key: &K) -> Option<V> {
     let memo = memo.lock().ok()?;

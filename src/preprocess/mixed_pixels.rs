@@ -3,6 +3,11 @@
 //! Purpose: an anti-aliased silhouette carries a color that belongs to no surface; left alone it is painted as a bright or
 //! dark fringe wherever it lands. Source: none in the paper, which reports that anti-aliased input looked worse (§4).
 //! Rule: across a depth step the pixel's color lies between its own side's and the other side's, away from its own.
+//!
+//! Limit: a sample is looked at when its span is decided, and samples of shorter spans are not there yet. Where the other
+//! side, or the neighbor on the pixel's own, lives in a shorter span, as what passes behind a thing at rest does, blending
+//! goes unseen, and the sample counts as a clean one: 5 to 9 % of the blended pixels of the built-in scene `nine-cameras`, and
+//! 31 % where no noise is granted, as spans are short there.
 
 use rayon::prelude::*;
 

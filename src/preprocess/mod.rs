@@ -26,6 +26,7 @@ pub mod layer;
 pub mod mixed_pixels;
 mod moving_patterns;
 pub mod noise;
+mod noise_frames;
 pub mod noise_range;
 mod noisy_colors;
 mod noisy_depths;
@@ -186,7 +187,8 @@ fn prune_into(
     };
     job.start("Pruning the background", 1);
     let background = Background::of(capture, scan, settings, job)?;
-    let mut tally = Tally::new(capture, scan, settings);
+    let normal_errors = scan.normal_errors(capture, &settings.normals, job)?;
+    let mut tally = Tally::new((capture, scan), &normal_errors, settings);
     tally.add(scan.tree(&settings.spans).root(), &background.decided);
     pack_all(all_frames(scan.frames), &background.layers, &background.decided, settings, &mut images)?;
     let rig = Rig::new(&capture.cameras);

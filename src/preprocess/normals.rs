@@ -1,7 +1,9 @@
 //! Surface normals (the paper, §3.2): given, or estimated from depth.
 //!
 //! Purpose: the sampling rate needs the angle at which a camera sees a surface. Estimates never reach across a
-//! silhouette, and each carries a confidence; a sample whose normal is not trusted counts as seen at grazing incidence.
+//! silhouette, and each carries a confidence; a sample whose normal is not trusted counts as seen at grazing incidence and
+//! loses to every one whose normal is known. Neighbors of shorter spans are decided later and take no part, so that beside
+//! what moves there may be too few to trust.
 //!
 //! Source: the paper leaves the estimator open. *Cross* is the usual cross product of neighboring differences, one-sided
 //! toward the flatter neighbor. *Plane* uses that a plane `n·X = d` seen by a pinhole camera is linear in the image in

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use super::range_shares::RangeShares;
 use super::span_samples::SpanSamples;
+use super::span_sums::{direction, summand};
 use super::static_test::{StaticTest, color_range_steps};
 use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
 use crate::color;
@@ -97,7 +98,8 @@ struct PixelSum {
     min_inverse_depth: f32,
     max_inverse_depth: f32,
     inverse_depth: f64,
-    normal: [f32; 3],
+    /// Sums of [`summand`].
+    normal: [f64; 3],
     invalid: u32,
 }
 
@@ -135,7 +137,7 @@ impl CameraSum {
             }
             if let Some(normals) = &frame.normal_in_world {
                 for (sum, normal) in row.iter_mut().zip(normals.row(y)) {
-                    (0..3).for_each(|axis| sum.normal[axis] += normal[axis]);
+                    (0..3).for_each(|axis| sum.normal[axis] += summand(normal[axis]));
                 }
             }
         });
@@ -162,7 +164,7 @@ impl CameraSum {
                 Grid::from_vec(
                     width,
                     height,
-                    pixels.iter().map(|sum| Vec3::from(sum.normal).normalize_or_zero().to_array()).collect(),
+                    pixels.iter().map(|sum| direction(sum.normal).to_array()).collect(),
                 )
             }),
         };

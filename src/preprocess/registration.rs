@@ -13,7 +13,7 @@ use super::layer::{Layer, Level};
 pub use super::same_surface::{Answers, Outcome, SameSurface};
 use super::same_surface::{IN_FRONT, IN_VIEW};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
-use crate::simd;
+use crate::simd::{self, whole};
 
 /// Pixels that are carried at once.
 pub const LANES: usize = 16;
@@ -168,12 +168,6 @@ pub(super) struct Carried<const N: usize = LANES> {
     pub(super) off_center: [[f32; N]; 2],
     pub(super) pixel: [u32; N],
     pub(super) bits: [u32; N],
-}
-
-/// A whole number from 0 to 2²³ − 1. (A cast would be turned into sixteen scalar instructions, each with checks.)
-#[inline(always)]
-pub(super) fn whole(number: f32) -> u32 {
-    (number + 8_388_608.0).to_bits() & 0x7f_ffff
 }
 
 impl Registration {

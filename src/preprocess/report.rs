@@ -84,7 +84,8 @@ pub struct Report {
     pub residuals: Vec<Vec<PairResiduals>>,
     /// Samples whose color was found to be blended across a silhouette, and what became of them: of those `found` some
     /// `yielded` to clean ones, were `dropped`, `outranked` by others that are blended as well, or `kept`. Nobody looks for them
-    /// where mixed pixels are kept, the first camera wins or the capture's color is not filtered.
+    /// where mixed pixels are kept, the first camera wins or the capture's color is not filtered, and those whose neighbors live in
+    /// shorter spans go unseen; see [`mixed_pixels`](super::mixed_pixels).
     pub mixed_pixels: BTreeMap<String, u64>,
     /// All input pixels as 8-bit color and 32-bit depth.
     pub bytes_raw: u64,
@@ -142,13 +143,18 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    pub(super) fn new(capture: &Capture, scan: &TemporalScan, settings: &Settings) -> Self {
+    /// Nothing is counted yet. `normal_errors` are those of each camera under `settings`.
+    pub(super) fn new(
+        (capture, scan): (&Capture, &TemporalScan),
+        normal_errors: &[Vec<NormalErrors>],
+        settings: &Settings,
+    ) -> Self {
         let frames = capture.frame_count() as u64;
         let cameras: Vec<CameraReport> = capture
             .cameras
             .iter()
-            .zip(scan.cameras.iter().zip(range_facts(scan, settings)))
-            .map(|(camera, (scan, ranges))| CameraReport {
+            .zip(scan.cameras.iter().zip(range_facts(scan, settings)).zip(normal_errors))
+            .map(|(camera, ((scan, ranges), normal_errors))| CameraReport {
                 name: camera.name.clone(),
                 pixels: camera.intrinsics.pixel_count() as u64 * frames,
                 invalid: scan.invalid,
@@ -156,8 +162,8 @@ impl Tally {
                 depth_noise_relative: scan.noise.depth_relative,
                 depth_step_relative: scan.depth_step_relative,
                 ranges,
-                normal_errors: scan.normal_errors.clone(),
-                normals_off_degrees: normal_errors::contradiction(&scan.normal_errors)
+                normal_errors: normal_errors.clone(),
+                normals_off_degrees: normal_errors::contradiction(normal_errors)
                     .filter(|_| settings.normals.source != NormalSource::Estimated),
                 ..CameraReport::default()
             })

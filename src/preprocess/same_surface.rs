@@ -16,9 +16,10 @@ use super::facet::{COLOR_STEPS, Facet, Look, MIXED};
 use super::layer::{Layer, Level};
 use super::noisy_colors::{allow_noise, tell_noise};
 use super::noisy_depths::{granted_around, granted_to_noise};
-use super::registration::{Block, Carried, LANES, Registration, whole};
+use super::registration::{Block, Carried, LANES, Registration};
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::settings::Settings;
+use crate::simd::whole;
 
 /// What another camera says about a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -6,12 +6,14 @@
 //! `r = ((c₁V·d₁)•c₁D · cos(xN•−c₂V)) / ((c₂V·d₂)•c₂D · cos(xN•−c₁V))`; `r < 1` where camera 1 samples more densely.
 //! `(cV·d)•cD` is planar depth `z`, and the `cos(…)` of a dot product is that dot product itself, the cosine of the angle
 //! of incidence θ. So `r = (z₁ / cos θ₁) / (z₂ / cos θ₂)`: a ratio of two numbers that each belong to one sample alone,
-//! here called its *footprint*. What differs: the cosine has a floor, so that grazing views and poor normals stay
-//! comparable; and beside the paper's footprint there are two that also know focal length and resolution: the surface area
-//! of a pixel, `z² cos α / (fx fy cos θ)` with α the angle off the optical axis, and the longest side of that area,
-//! `z √(cos α) / (min(fx, fy) cos θ)`, which is `z √(cos α / (fx fy)) / cos θ` where pixels are square. A surface is resolved no better than along the longest side: on every capture tried,
-//! the longest side keeps fewer samples than the area and comes closer to the truth (`overlook sweep`, RESULTS.md). Where
-//! cameras are alike it orders samples as the paper does, but for α.
+//! here called its *footprint*. What differs: the formula has one point and one normal for both cameras; here each sample
+//! brings its own, since who wins must be a total order of all samples, whichever two are compared. The cosine has a
+//! floor, so that grazing views and poor normals stay comparable. And beside the paper's footprint there are two that also
+//! know focal length and resolution: the surface area of a pixel, `z² cos α / (fx fy cos θ)` with α the angle off the
+//! optical axis, and the longest side of that area, `z √(cos α) / (min(fx, fy) cos θ)`, which is
+//! `z √(cos α / (fx fy)) / cos θ` where pixels are square. A surface is resolved no better than along the longest side: on
+//! every capture tried, the longest side keeps fewer samples than the area and comes closer to the truth
+//! (`overlook sweep`, RESULTS.md). Where cameras are alike it orders samples as the paper does, but for α.
 
 use glam::{Vec2, Vec3};
 
@@ -99,7 +101,8 @@ impl Rays {
 }
 
 /// The cosine of incidence θ between a ray and a surface normal, both in world orientation, no less than `floor`.
-/// An unknown (zero) normal counts as the floor, so that it never wins a comparison.
+/// An unknown (zero) normal counts as the floor. That it loses to every known one is up to the sample's
+/// [`Ranks`](super::facet::Ranks).
 #[must_use]
 pub fn cosine_of_incidence(ray: Vec3, normal: Vec3, floor: f32) -> f32 {
     (-normal.dot(ray) / ray.length()).max(floor)
@@ -263,10 +266,12 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_normal_never_wins() {
+    fn an_unknown_normal_counts_as_seen_at_grazing_incidence() {
         let camera = camera(DVec3::new(0.0, -3.0, 1.0), DVec3::ZERO, 100);
-        let unknown = footprint_at(Rate::Footprint, &camera, DVec3::ZERO, Vec3::ZERO);
-        let grazing = footprint_at(Rate::Footprint, &camera, DVec3::ZERO, Vec3::Z);
-        assert!(rank(unknown) > rank(grazing));
+        for rate in [Rate::Paper, Rate::Footprint, Rate::Stretch] {
+            let footprint = |normal| footprint_at(rate, &camera, DVec3::ZERO, normal);
+            assert_eq!(footprint(Vec3::ZERO), footprint(Vec3::X), "the camera looks along the surface");
+            assert!(rank(footprint(Vec3::ZERO)) > rank(footprint(Vec3::Z)));
+        }
     }
 }

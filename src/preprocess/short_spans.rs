@@ -5,7 +5,7 @@ use half::f16;
 
 use super::Span;
 use super::span_samples::SpanSamples;
-use super::span_sums::{FrameRun, relative_range, widened};
+use super::span_sums::{FrameRun, direction, relative_range, summand, widened};
 use super::span_tree::halves;
 use super::split::{BATCH, Batch};
 use super::static_test::StaticTest;
@@ -235,6 +235,10 @@ fn mean_depth(runs: &[FrameRun<'_>], pixel: usize, low: i32, high: i32) -> f32 {
 }
 
 fn mean_normal(runs: &[FrameRun<'_>], pixel: usize) -> Vec3 {
-    let normals = runs.iter().map(|run| Vec3::from_slice(&run.normal[3 * pixel..3 * pixel + 3]));
-    normals.sum::<Vec3>().normalize_or_zero()
+    let mut sums = [0.0; 3];
+    for run in runs {
+        let normal = &run.normal[3 * pixel..3 * pixel + 3];
+        (0..3).for_each(|axis| sums[axis] += summand(normal[axis]));
+    }
+    direction(sums)
 }

@@ -4,7 +4,7 @@ use glam::Vec3;
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 
-use super::span_sums::{SpanSums, relative_range};
+use super::span_sums::{SpanSums, direction, relative_range};
 use super::static_test::{CHANNELS, StaticTest, color_range_steps};
 use crate::color;
 use crate::simd::{self, Work};
@@ -59,8 +59,7 @@ impl SpanSums {
     /// Mean direction of the given normals; `None` where the capture gives none.
     #[must_use]
     pub fn mean_normal(&self, pixel: usize) -> Option<Vec3> {
-        let normal = self.normal.get(3 * pixel..3 * pixel + 3)?;
-        Some(Vec3::from_slice(normal).normalize_or_zero())
+        Some(direction(*self.normal.get(3 * pixel..)?.first_chunk()?))
     }
 }
 

@@ -2,7 +2,10 @@
 //!
 //! Half floats from 0 up order like their bits, so that minimum and maximum of color are those of 16-bit integers; what is
 //! below 0 counts as 0, as it does when shown. Sums are exact whatever their order: a half float has 11 digits and `f32` 24,
-//! an `f32` 24 and `f64` 53, which leaves room for thousands of frames of about one size.
+//! an `f32` 24 and `f64` 53, which leaves room for thousands of frames of about one size. Normals have components of any size,
+//! of which [`summand`] takes as many digits as leave room for the same.
+
+use glam::Vec3;
 
 use super::static_test::StaticTest;
 use crate::capture::INVALID_INVERSE_DEPTH;
@@ -32,8 +35,8 @@ pub struct SpanSums {
     pub(super) min_inverse_depth: Vec<f32>,
     pub(super) max_inverse_depth: Vec<f32>,
     pub(super) inverse_depth: Vec<f64>,
-    /// Empty where the capture gives none.
-    pub(super) normal: Vec<f32>,
+    /// Sums of [`summand`]; empty where the capture gives none.
+    pub(super) normal: Vec<f64>,
 }
 
 impl SpanSums {
@@ -147,6 +150,21 @@ fn widened_small(bits: i16) -> f32 {
     f32::from_bits((i32::from(bits) << 16 >> 3) as u32 & 0x8fff_ffff)
 }
 
+/// A component of a unit normal as a multiple of 2⁻⁴⁰: sums of up to 8192 of them are exact, whatever their order.
+#[inline(always)]
+#[must_use]
+pub(super) fn summand(component: f32) -> f64 {
+    /// So large that what is added to it is rounded to multiples of 2⁻⁴⁰.
+    const ROUNDING: f64 = 6144.0;
+    f64::from(component) + ROUNDING - ROUNDING
+}
+
+/// The direction of a sum of normals.
+#[must_use]
+pub(super) fn direction(sum: [f64; 3]) -> Vec3 {
+    Vec3::from(sum.map(|component| component as f32)).normalize_or_zero()
+}
+
 #[inline(always)]
 pub(super) fn smaller(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }
@@ -165,6 +183,9 @@ const AHEAD: usize = 96;
 
 /// Half floats in a cache line.
 const LINE_COLORS: usize = 32;
+
+/// Components of normals in a cache line.
+const LINE_NORMALS: usize = 16;
 
 struct Add<'a> {
     sums: &'a mut SpanSums,
@@ -199,11 +220,27 @@ impl Work for Add<'_> {
             }
             held.give(sums, first, count);
         }
+        add_normals(&mut sums.normal, frames);
+    }
+}
+
+/// Writes the sums of [`summand`] over all frames; of a frame without normals nothing is added.
+#[inline(always)]
+fn add_normals(sums: &mut [f64], frames: &[FrameRun<'_>]) {
+    for (first, sums) in (0..).step_by(3 * HELD).zip(sums.chunks_mut(3 * HELD)) {
+        let mut held = [0.0; 3 * HELD];
         for frame in frames {
-            for (sum, &n) in sums.normal.iter_mut().zip(frame.normal) {
-                *sum += n;
+            (0..3).for_each(|line| simd::prefetch(frame.normal, first + 3 * AHEAD + line * LINE_NORMALS));
+            let normal = frame.normal.get(first..).unwrap_or_default();
+            if let Some(normal) = normal.first_chunk::<{ 3 * HELD }>() {
+                for i in 0..3 * HELD {
+                    held[i] += summand(normal[i]);
+                }
+            } else {
+                held.iter_mut().zip(normal).for_each(|(sum, component)| *sum += summand(*component));
             }
         }
+        sums.copy_from_slice(&held[..sums.len()]);
     }
 }
 
@@ -307,6 +344,28 @@ mod tests {
     use half::f16;
 
     use super::*;
+
+    #[test]
+    fn sums_of_normals_are_the_same_in_any_order_and_those_of_equal_ones_point_where_they_do() {
+        let mut state = 1_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        let normals: Vec<Vec3> = (0..4000)
+            .map(|_| Vec3::new(random().powi(9), random().powi(5), random().powi(3)).normalize_or_zero())
+            .collect();
+        let sum = |normals: &mut dyn Iterator<Item = &Vec3>| {
+            let mut sum = [0.0; 3];
+            normals.for_each(|n| (0..3).for_each(|axis| sum[axis] += summand(n[axis])));
+            sum.map(f64::to_bits)
+        };
+        assert_eq!(sum(&mut normals.iter()), sum(&mut normals.iter().rev()));
+        for normal in &normals {
+            let sum = normal.to_array().map(|component| 16.0 * summand(component));
+            assert!(direction(sum).abs_diff_eq(*normal, 2e-7), "{normal}");
+        }
+    }
 
     #[test]
     fn half_floats_are_widened_and_added_up_exactly() {

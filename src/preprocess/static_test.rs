@@ -3,10 +3,11 @@
 //! A pixel is static over a span while the range (maximum − minimum, so that slow drift cannot creep past) of its color and
 //! of its relative depth stays within a tolerance plus what the measured noise explains.
 //!
-//! What noise explains is the range of as many draws as the *whole* sequence has frames, for short spans too, at the least noisy
-//! brightness that the pixel goes through. A pixel that is static over a span is then static over every part of it, which goes
-//! through no more: it does not matter in which order spans are looked at. With the narrower range of fewer draws one pixel in
-//! a few thousand would fail in each of the many short spans, and be stored many times over for it.
+//! What noise explains is the range of as many draws as the *whole* sequence has frames, for short spans too. Each channel is
+//! granted that of the least noisy brightness that it goes through, and all three what the noisiest of them is granted. A
+//! pixel that is static over a span is then static over every part of it, which goes through no more: it does not matter in
+//! which order spans are looked at. With the narrower range of fewer draws one pixel in a few thousand would fail in each of
+//! the many short spans, and be stored many times over for it.
 
 use half::f16;
 

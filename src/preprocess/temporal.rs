@@ -5,16 +5,17 @@
 //! from which the background follows.
 //!
 //! Thresholds multiply the noise, which the tree therefore has to know before: it is measured on three pairs of successive
-//! frames, from the beginning, the middle and the end. These frames are kept until their turn comes, so that every frame is
-//! decoded once.
+//! frames ([`noise_frames`](super::noise_frames)). These frames are kept until their turn comes, so that every frame is decoded
+//! once, unless pictures are repeated.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::background::Memo;
+use super::background::{AllNormalErrors, Memo, remember, remembered};
 use super::noise::{Noise, measure_pairs};
+use super::noise_frames::NoiseFrames;
 use super::normal_errors::{NormalErrors, compare_with_given};
 use super::range_shares::RangeShares;
 use super::ranges::{CameraSum, Ranges};
@@ -22,10 +23,10 @@ use super::span_samples::SpanStore;
 use super::span_tree::SpanTree;
 use super::split::{BATCH, Split};
 use super::static_test::StaticTest;
-use crate::capture::{Capture, Frame};
+use crate::capture::{Camera, Capture, Frame};
 use crate::error::Result;
 use crate::job::Job;
-use crate::settings::{Settings, SpanLevels, SpanSettings};
+use crate::settings::{NormalSettings, Settings, SpanLevels, SpanSettings};
 
 /// What a pass over all frames told of one camera.
 #[derive(Debug)]
@@ -41,7 +42,7 @@ pub struct CameraScan {
     pub depth_step_relative: f32,
     /// Noise of static pixels.
     pub noise: Noise,
-    /// Estimated against given normals on the first frame; empty where none are given.
+    /// Estimated against given normals on the first frame, with the settings of the scan; empty where none are given.
     pub normal_errors: Vec<NormalErrors>,
 }
 
@@ -55,6 +56,8 @@ pub struct TemporalScan {
     /// The samples of every span of the tree; for the tree only.
     pub spans: Option<SpanStore>,
     made_with: SpanSettings,
+    /// The edge threshold that [`CameraScan::normal_errors`] goes with.
+    edge: f32,
     pub(super) memo: Memo,
 }
 
@@ -72,6 +75,33 @@ impl TemporalScan {
     #[must_use]
     pub fn served(&self, settings: &SpanSettings) -> SpanSettings {
         if self.serves(settings) { settings.clone() } else { self.made_with.clone() }
+    }
+
+    /// Per camera, estimated against given normals on the first frame; empty where none are given. That frame is read again where
+    /// the edge threshold is another than that of the scan.
+    ///
+    /// # Errors
+    /// Whatever the capture gives (naming file and frame), and `Cancelled`.
+    pub(super) fn normal_errors(
+        &self,
+        capture: &Capture,
+        settings: &NormalSettings,
+        job: &Job,
+    ) -> Result<AllNormalErrors> {
+        if self.edge == settings.edge || !capture.has_normals {
+            return Ok(Arc::new(self.cameras.iter().map(|camera| camera.normal_errors.clone()).collect()));
+        }
+        if let Some(errors) = remembered(&self.memo.normal_errors, &settings.edge) {
+            return Ok(errors);
+        }
+        let of_camera = |(index, camera): (usize, &Camera)| {
+            job.check()?;
+            Ok(compare_with_given(&*capture.frame(index, 0)?, camera, settings))
+        };
+        let errors: Result<Vec<_>> = capture.cameras.par_iter().enumerate().map(of_camera).collect();
+        let errors = Arc::new(errors?);
+        remember(&self.memo.normal_errors, settings.edge, errors.clone());
+        Ok(errors)
     }
 
     /// When a pixel of `camera` counts as static under `settings`.
@@ -96,7 +126,8 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Tempora
     } else {
         (scan_cameras(capture, |camera| scan_ranges(capture, camera, settings, job))?, None)
     };
-    Ok(TemporalScan { frames, cameras, spans, made_with: settings.spans.clone(), memo: Memo::default() })
+    let (made_with, edge) = (settings.spans.clone(), settings.normals.edge);
+    Ok(TemporalScan { frames, cameras, spans, made_with, edge, memo: Memo::default() })
 }
 
 /// Cameras that are scanned side by side: while one waits for the last frame of a batch, the other has work.
@@ -116,14 +147,6 @@ fn scan_cameras(
         }
     }
     Ok(cameras)
-}
-
-/// Frames looked at for the noise: pairs from the beginning, the middle and the end.
-fn noise_pairs(frames: usize) -> Vec<[usize; 2]> {
-    let last = frames.saturating_sub(2);
-    let mut firsts = vec![0, last / 2, last];
-    firsts.dedup();
-    firsts.into_iter().filter(|first| first + 1 < frames).map(|first| [first, first + 1]).collect()
 }
 
 /// Frames of this camera that are held at a time: a power of two that takes a moderate share of the memory, since the next
@@ -146,22 +169,14 @@ struct Preview {
 
 impl Preview {
     fn of(capture: &Capture, camera: usize, settings: &Settings, job: &Job) -> Result<Self> {
-        let frames = capture.frame_count();
-        let pairs = noise_pairs(frames);
-        let mut looked_at: Vec<usize> = pairs.iter().flatten().copied().chain(0..frames.min(1)).collect();
-        looked_at.sort_unstable();
-        looked_at.dedup();
-        let held: Vec<(usize, Arc<Frame>)> = looked_at
-            .into_par_iter()
-            .map(|frame| {
-                job.check()?;
-                Ok((frame, capture.frame(camera, frame)?))
-            })
-            .collect::<Result<_>>()?;
-        let held: BTreeMap<usize, Arc<Frame>> = held.into_iter().collect();
-        let pairs: Vec<[&Frame; 2]> = pairs.iter().map(|pair| pair.map(|frame| &*held[&frame])).collect();
+        let frames = NoiseFrames::of(capture.frame_count(), |frame| {
+            job.check()?;
+            capture.frame(camera, frame)
+        })?;
+        let noise = measure_pairs(&frames.pairs());
+        let held = frames.held;
         Ok(Self {
-            noise: measure_pairs(&pairs),
+            noise,
             // Of whole numbers the step grows with the nearest thing there is. A tree of spans is built as frames come and
             // goes by those that are known before.
             depth_step_relative: held.values().map(|frame| frame.depth_step_relative).fold(0.0, f32::max),

@@ -2,9 +2,8 @@
 
 use super::gather::{Gather, View};
 use super::project::Projector;
-use super::surface::whole;
 use super::window::{LANES, Lanes};
-use crate::simd::joined;
+use crate::simd::{joined, whole};
 
 /// Sixteen points in one camera.
 pub(super) struct Places {

@@ -18,7 +18,7 @@ use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::TILE;
 use crate::settings::Kernel;
-use crate::simd::{self, Work, joined};
+use crate::simd::{self, Work, joined, whole};
 
 /// A sample belongs to the core of a pixel that gets at least this share of it by bilinear weights, and else to its
 /// fringe. The fringe fills pixels that are no sample's core; elsewhere it stays away, so that silhouettes do not grow.
@@ -340,12 +340,6 @@ impl Planes {
             }
         }
     }
-}
-
-/// A whole number from 0 to 2²³ − 1. (A cast would be turned into sixteen scalar instructions, each with checks.)
-#[inline(always)]
-pub(super) fn whole(number: f32) -> u32 {
-    (number + 8_388_608.0).to_bits() & 0x7f_ffff
 }
 
 /// Inverse depth of a sample's plane at the center of pixel `(x, y)`, never negative, and how far that lies from the sample: in

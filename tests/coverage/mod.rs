@@ -38,15 +38,24 @@ pub(crate) fn assert_covered(
             let center = DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
             let inverse_depth = f64::from(seen.frame.inverse_depth.as_slice()[pixel]);
             let witness_camera = &capture.cameras[verdict.witness_camera as usize];
+            let k = witness_camera.intrinsics;
+            let at = (f64::from(verdict.witness_pixel % k.width), f64::from(verdict.witness_pixel / k.width));
             if inverse_depth == 0.0 {
                 let w = witness.frame.inverse_depth.as_slice()[verdict.witness_pixel as usize];
                 assert_eq!(w, 0.0);
+                let ray = camera.world_from_camera.matrix3 * camera.intrinsics.ray_in_camera(center);
+                // Of what is at infinity, the direction is all there is.
+                let (found, _) = witness_camera
+                    .project(witness_camera.position_in_world() + ray)
+                    .expect("the witness looks that way");
+                assert!(
+                    (found.x - at.0 - 0.5).abs() < 0.51 && (found.y - at.1 - 0.5).abs() < 0.51,
+                    "{found} is not in {at:?} of the sky"
+                );
                 continue;
             }
             let point = camera.unproject(center, 1.0 / inverse_depth);
             let (found, z) = witness_camera.project(point).expect("the witness has the point before it");
-            let k = witness_camera.intrinsics;
-            let at = (f64::from(verdict.witness_pixel % k.width), f64::from(verdict.witness_pixel / k.width));
             // A sample has the mean depth of its span, and positions are carried in single precision.
             let reach = |axis: usize| {
                 let moved = [0.997, 1.003].map(|share| {
