@@ -263,3 +263,26 @@ fn views_without_a_true_picture_are_told_and_absurd_numbers_are_refused_before_a
     let said = fail(folder, &["evaluate", "scene", "--views", "scene/novel/late.json"], 1);
     assert!(said.contains("there is no frame 77; 'scene' has 2 frames from 0 to 1"), "{said}");
 }
+
+#[test]
+fn two_runs_that_write_to_one_folder_are_kept_apart_and_what_the_first_measured_stays() {
+    let folder = scene("1", "24x16");
+    let folder = folder.path();
+    let sweep = [&SWEEP[..], &["sweep"]].concat();
+    succeed(folder, &sweep);
+    let journal = folder.join("sweep/sweep.journal");
+    let measured = std::fs::read(&journal).unwrap();
+    let other = std::fs::File::open(&journal).unwrap();
+    other.lock().unwrap();
+    for more in [[].as_slice(), &["--frames", "1", "--cross-validate"]] {
+        let said = fail(folder, &[&sweep[..], more].concat(), 1);
+        assert!(
+            said.contains("sweep.journal: another run is writing here") && said.lines().count() == 1,
+            "{said}"
+        );
+        assert_eq!(std::fs::read(&journal).unwrap(), measured);
+    }
+    drop(other);
+    succeed(folder, &sweep);
+    assert_eq!(std::fs::read(&journal).unwrap(), measured);
+}
