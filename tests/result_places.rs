@@ -102,3 +102,17 @@ fn where_stderr_takes_nothing_the_exit_code_and_the_results_are_what_they_would_
     succeed(sweep);
     assert!(folder.join("sweep/sweep.json").is_file());
 }
+
+#[test]
+#[cfg(unix)]
+fn views_that_can_be_read_but_once_are_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [
+        ["render", "nowhere.ovl", "--views", "/dev/null", "--out", "pictures"].as_slice(),
+        &["export", "pictures", "nowhere.ovl", "--path", "/dev/null", "--out", "pictures"],
+        &["export", "video", "nowhere.ovl", "--path", "/dev/null", "--out", "film.mp4"],
+    ] {
+        let said = refused(folder.path(), arguments);
+        assert!(said.contains("/dev/null: is a pipe or a device"), "{said}");
+    }
+}
