@@ -286,3 +286,18 @@ fn two_runs_that_write_to_one_folder_are_kept_apart_and_what_the_first_measured_
     succeed(folder, &sweep);
     assert_eq!(std::fs::read(&journal).unwrap(), measured);
 }
+
+#[test]
+fn a_journal_serves_the_same_views_by_any_name_and_no_other_number_of_threads() {
+    let folder = scene("1", "24x16");
+    let folder = folder.path();
+    let sweep = |more: &[&str]| {
+        succeed(folder, &[&SWEEP[..], &["sweep", "--threads"], more].concat());
+        let text = std::fs::read_to_string(folder.join("sweep/sweep.journal")).unwrap();
+        (text, folder.join("sweep/sweep.journal.old").exists())
+    };
+    let (measured, _) = sweep(&["1"]);
+    assert_eq!(sweep(&["1", "--views", "scene/novel/transforms.json"]), (measured.clone(), false));
+    let (anew, is_kept) = sweep(&["2"]);
+    assert!(is_kept && anew != measured);
+}
