@@ -7,9 +7,9 @@ use glam::{DQuat, DVec3};
 use super::frames::{Edit, Edited};
 use super::light::{Lighting, lit};
 use super::shapes::Inserted;
+use crate::capture::demo::mix;
 use crate::capture::{Camera, Capture, CaptureParts, Frame};
 use crate::error::Result;
-use crate::evaluate::baselines::mix;
 use crate::evaluate::subset::{DERIVED_CACHE_BYTES, parts_of};
 use crate::evaluate::truth::{Recorded, Truth, TruthEdit};
 
