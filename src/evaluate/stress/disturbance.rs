@@ -149,6 +149,18 @@ impl Disturbance {
         }
     }
 
+    /// What there is not in a capture that this cannot change, in words that go on from "there".
+    #[must_use]
+    pub fn lacks(self, capture: &Capture) -> Option<&'static str> {
+        match self {
+            Self::NormalsMissing | Self::NormalsNoisy if !capture.has_normals => {
+                Some("are no recorded normals")
+            }
+            Self::OutOfSync if capture.frame_count() < 2 => Some("is a single frame"),
+            _ => None,
+        }
+    }
+
     /// The capture under this disturbance.
     ///
     /// # Errors
