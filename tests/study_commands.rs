@@ -317,3 +317,11 @@ fn a_budget_of_bytes_holds_for_the_store_of_all_frames_and_cameras() {
     assert!(bytes <= budget.parse().unwrap(), "{bytes} of {budget}: {words}");
     assert!(words.contains("The store of the whole capture takes"), "{words}");
 }
+
+#[test]
+fn a_setting_that_is_varied_twice_is_refused() {
+    let folder = scene("1", "24x16");
+    let twice = ["--vary", "spans.noise=0.5", "--vary", " spans.noise = 2,4"];
+    let said = fail(folder.path(), &[&["sweep", "scene", "--out", "sweep"], &twice[..]].concat(), 2);
+    assert!(said.contains("spans.noise: is varied twice") && said.lines().count() == 1, "{said}");
+}
