@@ -201,3 +201,42 @@ fn without_ffmpeg_or_with_one_that_fails_one_line_says_so() {
     let left: Vec<_> = left.filter(|name| name.to_string_lossy().ends_with(".mp4")).collect();
     assert!(left.is_empty(), "of a film that failed nothing is left: {left:?}");
 }
+
+#[test]
+#[cfg(unix)]
+fn a_film_that_is_stopped_is_cancelled_and_no_failure_of_ffmpeg() {
+    use rustix::process::{Pid, Signal, kill_process_group};
+    use std::os::unix::process::CommandExt;
+    use std::time::{Duration, Instant};
+
+    let (folder, store, path) = scene();
+    let (out, given, told) =
+        (folder.path().join("film.mp4"), folder.path().join("given"), folder.path().join("told"));
+    // One that is still at work when it has all pictures.
+    let script = format!(
+        "trap 'echo > {}' INT; cat > /dev/null; echo > {}; while :; do sleep 0.05; done",
+        told.display(),
+        given.display()
+    );
+    let child = Command::new(env!("CARGO_BIN_EXE_overlook"))
+        .args(["export", "video", &store, "--path", &path, "--backend", "cpu", "--out"])
+        .arg(&out)
+        .env("PATH", stand_in(folder.path(), &script))
+        .stderr(std::process::Stdio::piped())
+        .process_group(0)
+        .spawn()
+        .unwrap();
+    let asked = Instant::now();
+    while !given.exists() {
+        assert!(asked.elapsed() < Duration::from_mins(1), "nothing happens");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // As a terminal does.
+    kill_process_group(Pid::from_child(&child), Signal::INT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), said(&output).as_str()), (Some(130), "overlook: cancelled\n"));
+    assert!(!told.exists(), "ffmpeg was told to stop by others");
+    let left = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name());
+    let left: Vec<_> = left.filter(|name| name.to_string_lossy().ends_with(".mp4")).collect();
+    assert!(left.is_empty(), "{left:?}");
+}

@@ -80,3 +80,39 @@ fn no_command_writes_over_the_settings_that_it_reads() {
         assert_eq!(std::fs::read_to_string(folder.join("same.toml")).unwrap(), settings);
     }
 }
+
+#[test]
+#[cfg(target_os = "linux")]
+fn where_stderr_takes_nothing_the_exit_code_and_the_results_are_what_they_would_be() {
+    let folder = scene("1", "24x16");
+    let folder = folder.path();
+    let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    for (arguments, code) in [
+        (["info", "nowhere"].as_slice(), 1),
+        (&["info", "scene", "--nonsense"], 2),
+        (&["export", "store", "nowhere", "--out", "x.ovl", "--set", "render.kernel=block"], 2),
+    ] {
+        let output = overlook(folder, arguments).stderr(full()).output().unwrap();
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}");
+    }
+    // A settings file that changes nothing is a warning.
+    std::fs::write(folder.join("same.toml"), "").unwrap();
+    let mut sweep = overlook(folder, &["sweep", "scene", "--with", "same.toml", "--out", "sweep"]);
+    sweep.stderr(full());
+    succeed(sweep);
+    assert!(folder.join("sweep/sweep.json").is_file());
+}
+
+#[test]
+#[cfg(unix)]
+fn views_that_can_be_read_but_once_are_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [
+        ["render", "nowhere.ovl", "--views", "/dev/null", "--out", "pictures"].as_slice(),
+        &["export", "pictures", "nowhere.ovl", "--path", "/dev/null", "--out", "pictures"],
+        &["export", "video", "nowhere.ovl", "--path", "/dev/null", "--out", "film.mp4"],
+    ] {
+        let said = refused(folder.path(), arguments);
+        assert!(said.contains("/dev/null: is a pipe or a device"), "{said}");
+    }
+}

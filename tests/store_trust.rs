@@ -291,3 +291,32 @@ fn a_store_that_is_held_to_less_again_keeps_the_bound_of_the_capture_and_none_be
     assert!(pairs.clone().any(|(a, b)| a != b));
     assert!(pairs.into_iter().all(|(a, b)| (steps(*a) - steps(*b)).abs() <= 0.5));
 }
+
+#[test]
+fn normals_are_left_out_of_a_store_that_is_written_again_where_none_are_asked_for_and_not_made_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let [with, without, again] =
+        ["with.ovl", "without.ovl", "again.ovl"].map(|name| folder.path().join(name));
+    let mut set = small_set();
+    set.settings.set_text("store.normals=true").unwrap();
+    set.images.retain(|image| image.normal.is_some());
+    store::write(&with, &set, &small_report(), &Job::new()).unwrap();
+    let write_again = |from: &Path, to: &Path, normals: bool| {
+        let store = Store::open(from).unwrap();
+        let mut settings = store.info().settings.clone();
+        settings.store.normals = normals;
+        store::write_again(to, &store, Some(&settings.store), &Job::new())
+    };
+    let read = |path: &Path| store::read(path, &Job::new()).unwrap().0;
+    write_again(&with, &again, true).unwrap();
+    assert!(read(&again).images == set.images);
+    assert!(write_again(&with, &without, false).unwrap() < std::fs::metadata(&with).unwrap().len());
+    let plain = read(&without);
+    assert!(!plain.settings.store.normals && plain.images.iter().all(|image| image.normal.is_none()));
+    assert_eq!(plain.sample_count(), set.sample_count());
+    write_again(&without, &again, false).unwrap();
+    assert!(read(&again).images == plain.images);
+    let refused = write_again(&without, &again, true).unwrap_err().to_string();
+    assert!(refused.contains("cannot have normals: the store holds none"), "{refused}");
+    assert!(read(&again).images == plain.images);
+}

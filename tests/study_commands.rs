@@ -173,7 +173,7 @@ fn a_camera_that_alone_sees_the_views_may_go_missing_and_the_rest_of_the_stress_
     for run in ["the first", "one that goes on"] {
         let output = overlook(folder, &stress).output().unwrap();
         let said = String::from_utf8(output.stderr).unwrap();
-        let of_it: Vec<_> = said.lines().filter(|line| line.contains("missing camera")).collect();
+        let of_it: Vec<_> = said.lines().filter(|line| line.contains("is left out: ")).collect();
         let [line] = of_it[..] else { panic!("{run}: {said}") };
         assert!(line.contains("warning: 'missing camera' at 100 % of frames is left out"), "{run}: {said}");
         assert!(output.status.success(), "{run}: {said}");
@@ -262,4 +262,66 @@ fn views_without_a_true_picture_are_told_and_absurd_numbers_are_refused_before_a
     std::fs::write(novel.join("late.json"), late.to_string()).unwrap();
     let said = fail(folder, &["evaluate", "scene", "--views", "scene/novel/late.json"], 1);
     assert!(said.contains("there is no frame 77; 'scene' has 2 frames from 0 to 1"), "{said}");
+}
+
+#[test]
+fn two_runs_that_write_to_one_folder_are_kept_apart_and_what_the_first_measured_stays() {
+    let folder = scene("1", "24x16");
+    let folder = folder.path();
+    let sweep = [&SWEEP[..], &["sweep"]].concat();
+    succeed(folder, &sweep);
+    let journal = folder.join("sweep/sweep.journal");
+    let measured = std::fs::read(&journal).unwrap();
+    let other = std::fs::File::open(&journal).unwrap();
+    other.lock().unwrap();
+    for more in [[].as_slice(), &["--frames", "1", "--cross-validate"]] {
+        let said = fail(folder, &[&sweep[..], more].concat(), 1);
+        assert!(
+            said.contains("sweep.journal: another run is writing here") && said.lines().count() == 1,
+            "{said}"
+        );
+        assert_eq!(std::fs::read(&journal).unwrap(), measured);
+    }
+    drop(other);
+    succeed(folder, &sweep);
+    assert_eq!(std::fs::read(&journal).unwrap(), measured);
+}
+
+#[test]
+fn a_journal_serves_the_same_views_by_any_name_and_no_other_number_of_threads() {
+    let folder = scene("1", "24x16");
+    let folder = folder.path();
+    let sweep = |more: &[&str]| {
+        succeed(folder, &[&SWEEP[..], &["sweep", "--threads"], more].concat());
+        let text = std::fs::read_to_string(folder.join("sweep/sweep.journal")).unwrap();
+        (text, folder.join("sweep/sweep.journal.old").exists())
+    };
+    let (measured, _) = sweep(&["1"]);
+    assert_eq!(sweep(&["1", "--views", "scene/novel/transforms.json"]), (measured.clone(), false));
+    let (anew, is_kept) = sweep(&["2"]);
+    assert!(is_kept && anew != measured);
+}
+
+#[test]
+fn a_budget_of_bytes_holds_for_the_store_of_all_frames_whatever_is_looked_at() {
+    let folder = scene("3", "32x24");
+    let folder = folder.path();
+    let preprocessed = |more: &[&str]| {
+        succeed(folder, &[&["preprocess", "scene", "--out", "scene.ovl"], more].concat());
+        std::fs::metadata(folder.join("scene.ovl")).unwrap().len()
+    };
+    let budget = (preprocessed(&[]) * 9 / 10).to_string();
+    let tune = ["tune", "scene", "--all-cameras", "--out", "tuned.toml", "--max-bytes", &budget];
+    let words = succeed(folder, &[&tune[..], &["--frames", "1"]].concat());
+    let bytes = preprocessed(&["--settings", "tuned.toml"]);
+    assert!(bytes <= budget.parse().unwrap(), "{bytes} of {budget}: {words}");
+    assert!(words.contains("The store of the whole capture takes"), "{words}");
+}
+
+#[test]
+fn a_setting_that_is_varied_twice_is_refused() {
+    let folder = scene("1", "24x16");
+    let twice = ["--vary", "spans.noise=0.5", "--vary", " spans.noise = 2,4"];
+    let said = fail(folder.path(), &[&["sweep", "scene", "--out", "sweep"], &twice[..]].concat(), 2);
+    assert!(said.contains("spans.noise: is varied twice") && said.lines().count() == 1, "{said}");
 }

@@ -187,11 +187,11 @@ pub fn run(open_window: OpenWindow) -> ExitCode {
     match cli.run(open_window) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Usage(what)) => {
-            eprintln!("overlook: {what}");
+            output::tell(&what);
             ExitCode::from(2)
         }
         Err(Failure::Work(error)) => {
-            eprintln!("overlook: {}", error.to_string().replace('\n', " "));
+            output::tell(&error.to_string().replace('\n', " "));
             if matches!(error, Error::Cancelled) {
                 ExitCode::from(progress::STOPPED)
             } else {

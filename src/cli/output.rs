@@ -25,10 +25,15 @@ pub(super) fn print_json(document: &impl Serialize) -> Result<(), Failure> {
     print(&text)
 }
 
+/// Says one line on stderr. Where that is gone or full there is nobody to tell, which must not end the work.
+pub(super) fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr(), "overlook: {line}");
+}
+
 /// Tells of recoverable trouble, one line each, on stderr.
 pub(super) fn warn(warnings: &[String]) {
     for warning in warnings {
-        eprintln!("overlook: warning: {warning}");
+        tell(&format!("warning: {warning}"));
     }
 }
 

@@ -71,6 +71,7 @@ impl RenderArgs {
     pub(super) fn run(self) -> Result<(), Failure> {
         self.settings.only("render")?;
         targets::folder(&self.out)?;
+        targets::can_be_read_again(&self.views)?;
         let playback = super::export::open(&self.store)?;
         let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
         self.painting.apply(&mut settings);
@@ -106,7 +107,7 @@ impl RenderArgs {
             Ok(paths)
         };
         let paths = views.iter().map(path_of).collect::<Result<Vec<_>>>()?;
-        targets::apart_from_pictures_of(&self.views, &paths)?;
+        targets::apart_from_pictures_of(&self.views, &self.out, &paths)?;
         Ok(paths)
     }
 }

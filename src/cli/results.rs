@@ -1,8 +1,8 @@
 //! Files of results: a journal that a run goes on from, CSV, JSON.
 
 use std::fmt::Write as _;
-use std::fs::{self, File, OpenOptions};
-use std::io::Write as _;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -16,44 +16,49 @@ use crate::evaluate::sweep::Point;
 use crate::job::Job;
 use crate::whole_file;
 
-/// What a run has measured so far, one JSON document a line below a line that says what it was measured on.
+/// What a run has measured so far, one JSON document a line below a line that says what it was measured on. It is locked while it is
+/// open: what two runs write must not mix.
 pub(super) struct Journal {
     path: PathBuf,
     file: Mutex<File>,
     lines: Vec<String>,
+    /// A journal that was put aside, locked still for whoever opened it before it got its other name.
+    _aside: Option<File>,
 }
 
 impl Journal {
     /// Opens `DIR/NAME.journal`, and starts a new one where it was measured on something else: that is kept beside it.
+    ///
+    /// # Errors
+    /// `Io`; `Invalid` where another run has it open.
     pub(super) fn open(folder: &Path, name: &str, fingerprint: &str) -> Result<Self> {
         fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
         let path = folder.join(format!("{name}.journal"));
-        let text = match fs::read_to_string(&path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(Error::io(path, error)),
-        };
+        let io = |error| Error::io(&path, error);
+        let mut file = locked(&path)?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(io)?;
+        // A run that was killed while it wrote may have left half a line, and half a character.
+        let text = String::from_utf8_lossy(&bytes);
         let head = serde_json::Value::from(fingerprint).to_string();
         let mut known = text.lines();
-        let is_same = known.next() == Some(head.as_str());
+        let first = known.next();
         let mut lines: Vec<String> = known.map(str::to_owned).collect();
-        if !is_same && !lines.is_empty() {
-            put_aside(&path)?;
+        let mut before = None;
+        if first != Some(head.as_str()) && first.is_some() {
+            let aside = put_aside(&path, !lines.is_empty())?;
+            before = Some(std::mem::replace(&mut file, locked(&path)?));
+            if lines.is_empty() {
+                fs::remove_file(&aside).map_err(|error| Error::io(aside, error))?;
+            }
             lines.clear();
         }
-        let io = |error| Error::io(&path, error);
-        let mut file = if lines.is_empty() {
-            let mut file = File::create(&path).map_err(io)?;
-            writeln!(file, "{head}").map_err(io)?;
-            file
-        } else {
-            OpenOptions::new().append(true).open(&path).map_err(io)?
-        };
-        // A run that was killed while it wrote may have left half a line.
-        if !text.is_empty() && !text.ends_with('\n') && !lines.is_empty() {
-            writeln!(file).map_err(io)?;
+        if first.is_none() || before.is_some() {
+            write_line(&mut file, &head).map_err(io)?;
+        } else if !text.ends_with('\n') {
+            write_line(&mut file, "").map_err(io)?;
         }
-        Ok(Self { file: Mutex::new(file), path, lines })
+        Ok(Self { file: Mutex::new(file), lines, _aside: before, path })
     }
 
     /// What is known already; lines that cannot be read are measured again.
@@ -67,12 +72,30 @@ impl Journal {
             .map_err(|error| Error::invalid(self.path.display(), error.to_string()))?;
         let io = |error| Error::io(&self.path, error);
         let Ok(mut file) = self.file.lock() else { return Ok(()) };
-        writeln!(file, "{line}").and_then(|()| file.flush()).map_err(io)
+        write_line(&mut file, &line).map_err(io)
     }
 }
 
-/// Gives a journal another name, so that what took hours to measure is not lost to a word that changed.
-fn put_aside(path: &Path) -> Result<()> {
+/// The file, made where there is none, to be read and added to by nobody else; by others too where the file system knows no locks.
+fn locked(path: &Path) -> Result<File> {
+    let options = OpenOptions::new().read(true).append(true).create(true).open(path);
+    let file = options.map_err(|error| Error::io(path, error))?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(Error::invalid(
+            path.display(),
+            "another run is writing here; wait until it is done, or name another folder",
+        )),
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
+    }
+}
+
+/// Adds a line in one piece: where nothing is locked, those of two runs stay whole.
+fn write_line(file: &mut File, line: &str) -> std::io::Result<()> {
+    file.write_all(format!("{line}\n").as_bytes())
+}
+
+/// Gives a journal another name, so that what took hours to measure is not lost to a word that changed; says so where it is told.
+fn put_aside(path: &Path, is_told: bool) -> Result<PathBuf> {
     let mut aside = path.with_extension("journal.old");
     let mut number = 1;
     while aside.exists() {
@@ -80,13 +103,15 @@ fn put_aside(path: &Path) -> Result<()> {
         aside = path.with_extension(format!("journal.old{number}"));
     }
     fs::rename(path, &aside).map_err(|error| Error::io(path, error))?;
-    output::warn(&[format!(
-        "{} was measured on another state of the capture, with another truth or by another version; it is kept as {}, and \
-         everything is measured anew",
-        path.display(),
-        aside.display()
-    )]);
-    Ok(())
+    if is_told {
+        output::warn(&[format!(
+            "{} was measured on another state of the capture, with another truth, with other threads or by another version; it is \
+             kept as {}, and everything is measured anew",
+            path.display(),
+            aside.display()
+        )]);
+    }
+    Ok(aside)
 }
 
 /// Does `work` under a progress bar, adding each point it measures to `journal`; stops where that cannot be written.
@@ -119,13 +144,15 @@ pub(super) fn write_chart(path: &Path, chart: &Chart) -> Result<()> {
 }
 
 /// Writes documents as CSV (RFC 4180): one a row, a column for every number, text or truth value, nested ones by the path to
-/// them.
+/// them. Lists have no column.
 pub(super) fn write_csv(path: &Path, rows: &[impl Serialize]) -> Result<()> {
     let mut head: Vec<String> = Vec::new();
     let mut table = Vec::new();
     for row in rows {
-        let value =
-            serde_json::to_value(row).map_err(|error| Error::invalid(path.display(), error.to_string()))?;
+        // By way of its text, where a single float is as short as it can be.
+        let value = serde_json::to_string(row).and_then(|text| serde_json::from_str(&text));
+        let value: serde_json::Value =
+            value.map_err(|error| Error::invalid(path.display(), error.to_string()))?;
         let mut cells = Vec::new();
         flatten("", &value, &mut cells);
         for (name, _) in &cells {
@@ -155,6 +182,7 @@ fn flatten(prefix: &str, value: &serde_json::Value, cells: &mut Vec<(String, Str
                 flatten(&path, value, cells);
             }
         }
+        Value::Array(_) => {}
         Value::Null => cells.push((prefix.to_owned(), String::new())),
         Value::String(text) => cells.push((prefix.to_owned(), text.clone())),
         other => cells.push((prefix.to_owned(), other.to_string())),
@@ -205,7 +233,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("t.csv");
         let rows = [
-            serde_json::json!({"label": "a, \"b\"", "settings": {"x": {"y": 1.5}}}),
+            serde_json::json!({"label": "a, \"b\"", "settings": {"x": {"y": 1.5}}, "list": [1]}),
             serde_json::json!({"label": "c", "more": null}),
         ];
         write_csv(&path, &rows).unwrap();
@@ -214,25 +242,80 @@ mod tests {
     }
 
     #[test]
+    fn numbers_in_a_table_read_as_in_a_document() {
+        #[derive(Serialize)]
+        struct Row {
+            single: f32,
+            double: f64,
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        let row = Row { single: 0.001, double: 0.1 + 0.2 };
+        write_csv(&path, std::slice::from_ref(&row)).unwrap();
+        let table = fs::read_to_string(&path).unwrap();
+        assert_eq!(table, "double,single\r\n0.30000000000000004,0.001\r\n");
+        let document = serde_json::to_string(&row).unwrap();
+        assert!(table.trim().lines().nth(1).unwrap().split(',').all(|number| document.contains(number)));
+    }
+
+    fn journal(folder: &Path, fingerprint: &str) -> Journal {
+        Journal::open(folder, "t", fingerprint).unwrap()
+    }
+
+    #[test]
     fn a_journal_goes_on_where_it_stopped_and_starts_anew_for_something_else() {
         let folder = tempfile::tempdir().unwrap();
-        let numbers = |fingerprint: &str| Journal::open(folder.path(), "t", fingerprint).unwrap();
-        let journal = numbers("one");
-        journal.add(&1).unwrap();
-        journal.add(&2).unwrap();
+        let points = |fingerprint| journal(folder.path(), fingerprint).points::<i32>();
+        let add = |fingerprint, point| journal(folder.path(), fingerprint).add(&point).unwrap();
+        add("one", 1);
+        add("one", 2);
         let path = folder.path().join("t.journal");
         let text = fs::read_to_string(&path).unwrap();
         fs::write(&path, text + "{\"half").unwrap();
-        let journal = numbers("one");
-        assert_eq!(journal.points::<i32>(), [1, 2]);
-        journal.add(&3).unwrap();
-        assert_eq!(numbers("one").points::<i32>(), [1, 2, 3]);
-        assert!(numbers("two").points::<i32>().is_empty());
+        assert_eq!(points("one"), [1, 2]);
+        add("one", 3);
+        assert_eq!(points("one"), [1, 2, 3]);
+        assert!(points("two").is_empty());
         assert!(fs::read_to_string(folder.path().join("t.journal.old")).unwrap().contains("\n3\n"));
-        numbers("two").add(&4).unwrap();
-        assert!(numbers("three").points::<i32>().is_empty());
+        add("two", 4);
+        assert!(points("three").is_empty());
         assert!(fs::read_to_string(folder.path().join("t.journal.old2")).unwrap().ends_with("\n4\n"));
-        assert!(numbers("four").points::<i32>().is_empty());
+        assert!(points("four").is_empty());
         assert!(!folder.path().join("t.journal.old3").exists(), "nothing was measured that could be lost");
+    }
+
+    #[test]
+    fn a_journal_that_ends_inside_a_character_goes_on_without_that_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.journal");
+        journal(folder.path(), "one").add(&"whole").unwrap();
+        let mut bytes = fs::read(&path).unwrap();
+        bytes.extend("\"cut ö".as_bytes());
+        bytes.pop();
+        fs::write(&path, bytes).unwrap();
+        assert_eq!(journal(folder.path(), "one").points::<String>(), ["whole"]);
+        journal(folder.path(), "one").add(&"after").unwrap();
+        assert_eq!(journal(folder.path(), "one").points::<String>(), ["whole", "after"]);
+    }
+
+    #[test]
+    fn a_second_run_is_refused_while_the_first_has_the_journal_open_on_whatever_it_measures() {
+        let folder = tempfile::tempdir().unwrap();
+        let refused = |fingerprint| {
+            let Err(error) = Journal::open(folder.path(), "t", fingerprint) else { panic!("{fingerprint}") };
+            assert!(error.to_string().contains("another run is writing here"), "{error}");
+        };
+        let first = journal(folder.path(), "one");
+        refused("one");
+        refused("two");
+        first.add(&1).unwrap();
+        drop(first);
+        let second = journal(folder.path(), "two");
+        refused("one");
+        second.add(&2).unwrap();
+        drop(second);
+        assert_eq!(journal(folder.path(), "two").points::<i32>(), [2]);
+        let aside = fs::read_to_string(folder.path().join("t.journal.old")).unwrap();
+        assert_eq!(aside, "\"one\"\n1\n");
     }
 }

@@ -1,11 +1,11 @@
 //! Where results go, looked at before the work: long work must end neither in "no such folder" nor in what it was made from.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::picture::PicturePaths;
-use crate::capture::transforms::{manifest_path, picture_places, truth_beside};
+use crate::capture::transforms::{MANIFEST_NAME, manifest_path, picture_places, truth_beside};
 use crate::error::{Error, Result};
 use crate::store::Store;
 use crate::whole_file;
@@ -49,13 +49,36 @@ pub(super) fn folder(out: &Path) -> Result<()> {
     }
 }
 
-/// Refuses pictures that would lie where those of the manifest are looked for: a true picture must not be painted over, nor what is
-/// painted be held for one the next time.
+/// Refuses pictures below `out` that would lie where those of the manifest are looked for, or those of any capture whose folder
+/// they go to: a recorded picture must not be painted over, nor what is painted be held for one the next time.
 ///
 /// # Errors
 /// `Invalid` naming the first; whatever the manifest gives.
-pub(super) fn apart_from_pictures_of(manifest: &Path, targets: &[PicturePaths]) -> Result<()> {
-    let own: HashSet<PathBuf> = picture_places(manifest)?.iter().map(|path| resolved(path)).collect();
+pub(super) fn apart_from_pictures_of(manifest: &Path, out: &Path, targets: &[PicturePaths]) -> Result<()> {
+    apart_from_places(manifest, &picture_places(manifest)?, targets)?;
+    for found in manifests_around(out, targets) {
+        // One that nobody named may be broken, or something else, without a word.
+        apart_from_places(&found, &picture_places(&found).unwrap_or_default(), targets)?;
+    }
+    Ok(())
+}
+
+/// Folders above that of the results in which a capture's manifest is looked for: `capture/camera/pictures` is two below it.
+const FOLDERS_ABOVE: usize = 2;
+
+/// The manifests in the folders that the targets go to and in those above, as far as [`FOLDERS_ABOVE`] says.
+fn manifests_around(out: &Path, targets: &[PicturePaths]) -> BTreeSet<PathBuf> {
+    let out = resolved(out);
+    let below = targets.iter().filter_map(|paths| paths.exr.parent()).collect::<BTreeSet<_>>();
+    let below: Vec<PathBuf> = below.into_iter().map(resolved).collect();
+    let within =
+        below.iter().flat_map(|folder| folder.ancestors().take_while(|above| above.starts_with(&out)));
+    let folders = within.chain(out.ancestors().take(1 + FOLDERS_ABOVE));
+    folders.map(|folder| folder.join(MANIFEST_NAME)).filter(|manifest| manifest.is_file()).collect()
+}
+
+fn apart_from_places(manifest: &Path, places: &[PathBuf], targets: &[PicturePaths]) -> Result<()> {
+    let own: HashSet<PathBuf> = places.iter().map(|path| resolved(path)).collect();
     let written = targets.iter().flat_map(|paths| [&paths.exr, &paths.png]);
     match written.into_iter().find(|path| own.contains(&resolved(path))) {
         None => Ok(()),
@@ -66,6 +89,20 @@ pub(super) fn apart_from_pictures_of(manifest: &Path, targets: &[PicturePaths]) 
                 manifest.display()
             ),
         )),
+    }
+}
+
+/// Refuses views that can be read but once: where their pictures lie is asked again.
+///
+/// # Errors
+/// `Invalid` where they are neither a file nor a folder, but something.
+pub(super) fn can_be_read_again(views: &Path) -> Result<()> {
+    match views.metadata() {
+        Ok(facts) if !facts.is_file() && !facts.is_dir() => Err(Error::invalid(
+            views.display(),
+            "is a pipe or a device, and is read more than once; name a file",
+        )),
+        _ => Ok(()),
     }
 }
 
@@ -208,7 +245,8 @@ mod tests {
         std::fs::write(&manifest, format!(r#"{{"frames":[{}]}}"#, entries.join(","))).unwrap();
         let refused = |out: &Path, name: &str| {
             let targets = [PicturePaths::below(out, name).unwrap()];
-            let outcome = [&manifest, &here.join("novel")].map(|it| apart_from_pictures_of(it, &targets));
+            let outcome =
+                [&manifest, &here.join("novel")].map(|it| apart_from_pictures_of(it, out, &targets));
             assert_eq!(outcome[0].is_err(), outcome[1].is_err());
             outcome[0].as_ref().err().map(ToString::to_string)
         };
@@ -223,5 +261,36 @@ mod tests {
             std::os::unix::fs::symlink(here.join("novel"), here.join("link")).unwrap();
             assert!(refused(&here.join("link"), "a/1.exr").is_some());
         }
+    }
+
+    #[test]
+    fn pictures_of_a_capture_that_nobody_named_are_not_painted_over_from_its_folder_or_from_within() {
+        let folder = tempfile::tempdir().unwrap();
+        let here = folder.path();
+        std::fs::create_dir_all(here.join("scene/a/b/c")).unwrap();
+        std::fs::create_dir(here.join("scene/novel")).unwrap();
+        let entry = |name: &str| format!(r#"{{"frames":[{{"file_path":"{name}","transform_matrix":[]}}]}}"#);
+        std::fs::write(here.join("views.json"), entry("v.exr")).unwrap();
+        std::fs::write(here.join("scene/transforms.json"), entry("a/b/1.exr")).unwrap();
+        std::fs::write(here.join("scene/novel/transforms.json"), entry("n.png")).unwrap();
+        let refused = |out: &str, name: &str| {
+            let out = here.join(out);
+            let targets = [PicturePaths::below(&out, name).unwrap()];
+            apart_from_pictures_of(&here.join("views.json"), &out, &targets).is_err()
+        };
+        for (out, name) in [
+            ("scene", "a/b/1"),
+            ("scene/a", "b/1"),
+            ("scene/a/b", "1"),
+            ("scene", "novel/n"),
+            (".", "scene/a/b/1"),
+        ] {
+            assert!(refused(out, name), "{name} in {out}");
+        }
+        for (out, name) in [("scene", "1"), ("scene/a/b", "2"), ("scene/a/b/c", "1"), ("other", "a/b/1")] {
+            assert!(!refused(out, name), "{name} in {out}");
+        }
+        std::fs::write(here.join("scene/transforms.json"), "no manifest").unwrap();
+        assert!(!refused("scene", "a/b/1"));
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::RangedU64ValueParser;
 
-use super::{Failure, inputs};
+use super::{Failure, inputs, targets};
 use crate::capture::{Capture, transforms};
 use crate::evaluate::subset;
 use crate::evaluate::truth::Truth;
@@ -44,7 +44,10 @@ impl TruthArgs {
     /// The truth at all frames.
     pub(super) fn truth(&self, path: &Path, capture: &Capture) -> Result<Truth, Failure> {
         match self.views(path) {
-            Some(views) => Ok(Truth::Views(transforms::open_views_of(&views, capture.frames_are_ranked())?)),
+            Some(views) => {
+                targets::can_be_read_again(&views)?;
+                Ok(Truth::Views(transforms::open_views_of(&views, capture.frames_are_ranked())?))
+            }
             None if capture.cameras.len() >= Truth::HoldOut.least_cameras() => Ok(Truth::HoldOut),
             None => Err(Failure::Usage(format!(
                 "{} comes without truth views and has a single camera, which cannot be left out; name views with --views",
@@ -60,25 +63,32 @@ impl TruthArgs {
             (Truth::Views(_), Some(path)) => path.display().to_string(),
             (Truth::Views(_), None) => "the capture's own views".to_owned(),
         };
-        format!(
-            "{source}; {} frames",
-            self.frames.map_or(capture.frame_count(), |frames| frames.min(capture.frame_count()))
-        )
+        format!("{source}; {} frames", self.frames_looked_at(capture))
     }
 
-    /// Tells results apart that must not be mixed. `opened` is the capture of `path` with all its frames.
+    fn frames_looked_at(&self, capture: &Capture) -> usize {
+        self.frames.map_or(capture.frame_count(), |frames| frames.min(capture.frame_count()))
+    }
+
+    /// Tells results apart that must not be mixed: milliseconds depend on the threads, and the truth on what its files hold, whatever
+    /// their path is called. `opened` is the capture of `path` with all its frames.
     pub(super) fn fingerprint(
         &self,
         path: &Path,
         opened: &Capture,
         truth: &Truth,
     ) -> Result<String, Failure> {
+        let source = match truth {
+            Truth::HoldOut => "cameras left out",
+            Truth::Views(_) => "views",
+        };
         Ok(format!(
-            "{}.{MEASURE} {} {:?} {} {}",
+            "{}.{MEASURE} {} {:?} {source}; {} frames; {} threads; {}",
             env!("CARGO_PKG_VERSION"),
             opened.name,
             opened.frame_numbers,
-            self.words(opened, truth),
+            self.frames_looked_at(opened),
+            rayon::current_num_threads(),
             inputs::state(path, opened, self.views(path).as_deref())?
         ))
     }

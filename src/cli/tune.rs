@@ -20,7 +20,8 @@ pub(super) struct TuneArgs {
     /// The settings that were found, as TOML for --settings.
     #[arg(long, value_name = "S.toml")]
     out: PathBuf,
-    /// Take the most accurate setting whose store has at most so many bytes, instead of the simplest good enough.
+    /// Take the most accurate setting whose store of the whole capture has at most so many bytes, instead of the simplest good
+    /// enough.
     #[arg(long, value_name = "BYTES", conflicts_with = "max_ms", value_parser = clap::value_parser!(u64).range(1..))]
     max_bytes: Option<u64>,
     /// Take the most accurate setting that paints a view within so many milliseconds on this machine.
@@ -60,7 +61,7 @@ impl TuneArgs {
         };
         let budget = self.max_bytes.map(Budget::Bytes).or(self.max_ms.map(Budget::Milliseconds));
         let done = journal.as_ref().map(results::Journal::points).unwrap_or_default();
-        let plan = Plan { settings, budget, drop_cameras: !self.all_cameras, done };
+        let plan = Plan { settings, budget, whole: Some(opened), drop_cameras: !self.all_cameras, done };
         let tuned =
             results::recorded(journal.as_ref(), |job, keep| tune::run(&capture, &plan, &truth, job, keep))?;
         let head = format!("# {}\n\n", tuned.words.join("\n# "));

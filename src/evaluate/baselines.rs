@@ -12,6 +12,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use crate::capture::demo::mix;
 use crate::preprocess::{DepthPlane, SampleImage, SampleSet, SampleTile, Span, TILE};
 
 /// Keeps `count` samples chosen at random, each with the same chance; all where there are no more.
@@ -190,14 +191,6 @@ fn first_of_cubes(set: &SampleSet, points: &[Vec<Place>], size: f64) -> Vec<(u32
         kept
     };
     groups.par_iter().flat_map_iter(in_group).collect()
-}
-
-/// Sebastiano Vigna's `SplitMix64` (2015).
-pub(super) fn mix(seed: u64) -> u64 {
-    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

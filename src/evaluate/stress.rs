@@ -6,22 +6,25 @@
 //! ```
 //!
 //! Every disturbance is applied to frames as they are asked for. Loss is against the same method at the first value of the
-//! dial, where nothing is disturbed. A value at which no camera sees anything of the truth has no points.
+//! dial, where nothing is disturbed, over the views of which some camera sees something at both. A value at which no camera sees
+//! anything of the truth has no points, nor has a disturbance that cannot change the capture.
 
 mod disturbance;
 mod frames;
 mod light;
 mod shapes;
 
+use std::collections::HashSet;
+
 use serde::{Deserialize, Serialize};
 
 use super::pace::Pace;
 use super::subset;
 use super::sweep::{self, Point, Series};
-use super::trial::{Trial, Workbench};
+use super::trial::{Estimate, Measured, Trial, Workbench};
 use super::truth::{self, Truth};
 use crate::capture::Capture;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::settings::Settings;
 
@@ -95,11 +98,25 @@ pub struct StressPoint {
     pub method: String,
     /// Samples kept, as a share of all recorded pixels.
     pub kept_share: f64,
-    /// By how much accuracy (`psnr_filled_db`) fell since the first value of the dial, dB.
+    /// By how much accuracy (`psnr_filled_db`) fell since the first value of the dial, dB, over the views that were scored at both;
+    /// 0 where there is none.
     pub loss_db: f64,
     /// What was measured.
     #[serde(flatten)]
     pub point: Point,
+    /// Accuracy view by view.
+    pub views: Vec<ViewAccuracy>,
+}
+
+/// Accuracy at one view.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ViewAccuracy {
+    /// The view's own name.
+    pub file_path: String,
+    /// Views of one number are of one vantage.
+    pub vantage: usize,
+    /// See [`Point::psnr_filled_db`].
+    pub psnr_filled_db: f64,
 }
 
 /// Where a method fails.
@@ -124,11 +141,11 @@ pub const LOST_DB: f64 = 1.0;
 
 /// Measures every disturbance of the plan at every value of its dial with every method; `on_point` is told each that was not
 /// known already, with how many are known then, of how many. A value that leaves nothing of the truth to be compared with is
-/// passed over, and told as a warning.
+/// passed over, and told as a warning; so is a disturbance that cannot change the capture.
 ///
 /// # Errors
-/// Whatever preprocessing, painting and truth give; `Invalid` where no value leaves anything to be compared with; `Cancelled`,
-/// after which the points told so far can be put into [`Plan::done`] to go on.
+/// Whatever preprocessing, painting and truth give; `Invalid` where no value leaves anything to be compared with, and where no
+/// disturbance can change the capture; `Cancelled`, after which the points told so far can be put into [`Plan::done`] to go on.
 pub fn run(
     capture: &Capture,
     plan: &Plan,
@@ -136,13 +153,7 @@ pub fn run(
     job: &Job,
     mut on_point: impl FnMut(&StressPoint, (usize, usize)),
 ) -> Result<Vec<StressPoint>> {
-    let steps: Vec<Step> = plan
-        .disturbances
-        .iter()
-        .flat_map(|&disturbance| {
-            disturbance.dial(capture, truth).into_iter().map(move |dial| (disturbance, dial))
-        })
-        .collect();
+    let steps = steps(capture, plan, truth, job)?;
     let mut total = steps.len() * plan.methods.len();
     let open_at = |step| plan.methods.iter().filter(|method| plan.known(step, method).is_none()).count();
     let mut open: usize = steps.iter().map(|step| open_at(*step)).sum();
@@ -187,6 +198,32 @@ pub fn run(
     Ok(points)
 }
 
+/// Every value of the dial of every disturbance that can change the capture.
+fn steps(capture: &Capture, plan: &Plan, truth: &Truth, job: &Job) -> Result<Vec<Step>> {
+    let mut steps = Vec::new();
+    for &disturbance in &plan.disturbances {
+        match disturbance.lacks(capture) {
+            None => {
+                let dial = disturbance.dial(capture, truth).into_iter();
+                steps.extend(dial.map(|dial| (disturbance, dial)));
+            }
+            Some(lacks) => {
+                job.warn(format!(
+                    "'{}' is left out: it changes nothing, as there {lacks}",
+                    disturbance.name()
+                ));
+            }
+        }
+    }
+    if steps.is_empty() && !plan.disturbances.is_empty() {
+        return Err(Error::invalid(
+            &capture.name,
+            "is changed by no disturbance that was asked for; ask for others",
+        ));
+    }
+    Ok(steps)
+}
+
 /// A disturbance and where its dial stands.
 type Step = (Disturbance, f64);
 
@@ -203,9 +240,21 @@ impl StressPoint {
     /// The same with its loss since the first of these `points` that has its disturbance and method.
     fn with_loss(self, points: &[Self]) -> Self {
         let is_alike = |other: &&Self| other.disturbance == self.disturbance && other.method == self.method;
-        let now = self.point.psnr_filled_db;
-        let before = points.iter().find(is_alike).map_or(now, |first| first.point.psnr_filled_db);
-        Self { loss_db: before - now, ..self }
+        let first = points.iter().find(is_alike);
+        let loss =
+            first.and_then(|first| Some(first.accuracy_at(&self.views)? - self.accuracy_at(&first.views)?));
+        Self { loss_db: loss.unwrap_or_default(), ..self }
+    }
+
+    /// Accuracy over those of its views that are among others.
+    fn accuracy_at(&self, others: &[ViewAccuracy]) -> Option<f64> {
+        let names: HashSet<&str> = others.iter().map(|view| view.file_path.as_str()).collect();
+        let shared: Vec<&ViewAccuracy> =
+            self.views.iter().filter(|view| names.contains(view.file_path.as_str())).collect();
+        let vantages = shared.chunk_by(|before, after| before.vantage == after.vantage);
+        let vantages: Vec<Vec<f64>> =
+            vantages.map(|views| views.iter().map(|view| view.psnr_filled_db).collect()).collect();
+        (!shared.is_empty()).then(|| Estimate::over_vantages(&vantages).mean)
     }
 }
 
@@ -237,7 +286,7 @@ impl Disturbed {
             return Ok(None);
         }
         for view in unseen {
-            job.warn(view);
+            job.warn(format!("'{}' at {} {}: {view}", step.0.name(), step.1, step.0.unit()));
         }
         let workbench = Workbench::on(folds, &plan.methods[0].settings);
         Ok(Some(Self { step, workbench, pixels }))
@@ -248,7 +297,8 @@ impl Disturbed {
         let (disturbance, dial) = self.step;
         let (name, unit) = (disturbance.name(), disturbance.unit());
         let trial = Trial::new(format!("{name} {dial} {unit}, {}", method.name), method.settings.clone());
-        let point = Point::new(&trial, Series::Variation, &self.workbench.measure(&trial, job)?);
+        let measured = self.workbench.measure(&trial, job)?;
+        let point = Point::new(&trial, Series::Variation, &measured);
         Ok(StressPoint {
             disturbance: name.to_owned(),
             dial,
@@ -257,8 +307,21 @@ impl Disturbed {
             kept_share: point.samples as f64 / self.pixels as f64,
             loss_db: 0.0,
             point,
+            views: view_by_view(&measured),
         })
     }
+}
+
+fn view_by_view(measured: &Measured) -> Vec<ViewAccuracy> {
+    let vantages = measured.views.iter().zip(&measured.scores).enumerate();
+    let views = vantages.flat_map(|(vantage, (names, scores))| {
+        names.iter().zip(scores).map(move |(name, scores)| ViewAccuracy {
+            file_path: name.clone(),
+            vantage,
+            psnr_filled_db: scores.psnr_all_db,
+        })
+    });
+    views.collect()
 }
 
 /// Where each method fails under each disturbance, in the order of the points.

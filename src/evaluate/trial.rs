@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use super::baselines;
 use super::metrics::Scores;
 use super::truth::{Fold, Recorded, Truth};
-use super::{Evaluation, Scoreboard, render_view};
+use super::{Evaluation, Scoreboard, ViewScore, render_view};
 use crate::capture::View;
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -84,6 +84,8 @@ type ModelKey = (Settings, Thinning, Option<Vec<String>>);
 pub struct Measured {
     /// Scores of every vantage of every fold, frame by frame.
     pub scores: Vec<Vec<Scores>>,
+    /// The names of these views.
+    pub views: Vec<Vec<String>>,
     /// Flicker, where a vantage is seen at two frames: mean over folds.
     pub flicker_steps: Option<f64>,
     /// Samples kept, mean over folds.
@@ -185,7 +187,8 @@ impl Workbench {
     pub fn measure(&mut self, trial: &Trial, job: &Job) -> Result<Measured> {
         let renderer = opened(&mut self.renderers, trial.settings.render.backend)?;
         let filling = RenderSettings { fill: Fill::PushPull, ..trial.settings.render.clone() };
-        let (mut models, mut evaluations, mut by_vantage) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut models, mut evaluations) = (Vec::new(), Vec::new());
+        let (mut by_vantage, mut names) = (Vec::new(), Vec::new());
         for fold in &mut self.folds {
             if !fold.has_cameras(trial) {
                 continue;
@@ -208,7 +211,10 @@ impl Workbench {
                 job.advance(1);
             }
             let evaluation = scores.finish();
-            by_vantage.extend(scores_by_vantage(&fold.fold.views, &evaluation));
+            for (of_vantage, scores) in scores_by_vantage(&fold.fold.views, &evaluation) {
+                names.push(of_vantage);
+                by_vantage.push(scores);
+            }
             evaluations.push(evaluation);
             models.push(model);
         }
@@ -225,6 +231,7 @@ impl Workbench {
             evaluations.iter().filter_map(|evaluation| evaluation.mean.flicker_steps).collect();
         Ok(Measured {
             scores: by_vantage,
+            views: names,
             flicker_steps: (!flicker.is_empty()).then(|| Estimate::of(&flicker).mean),
             samples: mean(&|model| model.samples.sample_count() as f64).round() as u64,
             bytes: mean(&|model| model.bytes as f64).round() as u64,
@@ -239,11 +246,12 @@ impl Workbench {
     }
 }
 
-/// Scores of the views of each vantage, which follow each other.
-fn scores_by_vantage(views: &[View], evaluation: &Evaluation) -> Vec<Vec<Scores>> {
+/// Names and scores of the views of each vantage, which follow each other.
+fn scores_by_vantage(views: &[View], evaluation: &Evaluation) -> Vec<(Vec<String>, Vec<Scores>)> {
     let scored: Vec<_> = views.iter().zip(&evaluation.views).collect();
     let vantages = scored.chunk_by(|(before, _), (after, _)| before.camera == after.camera);
-    vantages.map(|vantage| vantage.iter().filter_map(|(_, score)| score.scores).collect()).collect()
+    let scored = |(view, score): &(&View, &ViewScore)| Some((view.file_path.clone(), score.scores?));
+    vantages.map(|vantage| vantage.iter().filter_map(scored).unzip()).collect()
 }
 
 /// The renderer for a backend, opened when it is first asked for.

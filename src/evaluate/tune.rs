@@ -11,6 +11,7 @@
 
 mod cameras;
 mod search;
+mod whole;
 mod words;
 
 use serde::{Deserialize, Serialize};
@@ -27,35 +28,21 @@ use search::Search;
 /// What may be spent instead of what the scene needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
-    /// Bytes of the store.
+    /// Bytes of the store that `preprocess` makes of the whole capture.
     Bytes(u64),
     /// Milliseconds of painting a view, as measured on this machine: the one thing that may differ from run to run.
     Milliseconds(f64),
 }
 
-impl Budget {
-    fn allows(self, point: &Point) -> bool {
-        match self {
-            Self::Bytes(bytes) => point.bytes <= bytes,
-            Self::Milliseconds(milliseconds) => point.milliseconds <= milliseconds,
-        }
-    }
-
-    fn spent(self, point: &Point) -> f64 {
-        match self {
-            Self::Bytes(_) => point.bytes as f64,
-            Self::Milliseconds(_) => point.milliseconds,
-        }
-    }
-}
-
 /// What is looked for, and what of it is known already.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Plan {
     /// The settings to start from.
     pub settings: Settings,
     /// Where given, the most accurate setting within it is chosen.
     pub budget: Option<Budget>,
+    /// The capture with all its frames, where some of them alone are looked at: a budget of bytes is for its store.
+    pub whole: Option<Capture>,
     /// Whether cameras may be dropped.
     pub drop_cameras: bool,
     /// Points of an earlier run on the same capture and truth.
@@ -88,6 +75,10 @@ pub struct Tuned {
     pub limit_db: Option<f64>,
     /// The point that was chosen, all cameras still there.
     pub chosen: Point,
+    /// Bytes that the store of the whole capture takes at most, with these settings and all cameras; where a budget of bytes
+    /// decided.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bytes_whole: Option<u64>,
     /// Everything that was tried, in the order of trying.
     pub points: Vec<Point>,
     /// What was chosen and what was given up, one sentence each.
@@ -115,6 +106,10 @@ pub fn run(
     } else {
         (capture.cameras.iter().map(|camera| camera.name.clone()).collect(), Vec::new())
     };
+    let bytes_whole = match plan.budget {
+        Some(Budget::Bytes(_)) => Some(search.bytes_whole(&chosen.settings)?),
+        _ => None,
+    };
     let points = search.finish();
     job.set_context("");
     let mut tuned = Tuned {
@@ -124,6 +119,7 @@ pub fn run(
         best,
         limit_db,
         chosen,
+        bytes_whole,
         points,
         words: Vec::new(),
     };

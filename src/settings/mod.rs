@@ -8,7 +8,7 @@
 //! depth_tolerance = 1.5
 //! ```
 //!
-//! Every field's doc comment is also its help text (`--help`, hover text). A missing field keeps its default; an unknown
+//! Every field's doc comment is also its help text (`overlook settings`, hover text). A missing field keeps its default; an unknown
 //! one is an error, so that a misspelled threshold never passes in silence.
 
 mod choice;

@@ -28,10 +28,11 @@ mod whole;
 mod writer;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::{Report, SampleSet};
+use crate::preprocess::{Report, SampleImage, SampleSet};
 use crate::settings::StoreSettings;
 
 pub use header::{ImageEntry, MAX_REFERENCES, VERSION};
@@ -47,8 +48,8 @@ pub use writer::{Extras, write, write_spooled, write_to, write_with};
 /// not to be as before. Gives its size in bytes. `path` may be the store's own.
 ///
 /// # Errors
-/// As [`write()`]; `Invalid` where some of it is damaged, since nothing would say so any more, and where it was held to less
-/// precision than `storage` asks for.
+/// As [`write()`]; `Invalid` where some of it is damaged, since nothing would say so any more, where it was held to less
+/// precision than `storage` asks for, and where it lacks the normals that are asked for.
 pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, job: &Job) -> Result<u64> {
     let (mut samples, report) = store.read_all(job)?;
     if let Some(damage) = store.damage().first() {
@@ -60,10 +61,25 @@ pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, 
     let held_to = Some(samples.settings.store.clone());
     if let Some(storage) = storage {
         samples.settings.store = storage.clone();
+        set_normals(&mut samples, storage.normals).map_err(|what| Error::invalid(path.display(), what))?;
     }
     let (provenance, unknown) = (store.info().provenance.clone(), store.unknown_chunks()?);
     let extras = Extras { provenance, unknown, held_to };
     write_with(path, &samples, &report, &extras, job)
+}
+
+/// Leaves normals out unless they are asked for.
+///
+/// # Errors
+/// Where they are asked for and are not there.
+fn set_normals(samples: &mut SampleSet, are_kept: bool) -> std::result::Result<(), String> {
+    if are_kept && samples.images.iter().any(|image| image.normal.is_none()) {
+        return Err("cannot have normals: the store holds none; preprocess the capture again, or set store.normals=false".to_owned());
+    }
+    for image in samples.images.iter_mut().filter(|image| !are_kept && image.normal.is_some()) {
+        *image = Arc::new(SampleImage { normal: None, ..SampleImage::clone(image) });
+    }
+    Ok(())
 }
 
 /// Reads a whole store, in which nothing may be damaged: [`Store::read_all`] makes do with what is whole.

@@ -5,7 +5,7 @@ use overlook::evaluate::truth::Truth;
 use overlook::job::Job;
 use overlook::settings::Settings;
 
-use crate::scenes::{orrery, still};
+use crate::scenes::{Scene, orrery, still};
 
 #[test]
 fn every_disturbance_leaves_the_capture_alone_at_the_start_of_its_dial_and_not_at_its_end() {
@@ -130,4 +130,46 @@ fn cameras_go_one_by_one_until_as_few_are_left_as_the_truth_needs() {
     assert_eq!(Disturbance::FewerCameras.dial(&scene.capture, &views), [0.0, 1.0, 2.0]);
     let pair = scene.capture.with_cameras(|index, _| index < 2);
     assert_eq!(Disturbance::FewerCameras.dial(&pair, &Truth::HoldOut), [0.0]);
+}
+
+#[test]
+fn loss_is_over_the_views_that_are_left_and_the_warning_names_the_dial_at_which_others_are_not() {
+    let scene = orrery(2);
+    let alone = scene.capture.with_cameras(|index, _| index == 0);
+    let mut plan =
+        Plan { disturbances: vec![Disturbance::MissingCamera], ..Plan::standard(&Settings::default()) };
+    plan.methods.truncate(1);
+    let job = Job::new();
+    let points = stress::run(&alone, &plan, &scene.truth, &job, |_, _| ()).unwrap();
+    let [all, half] = [0.0, 50.0].map(|dial| points.iter().find(|point| point.dial == dial).unwrap());
+    assert!(!half.views.is_empty() && half.views.len() < all.views.len(), "frame 1 is gone");
+    // Of each vantage one frame is left.
+    let mean = |point: &StressPoint| {
+        let of =
+            point.views.iter().filter(|view| half.views.iter().any(|left| left.file_path == view.file_path));
+        of.map(|view| view.psnr_filled_db).sum::<f64>() / half.views.len() as f64
+    };
+    assert!((half.loss_db - (mean(all) - mean(half))).abs() < 1e-9);
+    assert!((half.loss_db - (all.point.psnr_filled_db - half.point.psnr_filled_db)).abs() > 1e-6);
+    let warnings = job.warnings();
+    let named = warnings.iter().filter(|line| line.contains("'missing camera' at 50 % of frames: view '"));
+    assert_eq!(named.count(), all.views.len() - half.views.len(), "{warnings:?}");
+}
+
+#[test]
+fn what_cannot_disturb_a_capture_is_left_out_with_a_word_and_nothing_else_is_no_stress() {
+    let Scene { mut capture, truth } = orrery(1);
+    capture.has_normals = false;
+    let idle = vec![Disturbance::NormalsMissing, Disturbance::NormalsNoisy, Disturbance::OutOfSync];
+    let mut plan = Plan { disturbances: idle, ..Plan::standard(&Settings::default()) };
+    plan.methods.truncate(1);
+    let job = Job::new();
+    let error = stress::run(&capture, &plan, &truth, &job, |_, _| ()).unwrap_err().to_string();
+    assert!(error.contains("is changed by no disturbance"), "{error}");
+    let [missing, _, late] = job.warnings().try_into().unwrap();
+    assert!(missing.contains("'normals missing' is left out") && missing.contains("no recorded normals"));
+    assert!(late.contains("'camera out of sync' is left out") && late.contains("a single frame"), "{late}");
+    plan.disturbances.push(Disturbance::Exposure);
+    let points = stress::run(&capture, &plan, &truth, &job, |_, _| ()).unwrap();
+    assert!(points.iter().all(|point| point.disturbance == "exposure") && points.len() == 4);
 }

@@ -176,7 +176,7 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Exported> {
             let size = request.size.map(|side| side as usize);
             let mut encoder = Encoder::start(path, size, *frames_per_second)?;
             paint(&mut |_, picture| encoder.add(picture))?;
-            encoder.finish()?;
+            encoder.finish(job)?;
         }
     }
     let damage = match &request.reel {

@@ -41,6 +41,8 @@ use super::{Camera, Capture, CaptureParts, Frame, View};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 
+pub(crate) use self::camera_noise::mix;
+
 /// Names and one-line descriptions of the built-in scenes, the default first.
 pub const SCENES: &[(&str, &str)] = &[
     (ORRERY.name, ORRERY.description),

@@ -287,12 +287,7 @@ impl Recording {
 }
 
 fn refuse_motion(first: &Camera, other: &Camera, first_number: i64, place: &str) -> Result<()> {
-    let reach = first.position_in_world().length();
-    let (a, b) = (&first.world_from_camera, &other.world_from_camera);
-    let apart = (SAME_PLACE * reach.clamp(1.0, NEAR)).max(SAME_PLACE_FAR * reach);
-    let is_still =
-        a.matrix3.abs_diff_eq(b.matrix3, SAME_ROTATION) && a.translation.abs_diff_eq(b.translation, apart);
-    if !is_still {
+    if !is_still(first, other) {
         return Err(Error::unsupported(
             place,
             format!("the camera moved since frame {first_number}; only static cameras are supported"),
@@ -315,6 +310,26 @@ fn refuse_motion(first: &Camera, other: &Camera, first_number: i64, place: &str)
         ));
     }
     Ok(())
+}
+
+fn is_still(first: &Camera, other: &Camera) -> bool {
+    let reach = first.position_in_world().length();
+    let (a, b) = (&first.world_from_camera, &other.world_from_camera);
+    let apart = (SAME_PLACE * reach.clamp(1.0, NEAR)).max(SAME_PLACE_FAR * reach);
+    a.matrix3.abs_diff_eq(b.matrix3, SAME_ROTATION) && a.translation.abs_diff_eq(b.translation, apart)
+}
+
+/// The one of the `known` cameras that this is but for rounding, as in a capture; itself, known from then on, where there is none.
+pub(super) fn without_rounding(known: &mut Vec<Camera>, camera: Camera) -> Camera {
+    let is_same = |first: &&Camera| {
+        let (a, b) = (&first.intrinsics, &camera.intrinsics);
+        first.name == camera.name && a.size() == b.size() && same_lens(a, b) && is_still(first, &camera)
+    };
+    if let Some(first) = known.iter().find(is_same) {
+        return first.clone();
+    }
+    known.push(camera.clone());
+    camera
 }
 
 fn same_lens(a: &Intrinsics, b: &Intrinsics) -> bool {

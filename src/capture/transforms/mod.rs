@@ -91,7 +91,8 @@ pub fn truth_beside(capture: &Path) -> Option<PathBuf> {
 
 /// Reads vantages, and where the pictures exist their truth, from a manifest of the same form.
 ///
-/// A true picture needs no depth: where none is recorded, every pixel of it counts as a sample at infinity.
+/// A true picture needs no depth: where none is recorded, every pixel of it counts as a sample at infinity. Views of one camera that
+/// differ by no more than a capture's frames may are one vantage.
 ///
 /// # Errors
 /// As [`open`], and `Invalid` for times that are fractions: which frame of a capture one of them means is not known here.
@@ -109,10 +110,11 @@ pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<View>> 
     let manifest = Manifest::read(&path)?;
     cameras::refuse_times(&manifest, &path, frames_are_ranked)?;
     let places = cameras::entries(&manifest, &path)?;
+    let mut known = Vec::new();
     places
         .into_iter()
         .map(|entry| {
-            let camera = entry.camera()?;
+            let camera = cameras::without_rounding(&mut known, entry.camera()?);
             let truth = entry.files.color.is_file().then(|| {
                 let (files, camera, place) = (entry.files.clone(), camera.clone(), entry.place.clone());
                 Arc::new(move || load::frame(&files, &camera, &place, Need::ColorOnly)) as super::TruthLoader

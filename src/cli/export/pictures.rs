@@ -42,6 +42,7 @@ impl FilmArgs {
     /// The open store, the stops of the path, and the settings to paint with.
     pub(super) fn plan(&self) -> Result<(Arc<Playback>, Stops, RenderSettings), Failure> {
         self.settings.only("render")?;
+        targets::can_be_read_again(&self.path)?;
         let playback = super::open(&self.store)?;
         let info = playback.store().info();
         let mut settings: Settings = self.settings.over(info.settings.clone())?;
@@ -84,7 +85,7 @@ impl PicturesArgs {
         let (playback, stops, settings) = self.film.plan()?;
         let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));
         let paths = stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;
-        targets::apart_from_pictures_of(&self.film.path, &paths)?;
+        targets::apart_from_pictures_of(&self.film.path, &self.out, &paths)?;
         let notice = progress::watched(|job| {
             paint(&playback, &stops, &settings, job, |nth, picture| paths[nth].write(picture))
         })?;

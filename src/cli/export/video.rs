@@ -39,9 +39,10 @@ impl VideoArgs {
         let (width, height) = stops.vantages[0].camera.intrinsics.size();
         let mut encoder = Encoder::start(&self.out, [width, height], self.fps)?;
         let notice = progress::watched(|job| {
-            let notice = paint(&playback, &stops, &settings, job, |_, picture| encoder.add(picture))?;
-            encoder.finish()?;
-            Ok::<_, Error>(notice)
+            let painted = paint(&playback, &stops, &settings, job, |_, picture| encoder.add(picture));
+            let written = painted.and_then(|notice| encoder.finish(job).map(|()| notice));
+            // Who stops a film may have stopped ffmpeg with it, which is no failure of that.
+            written.map_err(|error| if job.is_cancelled() { Error::Cancelled } else { error })
         })?;
         output::warn(notice.as_slice());
         output::warn(&playback.store().damage());

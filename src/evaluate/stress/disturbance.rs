@@ -7,9 +7,9 @@ use glam::{DQuat, DVec3};
 use super::frames::{Edit, Edited};
 use super::light::{Lighting, lit};
 use super::shapes::Inserted;
+use crate::capture::demo::mix;
 use crate::capture::{Camera, Capture, CaptureParts, Frame};
 use crate::error::Result;
-use crate::evaluate::baselines::mix;
 use crate::evaluate::subset::{DERIVED_CACHE_BYTES, parts_of};
 use crate::evaluate::truth::{Recorded, Truth, TruthEdit};
 
@@ -146,6 +146,18 @@ impl Disturbance {
             Self::GrazingViews => vec![0.0, 45.0, 70.0, 80.0, 87.0],
             Self::NarrowFrusta => vec![100.0, 80.0, 60.0, 40.0],
             Self::Exposure | Self::Specular | Self::MovingLight => vec![0.0, 0.1, 0.3, 1.0],
+        }
+    }
+
+    /// What there is not in a capture that this cannot change, in words that go on from "there".
+    #[must_use]
+    pub fn lacks(self, capture: &Capture) -> Option<&'static str> {
+        match self {
+            Self::NormalsMissing | Self::NormalsNoisy if !capture.has_normals => {
+                Some("are no recorded normals")
+            }
+            Self::OutOfSync if capture.frame_count() < 2 => Some("is a single frame"),
+            _ => None,
         }
     }
 

@@ -7,9 +7,9 @@ use half::f16;
 use super::disturbance::seed;
 use super::light::{Lighting, lit};
 use super::shapes::Inserted;
+use crate::capture::demo::mix;
 use crate::capture::{Capture, Frame, FrameSource, INVALID_INVERSE_DEPTH};
 use crate::error::Result;
-use crate::evaluate::baselines::mix;
 use crate::grid::Grid;
 
 /// What is done to a frame.

@@ -4,9 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::Point;
 use crate::capture::Capture;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::evaluate::trial::{Thinning, Trial};
-use crate::settings::{Fill, Kernel, Kind, MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
+use crate::settings::{
+    Fill, Kernel, Kind, MixedPixels, Precision, PruningMethod, RateModel, Settings, SpanLevels,
+};
 
 /// What a point is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -90,17 +92,20 @@ pub struct Plan {
 }
 
 /// Values that numbers are tried at, beside every choice there is.
-const NUMBERS: [(&str, &[f64]); 6] = [
+const NUMBERS: [(&str, &[f64]); 8] = [
     ("pruning.depth_tolerance", &[0.25, 0.5, 2.0, 4.0, 8.0]),
     ("pruning.normal_tolerance", &[15.0, 60.0]),
     ("pruning.color_tolerance", &[6.0, 12.0, 48.0, 255.0]),
+    ("pruning.cosine_floor", &[0.01, 0.03, 0.3]),
     ("spans.color_tolerance", &[1.0, 4.0, 8.0]),
     ("spans.depth_tolerance", &[0.004]),
     ("spans.noise", &[0.0]),
+    ("store.depth_precision", &[0.25, 1.0]),
 ];
 
-/// Choices and switches that are no variation of the method: they are baselines, or change nothing that is measured.
-const LEFT_OUT: [&str; 3] = ["pruning.method", "store.normals", "pruning.mixed_pixels"];
+/// Choices and switches that are no variation of the method: other methods are baselines, and normals in a store are for other
+/// programs, as no picture is painted with them.
+const LEFT_OUT: [&str; 2] = ["pruning.method", "store.normals"];
 
 /// The paper's settings, as near as ours come to them: a pixel is background or foreground; the denser of two samples at
 /// one place stays, whatever their normals and colors; no noise is granted, no overlap kept; a sample covers 2×2 pixels.
@@ -138,10 +143,16 @@ impl Plan {
     /// The reference and every combination of the given values: each a setting's path and the texts it is set to.
     ///
     /// # Errors
-    /// `Invalid` where there is no such setting or it does not take a value.
+    /// `Invalid` where there is no such setting, it does not take a value, or it is given twice: only the last of two would count.
     pub fn grid(reference: &Settings, axes: &[(String, Vec<String>)], capture: &Capture) -> Result<Self> {
         let mut combinations = vec![(Vec::new(), reference.clone())];
-        for (path, values) in axes {
+        for (index, (path, values)) in axes.iter().enumerate() {
+            if axes[..index].iter().any(|(before, _)| before == path) {
+                return Err(Error::invalid(
+                    path,
+                    "is varied twice; name all its values at once, as in key=value,value",
+                ));
+            }
             let mut wider = Vec::new();
             for (labels, settings) in &combinations {
                 for value in values {
@@ -254,14 +265,18 @@ impl Plan {
 /// The kernels of a sweep, the most accurate first.
 const KERNELS: [Kernel; 4] = [Kernel::Gather, Kernel::Surfel, Kernel::Block, Kernel::Point];
 
-/// The reference with one thing changed: every choice and switch of spans, pruning and store, and numbers around their
-/// defaults. Settings that are added to the program are varied without being named here.
+/// The reference with one thing changed: every choice and switch of spans, pruning and store but for two, and numbers around their
+/// defaults; that of depth where the reference's store is not lossless, as it says nothing otherwise. Choices and switches that are
+/// added to the program are varied without being named here, numbers are not.
 #[must_use]
 pub fn variations(reference: &Settings) -> Vec<(String, Settings)> {
     let mut assignments: Vec<String> = Vec::new();
     for field in Settings::fields() {
         let section = field.path.split('.').next().unwrap_or_default();
         if !["spans", "pruning", "store"].contains(&section) || LEFT_OUT.contains(&field.path) {
+            continue;
+        }
+        if field.path == "store.depth_precision" && reference.store.precision == Precision::Lossless {
             continue;
         }
         match field.kind {
@@ -282,4 +297,29 @@ pub fn variations(reference: &Settings) -> Vec<(String, Settings)> {
         (settings != *reference).then_some((assignment, settings))
     };
     assignments.into_iter().filter_map(changed).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_is_tried_and_the_precision_of_depth_where_it_says_something() {
+        let lossless = Settings::default();
+        let mut rounded = lossless.clone();
+        rounded.set_text("store.precision=bits10").unwrap();
+        let paths = |reference: &Settings| -> Vec<String> {
+            let path = |(label, _): (String, _)| label.split(' ').next().unwrap_or_default().to_owned();
+            variations(reference).into_iter().map(path).collect()
+        };
+        let (of_lossless, of_rounded) = (paths(&lossless), paths(&rounded));
+        for field in Settings::fields().filter(|field| !LEFT_OUT.contains(&field.path)) {
+            if !["spans", "pruning", "store"].iter().any(|section| field.path.starts_with(section)) {
+                continue;
+            }
+            let is_tried = |paths: &[String]| paths.iter().any(|path| path == field.path);
+            assert!(is_tried(&of_rounded), "{}", field.path);
+            assert_eq!(is_tried(&of_lossless), field.path != "store.depth_precision", "{}", field.path);
+        }
+    }
 }

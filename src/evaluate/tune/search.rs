@@ -1,5 +1,6 @@
 //! The search for a setting: variations one by one, then those together that save bytes.
 
+use super::whole::WholeStores;
 use super::{Budget, Plan};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
@@ -8,7 +9,7 @@ use crate::evaluate::sweep::{Point, Series, variations};
 use crate::evaluate::trial::{Trial, Workbench};
 use crate::evaluate::truth::{Recorded, Truth};
 use crate::job::Job;
-use crate::settings::{Kernel, PruningMethod};
+use crate::settings::{Kernel, PruningMethod, Settings};
 
 type OnPoint<'a> = Box<dyn FnMut(&Point) + 'a>;
 
@@ -18,12 +19,19 @@ pub(super) struct Search<'a> {
     pub(super) job: &'a Job,
     pub(super) truth: &'a Truth,
     workbench: Workbench,
+    stores: WholeStores<'a>,
     points: Vec<Point>,
     on_point: OnPoint<'a>,
     pace: Pace,
     /// Points there will be, as far as can be told.
     expected: usize,
+    /// Whether the settings that the search starts from exceed the budget.
+    starts_beyond: bool,
 }
+
+/// How many times a budget a store must be expected to take not to be tried: by how much it grows from what is looked at to the
+/// whole capture differs from setting to setting.
+const HOPELESS: f64 = 1.5;
 
 /// One setting that differs from the start, and what it gave.
 struct Change {
@@ -40,15 +48,17 @@ impl Change {
 
 impl<'a> Search<'a> {
     pub(super) fn new(
-        capture: &Capture,
+        capture: &'a Capture,
         plan: &'a Plan,
         truth: &'a Truth,
         job: &'a Job,
         on_point: OnPoint<'a>,
     ) -> Result<Self> {
         let workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.settings, job)?;
+        let stores = WholeStores::of(plan.whole.as_ref().unwrap_or(capture));
         let (points, pace) = (Vec::new(), Pace::start());
-        Ok(Self { plan, job, truth, workbench, points, on_point, pace, expected: 0 })
+        let (expected, starts_beyond) = (0, false);
+        Ok(Self { plan, job, truth, workbench, stores, points, on_point, pace, expected, starts_beyond })
     }
 
     /// Measures a trial, unless it is known.
@@ -97,7 +107,8 @@ impl<'a> Search<'a> {
         let start = self.plan.settings.clone();
         let variations = variations(&start);
         self.expected = variations.len() + 14;
-        self.measure(&Trial::new("start", start.clone()))?;
+        let first = self.measure(&Trial::new("start", start.clone()))?;
+        self.starts_beyond = !self.is_within_budget(&first)?;
         let mut everything = start.clone();
         everything.pruning.method = PruningMethod::Off;
         self.measure(&Trial::new("no pruning", everything))?;
@@ -149,48 +160,75 @@ impl<'a> Search<'a> {
     fn may_lead_on(&self, point: &Point) -> bool {
         match self.plan.budget {
             None => point.psnr_filled_db >= self.limit_db(),
-            Some(budget) => !budget.allows(&self.points[0]),
+            Some(_) => self.starts_beyond,
         }
+    }
+
+    fn is_within_budget(&mut self, point: &Point) -> Result<bool> {
+        Ok(match self.plan.budget {
+            None => true,
+            Some(Budget::Milliseconds(milliseconds)) => point.milliseconds <= milliseconds,
+            Some(Budget::Bytes(bytes)) => {
+                // What is looked at is part of the whole.
+                point.bytes_of_samples() <= bytes
+                    && self.expected_bytes(point)? <= HOPELESS * bytes as f64
+                    && self.bytes_whole(&point.settings)? <= bytes
+            }
+        })
+    }
+
+    /// Bytes that the store of the whole capture takes at most.
+    pub(super) fn bytes_whole(&mut self, settings: &Settings) -> Result<u64> {
+        self.stores.bytes(settings, self.job)
+    }
+
+    /// The same, if it grows as that of the first point does.
+    fn expected_bytes(&mut self, point: &Point) -> Result<f64> {
+        let start = self.plan.settings.clone();
+        let growth = self.bytes_whole(&start)? as f64 / self.points[0].bytes.max(1) as f64;
+        Ok(point.bytes as f64 * growth)
     }
 
     /// Of everything measured: the simplest that is good enough, or the most accurate within the budget.
-    fn chosen(&self) -> Result<Point> {
-        let chosen = match self.plan.budget {
-            None => {
-                let limit_db = self.limit_db();
-                let good = self.points.iter().filter(|point| point.psnr_filled_db >= limit_db);
-                good.min_by_key(|point| simplicity(point))
+    fn chosen(&mut self) -> Result<Point> {
+        if self.plan.budget.is_none() {
+            let limit_db = self.limit_db();
+            let good = self.points.iter().filter(|point| point.psnr_filled_db >= limit_db);
+            let chosen = good.min_by_key(|point| simplicity(point)).cloned();
+            return chosen.ok_or_else(|| Error::invalid("tuning", "nothing could be measured"));
+        }
+        let mut best_first = self.points.clone();
+        best_first.sort_by(|a, b| {
+            b.psnr_filled_db.total_cmp(&a.psnr_filled_db).then(simplicity(a).cmp(&simplicity(b)))
+        });
+        for point in best_first {
+            if self.is_within_budget(&point)? {
+                return Ok(point);
             }
-            Some(budget) => {
-                let within = self.points.iter().filter(|point| budget.allows(point));
-                within.rev().max_by(|a, b| {
-                    a.psnr_filled_db.total_cmp(&b.psnr_filled_db).then(simplicity(b).cmp(&simplicity(a)))
-                })
-            }
-        };
-        chosen.cloned().ok_or_else(|| self.nothing_within_budget())
+        }
+        Err(self.nothing_within_budget()?)
     }
 
-    fn nothing_within_budget(&self) -> Error {
-        let least =
-            |spent: &dyn Fn(&Point) -> f64| self.points.iter().map(spent).fold(f64::INFINITY, f64::min);
-        match self.plan.budget {
-            Some(budget @ Budget::Milliseconds(milliseconds)) => Error::invalid(
-                "budget",
+    fn nothing_within_budget(&mut self) -> Result<Error> {
+        let what = match self.plan.budget {
+            Some(Budget::Bytes(bytes)) => {
+                let smallest = self.points.iter().min_by_key(|point| simplicity(point)).cloned();
+                if let Some(smallest) = smallest {
+                    self.bytes_whole(&smallest.settings)?;
+                }
+                let least = self.stores.least().unwrap_or_default();
                 format!(
-                    "no setting paints within {milliseconds} ms; the fastest takes {:.1} ms",
-                    least(&|point| budget.spent(point))
-                ),
-            ),
-            Some(budget @ Budget::Bytes(bytes)) => Error::invalid(
-                "budget",
-                format!(
-                    "no setting fits into {bytes} bytes; the smallest takes {:.0}",
-                    least(&|point| budget.spent(point))
-                ),
-            ),
-            None => Error::invalid("tuning", "nothing could be measured"),
-        }
+                    "no setting fits into {bytes} bytes; the smallest store of the whole capture takes {least}"
+                )
+            }
+            Some(Budget::Milliseconds(milliseconds)) => {
+                let times = self.points.iter().map(|point| point.milliseconds);
+                let least = times.fold(f64::INFINITY, f64::min);
+                format!("no setting paints within {milliseconds} ms; the fastest takes {least:.1} ms")
+            }
+            None => "nothing could be measured".to_owned(),
+        };
+        Ok(Error::invalid("budget", what))
     }
 }
 

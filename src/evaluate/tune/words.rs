@@ -8,6 +8,9 @@ use crate::settings::Settings;
 pub(super) fn of(tuned: &Tuned, plan: &Plan, frames: usize) -> Vec<String> {
     let mut words = vec![good_enough(tuned, plan), chosen(tuned)];
     words.extend(changes(&plan.settings, &tuned.settings));
+    words.extend(tuned.bytes_whole.map(|bytes| {
+        format!("The store of the whole capture takes {} at most with these settings.", mebibytes(bytes))
+    }));
     words.push(over_time(&tuned.chosen, frames));
     words.extend(cameras(tuned));
     words

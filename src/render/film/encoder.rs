@@ -3,11 +3,13 @@
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::time::Duration;
 
 use super::super::Picture;
 use crate::color::srgb8_from_linear;
 use crate::error::{Error, Result};
+use crate::job::Job;
 use crate::whole_file;
 
 /// Players want 4:2:0, which wants even sides. Left to itself, ffmpeg would use the matrix of standard definition, whatever
@@ -21,6 +23,8 @@ const COLOR_TAGS: [&str; 8] =
 
 /// Bytes of what a failing ffmpeg says that are told.
 const MOST_SAID: u64 = 2000;
+/// How often is looked whether the film is whole.
+const PATIENCE: Duration = Duration::from_millis(10);
 
 /// A running ffmpeg that is given one picture after another. The film takes its name once it is whole: dropped before
 /// [`Encoder::finish`], nothing is left of it, and what had that name before stays.
@@ -50,6 +54,9 @@ impl Encoder {
         command.stdin(Stdio::piped()).stdout(Stdio::null());
         let words = tempfile::tempfile().map_err(|error| Error::io(std::env::temp_dir(), error))?;
         command.stderr(words.try_clone().map_err(|error| Error::io(std::env::temp_dir(), error))?);
+        // Ctrl-C in a terminal reaches every process of its group; how the film ends is decided here.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let mut ffmpeg = command.spawn().map_err(|error| match error.kind() {
             ErrorKind::NotFound => Error::unsupported(
                 out.display(),
@@ -74,25 +81,31 @@ impl Encoder {
         }
         // It went away: what it has to say stands on its stderr.
         self.pipe = None;
-        let said = self.said().err().unwrap_or_else(|| "it takes no more pictures".to_owned());
-        Err(self.failed(&said))
+        let status = self.ffmpeg.wait();
+        let said = status.map_err(|error| error.to_string()).and_then(|status| self.said(status));
+        Err(self.failed(&said.err().unwrap_or_else(|| "it takes no more pictures".to_owned())))
     }
 
     /// Waits until the film is whole.
     ///
     /// # Errors
-    /// `Invalid` with what ffmpeg said, where it failed; `Io` where the film cannot take its name.
-    pub fn finish(mut self) -> Result<()> {
+    /// `Invalid` with what ffmpeg said, where it failed; `Io` where the film cannot take its name; `Cancelled`.
+    pub fn finish(mut self, job: &Job) -> Result<()> {
         self.pipe = None;
-        let said = self.said();
-        said.map_err(|what| self.failed(&what))?;
+        let status = loop {
+            job.check()?;
+            match self.ffmpeg.try_wait().map_err(|error| Error::io("ffmpeg", error))? {
+                Some(status) => break status,
+                None => std::thread::sleep(PATIENCE),
+            }
+        };
+        self.said(status).map_err(|what| self.failed(&what))?;
         let unfinished = self.unfinished.take();
         unfinished.map_or(Ok(()), |unfinished| whole_file::persist(unfinished, &self.out))
     }
 
-    /// Waits for ffmpeg; what it said where it failed.
-    fn said(&mut self) -> std::result::Result<(), String> {
-        let status = self.ffmpeg.wait().map_err(|error| error.to_string())?;
+    /// What ffmpeg said where it failed.
+    fn said(&mut self, status: ExitStatus) -> std::result::Result<(), String> {
         if status.success() {
             return Ok(());
         }

@@ -1,0 +1,52 @@
+//! What the store of the whole capture takes. A budget of bytes is meant for what `preprocess` writes, which holds all frames of
+//! all cameras, whatever is looked at while tuning.
+
+use crate::capture::Capture;
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::preprocess::{Spooled, preprocess_spooled};
+use crate::settings::{RenderSettings, Settings};
+use crate::store::{self, Extras, InputFiles, Provenance, Rivals};
+
+/// Stores of one capture, by their settings.
+pub(super) struct WholeStores<'a> {
+    capture: &'a Capture,
+    /// Settings but for those of painting, and bytes.
+    known: Vec<(Settings, u64)>,
+}
+
+impl<'a> WholeStores<'a> {
+    pub(super) fn of(capture: &'a Capture) -> Self {
+        Self { capture, known: Vec::new() }
+    }
+
+    /// Bytes that the store takes at most.
+    pub(super) fn bytes(&mut self, settings: &Settings, job: &Job) -> Result<u64> {
+        let of_samples = Settings { render: RenderSettings::default(), ..settings.clone() };
+        let known = self.known.iter().find(|(known, _)| *known == of_samples).map(|(_, bytes)| *bytes);
+        let bytes = known.map_or_else(|| most_bytes(self.capture, &of_samples, job), Ok)?;
+        if known.is_none() {
+            self.known.push((of_samples.clone(), bytes));
+        }
+        // A store notes the settings of painting too; chunks begin at even places.
+        let words = |settings: &Settings| settings.to_toml().len().next_multiple_of(2) as u64;
+        Ok(bytes - words(&of_samples) + words(settings))
+    }
+
+    /// The fewest bytes of those that were asked for.
+    pub(super) fn least(&self) -> Option<u64> {
+        self.known.iter().map(|(_, bytes)| *bytes).min()
+    }
+}
+
+/// Bytes of the store, with the longest record of where it comes from.
+fn most_bytes(capture: &Capture, settings: &Settings, job: &Job) -> Result<u64> {
+    let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
+    let Spooled { outline, images, report } = preprocess_spooled(capture, settings, job)?;
+    let most = Some(u64::MAX);
+    let rivals = Rivals { zip_exr: u64::MAX, video_color: most, video_depth: most, xor_zstd: most };
+    let inputs = InputFiles { files: u64::MAX, bytes: u64::MAX, crc32: u32::MAX };
+    let provenance = Provenance { inputs: Some(inputs), rivals: Some(rivals), ..Provenance::default() };
+    let extras = Extras { provenance, ..Extras::default() };
+    store::write_spooled(&folder.path().join("whole.ovl"), (&outline, &images), &report, &extras, job)
+}
