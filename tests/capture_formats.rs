@@ -74,7 +74,7 @@ fn blenders_one_part_and_its_part_for_every_pass_are_the_same_frame() {
         .collect();
     folder.put("short.exr", &picture(&short));
     let entries = [entry("one.exr", "a", 0), entry("many.exr", "b", 0), entry("short.exr", "c", 0)];
-    let capture = folder.open(json!({}), &entries).unwrap();
+    let capture = folder.open(json!({"depth_kind": "planar_z"}), &entries).unwrap();
     assert!(capture.has_normals);
     let frame = capture.frame(0, 0).unwrap();
     assert_eq!(frame, capture.frame(1, 0).unwrap());
@@ -188,7 +188,8 @@ fn given_keys_decide_what_names_leave_open() {
     alone["color_space"] = "ACEScg".into();
     alone["antialiased_color"] = false.into();
     alone["up"] = json!([0, 1, 0]);
-    let capture = folder.open(json!({"color_space": "linear"}), &[alone.clone()]).unwrap();
+    let capture =
+        folder.open(json!({"color_space": "linear", "depth_kind": "planar_z"}), &[alone.clone()]).unwrap();
     assert_eq!((capture.up_in_world, capture.antialiased_color), (DVec3::Y, false));
     assert!(capture.warnings[0].contains("ACEScg"));
     let refused = folder.open(json!({}), &[alone, entry("a.exr", "b", 0)]).unwrap_err().to_string();

@@ -149,3 +149,116 @@ fn a_name_that_ends_in_a_number_may_lack_its_extension() {
     let missing = folder.open(json!({}), &[entry("front/frame.0002", "a", 0)]).map(drop).unwrap_err();
     assert!(missing.to_string().contains("frame.0002 is missing"), "{missing}");
 }
+
+/// What opening a picture with a file of depth or normals beside it gives.
+fn open_apart(
+    key: &str,
+    color: &[(&str, FlatSamples)],
+    apart: Vec<(&str, FlatSamples)>,
+    keys: Value,
+) -> (Folder, Result<Capture>) {
+    let folder = Folder::new();
+    folder.put("a.exr", &picture(&[("", color.to_vec())]));
+    folder.put("aov.exr", &picture(&[("", apart)]));
+    let mut entry = entry("a.exr", "a", 0);
+    entry[key] = "aov.exr".into();
+    let capture = folder.open(keys, &[entry]);
+    (folder, capture)
+}
+
+/// Pictures that a file of passes holds beside what is looked for.
+fn other_pictures() -> Vec<(&'static str, FlatSamples)> {
+    let names = ["albedo.R", "albedo.G", "albedo.B", "emission.R", "emission.G", "emission.B"];
+    names.map(|name| (name, flat(0.25))).to_vec()
+}
+
+#[test]
+fn depth_and_normals_in_a_file_of_several_pictures_need_no_choice_among_these() {
+    let color = constant(["R", "G", "B"], GRAY);
+    let depth = || [other_pictures(), vec![("Z", flat(2.0))]].concat();
+    for keys in [json!({}), json!({"depth_channel": "Z"}), json!({"depth_channel": "Z", "layer": "albedo"})] {
+        let mut color = color.clone();
+        color.extend(constant(["albedo.R", "albedo.G", "albedo.B"], GRAY));
+        let (_folder, capture) = open_apart("depth_file_path", &color, depth(), keys);
+        assert_eq!(seen(capture), (0.5, 0.5, None));
+    }
+    let with_depth = [color, vec![("Z", flat(2.0))]].concat();
+    let normals = [other_pictures(), constant(["N.X", "N.Y", "N.Z"], FACING)].concat();
+    for keys in [json!({}), json!({"normal_channel": "N"})] {
+        let (_folder, capture) = open_apart("normal_file_path", &with_depth, normals.clone(), keys);
+        assert_eq!(seen(capture), (0.5, 0.5, Some(FACING)));
+    }
+}
+
+#[test]
+fn a_depth_file_of_several_layers_is_read_in_the_layer_that_is_named() {
+    let color = constant(["Front.Combined.R", "Front.Combined.G", "Front.Combined.B"], GRAY);
+    let depth = vec![("Back.Depth.Z", flat(4.0)), ("Front.Depth.Z", flat(2.0))];
+    let (_folder, capture) = open_apart("depth_file_path", &color, depth.clone(), json!({"layer": "Front"}));
+    assert_eq!(seen(capture), (0.5, 0.5, None));
+    let (_folder, refused) = open_apart("depth_file_path", &color, depth, json!({}));
+    let refused = refused.map(drop).unwrap_err().to_string();
+    assert!(refused.contains("\"depth_channel\""), "{refused}");
+}
+
+#[test]
+fn a_file_of_its_own_may_hold_positions_or_normals_without_any_name() {
+    let color = constant(["R", "G", "B"], GRAY);
+    for names in [["X", "Y", "Z"], ["R", "G", "B"]] {
+        for wish in [None, Some(names[0])] {
+            let positions = names.into_iter().zip(wall_at(2.0)).collect();
+            let keys = json!({"depth_kind": "position", "depth_channel": wish});
+            let (_folder, capture) = open_apart("depth_file_path", &color, positions, keys);
+            assert_eq!(seen(capture), (0.5, 0.5, None), "{names:?} {wish:?}");
+        }
+    }
+    let with_depth = [color, vec![("Z", flat(2.0))]].concat();
+    for keys in [json!({}), json!({"normal_channel": "X"})] {
+        let normals = constant(["X", "Y", "Z"], FACING);
+        let (_folder, capture) = open_apart("normal_file_path", &with_depth, normals, keys);
+        assert_eq!(seen(capture), (0.5, 0.5, Some(FACING)));
+    }
+}
+
+#[test]
+fn layers_and_parts_can_be_named_in_any_script() {
+    // The `exr` crate writes a byte for a letter.
+    let utf8 = |name: &str| name.bytes().map(char::from).collect::<String>();
+    let channels = |layer: &str, depth: f32| -> Vec<(String, FlatSamples)> {
+        let color = ["R", "G", "B"].map(|name| (format!("{layer}.Combined.{name}"), flat(0.5)));
+        color.into_iter().chain([(format!("{layer}.Depth.Z"), flat(depth))]).collect()
+    };
+    let named: Vec<(String, FlatSamples)> =
+        [channels(&utf8("ビュー"), 2.0), channels(&utf8("Außen"), 4.0), channels("\u{fc}", 8.0)].concat();
+    let named: Vec<(&str, FlatSamples)> =
+        named.iter().map(|(name, samples)| (name.as_str(), samples.clone())).collect();
+    for (layer, inverse) in [("ビュー", 0.5), ("Außen", 0.25), ("ü", 0.125)] {
+        for keys in
+            [json!({"layer": layer}), json!({"layer": layer, "depth_channel": format!("{layer}.Depth.Z")})]
+        {
+            let (_folder, capture) = open(&[("", named.clone())], keys);
+            assert_eq!(seen(capture), (0.5, inverse, None), "{layer}");
+        }
+    }
+    let plain = |depth: f32| [constant(["R", "G", "B"], GRAY), vec![("Z", flat(depth))]].concat();
+    let parts = [utf8("Außen"), utf8("Innen")];
+    let parts = [(parts[0].as_str(), plain(2.0)), (parts[1].as_str(), plain(4.0))];
+    let (_folder, capture) = open(&parts, json!({"layer": "Außen"}));
+    assert_eq!(seen(capture), (0.5, 0.5, None));
+}
+
+#[test]
+fn a_picture_that_is_not_found_is_told_with_what_to_do() {
+    let refused = |channels: Vec<(&str, FlatSamples)>, keys: Value| {
+        let (_folder, refused) = open(&[("", channels)], keys);
+        refused.map(drop).unwrap_err().to_string()
+    };
+    let gray = refused(vec![("Y", flat(0.5)), ("Z", flat(2.0))], json!({}));
+    assert!(gray.contains("save the picture as RGB"), "{gray}");
+    let words = constant(["rgba.red", "rgba.green", "rgba.blue"], GRAY);
+    let words = refused([words, vec![("Z", flat(2.0))]].concat(), json!({}));
+    assert!(words.contains("R, G and B"), "{words}");
+    let plain = [constant(["R", "G", "B"], GRAY), vec![("Z", flat(2.0))]].concat();
+    let elsewhere = refused(plain, json!({"layer": "beauty"}));
+    assert!(elsewhere.contains("there is no layer 'beauty'"), "{elsewhere}");
+}

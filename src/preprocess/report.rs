@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::normal_errors::{self, NormalErrors};
 use super::pruning::Decided;
 use super::range_shares::RangeFacts;
-use super::residuals::{PairResiduals, doubts};
+use super::residuals::{PairResiduals, doubts, shared_doubt};
 use super::sampling_rate::Rate;
 use super::spool::ImageFacts;
 use super::temporal::CameraScan;
@@ -111,10 +111,26 @@ impl Report {
             .iter()
             .filter_map(|camera| Some((camera.name.as_str(), camera.normals_off_degrees?)));
         let normals = normal_errors::doubt(&off.collect::<Vec<_>>());
+        if let Some(shared) = shared_doubt(&self.residuals, self.noise_footprints()) {
+            return normals.into_iter().chain([shared.sentence()]).collect();
+        }
         let doubts = doubts(&self.residuals).into_iter();
         let sentences =
             doubts.filter_map(|doubt| Some(doubt.sentence(&self.cameras.get(doubt.camera)?.name)));
         normals.into_iter().chain(sentences).collect()
+    }
+
+    /// How far noise and rounding of depth put most samples off each other, about, in footprints: with a lens of some sixty degrees
+    /// a footprint is a share of the depth that a picture as wide as high has columns.
+    fn noise_footprints(&self) -> f32 {
+        /// Two samples of which each is off, and a plane through neighbors that are.
+        const MOST: f32 = 4.0;
+        let frames = self.foreground_per_frame.len().max(1) as f32;
+        let of_camera = |camera: &CameraReport| {
+            let relative = camera.depth_noise_relative.max(camera.depth_step_relative);
+            MOST * relative * (camera.pixels as f32 / frames).sqrt()
+        };
+        self.cameras.iter().map(of_camera).fold(0.0, f32::max)
     }
 }
 

@@ -9,6 +9,8 @@
 //! where it sees something farther, it looks through the surface, and the distance counts however large it is. Samples lie on a
 //! lattice, and what most of them do not exceed is blind to silhouettes and to single wrong pixels.
 
+mod doubts;
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +25,8 @@ use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::error::Result;
 use crate::job::Job;
 use crate::simd::{self, Work};
+
+pub use doubts::{Doubt, SharedDoubt, doubts, shared_doubt};
 
 /// What is nearer than a sample by more than this, in footprints, hides it. Much more, and what is hidden by something close by
 /// passes for disagreement.
@@ -71,61 +75,30 @@ pub struct PairResiduals {
     /// Of what is nearer or farther than some frames before: large while `lasting` is small where clocks differ. `None` where too
     /// few are seen by both.
     pub moving: Option<Residual>,
+    /// Samples at some distance that are the same over all frames and were looked for, where no pair at all can be compared.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub unmatched: u64,
 }
 
-/// A camera that fits no other as well as the others fit each other.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Doubt {
-    /// The camera, by its index.
-    pub camera: usize,
-    /// Whether it is in doubt over what moves alone: its frames may be early or late. Else its pose may be wrong. (A pose that is
-    /// off along a plane that fills the picture shows only in what stands out of it, which may be what moves.)
-    pub over_time: bool,
-    /// How far the camera that fits it best is off, in footprints: most samples, or over time the median.
-    pub footprints: f32,
-    /// How far the other cameras are off that fit each other best.
-    pub usual_footprints: f32,
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_none(count: &u64) -> bool {
+    *count == 0
 }
-
-impl Doubt {
-    /// In words, for a camera of this name.
-    #[must_use]
-    pub fn sentence(&self, name: &str) -> String {
-        let (own, usual) = (self.footprints, self.usual_footprints);
-        let compared = format!("{own:.2} footprints where it fits best, others {usual:.2}");
-        if self.over_time {
-            format!(
-                "camera '{name}' agrees with no other about what moves ({compared}); its frames may be early or late, or its pose off where little stands out"
-            )
-        } else {
-            format!(
-                "camera '{name}' agrees with no other about where things are ({compared}); check its pose and lens"
-            )
-        }
-    }
-}
-
-/// Less is no reason to doubt a camera over what never moves, by the distance of most samples, in footprints. Correct captures
-/// stay below a tenth in all but one or two pairs; a camera that is turned by half a pixel reaches a third in all.
-const DOUBTFUL_POSE_FOOTPRINTS: f32 = 0.25;
-
-/// The same over what moves, by the median: of moving things silhouettes are a large part, and are off in correct captures too.
-const DOUBTFUL_CLOCK_FOOTPRINTS: f32 = 0.15;
-
-/// Nor is less than so many times what others are off.
-const DOUBTFUL_RATIO: f32 = 8.0;
 
 /// Distances and colors while they are gathered.
 #[derive(Default)]
 struct Readings {
     footprints: Spread,
     color_steps: Spread,
+    /// Samples at some distance, wherever the other camera looks.
+    asked: u64,
 }
 
 impl Readings {
     fn add(&mut self, other: &Self) {
         self.footprints.add(&other.footprints);
         self.color_steps.add(&other.color_steps);
+        self.asked += other.asked;
     }
 
     fn residual(&self) -> Option<Residual> {
@@ -231,9 +204,12 @@ impl<'a> Residuals<'a> {
     /// `[source][target]`.
     pub(super) fn finish(self) -> Vec<Vec<PairResiduals>> {
         let cameras = self.rig.cameras().len();
+        let is_compared = |reading: &Readings| reading.residual().is_some();
+        let is_any_compared = self.readings.iter().flatten().any(is_compared);
         let of_pair = |[lasting, moving]: [Readings; 2]| PairResiduals {
             lasting: lasting.residual(),
             moving: moving.residual(),
+            unmatched: if is_any_compared { 0 } else { lasting.asked },
         };
         let mut pairs = self.readings.into_iter().map(of_pair);
         (0..cameras).map(|_| pairs.by_ref().take(cameras).collect()).collect()
@@ -286,6 +262,7 @@ impl Work for Compare<'_> {
             let mut wanted = [0; LANES];
             for lane in 0..LANES {
                 let counts = (block.rank[lane] & MIXED == 0) & (block.inverse_depth[lane] > 0.0);
+                readings.asked += u64::from(counts & (lanes >> lane & 1 != 0));
                 wanted[lane] = u32::from(counts & (carried.bits[lane] & IN_VIEW != 0));
             }
             let mut needs = Needs::new(0.0);
@@ -310,118 +287,5 @@ impl Work for Compare<'_> {
             }
         }
         readings
-    }
-}
-
-/// The cameras that fit no other as well as the others fit each other; see [`PairResiduals`] for `pairs`. Of two cameras nobody
-/// can tell which one is wrong: both are named.
-#[must_use]
-pub fn doubts(pairs: &[Vec<PairResiduals>]) -> Vec<Doubt> {
-    let mut doubts = doubts_over(pairs, false, |pair| Some(pair.lasting?.most_footprints));
-    let moving = doubts_over(pairs, true, |pair| Some(pair.moving?.median_footprints));
-    let wrong_poses = doubts.len();
-    for doubt in moving {
-        if doubts[..wrong_poses].iter().all(|pose| pose.camera != doubt.camera) {
-            doubts.push(doubt);
-        }
-    }
-    doubts
-}
-
-/// The doubts by one number of each pair; a pair that is not there says nothing.
-fn doubts_over(
-    pairs: &[Vec<PairResiduals>],
-    over_time: bool,
-    of: impl Fn(&PairResiduals) -> Option<f32>,
-) -> Vec<Doubt> {
-    let of = |a: usize, b: usize| of(pairs.get(a)?.get(b)?);
-    // The others that each camera can be compared with, those it fits best first.
-    let partners = |camera: usize| {
-        let off = |other: usize| of(camera, other).into_iter().chain(of(other, camera)).reduce(f32::max);
-        let others = (0..pairs.len()).filter(|other| *other != camera);
-        let mut partners: Vec<(f32, usize)> = others.filter_map(|other| Some((off(other)?, other))).collect();
-        partners.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        partners
-    };
-    let partners: Vec<_> = (0..pairs.len()).map(partners).collect();
-    let is_mutual = |a: usize, b: usize| of(a, b).is_some() && of(b, a).is_some();
-    let doubtful_footprints = if over_time { DOUBTFUL_CLOCK_FOOTPRINTS } else { DOUBTFUL_POSE_FOOTPRINTS };
-    let doubt = |camera: usize| {
-        let footprints = partners[camera].first()?.0;
-        // Cameras of which but one finds things in the other's picture see next to nothing in common: few silhouettes decide.
-        if partners[camera].iter().all(|(_, other)| !is_mutual(camera, *other)) {
-            return None;
-        }
-        let best_without = |a: usize| {
-            let counts = |other: usize| other != camera && is_mutual(a, other);
-            Some(partners[a].iter().find(|(_, other)| counts(*other))?.0)
-        };
-        let others = (0..pairs.len()).filter(|other| *other != camera);
-        let mut usual: Vec<f32> = others.filter_map(best_without).collect();
-        usual.sort_unstable_by(f32::total_cmp);
-        let usual_footprints = usual.get(usual.len() / 2).copied().unwrap_or(0.0);
-        let is_doubtful = footprints > doubtful_footprints && footprints > DOUBTFUL_RATIO * usual_footprints;
-        is_doubtful.then_some(Doubt { camera, over_time, footprints, usual_footprints })
-    };
-    (0..pairs.len()).filter_map(doubt).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Residuals of cameras, each as far off as its entry says from all others.
-    fn pairs(off: &[f32], moving: &[f32]) -> Vec<Vec<PairResiduals>> {
-        let residual = |off: f32| Residual {
-            samples: 1000,
-            median_footprints: off / 2.0,
-            most_footprints: off,
-            median_color_steps: 1.0,
-        };
-        let pair = |a: usize, b: usize| PairResiduals {
-            lasting: (a != b).then(|| residual(off[a].max(off[b]))),
-            moving: (a != b).then(|| residual(moving[a].max(moving[b]))),
-        };
-        (0..off.len()).map(|a| (0..off.len()).map(|b| pair(a, b)).collect()).collect()
-    }
-
-    #[test]
-    fn the_camera_that_fits_no_other_is_doubted_and_those_it_does_not_fit_are_not() {
-        let found = doubts(&pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1, 1.2, 0.1, 0.1]));
-        assert_eq!(found.len(), 1);
-        assert_eq!((found[0].camera, found[0].over_time, found[0].footprints), (1, false, 0.9));
-        let found = doubts(&pairs(&[0.01; 4], &[0.02, 0.01, 0.02, 0.6]));
-        assert_eq!(found.iter().map(|d| (d.camera, d.over_time)).collect::<Vec<_>>(), [(3, true)]);
-    }
-
-    #[test]
-    fn pairs_that_a_report_lacks_say_nothing() {
-        let mut part = pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1; 4]);
-        part[3].clear();
-        part[0].truncate(2);
-        assert_eq!(doubts(&part).iter().map(|doubt| doubt.camera).collect::<Vec<_>>(), [1]);
-    }
-
-    #[test]
-    fn a_camera_that_is_seen_but_sees_no_other_is_not_doubted_nor_makes_others_look_worse() {
-        let mut one_sided = pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1; 4]);
-        one_sided[1].fill(PairResiduals::default());
-        assert!(doubts(&one_sided).is_empty());
-        let mut hardly_seen = pairs(&[0.05, 0.3, 0.05, 0.0], &[0.1; 4]);
-        for (a, row) in hardly_seen.iter_mut().enumerate().take(3) {
-            row[3].lasting = (a != 1)
-                .then_some(row[3].lasting)
-                .flatten()
-                .map(|fits| Residual { most_footprints: 0.0, ..fits });
-        }
-        hardly_seen[3].fill(PairResiduals::default());
-        assert!(doubts(&hardly_seen).is_empty());
-    }
-
-    #[test]
-    fn where_all_are_off_alike_nobody_is_doubted_and_of_two_cameras_both_are() {
-        assert!(doubts(&pairs(&[0.8, 0.9, 1.1], &[0.8, 0.9, 1.1])).is_empty());
-        let found = doubts(&pairs(&[0.9, 0.9], &[0.1, 0.1]));
-        assert_eq!(found.iter().map(|doubt| doubt.camera).collect::<Vec<_>>(), [0, 1]);
     }
 }

@@ -38,7 +38,7 @@ impl NormalSpace {
     }
 }
 
-/// What is known of depth of which not one pixel can be used.
+/// What is known of depth of which pixels cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum DepthTrouble {
     /// Nothing: it must not be.
@@ -46,18 +46,8 @@ pub enum DepthTrouble {
     Unknown,
     /// A sensor measured nothing, which happens.
     MayBeUnmeasured,
-    /// Every value is negative.
+    /// Every distance is negative.
     Negative,
-}
-
-impl DepthTrouble {
-    /// What raw values tell.
-    #[must_use]
-    pub fn of_values(values: &[f32]) -> Self {
-        let is_negative = values.iter().all(|value| value.is_nan() || *value < 0.0)
-            && values.iter().any(|value| *value < 0.0);
-        if is_negative { Self::Negative } else { Self::Unknown }
-    }
 }
 
 /// The planes of one picture, row-major, all of the camera's size.
@@ -75,7 +65,7 @@ pub struct Layers {
     pub normal: Option<([Vec<f32>; 3], NormalSpace)>,
     /// What the depth was read from, for messages: a channel's or a file's name.
     pub depth_name: String,
-    /// What is known of the depth where no pixel of it can be used.
+    /// What is known of depth that cannot be used.
     pub depth_trouble: DepthTrouble,
 }
 
@@ -84,20 +74,20 @@ impl Layers {
     /// a sample, and nothing is wrong; nor where a sensor measured nothing.
     ///
     /// # Errors
-    /// `Invalid` where not a single pixel has a depth.
+    /// `Invalid` where not a single pixel has a depth, or depth is measured backwards.
     pub fn into_frame(mut self, camera: &Camera, place: &str) -> Result<Frame> {
         let (width, height) = camera.intrinsics.size();
         let (color, without_color) = self.color.into_halves(&mut self.inverse_depth);
+        if self.depth_trouble == DepthTrouble::Negative {
+            let what = format!(
+                "every distance in channel '{}' is negative; depth is the distance forward and must be positive",
+                self.depth_name
+            );
+            return Err(Error::invalid(place, what));
+        }
         let is_unmeasured =
             self.depth_trouble == DepthTrouble::MayBeUnmeasured && without_color < self.inverse_depth.len();
         if !is_unmeasured && self.inverse_depth.iter().all(|&inverse| inverse < 0.0) {
-            if self.depth_trouble == DepthTrouble::Negative {
-                let what = format!(
-                    "every value of channel '{}' is negative; depth is the distance forward and must be positive",
-                    self.depth_name
-                );
-                return Err(Error::invalid(place, what));
-            }
             let color_share = 100.0 * without_color as f64 / self.inverse_depth.len().max(1) as f64;
             return Err(Error::invalid(
                 place,

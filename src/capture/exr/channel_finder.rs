@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 
 pub(super) const RGB: [&str; 3] = ["R", "G", "B"];
+const XYZ: [&str; 3] = ["X", "Y", "Z"];
 pub(super) const NORMAL_LAYERS: &[&str] =
     &["normal", "normals", "n", "nn", "sh_normal", "geo_normal", "shading_normal"];
 pub(super) const POSITION_LAYERS: &[&str] = &["position", "positions", "pos", "p", "pp"];
@@ -65,6 +66,24 @@ impl<'a> Finder<'a> {
     pub(super) fn triple(&self, layer: &str, suffixes: [&str; 3]) -> Option<[usize; 3]> {
         let [a, b, c] = suffixes.map(|suffix| self.channel(layer, suffix));
         Some([a?, b?, c?])
+    }
+
+    /// Whether any channel lies in a layer.
+    pub(super) fn has_layer(&self, layer: &str) -> bool {
+        self.names.iter().any(|name| is_inside(name.layer, layer))
+    }
+
+    /// What to do about a picture that was not found.
+    pub(super) fn advice_on_color(&self, layer: Option<&str>) -> String {
+        match layer.filter(|layer| !self.has_layer(layer)) {
+            Some(layer) => {
+                format!("there is no layer '{layer}', name one that is as \"layer\" in the manifest")
+            }
+            None if self.names.iter().all(|name| self.triple(name.layer, RGB).is_none()) => {
+                "save the picture as RGB, in channels R, G and B".to_owned()
+            }
+            None => "name its layer as \"layer\" in the manifest".to_owned(),
+        }
     }
 
     /// The layer that holds the picture: a known pass name, or the only layer with R, G and B. Some renderers write normals and
@@ -172,8 +191,15 @@ impl<'a> Finder<'a> {
 
     pub(super) fn depth(&self, root: Option<&str>, color_layer: Option<&str>) -> Option<usize> {
         let score = |index: usize| Some((self.depth_score(&self.names[index], root, color_layer)?, index));
-        let best = (0..self.names.len()).filter_map(score).min().map(|(_, index)| index);
-        best.or_else(|| (self.names.len() == 1).then_some(0))
+        let scores: Vec<(u8, usize)> = (0..self.names.len()).filter_map(score).collect();
+        let best = scores.iter().min().map(|(best, index)| {
+            let of_best = scores.iter().filter(|(score, _)| score == best);
+            (*index, is_one_root(root, of_best.map(|(_, index)| self.names[*index].layer)))
+        });
+        if best.is_some_and(|(_, is_one_root)| !is_one_root) {
+            return None;
+        }
+        best.map(|(index, _)| index).or_else(|| (self.names.len() == 1).then_some(0))
     }
 
     /// How well a channel answers for depth, 0 best; none where it is something else.
@@ -205,6 +231,11 @@ impl<'a> Finder<'a> {
 
     /// x, y, z of a pass of one of the known names: at the root first, then anywhere if only one.
     pub(super) fn vector(&self, known: &[&str], root: Option<&str>) -> Option<[usize; 3]> {
+        let passes = self.names.iter().map(|name| name.layer);
+        let passes = passes.filter(|layer| is_one_of(split_pass(layer).1, known));
+        if !is_one_root(root, passes) {
+            return None;
+        }
         let at_root = self.vector_at(known, |parent| root.is_none_or(|root| parent == root));
         let elsewhere = || self.vector_at(known, |parent| !parent.contains('.') && root == Some(""));
         at_root.or_else(elsewhere)
@@ -220,7 +251,16 @@ impl<'a> Finder<'a> {
     }
 
     fn vector_of(&self, layer: &str) -> Option<[usize; 3]> {
-        self.triple(layer, ["X", "Y", "Z"]).or_else(|| self.triple(layer, RGB))
+        self.triple(layer, XYZ).or_else(|| self.triple(layer, RGB))
+    }
+
+    /// x, y, z of a file of one vector, whatever it is called: without a layer, else as its picture, else in the only layer with them.
+    pub(super) fn only_vector(&self, color: Option<[usize; 3]>) -> Option<[usize; 3]> {
+        let mut layers: Vec<&str> = self.names.iter().map(|name| name.layer).collect();
+        layers.dedup();
+        layers.retain(|layer| !is_geometry(layer) && self.triple(layer, XYZ).is_some());
+        let only = <[&str; 1]>::try_from(layers).ok().and_then(|[only]| self.triple(only, XYZ));
+        self.triple("", XYZ).or(color).or(only)
     }
 
     pub(super) fn wished(&self, wish: &str) -> Result<usize> {
@@ -228,8 +268,15 @@ impl<'a> Finder<'a> {
     }
 
     pub(super) fn wished_triple(&self, wish: &str) -> Result<[usize; 3]> {
-        let layers = [Some(wish), wish.rsplit_once('.').map(|(layer, _)| layer)];
-        layers.into_iter().flatten().find_map(|layer| self.vector_of(layer)).ok_or_else(|| self.missing(wish))
+        let layer = Name::of(wish).layer;
+        let of_channel = || {
+            let channel = self.full.iter().position(|full| *full == wish)?;
+            let triples = [XYZ, RGB].into_iter().filter_map(|suffixes| self.triple(layer, suffixes));
+            triples.into_iter().find(|triple| triple.contains(&channel))
+        };
+        let beside = || self.vector_of(layer).filter(|_| !layer.is_empty());
+        let found = self.vector_of(wish).or_else(of_channel).or_else(beside);
+        found.ok_or_else(|| self.missing(wish))
     }
 
     pub(super) fn refuse_namesakes(&self, index: usize) -> Result<()> {
@@ -255,4 +302,10 @@ impl<'a> Finder<'a> {
 
 fn is_inside(layer: &str, root: &str) -> bool {
     layer == root || layer.strip_prefix(root).is_some_and(|rest| rest.starts_with('.'))
+}
+
+/// Whether passes that answer equally well are of one root; with no picture to tell which is meant, of several none is.
+fn is_one_root<'a>(root: Option<&str>, mut layers: impl Iterator<Item = &'a str>) -> bool {
+    let first = layers.next().map(|layer| split_pass(layer).0);
+    root.is_some() || layers.all(|layer| Some(split_pass(layer).0) == first)
 }

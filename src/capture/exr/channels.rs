@@ -17,6 +17,9 @@ use crate::error::Result;
 /// What the manifest says about channels where names alone do not decide.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ChannelWishes {
+    /// Whether depth or normals are looked for in a file of their own: pictures beside them need no choice, nor need the layer be
+    /// there.
+    pub is_apart: bool,
     /// The layer (Blender's view layer) that all channels belong to.
     pub layer: Option<String>,
     /// Full name of the depth channel.
@@ -42,6 +45,8 @@ pub struct ChannelNames {
     pub normal: Option<[usize; 3]>,
     /// World-space position, x, y, z.
     pub position: Option<[usize; 3]>,
+    /// x, y, z of a file of one vector, which need not be called by what it is.
+    pub only_vector: Option<[usize; 3]>,
 }
 
 impl ChannelNames {
@@ -55,8 +60,11 @@ impl ChannelNames {
         place: &'a str,
     ) -> Result<Self> {
         let finder = Finder::new(full, place);
-        let layer = wishes.layer.as_deref();
-        let color_layer = finder.color_layer(layer)?;
+        let layer = wishes.layer.as_deref().filter(|layer| !wishes.is_apart || finder.has_layer(layer));
+        let color_layer = match finder.color_layer(layer) {
+            Err(_) if wishes.is_apart => None,
+            found => found?,
+        };
         let root = finder.root(layer, color_layer);
         let color = color_layer.and_then(|layer| finder.triple(layer, RGB));
         let alpha = color_layer.and_then(|layer| finder.channel(layer, "A"));
@@ -81,7 +89,13 @@ impl ChannelNames {
             depth_is_ray_distance: depth.is_some_and(|depth| finder.names[depth].suffix == "T"),
             normal,
             position,
+            only_vector: finder.only_vector(color),
         })
+    }
+
+    /// What to do about a file in which no picture was found.
+    pub fn advice_on_color<'a>(full: impl IntoIterator<Item = &'a str>, wishes: &ChannelWishes) -> String {
+        Finder::new(full, "").advice_on_color(wishes.layer.as_deref())
     }
 }
 
@@ -239,6 +253,38 @@ mod tests {
         assert_eq!(with([views, Vec::new()], "left").depth, None, "the other eye's is not this one's");
         let three = [of("Composite", &picture), two().concat()];
         assert_eq!(with(three, "Composite").depth, None, "which of two is meant is not known");
+    }
+
+    #[test]
+    fn a_file_of_depth_needs_no_choice_among_its_pictures_but_one_among_depths() {
+        let triple = |layer: &str| ["R", "G", "B"].map(|suffix| format!("{layer}.{suffix}")).to_vec();
+        let with = |more: &[&str], layer: Option<&str>| {
+            let more = more.iter().map(|&name| name.to_owned()).collect();
+            let names = [triple("albedo"), triple("emission"), more].concat();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let layer = layer.map(ToOwned::to_owned);
+            wish(&names, &ChannelWishes { is_apart: true, layer, ..ChannelWishes::default() }).unwrap()
+        };
+        assert_eq!(with(&["Z"], None).depth, Some(6));
+        assert_eq!(with(&["Z"], Some("albedo")).depth, Some(6));
+        assert_eq!(with(&["Z"], Some("elsewhere")).depth, Some(6));
+        assert_eq!(with(&["N.X", "N.Y", "N.Z"], None).normal, Some([6, 7, 8]));
+        let two = ["Front.Depth.Z", "Back.Depth.Z", "Front.Normal.X", "Front.Normal.Y", "Front.Normal.Z"];
+        assert_eq!(with(&two, None).depth, None, "which of two is meant is not known");
+        assert_eq!(with(&two, Some("Back")).depth, Some(7));
+        assert_eq!(with(&two, None).normal, Some([8, 9, 10]));
+    }
+
+    #[test]
+    fn channels_without_a_layer_can_be_wished_for() {
+        let of = |channel: &str, names: &[&str]| {
+            let wishes = ChannelWishes { position_channel: Some(channel.into()), ..ChannelWishes::default() };
+            wish(names, &wishes).map(|found| found.position)
+        };
+        assert_eq!(of("R", &["B", "G", "R"]).unwrap(), Some([2, 1, 0]));
+        assert_eq!(of("X", &["X", "Y", "Z"]).unwrap(), Some([0, 1, 2]));
+        assert_eq!(of("R", &["X", "Y", "Z", "R", "G", "B"]).unwrap(), Some([3, 4, 5]));
+        assert!(of("W", &["X", "Y", "Z"]).is_err());
     }
 
     #[test]

@@ -12,8 +12,8 @@ use glam::{DVec2, DVec3};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH, Intrinsics};
 use crate::simd::{self, Work};
 
-/// Depth at or beyond this was not hit: Blender writes 1e10, others `f32::MAX` or infinity.
-const MISS_DEPTH: f32 = 1e9;
+/// Depth at or beyond this was not hit where it is written in floats: Blender writes 1e10, others `f32::MAX` or infinity.
+pub const MISS_DEPTH: f32 = 1e9;
 /// The largest half float, to which half-float depth saturates, and light that is written as half floats.
 pub const HALF_MAX: f32 = 65_504.0;
 /// Slack of comparisons with given limits, which passed through `f32` once or twice.
@@ -60,8 +60,9 @@ pub struct DepthRules {
     pub far_clip: Option<f64>,
     /// World units per unit of the file.
     pub unit_scale: f64,
-    /// The largest value that the file's numbers can have, which stands for all that lies farther: 65504 for half floats.
-    pub saturates_at: f32,
+    /// Values from here on were not hit: [`MISS_DEPTH`] in floats, and the largest number of narrower ones and of whole numbers,
+    /// which stands for all that lies farther.
+    pub misses_from: f32,
     /// Whether 0 means "not measured" (depth sensors) rather than "nothing hit" (renderers).
     pub zero_is_unknown: bool,
 }
@@ -74,7 +75,7 @@ impl Default for DepthRules {
             near_clip: 0.0,
             far_clip: None,
             unit_scale: 1.0,
-            saturates_at: f32::INFINITY,
+            misses_from: MISS_DEPTH,
             zero_is_unknown: false,
         }
     }
@@ -94,12 +95,24 @@ impl DepthRules {
             DepthKind::RayDistanceFromNearClip => scaled / ray_length + self.near_clip,
         };
         // No branches but on what is the same for a whole plane: sixteen pixels are worked on at once.
-        let is_miss = self.is_given_miss(raw) | (value >= MISS_DEPTH) | (value >= self.saturates_at);
+        let is_miss = self.is_given_miss(raw) | (value >= self.misses_from);
         let at_zero = if self.zero_is_unknown { INVALID_INVERSE_DEPTH } else { 0.0 };
         let inverse = self.inverse_of_planar(depth_z);
         let inverse = if value > 0.0 { inverse } else { INVALID_INVERSE_DEPTH };
         let inverse = if value == 0.0 { at_zero } else { inverse };
         if is_miss { 0.0 } else { inverse }
+    }
+
+    /// Whether raw values measure backwards: some are negative, and no other is a distance.
+    #[must_use]
+    pub fn are_negative(&self, values: &[f32]) -> bool {
+        let counts = |value: &&f32| **value < self.misses_from && !self.is_given_miss(f64::from(**value));
+        let (mut are_some_negative, mut are_some_distances) = (false, false);
+        for value in values.iter().filter(counts) {
+            are_some_negative |= *value < 0.0;
+            are_some_distances |= *value > 0.0;
+        }
+        are_some_negative && !are_some_distances
     }
 
     #[inline(always)]
@@ -140,7 +153,7 @@ impl DepthRules {
             .zip(zs)
             .map(|((&x, &y), &z)| {
                 let largest = x.abs().max(y.abs()).max(z.abs());
-                let is_miss = largest == 0.0 || largest >= MISS_DEPTH.min(self.saturates_at);
+                let is_miss = largest == 0.0 || largest >= self.misses_from;
                 if x.is_nan() || y.is_nan() || z.is_nan() {
                     INVALID_INVERSE_DEPTH
                 } else if is_miss || [x, y, z].iter().all(|value| self.is_given_miss(f64::from(*value))) {
@@ -277,12 +290,23 @@ mod tests {
     #[test]
     fn saturated_half_floats_and_unmeasured_zeros_are_told_from_distances() {
         let float = DepthRules::default();
-        let half = DepthRules { saturates_at: HALF_MAX, ..float };
+        let half = DepthRules { misses_from: HALF_MAX, ..float };
         let sensor = DepthRules { zero_is_unknown: true, unit_scale: 1e-3, ..float };
         assert_eq!(half.inverse_depth(65_504.0, 1.0), 0.0);
         assert!(float.inverse_depth(65_504.0, 1.0) > 0.0);
         assert_eq!(sensor.inverse_depth(0.0, 1.0), INVALID_INVERSE_DEPTH);
         assert_eq!(sensor.inverse_depth(2000.0, 1.0), 0.5);
+    }
+
+    #[test]
+    fn negative_depth_is_known_whatever_stands_for_nothing_hit() {
+        let rules = DepthRules { miss_value: Some(-1.0), ..DepthRules::default() };
+        for backwards in [[-3.0, 0.0], [-3.0, 1e10], [-3.0, f32::NAN], [-3.0, -1.0], [-3.0, f32::INFINITY]] {
+            assert!(rules.are_negative(&backwards), "{backwards:?}");
+        }
+        for other in [[-3.0, 2.0], [-1.0, -1.0], [0.0, 1e10], [f32::NAN, 2.0]] {
+            assert!(!rules.are_negative(&other), "{other:?}");
+        }
     }
 
     #[test]

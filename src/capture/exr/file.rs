@@ -4,13 +4,15 @@
 //! inflated nor stored, and so that sizes are checked before anything is allocated for them.
 
 use std::collections::{HashMap, HashSet};
-use std::io::Cursor;
+use std::fs::File;
+use std::io::{BufReader, Cursor};
 use std::path::Path;
 
 use exr::block::UncompressedBlock;
 use exr::block::reader::ChunksReader;
 use exr::compression::Compression;
-use exr::meta::attribute::{Chromaticities, SampleType};
+use exr::meta::MetaData;
+use exr::meta::attribute::{Chromaticities, SampleType, Text};
 use exr::meta::header::Header;
 
 use super::guard::{self, guarded};
@@ -25,6 +27,8 @@ const MAX_PIXELS_PER_BYTE: usize = 1100;
 const DWA_BLOCK_PIXELS: usize = 64;
 /// How far the chromaticities of a file may lie from those of Rec.709 and be them.
 const CHROMATICITY_SLACK: f32 = 1e-3;
+/// Pixels beyond these are no lens's.
+const BELIEVABLE_PIXEL_ASPECTS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 /// Largest file that is read: one frame of the largest believable size with a dozen float channels stays below it.
 const MAX_FILE_BYTES: u64 = 4 << 30;
 
@@ -97,15 +101,16 @@ impl ExrFile {
         let mut in_full = Vec::new();
         for (part, header) in headers.iter().enumerate() {
             data.push(data_window(header, place)?);
-            let part_name = header.own_attributes.layer_name.as_ref().map(ToString::to_string);
+            let part_name = header.own_attributes.layer_name.as_ref().map(readable);
             let prefix = part_name.filter(|part| headers.len() > 1 && !part.is_empty());
             in_full.extend(header.channels.list.iter().map(|channel| {
-                prefix
-                    .as_ref()
-                    .map_or_else(|| channel.name.to_string(), |part| format!("{part}.{}", channel.name))
+                prefix.as_ref().map_or_else(
+                    || readable(&channel.name),
+                    |part| format!("{part}.{}", readable(&channel.name)),
+                )
             }));
             channels.extend(header.channels.list.iter().enumerate().map(|(index, channel)| ChannelInfo {
-                name: full_name(prefix.as_deref(), &channel.name.to_string()),
+                name: full_name(prefix.as_deref(), &readable(&channel.name)),
                 is_half: channel.sample_type == SampleType::F16,
                 is_whole: channel.sample_type == SampleType::U32,
                 step_relative: step_relative(channel.sample_type, header.compression),
@@ -138,6 +143,15 @@ impl ExrFile {
             pixels_per_byte,
             has_other_primaries,
         })
+    }
+
+    /// How many times as wide as high the pixels of a picture are; `None` where the header cannot be read or says what cannot be.
+    #[must_use]
+    pub fn pixel_aspect(path: &Path) -> Option<f64> {
+        let file = BufReader::new(File::open(path).ok()?);
+        let meta = guarded("", || MetaData::read_from_buffered(file, false)).ok()?;
+        let aspect = f64::from(meta.headers.first()?.shared_attributes.pixel_aspect);
+        BELIEVABLE_PIXEL_ASPECTS.contains(&aspect).then_some(aspect)
     }
 
     /// The channels, part by part.
@@ -293,6 +307,11 @@ fn tell_apart(channels: &mut [ChannelInfo], in_full: &[String]) {
             channel.name.clone_from(in_full);
         }
     }
+}
+
+/// A name as UTF-8, or as Latin-1 where it is none: the format leaves it to the writer, and nearly all write UTF-8.
+fn readable(name: &Text) -> String {
+    std::str::from_utf8(name.as_slice()).map_or_else(|_| name.to_string(), ToOwned::to_owned)
 }
 
 /// Half a unit in the last of the 11 binary digits of a half float, or of the 16 that PXR24 leaves of a float.

@@ -62,7 +62,9 @@ pub(super) fn guarded<T>(place: &str, decode: impl FnOnce() -> exr::error::Resul
     match outcome {
         Ok(Ok(value)) => Ok(value),
         Ok(Err(exr::error::Error::NotSupported(what))) => {
-            Err(Error::unsupported(place, format!("{}; save it again with ZIP compression", one_line(&what))))
+            let what = one_line(&what);
+            let advice = if what.contains("deep") { "flattened" } else { "with ZIP compression" };
+            Err(Error::unsupported(place, format!("{what}; save it again {advice}")))
         }
         Ok(Err(error)) => Err(damaged(place, &error.to_string())),
         Err(_) => Err(damaged(place, "the decoder gave up")),

@@ -22,6 +22,6 @@ mod zip;
 pub use assemble::{DepthTrouble, Layers, NormalSpace};
 pub use channels::{ChannelNames, ChannelWishes};
 pub use color_planes::ColorPlanes;
-pub use depth::{DepthKind, DepthRules, HALF_MAX};
-pub use file::{ExrFile, Window};
+pub use depth::{DepthKind, DepthRules, HALF_MAX, MISS_DEPTH};
+pub use file::{ChannelInfo, ExrFile, Window};
 pub use plane::Plane;

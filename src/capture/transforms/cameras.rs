@@ -1,12 +1,13 @@
 //! Who recorded which frame: entries of the manifest grouped by camera and time.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DAffine3;
 
 use super::files::{PictureFiles, picture_path};
 use super::manifest::{Entry, Keys, Manifest};
+use super::numbers;
 use super::pose;
 use super::probe;
 use crate::capture::{Camera, Intrinsics};
@@ -45,7 +46,8 @@ pub(super) struct PlacedEntry {
 impl PlacedEntry {
     /// The camera of this entry alone, reading the picture's header where the manifest lacks its size.
     pub(super) fn camera(&self) -> Result<Camera> {
-        self.camera_of_size(|| probe::picture_size(&self.files.color, &self.place))
+        let picture = &self.files.color;
+        self.camera_of_size(|| probe::picture_size(picture, &self.place), || probe::pixel_aspect(picture))
     }
 
     /// What the manifest says of it: the entry's own keys before those of the whole.
@@ -53,10 +55,14 @@ impl PlacedEntry {
         &self.keys
     }
 
-    fn camera_of_size(&self, size: impl FnOnce() -> Result<(usize, usize)>) -> Result<Camera> {
+    fn camera_of_size(
+        &self,
+        size: impl FnOnce() -> Result<(usize, usize)>,
+        pixel_aspect: impl FnOnce() -> f64,
+    ) -> Result<Camera> {
         Ok(Camera {
             name: self.camera_name.clone(),
-            intrinsics: pose::intrinsics(&self.keys, size, &self.place)?,
+            intrinsics: pose::intrinsics(&self.keys, size, pixel_aspect, &self.place)?,
             world_from_camera: self.world_from_camera,
         })
     }
@@ -79,7 +85,7 @@ pub(super) fn entries(manifest: &Manifest, path: &Path) -> Result<Vec<PlacedEntr
         })
         .collect::<Result<_>>()?;
     let names = camera_names(&keys, &poses, path)?;
-    let numbers = frame_numbers(&keys, &names, path)?;
+    let numbers = numbers::frame_numbers(&keys, &manifest.frames, &names, path)?;
     let mut placed = Vec::with_capacity(keys.len());
     for (index, (keys, entry)) in keys.into_iter().zip(&manifest.frames).enumerate() {
         let (camera_name, number) = (names[index].clone(), numbers[index]);
@@ -98,17 +104,13 @@ pub(super) fn entries(manifest: &Manifest, path: &Path) -> Result<Vec<PlacedEntr
 }
 
 fn picture_files(folder: &Path, entry: &Entry, keys: &Keys, manifest: &Path) -> Result<PictureFiles> {
-    let resolve = |file_path: &String| picture_path(folder, file_path);
-    let color = resolve(&entry.file_path);
-    let apart = |file_path: &Option<String>| file_path.as_ref().map(resolve).filter(|path| *path != color);
+    let resolve = |file_path: &Option<String>| file_path.as_ref().map(|name| picture_path(folder, name, &[]));
+    let [depth, normal] = [resolve(&entry.depth_file_path), resolve(&entry.normal_file_path)];
+    let others: Vec<&Path> = [&depth, &normal].into_iter().flatten().map(PathBuf::as_path).collect();
+    let color = picture_path(folder, &entry.file_path, &others);
+    let apart = |path: Option<PathBuf>| path.filter(|path| *path != color);
     let place = format!("{} ({})", manifest.display(), entry.file_path);
-    PictureFiles::new(
-        color.clone(),
-        apart(&entry.depth_file_path),
-        apart(&entry.normal_file_path),
-        keys,
-        &place,
-    )
+    PictureFiles::new(color.clone(), apart(depth), apart(normal), keys, &place)
 }
 
 /// The name of every entry's camera: the manifest's, or one for each distinct pose in order of appearance.
@@ -134,64 +136,6 @@ fn camera_names(keys: &[Keys], poses: &[DAffine3], path: &Path) -> Result<Vec<St
     Ok(names.collect())
 }
 
-/// The number of every entry's frame: its `time` where these are whole, their rank where they are fractions (as
-/// nerfstudio's 0 to 1), and the order of appearance within the camera where there are none.
-fn frame_numbers(keys: &[Keys], names: &[String], path: &Path) -> Result<Vec<i64>> {
-    let times: Vec<f64> = keys.iter().filter_map(|keys| keys.time).collect();
-    if times.is_empty() {
-        let mut seen: BTreeMap<&str, i64> = BTreeMap::new();
-        return Ok(names
-            .iter()
-            .map(|name| {
-                let next = seen.entry(name).or_insert(0);
-                *next += 1;
-                *next - 1
-            })
-            .collect());
-    }
-    if times.len() < keys.len() {
-        return Err(Error::invalid(
-            path.display(),
-            "some entries have a \"time\" and some do not; give it in all of them",
-        ));
-    }
-    if times.iter().copied().all(is_number) {
-        return Ok(times.iter().map(|time| *time as i64).collect());
-    }
-    let mut distinct = times.clone();
-    distinct.sort_by(f64::total_cmp);
-    distinct.dedup();
-    Ok(times.iter().map(|time| distinct.partition_point(|other| other < time) as i64).collect())
-}
-
-/// Whether a time is the number of a frame.
-fn is_number(time: f64) -> bool {
-    time.fract() == 0.0 && time.abs() < 1e15
-}
-
-/// Refuses views whose times are fractions; where those of their capture are, so that a time of 1 may mean frame 1 or the last one,
-/// all that give a time and no number of a frame.
-///
-/// # Errors
-/// `Invalid` naming the first of them.
-pub(super) fn refuse_times(manifest: &Manifest, path: &Path, is_ranked: bool) -> Result<()> {
-    for (index, entry) in manifest.frames.iter().enumerate() {
-        let (own, file) = (&entry.keys, &manifest.keys);
-        let given = [(own.time, false), (own.frame, true), (file.time, false), (file.frame, true)];
-        let given = given.into_iter().find_map(|(time, is_frame)| Some((time?, is_frame)));
-        let Some((time, is_frame)) = given else { continue };
-        if !is_number(time) || (is_ranked && !is_frame) {
-            return Err(Error::invalid(
-                format!("{}, frames[{index}] ({})", path.display(), entry.file_path),
-                format!(
-                    "time {time} names no frame, for where times are fractions, frames are numbered by their order; write that number as \"frame\" in place of the time"
-                ),
-            ));
-        }
-    }
-    Ok(())
-}
-
 /// All pictures of all cameras, every camera with the same frames.
 pub(super) struct Recording {
     /// In order of appearance.
@@ -213,8 +157,7 @@ impl Recording {
     /// `Invalid` for a camera without one of the frames, or with one twice; `Unsupported` for one that moves.
     pub(super) fn group(manifest: &Manifest, path: &Path) -> Result<Self> {
         let mut warnings = Vec::new();
-        let times = manifest.frames.iter().filter_map(|entry| entry.keys.time.or(entry.keys.frame));
-        let is_ranked = !times.into_iter().all(is_number);
+        let is_ranked = numbers::are_ranked(manifest);
         if is_ranked {
             warnings.push(format!(
                 "{}: times are fractions; frames are numbered by their order instead, and views name these numbers as \"frame\"",
@@ -223,7 +166,16 @@ impl Recording {
         }
         let mut order: Vec<String> = Vec::new();
         let mut by_camera: BTreeMap<String, BTreeMap<i64, PlacedEntry>> = BTreeMap::new();
-        for entry in entries(manifest, path)? {
+        let entries = entries(manifest, path)?;
+        if entries.iter().all(|entry| entry.keys.frame.or(entry.keys.time).is_none()) {
+            let names: Vec<String> = entries.iter().map(|entry| entry.camera_name.clone()).collect();
+            numbers::refuse_gaps(&manifest.frames, &names, path)?;
+        }
+        let times =
+            entries.iter().filter(|_| is_ranked).filter_map(|entry| Some((entry.number, entry.keys.time?)));
+        let times = times.collect();
+        let are_unnamed = entries.iter().all(|entry| entry.keys.camera.is_none());
+        for entry in entries {
             if !by_camera.contains_key(&entry.camera_name) {
                 order.push(entry.camera_name.clone());
             }
@@ -241,28 +193,28 @@ impl Recording {
         frame_numbers.dedup();
         let mut recording =
             Self { cameras: Vec::new(), frame_numbers, is_ranked, entries: Vec::new(), warnings };
-        for name in order {
-            if let Some(frames) = by_camera.remove(&name) {
-                recording.add_camera(&name, frames, path)?;
+        for name in &order {
+            if let Some(frames) = by_camera.remove(name) {
+                if let Some(missing) =
+                    recording.frame_numbers.iter().find(|number| !frames.contains_key(number))
+                {
+                    let poses = are_unnamed.then_some(order.len());
+                    return Err(no_such_frame(name, *missing, &times, poses, path));
+                }
+                recording.add_camera(name, frames)?;
             }
         }
         Ok(recording)
     }
 
-    fn add_camera(&mut self, name: &str, frames: BTreeMap<i64, PlacedEntry>, path: &Path) -> Result<()> {
-        if let Some(missing) = self.frame_numbers.iter().find(|number| !frames.contains_key(number)) {
-            return Err(Error::invalid(
-                path.display(),
-                format!("camera '{name}' has no frame {missing}; every camera needs the same frames"),
-            ));
-        }
+    fn add_camera(&mut self, name: &str, frames: BTreeMap<i64, PlacedEntry>) -> Result<()> {
         let frames: Vec<PlacedEntry> = frames.into_values().collect();
         let Some(first) = frames.first() else { return Ok(()) };
         let camera = first.camera()?;
         let size = camera.intrinsics.size();
         let mut moved: f64 = 0.0;
         for entry in &frames[1..] {
-            let other = entry.camera_of_size(|| Ok(size))?;
+            let other = entry.camera_of_size(|| Ok(size), || camera.intrinsics.fy / camera.intrinsics.fx)?;
             refuse_motion(&camera, &other, first.number, &entry.place)?;
             moved = moved.max(camera.position_in_world().distance(other.position_in_world()));
         }
@@ -284,6 +236,29 @@ impl Recording {
     pub(super) fn check_files_exist(&self) -> Result<()> {
         self.entries.iter().flatten().try_for_each(|entry| entry.files.check_exist(&entry.place))
     }
+}
+
+/// What to say of a camera without one of the frames. `times` are those that frames were ranked by, and `poses` how many cameras
+/// were made of poses because entries name none.
+fn no_such_frame(
+    name: &str,
+    number: i64,
+    times: &BTreeMap<i64, f64>,
+    poses: Option<usize>,
+    path: &Path,
+) -> Error {
+    let what = match (times.get(&number), poses) {
+        (Some(time), _) => format!(
+            "camera '{name}' has no frame of time {time}; every camera needs the same times to the last digit, or a \"frame\" in every entry"
+        ),
+        (None, Some(poses)) => format!(
+            "camera '{name}' has no frame {number}; every camera needs the same frames, and as no entry names its \"camera\", each of {poses} poses became one: name them (a camera that moves is not supported)"
+        ),
+        (None, None) => {
+            format!("camera '{name}' has no frame {number}; every camera needs the same frames")
+        }
+    };
+    Error::invalid(path.display(), what)
 }
 
 fn refuse_motion(first: &Camera, other: &Camera, first_number: i64, place: &str) -> Result<()> {

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::manifest::{Keys, Manifest, NormalSpaceName};
 use super::manifest_path;
-use crate::capture::exr::{ChannelWishes, DepthKind, DepthRules, HALF_MAX, NormalSpace};
+use crate::capture::exr::{
+    ChannelInfo, ChannelWishes, DepthKind, DepthRules, HALF_MAX, MISS_DEPTH, NormalSpace,
+};
 use crate::error::{Error, Result};
 
 /// nerfstudio's unit of depth in PNG files: millimeters.
@@ -88,6 +90,7 @@ impl PictureFiles {
             depth,
             normal,
             wishes: ChannelWishes {
+                is_apart: false,
                 layer: keys.layer.clone(),
                 depth_channel: keys.depth_channel.clone().filter(|_| !holds_positions),
                 position_channel: keys.depth_channel.clone().filter(|_| holds_positions),
@@ -130,6 +133,11 @@ impl PictureFiles {
         Ok(())
     }
 
+    /// Whether the manifest leaves open which channel depth is, what it measures and in which unit.
+    pub(super) fn leaves_depth_open(&self) -> bool {
+        self.depth_kind.is_none() && self.unit_scale.is_none() && !self.names_depth_channel()
+    }
+
     /// Whether the manifest says which channel depth is.
     pub(super) fn names_depth_channel(&self) -> bool {
         self.wishes.depth_channel.is_some()
@@ -138,6 +146,7 @@ impl PictureFiles {
     /// What to look for in the color file: channels that lie in files of their own are not there.
     pub(super) fn wishes_of_color_file(&self) -> ChannelWishes {
         ChannelWishes {
+            is_apart: false,
             layer: self.wishes.layer.clone(),
             depth_channel: self.wishes.depth_channel.clone().filter(|_| self.depth.is_none()),
             position_channel: self.wishes.position_channel.clone().filter(|_| self.depth.is_none()),
@@ -147,12 +156,12 @@ impl PictureFiles {
 
     /// What to look for in a depth file, which need not have the picture's layers.
     pub(super) fn wishes_of_depth_file(&self) -> ChannelWishes {
-        ChannelWishes { layer: None, normal_channel: None, ..self.wishes.clone() }
+        ChannelWishes { is_apart: true, normal_channel: None, ..self.wishes.clone() }
     }
 
     /// What to look for in a normal file.
     pub(super) fn wishes_of_normal_file(&self) -> ChannelWishes {
-        ChannelWishes { depth_channel: None, position_channel: None, ..self.wishes.clone() }
+        ChannelWishes { is_apart: true, depth_channel: None, position_channel: None, ..self.wishes.clone() }
     }
 
     /// The rules for a depth PNG.
@@ -171,15 +180,21 @@ impl PictureFiles {
             kind,
             unit_scale: self.unit_scale.unwrap_or(PNG_UNIT_SCALE),
             zero_is_unknown: true,
-            saturates_at: f32::from(u16::MAX),
+            misses_from: f32::from(u16::MAX),
             ..self.rules
         })
     }
 
     /// The rules for a depth channel of an EXR file.
-    pub(super) fn depth_rules(&self, kind: DepthKind, is_half: bool) -> DepthRules {
-        let saturates_at = if is_half { HALF_MAX } else { f32::INFINITY };
-        DepthRules { kind, saturates_at, unit_scale: self.unit_scale.unwrap_or(1.0), ..self.rules }
+    pub(super) fn depth_rules(&self, kind: DepthKind, channel: &ChannelInfo) -> DepthRules {
+        let misses_from = if channel.is_half {
+            HALF_MAX
+        } else if channel.is_whole {
+            u32::MAX as f32
+        } else {
+            MISS_DEPTH
+        };
+        DepthRules { kind, misses_from, unit_scale: self.unit_scale.unwrap_or(1.0), ..self.rules }
     }
 }
 
@@ -187,26 +202,37 @@ fn is_linear(color_space: &str) -> bool {
     !color_space.to_ascii_lowercase().contains("srgb") || color_space.to_ascii_lowercase().contains("linear")
 }
 
-/// The path of a picture that a manifest names; manifests from Windows may have `\\` where others have `/`.
-pub(super) fn picture_path(folder: &Path, name: &str) -> PathBuf {
-    let path = with_extension(folder.join(name));
+/// The path of a picture that a manifest names; manifests from Windows may have `\\` where others have `/`. Of several that a name
+/// without extension may mean, those that are known to be `others` come last.
+pub(super) fn picture_path(folder: &Path, name: &str, others: &[&Path]) -> PathBuf {
+    let path = with_extension(folder.join(name), others);
     if path.is_file() || !name.contains('\\') {
         return path;
     }
-    let elsewhere = with_extension(folder.join(name.replace('\\', "/")));
+    let elsewhere = with_extension(folder.join(name.replace('\\', "/")), others);
     if elsewhere.is_file() { elsewhere } else { path }
 }
 
 /// The first data sets of radiance fields name pictures without extension; what stands behind a dot may be a number.
-fn with_extension(path: PathBuf) -> PathBuf {
+fn with_extension(path: PathBuf, others: &[&Path]) -> PathBuf {
     if path.is_file() {
         return path;
     }
-    extended(&path).into_iter().find(|it| it.is_file()).unwrap_or(path)
+    let files: Vec<PathBuf> = extended(&path).into_iter().filter(|it| it.is_file()).collect();
+    let own = files.iter().find(|it| !others.contains(&it.as_path())).or(files.first());
+    own.cloned().unwrap_or(path)
 }
 
 /// Pictures that are named without extension may have one of these.
-const PICTURE_EXTENSIONS: [&str; 2] = ["exr", "png"];
+const PICTURE_EXTENSIONS: [&str; 4] = ["exr", "png", "EXR", "PNG"];
+
+/// The last part of a picture's name without the extension of a picture.
+pub(super) fn without_extension(name: &str) -> &str {
+    let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    let known =
+        |extension: &str| PICTURE_EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known));
+    name.rsplit_once('.').filter(|(_, extension)| known(extension)).map_or(name, |(stem, _)| stem)
+}
 
 /// Where a picture may lie that is named without its extension; nowhere else where it is named with it.
 fn extended(path: &Path) -> Vec<PathBuf> {

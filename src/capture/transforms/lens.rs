@@ -31,6 +31,22 @@ pub struct LensKeys {
     pub distortion_params: Option<Value>,
     /// instant-ngp's word for a fisheye.
     pub is_fisheye: Option<Value>,
+    /// instant-ngp's word for a panorama.
+    pub latlong: Option<Value>,
+    /// instant-ngp's other word for a panorama.
+    pub equirectangular: Option<Value>,
+    /// instant-ngp's word for a camera without perspective.
+    pub orthographic: Option<Value>,
+    /// Coefficient of instant-ngp's f-theta lens.
+    pub ftheta_p0: Option<Value>,
+    /// Coefficient of instant-ngp's f-theta lens.
+    pub ftheta_p1: Option<Value>,
+    /// Coefficient of instant-ngp's f-theta lens.
+    pub ftheta_p2: Option<Value>,
+    /// Coefficient of instant-ngp's f-theta lens.
+    pub ftheta_p3: Option<Value>,
+    /// Coefficient of instant-ngp's f-theta lens.
+    pub ftheta_p4: Option<Value>,
     /// Blender's word for perspective, orthographic and panoramic cameras.
     pub camera_type: Option<Value>,
 }
@@ -55,6 +71,14 @@ impl LensKeys {
             p4: self.p4.or(file.p4),
             distortion_params: self.distortion_params.or(file.distortion_params),
             is_fisheye: self.is_fisheye.or(file.is_fisheye),
+            latlong: self.latlong.or(file.latlong),
+            equirectangular: self.equirectangular.or(file.equirectangular),
+            orthographic: self.orthographic.or(file.orthographic),
+            ftheta_p0: self.ftheta_p0.or(file.ftheta_p0),
+            ftheta_p1: self.ftheta_p1.or(file.ftheta_p1),
+            ftheta_p2: self.ftheta_p2.or(file.ftheta_p2),
+            ftheta_p3: self.ftheta_p3.or(file.ftheta_p3),
+            ftheta_p4: self.ftheta_p4.or(file.ftheta_p4),
             camera_type: self.camera_type.or(file.camera_type),
         }
     }
@@ -69,18 +93,33 @@ impl LensKeys {
         let camera_type = self.camera_type.as_ref().and_then(Value::as_str).unwrap_or_default();
         let camera_type = camera_type.to_ascii_lowercase();
         let is_other_type = NO_PINHOLES.iter().any(|other| camera_type.contains(other));
-        let is_other = says_so(&self.distortion_params) || says_so(&self.is_fisheye) || is_other_type;
-        !is_bent && !is_other
+        let others = [
+            &self.distortion_params,
+            &self.is_fisheye,
+            &self.latlong,
+            &self.equirectangular,
+            &self.orthographic,
+            &self.ftheta_p0,
+            &self.ftheta_p1,
+            &self.ftheta_p2,
+            &self.ftheta_p3,
+            &self.ftheta_p4,
+        ];
+        !is_bent && !is_other_type && !others.into_iter().any(says_so)
     }
 }
 
-/// Whether there is a number other than 0, or a true, somewhere in a value.
+/// Texts that say no.
+const NOS: [&str; 6] = ["", "0", "no", "off", "none", "false"];
+
+/// Whether there is a number other than 0, a true, or a text that does not say no, somewhere in a value.
 fn is_anything(value: &Value) -> bool {
     match value {
         Value::Bool(is_so) => *is_so,
         Value::Number(number) => number.as_f64() != Some(0.0),
         Value::Array(values) => values.iter().any(is_anything),
         Value::Object(values) => values.values().any(is_anything),
-        Value::Null | Value::String(_) => false,
+        Value::String(text) => !NOS.iter().any(|no| text.trim().eq_ignore_ascii_case(no)),
+        Value::Null => false,
     }
 }

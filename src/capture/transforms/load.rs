@@ -38,6 +38,7 @@ pub(super) struct Picture<'a> {
     pub(super) names: ChannelNames,
     window: Window,
     files: &'a PictureFiles,
+    wishes: ChannelWishes,
     place: &'a str,
 }
 
@@ -45,15 +46,15 @@ impl<'a> Picture<'a> {
     pub(super) fn open(
         path: &Path,
         files: &'a PictureFiles,
-        wishes: &ChannelWishes,
+        wishes: ChannelWishes,
         camera: &Camera,
         place: &'a str,
     ) -> Result<Self> {
         let file = ExrFile::open(path, place)?;
         let names =
-            ChannelNames::find(file.channels().iter().map(|channel| channel.name.as_str()), wishes, place)?;
+            ChannelNames::find(file.channels().iter().map(|channel| channel.name.as_str()), &wishes, place)?;
         let window = file.window(Some(camera.intrinsics.size()))?;
-        Ok(Self { file, names, window, files, place })
+        Ok(Self { file, names, window, files, wishes, place })
     }
 
     fn missing(&self, what: &str, key: &str) -> Error {
@@ -63,7 +64,10 @@ impl<'a> Picture<'a> {
     }
 
     pub(super) fn color(&self) -> Result<[usize; 3]> {
-        self.names.color.ok_or_else(|| self.missing("color", "name its layer as \"layer\" in the manifest"))
+        self.names.color.ok_or_else(|| {
+            let names = self.file.channels().iter().map(|channel| channel.name.as_str());
+            self.missing("color", &ChannelNames::advice_on_color(names, &self.wishes))
+        })
     }
 
     pub(super) fn depth(&self) -> Result<DepthChannels> {
@@ -71,8 +75,14 @@ impl<'a> Picture<'a> {
         const LAYER_KEY: &str = "name the layer of its X, Y and Z as \"depth_channel\" in the manifest";
         let one = |kind| self.names.depth.map(|index| DepthChannels::One(index, kind));
         let position = || self.names.position.map(DepthChannels::Position);
+        // Beside depth, red, green and blue are a picture.
+        let unnamed = || {
+            let is_picture = self.names.only_vector == self.names.color && self.names.depth.is_some();
+            let vector = self.names.only_vector.filter(|_| self.wishes.is_apart && !is_picture);
+            vector.map(DepthChannels::Position)
+        };
         let found = match self.files.depth_kind {
-            Some(DepthKind::WorldPosition) => position(),
+            Some(DepthKind::WorldPosition) => position().or_else(unnamed),
             Some(kind) => one(kind),
             // Positions leave nothing open, a distance where it starts.
             None if self.names.depth_is_ray_distance && !self.files.names_depth_channel() => {
@@ -115,9 +125,9 @@ struct Parts {
     normal: Option<[Vec<f32>; 3]>,
 }
 
-struct DepthPart {
-    inverse_depth: Vec<f32>,
-    step_relative: f32,
+pub(super) struct DepthPart {
+    pub(super) inverse_depth: Vec<f32>,
+    pub(super) step_relative: f32,
     name: String,
     trouble: DepthTrouble,
 }
@@ -171,7 +181,7 @@ fn read_color_file(files: &PictureFiles, camera: &Camera, place: &str, need: Nee
         let (color, alpha) = png::color(&files.color, place, size, files.is_linear.unwrap_or(false))?;
         return Ok(Parts { color: ColorPlanes::Single(color), alpha, depth: None, normal: None });
     }
-    let picture = Picture::open(&files.color, files, &files.wishes_of_color_file(), camera, place)?;
+    let picture = Picture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
     let depth = match (&files.depth, need) {
         (Some(_), _) => None,
         (None, Need::Geometry { .. }) => Some(picture.depth()?),
@@ -201,7 +211,7 @@ fn read_color_file(files: &PictureFiles, camera: &Camera, place: &str, need: Nee
 fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthPart> {
     let place = &place_of_depth(path, place);
     if format_of(path, place)? == Format::Exr {
-        let picture = Picture::open(path, files, &files.wishes_of_depth_file(), camera, place)?;
+        let picture = Picture::open(path, files, files.wishes_of_depth_file(), camera, place)?;
         let channels = picture.depth()?;
         let mut planes = Planes::decode(&picture, &channels.indices())?;
         return planes.take_depth(channels, &picture, camera);
@@ -269,12 +279,12 @@ pub(super) fn open_normal_file<'a>(
     if format_of(path, place)? == Format::Png {
         return Err(Error::unsupported(place, "normals in PNG are too coarse; save them as EXR"));
     }
-    Picture::open(path, files, &files.wishes_of_normal_file(), camera, place)
+    Picture::open(path, files, files.wishes_of_normal_file(), camera, place)
 }
 
 /// The channels of a file of its own, which may hold the normal as its picture.
 pub(super) fn normals_of_own(picture: &Picture) -> Result<[usize; 3]> {
-    picture.normal().or_else(|error| picture.names.color.ok_or(error))
+    picture.normal().or_else(|error| picture.names.only_vector.ok_or(error))
 }
 
 impl DepthChannels {
@@ -285,7 +295,7 @@ impl DepthChannels {
         }
     }
 
-    fn indices(&self) -> Vec<usize> {
+    pub(super) fn indices(&self) -> Vec<usize> {
         match self {
             Self::One(index, _) => vec![*index],
             Self::Position(indices) => indices.to_vec(),
@@ -294,10 +304,10 @@ impl DepthChannels {
 }
 
 /// Decoded planes, taken in the order they were asked for.
-struct Planes(std::vec::IntoIter<Plane>);
+pub(super) struct Planes(std::vec::IntoIter<Plane>);
 
 impl Planes {
-    fn decode(picture: &Picture, wanted: &[usize]) -> Result<Self> {
+    pub(super) fn decode(picture: &Picture, wanted: &[usize]) -> Result<Self> {
         Ok(Self(picture.file.decode(wanted, picture.window)?.into_iter()))
     }
 
@@ -313,7 +323,7 @@ impl Planes {
         [(); 3].map(|()| self.take_single())
     }
 
-    fn take_depth(
+    pub(super) fn take_depth(
         &mut self,
         channels: DepthChannels,
         picture: &Picture,
@@ -322,9 +332,10 @@ impl Planes {
         match channels {
             DepthChannels::One(index, kind) => {
                 let channel = &picture.file.channels()[index];
-                let rules = picture.files.depth_rules(kind, channel.is_half);
+                let rules = picture.files.depth_rules(kind, channel);
                 let values = self.take_single();
-                let trouble = DepthTrouble::of_values(&values);
+                let is_negative = rules.are_negative(&values);
+                let trouble = if is_negative { DepthTrouble::Negative } else { DepthTrouble::Unknown };
                 let inverse_depth = rules.inverse_depth_plane(values, camera);
                 let step_relative = if channel.is_whole {
                     step_of_whole_units(&rules, &inverse_depth)
@@ -337,7 +348,7 @@ impl Planes {
                 let channel = &picture.file.channels()[x];
                 let planes = self.take_three();
                 let xyz = planes.each_ref().map(Vec::as_slice);
-                let rules = picture.files.depth_rules(DepthKind::WorldPosition, channel.is_half);
+                let rules = picture.files.depth_rules(DepthKind::WorldPosition, channel);
                 let inverse_depth = rules.inverse_depth_from_positions(xyz, camera);
                 let apart = rules.distance_from_rays_px(xyz, &inverse_depth, channel.step_relative, camera);
                 if let Some(apart) = apart.filter(|apart| *apart > MAX_DISTANCE_FROM_RAYS_PX) {

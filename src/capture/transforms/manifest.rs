@@ -39,7 +39,7 @@ pub struct Keys {
     /// Name of the camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraName>,
-    /// Number of the frame. Fractions (nerfstudio's 0 to 1) are ranked in a capture, and refused in views.
+    /// Number of the frame, where there is no `frame`. Fractions (nerfstudio's 0 to 1) are ranked in a capture, and refused in views.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
     /// The same by its other name; always a number of a frame, also where the times of a capture are fractions.
@@ -48,7 +48,7 @@ pub struct Keys {
     /// Horizontal focal length, pixels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fl_x: Option<f64>,
-    /// Vertical focal length, pixels; as `fl_x` where missing.
+    /// Vertical focal length, pixels; where missing, as `fl_x` but for pixels that are not square by the picture's header.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fl_y: Option<f64>,
     /// Principal point, pixels from the left edge; the middle where missing.
@@ -96,6 +96,9 @@ pub struct Keys {
     /// World units per unit of the depth files; 0.001 for PNG and 1 for EXR where missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_unit_scale_factor: Option<f64>,
+    /// instant-ngp's word for `depth_unit_scale_factor`.
+    #[serde(skip_serializing)]
+    pub integer_depth_scale: Option<f64>,
     /// Distance of the near plane.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_clip: Option<f64>,
@@ -134,6 +137,10 @@ fn present<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<N
 }
 
 impl Keys {
+    fn unit_of_depth(&self) -> Option<f64> {
+        self.depth_unit_scale_factor.or(self.integer_depth_scale)
+    }
+
     /// These keys, and where they are missing the file's. Focal lengths and angles say one thing in several ways: where these keys
     /// have one of them, none of the file's counts.
     #[must_use]
@@ -143,10 +150,14 @@ impl Keys {
         if own.iter().any(Option::is_some) {
             (file.fl_x, file.fl_y, file.camera_angle_x, file.camera_angle_y) = (None, None, None, None);
         }
+        let unit_of_depth = self.unit_of_depth().or(file.unit_of_depth());
+        let says_which = self.frame.or(self.time).is_some();
+        let (frame, time) = if says_which { (self.frame, self.time) } else { (file.frame, file.time) };
+        let time = time.filter(|_| frame.is_none());
         Self {
             camera: self.camera.or(file.camera),
-            time: self.time.or(self.frame).or(file.time).or(file.frame),
-            frame: None,
+            time,
+            frame,
             fl_x: self.fl_x.or(file.fl_x),
             fl_y: self.fl_y.or(file.fl_y),
             cx: self.cx.or(file.cx),
@@ -163,7 +174,8 @@ impl Keys {
             normal_channel: self.normal_channel.or(file.normal_channel),
             layer: self.layer.or(file.layer),
             depth_miss_value: self.depth_miss_value.or(file.depth_miss_value),
-            depth_unit_scale_factor: self.depth_unit_scale_factor.or(file.depth_unit_scale_factor),
+            depth_unit_scale_factor: unit_of_depth,
+            integer_depth_scale: None,
             near_clip: self.near_clip.or(file.near_clip),
             far_clip: self.far_clip.or(file.far_clip),
             normal_space: self.normal_space.or(file.normal_space),
@@ -183,6 +195,9 @@ pub struct Entry {
     /// The depth, where it is in a file of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth_file_path: Option<String>,
+    /// instant-ngp's word for `depth_file_path`, which it is read as.
+    #[serde(default, skip_serializing)]
+    pub depth_path: Option<String>,
     /// The normals, where they are in a file of their own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal_file_path: Option<String>,
@@ -215,11 +230,8 @@ impl Manifest {
                 "there is no such file; a capture is a folder that holds a transforms.json",
             ));
         }
-        if is_iff(path)? {
-            return Err(Error::invalid(
-                path.display(),
-                "is a store; name the capture that it was made from: a folder, or its transforms.json",
-            ));
+        if let Some(what) = other_file(path)? {
+            return Err(Error::invalid(path.display(), what));
         }
         let length = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
         if length > MAX_BYTES {
@@ -239,7 +251,7 @@ impl Manifest {
     pub fn from_json(bytes: &[u8], place: &str) -> Result<Self> {
         // Editors of Windows put a byte-order mark before UTF-8.
         let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-        let manifest: Self = serde_json::from_slice(bytes).map_err(|error| {
+        let mut manifest: Self = serde_json::from_slice(bytes).map_err(|error| {
             let what = wrong_value(bytes).unwrap_or_else(|| error.to_string());
             let what = what.split_whitespace().collect::<Vec<_>>().join(" ");
             Error::invalid(
@@ -247,6 +259,9 @@ impl Manifest {
                 format!("not a manifest ({what}); see the keys of nerfstudio's transforms.json"),
             )
         })?;
+        for entry in &mut manifest.frames {
+            entry.depth_file_path = entry.depth_file_path.take().or(entry.depth_path.take());
+        }
         if manifest.frames.is_empty() {
             return Err(Error::invalid(
                 place,
@@ -277,11 +292,22 @@ fn wrong_key(object: &Value) -> Option<String> {
     })
 }
 
-/// Whether a file is an IFF file, as stores are.
-fn is_iff(path: &Path) -> Result<bool> {
+/// What to say of a file that is something else by its first bytes: a store, or a picture.
+fn other_file(path: &Path) -> Result<Option<&'static str>> {
     let mut start = [0; 4];
     let mut file = File::open(path).map_err(|error| Error::io(path, error))?;
-    Ok(file.read_exact(&mut start).is_ok() && start == *b"FORM")
+    if file.read_exact(&mut start).is_err() {
+        return Ok(None);
+    }
+    Ok(match &start {
+        b"FORM" => {
+            Some("is a store; name the capture that it was made from: a folder, or its transforms.json")
+        }
+        b"\x76\x2F\x31\x01" | b"\x89PNG" => {
+            Some("is a picture; name the capture that it is of: the folder that holds its transforms.json")
+        }
+        _ => None,
+    })
 }
 
 #[cfg(test)]

@@ -15,8 +15,10 @@ mod files;
 mod lens;
 mod load;
 pub mod manifest;
+mod numbers;
 mod png;
 mod pose;
+mod positions;
 mod probe;
 mod source;
 mod write;
@@ -49,7 +51,8 @@ pub fn picture_name(camera: &Camera, frame_number: i64) -> String {
 
 /// Opens a capture: a `transforms.json`, or a folder that holds one.
 ///
-/// Every file is looked for, and the first one of each camera has its header read; pictures are decoded when asked for.
+/// Every file is looked for, and the first one of each camera has its header read; pictures are decoded when asked for, but for
+/// first ones that hold both depth and positions while nothing says which of them counts.
 ///
 /// # Errors
 /// `Io`, `Invalid`, `Unsupported`: what, where, what to do.
@@ -60,6 +63,7 @@ pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     recording.check_files_exist()?;
     let mut warnings = std::mem::take(&mut recording.warnings);
     let has_normals = source::normals_in_all_cameras(&recording, &mut warnings)?;
+    positions::prefer_to_contradicting_depth(&mut recording, &mut warnings);
     let keys = || recording.entries.iter().flatten().map(PlacedEntry::keys);
     warnings.extend(unknown_color_spaces(keys()));
     warnings.extend(scaled_poses(keys()));
@@ -108,7 +112,7 @@ pub fn open_views(path: &Path) -> Result<Vec<View>> {
 pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<View>> {
     let path = manifest_path(path);
     let manifest = Manifest::read(&path)?;
-    cameras::refuse_times(&manifest, &path, frames_are_ranked)?;
+    numbers::refuse_times(&manifest, &path, frames_are_ranked)?;
     let places = cameras::entries(&manifest, &path)?;
     let mut known = Vec::new();
     places

@@ -71,13 +71,15 @@ fn orthonormal(matrix: DMat3) -> DMat3 {
     (0..3).fold(matrix, |matrix, _| (matrix + matrix.inverse().transpose()) * 0.5)
 }
 
-/// Intrinsics from the manifest's keys; `size` is that of the picture, for manifests that do not give one.
+/// Intrinsics from the manifest's keys; `size` is that of the picture, for manifests that do not give one, and `pixel_aspect` how many
+/// times as wide as high its pixels are, for those that give one focal length for both directions.
 ///
 /// # Errors
 /// `Invalid` for missing, absurd or non-finite numbers, `Unsupported` for a lens that is no pinhole.
 pub(super) fn intrinsics(
     keys: &Keys,
     size: impl FnOnce() -> Result<(usize, usize)>,
+    pixel_aspect: impl FnOnce() -> f64,
     place: &str,
 ) -> Result<Intrinsics> {
     refuse_distortion(keys, place)?;
@@ -85,10 +87,15 @@ pub(super) fn intrinsics(
     let (w, h) = (f64::from(width), f64::from(height));
     let fx = focal_px(keys.fl_x, ("camera_angle_x", keys.camera_angle_x), w, place)?;
     let fy = focal_px(keys.fl_y, ("camera_angle_y", keys.camera_angle_y), h, place)?;
-    let Some(fx) = fx.or(fy) else {
-        return Err(Error::invalid(place, "there is no focal length; give fl_x (pixels) or camera_angle_x"));
+    let (fx, fy) = match (fx, fy) {
+        (Some(fx), Some(fy)) => (fx, fy),
+        (Some(fx), None) => (fx, fx * pixel_aspect()),
+        (None, Some(fy)) => (fy / pixel_aspect(), fy),
+        (None, None) => {
+            let what = "there is no focal length; give fl_x (pixels) or camera_angle_x";
+            return Err(Error::invalid(place, what));
+        }
     };
-    let fy = fy.unwrap_or(fx);
     for (name, focal) in [("fl_x", fx), ("fl_y", fy)] {
         if !(focal > 0.0 && focal < MAX_FOCAL_PX) {
             return Err(Error::invalid(place, format!("{name} is {focal} pixels, which is no focal length")));
@@ -254,7 +261,7 @@ mod tests {
     #[test]
     fn angle_and_pixel_center_stand_in_for_focal_length_and_principal_point() {
         let keys = Keys { camera_angle_x: Some(std::f64::consts::FRAC_PI_2), ..Keys::default() };
-        let found = intrinsics(&keys, || Ok(SIZE), "").unwrap();
+        let found = intrinsics(&keys, || Ok(SIZE), || 1.0, "").unwrap();
         assert!((found.fx - 320.0).abs() < 1e-9 && found.fx == found.fy);
         assert_eq!((found.width, found.height, found.cx, found.cy), (640, 480, 320.0, 240.0));
         let keys = Keys {
@@ -264,7 +271,7 @@ mod tests {
             pixel_center_offset: Some(0.0),
             ..Keys::default()
         };
-        let found = intrinsics(&keys, || Ok(SIZE), "").unwrap();
+        let found = intrinsics(&keys, || Ok(SIZE), || 1.0, "").unwrap();
         assert_eq!((found.fy, found.cx, found.cy), (500.0, 320.0, 240.0));
     }
 
@@ -272,14 +279,14 @@ mod tests {
     fn an_angle_that_cannot_be_in_radians_is_refused_by_its_own_name() {
         for angle in [52.0, 0.0, -1.0, PI, f64::NAN] {
             let keys = Keys { camera_angle_x: Some(angle), ..Keys::default() };
-            let error = intrinsics(&keys, || Ok(SIZE), "test").unwrap_err().to_string();
+            let error = intrinsics(&keys, || Ok(SIZE), || 1.0, "test").unwrap_err().to_string();
             let expected = format!("test: camera_angle_x is {angle}; it is in radians, between 0 and π");
             assert_eq!(error, expected);
             let keys = Keys { camera_angle_y: Some(angle), ..Keys::default() };
-            let error = intrinsics(&keys, || Ok(SIZE), "test").unwrap_err().to_string();
+            let error = intrinsics(&keys, || Ok(SIZE), || 1.0, "test").unwrap_err().to_string();
             assert!(error.contains("camera_angle_y is"), "{error}");
             let unused = Keys { fl_x: Some(500.0), fl_y: Some(500.0), ..keys };
-            assert!(intrinsics(&unused, || Ok(SIZE), "test").is_ok());
+            assert!(intrinsics(&unused, || Ok(SIZE), || 1.0, "test").is_ok());
         }
     }
 
@@ -289,7 +296,7 @@ mod tests {
             let lens = LensKeys { k1: Some(k1), ..LensKeys::default() };
             let camera_model = Some(model.to_owned());
             let keys = Keys { fl_x: Some(500.0), camera_model, lens, ..Keys::default() };
-            intrinsics(&keys, || Ok(SIZE), "")
+            intrinsics(&keys, || Ok(SIZE), || 1.0, "")
         };
         for model in PINHOLE_MODELS {
             assert!(with(model, 0.0).is_ok() && with(model, 0.01).is_err(), "{model}");
@@ -300,7 +307,7 @@ mod tests {
     #[test]
     fn absurd_and_contradictory_numbers_are_refused() {
         let good = Keys { fl_x: Some(500.0), w: Some(64.0), h: Some(48.0), ..Keys::default() };
-        assert!(intrinsics(&good, || Ok(SIZE), "").is_ok());
+        assert!(intrinsics(&good, || Ok(SIZE), || 1.0, "").is_ok());
         let bad = [
             Keys { fl_x: Some(0.0), ..good.clone() },
             Keys { fl_y: Some(-1.0), ..good.clone() },
@@ -314,8 +321,8 @@ mod tests {
             Keys { w: Some(32_768.0), h: Some(32_768.0), ..good.clone() },
         ];
         for keys in bad {
-            assert!(intrinsics(&keys, || Ok(SIZE), "").is_err(), "{keys:?}");
+            assert!(intrinsics(&keys, || Ok(SIZE), || 1.0, "").is_err(), "{keys:?}");
         }
-        assert!(intrinsics(&Keys { w: None, h: Some(480.0), ..good }, || Ok(SIZE), "").is_ok());
+        assert!(intrinsics(&Keys { w: None, h: Some(480.0), ..good }, || Ok(SIZE), || 1.0, "").is_ok());
     }
 }

@@ -7,17 +7,28 @@ use super::load::{Picture, no_depth, normals_of_own, open_normal_file, place_of_
 use super::png;
 use crate::capture::Camera;
 use crate::capture::exr::{DepthKind, ExrFile};
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// Columns and rows of a picture, from its header.
 pub(super) fn picture_size(path: &Path, place: &str) -> Result<(usize, usize)> {
-    match format_of(path, place)? {
+    let format = format_of(path, place)?;
+    if !path.is_file() {
+        let what = "the picture is not there, nor does the manifest say how large it is; give w and h, or put the picture there";
+        return Err(Error::invalid(place, what));
+    }
+    match format {
         Format::Png => png::size(path, place),
         Format::Exr => {
             let window = ExrFile::open(path, place)?.window(None)?;
             Ok((window.width, window.height))
         }
     }
+}
+
+/// How many times as wide as high the pixels of a picture are, by its header; 1 where it says nothing.
+pub(super) fn pixel_aspect(path: &Path) -> f64 {
+    let is_exr = format_of(path, "").is_ok_and(|format| format == Format::Exr);
+    is_exr.then(|| ExrFile::pixel_aspect(path)).flatten().unwrap_or(1.0)
 }
 
 /// What the headers of a frame's files tell.
@@ -43,7 +54,7 @@ pub(super) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
         Format::Png if files.depth.is_none() => return Err(no_depth(place)),
         Format::Png => png::check(&files.color, place, size)?,
         Format::Exr => {
-            let picture = Picture::open(&files.color, files, &files.wishes_of_color_file(), camera, place)?;
+            let picture = Picture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
             picture.color()?;
             if files.depth.is_none() {
                 kind = Some(picture.depth()?.kind());
@@ -68,7 +79,7 @@ pub(super) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
 fn probe_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthKind> {
     let place = &place_of_depth(path, place);
     if format_of(path, place)? == Format::Exr {
-        let picture = Picture::open(path, files, &files.wishes_of_depth_file(), camera, place)?;
+        let picture = Picture::open(path, files, files.wishes_of_depth_file(), camera, place)?;
         return Ok(picture.depth()?.kind());
     }
     png::check_depth(path, place, camera.intrinsics.size())?;
