@@ -80,6 +80,9 @@ fn rule_words(rule: &str) -> (String, &'static str) {
         "mixed_yields" => {
             ("Blended at a silhouette", "The color is blended, and a clean sample shows the point.")
         }
+        "unsure_yields" => {
+            ("Normal unknown", "The normal is not known here, and a sample that knows it shows the point.")
+        }
         "mixed_dropped" => ("Blended, dropped", "The color is blended and the settings drop such samples."),
         "no_sample" => ("Without depth", "The pixel has no depth and takes part in nothing."),
         other => return (text::words(other), ""),

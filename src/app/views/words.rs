@@ -20,6 +20,7 @@ pub(super) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
         Rule::Tie => format!("Dropped: {name} samples it as densely and comes first, at {x}, {y}."),
         Rule::LaterCamera => format!("Dropped: {name} shows this point and comes first, at {x}, {y}."),
         Rule::MixedYields => format!("Dropped: blended at a silhouette; {name} is clean, at {x}, {y}."),
+        Rule::UnsureYields => format!("Dropped: no normal is known here; {name} knows it, at {x}, {y}."),
         rule => format!("{} Witness: {name} at {x}, {y}.", rule.sentence()),
     }
 }
