@@ -11,7 +11,6 @@ use super::super::state::State;
 use super::super::theme::{Tokens, space};
 use super::{colormap, words};
 use crate::preprocess::Testimony;
-use crate::preprocess::registration::Outcome;
 
 /// Width of the summary beside the table.
 const SUMMARY: f32 = 292.0;
@@ -37,7 +36,11 @@ const COLUMNS: [(&str, &str); 9] = [
          longest sides do not decide.",
     ),
     ("Color", "Largest difference of a color channel, in 8-bit steps."),
-    ("There", "What became of that camera's own pixel."),
+    (
+        "There",
+        "What became of that camera's own pixel. One that is blended at a silhouette, or whose normal is not known, yields to others \
+         however dense it is.",
+    ),
 ];
 
 /// The view.
@@ -219,7 +222,7 @@ fn row_ui(
         }
     });
     let tolerance = &state.settings.pruning;
-    let same = matches!(row.outcome, None | Some(Outcome::Same(_)));
+    let same = words::is_same_point(row);
     let sees =
         RichText::new(words::sees(row.outcome)).color(if same { tokens.text } else { tokens.text_weak });
     ui.label(sees).on_hover_text(words::why(row.outcome));
@@ -248,13 +251,12 @@ fn row_ui(
         words::distance(row.normal_angle_degrees),
         tolerance.normal_tolerance
     ));
-    // Of two different surface points no rates can be compared.
-    let ratio = |value: f64| if same { words::number(value) } else { "–".to_owned() };
-    cell(ui, ratio(row.paper_r), false);
-    cell(ui, ratio(row.footprint_r), false);
+    for rate in words::rates(row) {
+        cell(ui, rate, false);
+    }
     let apart = row.color_difference_steps > f64::from(tolerance.color_tolerance);
     cell(ui, words::distance(row.color_difference_steps), apart);
-    let there = row.verdict.map_or_else(|| "–".to_owned(), |verdict| words::fate(&scene.cameras, verdict));
+    let there = words::there(&scene.cameras, row).unwrap_or_else(|| "–".to_owned());
     let there = if wins && row.outcome.is_some() { format!("{there}, stands for it") } else { there };
     ui.label(RichText::new(there).color(if wins { tokens.accent } else { tokens.text_weak }));
 }
