@@ -146,7 +146,7 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
         let (start, end) = (span.start as f32 * step, span.end as f32 * step - gap);
         let bar =
             Rect::from_min_max(rect.min + vec2(start, 2.0), pos2(rect.left() + end, rect.bottom() - 2.0));
-        let color = if span.len() > 1 { tokens.static_over_time } else { tokens.moving };
+        let color = tokens.of_span(span.len(), frames);
         painter.rect_filled(bar, 1.0, color);
     }
     let now = rect.left() + (state.timeline.frame as f32 + 0.5) * step;
@@ -155,8 +155,8 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
         egui::WidgetInfo::labeled(egui::Role::Label, true, format!("Spans of the pixel: {caption}"))
     });
     response.on_hover_text(
-        "When this pixel is stored: blue for several frames at once, orange for one; gray where another camera's sample \
-         stands for it. The line is the frame shown.",
+        "When this pixel is stored: blue for all frames at once, green for several, orange for one; gray where another \
+         camera's sample stands for it. The line is the frame shown.",
     );
 }
 
