@@ -92,7 +92,7 @@ impl OverlookApp {
         let Some(scene) = self.state.scene.clone() else { return };
         if self.state.inspector.charts.studying {
             let text = "A sweep or a stress test is under way; let it finish, or stop it (Esc) first.";
-            self.state.notify(NoticeKind::Warning, "Already measuring", text);
+            self.state.warn_of_scene("Already measuring", text);
             return;
         }
         let settings = self.state.settings.clone();
@@ -148,7 +148,7 @@ impl OverlookApp {
     /// Pictures in motion may stay on the graphics card, out of reach.
     pub(super) fn tell_of_motion(&mut self) {
         let text = "The live view is in motion; pause it first, and try again.";
-        self.state.notify(NoticeKind::Warning, "No picture yet", text);
+        self.state.warn_of_scene("No picture yet", text);
     }
 
     /// Puts the point that is looked at in the middle of the live view.
@@ -163,7 +163,7 @@ impl OverlookApp {
             Some(_) => ("No point here", "This pixel lies infinitely far away; point at another one."),
             None => ("Point at a pixel first", "F then puts what it shows into the middle of the live view."),
         };
-        self.state.notify(NoticeKind::Warning, title, text);
+        self.state.warn_of_scene(title, text);
     }
 
     fn add_key(&mut self, key: PathKey) {

@@ -219,7 +219,7 @@ impl OverlookApp {
         } else {
             return false;
         };
-        self.state.notify(NoticeKind::Warning, title, text);
+        self.state.warn_of_scene(title, text);
         true
     }
 }

@@ -44,7 +44,7 @@ impl OverlookApp {
         }
         let Self { state, .. } = self;
         match message {
-            Message::Opened(scene) => self.opened(scene),
+            Message::Opened(scene) => self.opened(&scene),
             Message::Scanned { scan, .. } => self.scanned(scan),
             Message::Pruned { settings, result, .. } => self.pruned(settings, &result),
             Message::Inspected { inspected, .. } => {
@@ -106,7 +106,7 @@ impl OverlookApp {
         }
         let report = &result.report;
         for doubt in report.doubts() {
-            state.notify(NoticeKind::Warning, "Check the capture", text::sentence(&doubt));
+            state.warn_of_scene("Check the capture", text::sentence(&doubt));
         }
         let line = format!(
             "Pruned the capture: {} of {} samples kept in {} s",
@@ -165,7 +165,7 @@ impl OverlookApp {
         }
     }
 
-    fn opened(&mut self, scene: Arc<Scene>) {
+    fn opened(&mut self, scene: &Arc<Scene>) {
         let state = &mut self.state;
         if let Origin::Path(path) = &scene.origin {
             remember_recent(&mut state.recent, path);
@@ -188,22 +188,19 @@ impl OverlookApp {
         state.source.against = None;
         state.source.zoom = 1.0;
         state.source.center = egui::Vec2::splat(0.5);
-        state.live.rig = Rig::home(&scene);
-        state.notices.retain(|notice| notice.kind != NoticeKind::Error);
-        if let Some(capture) = scene.capture() {
-            for warning in &capture.warnings {
-                state.notify(NoticeKind::Warning, "While opening", warning.clone());
-            }
+        state.live.rig = Rig::home(scene);
+        state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
+        state.scene = Some(scene.clone());
+        for warning in scene.capture().iter().flat_map(|capture| &capture.warnings) {
+            state.warn_of_scene("While opening", warning.clone());
         }
         if let Some(playback) = scene.playback() {
             for warning in &playback.store().info().warnings {
-                state.notify(NoticeKind::Warning, "While opening", warning.clone());
+                state.warn_of_scene("While opening", warning.clone());
             }
             state.tell_damage(&playback.store().damage());
         }
-        let opened = format!("Opened {}", scene.name);
-        state.inspector.log(NoticeKind::Done, opened);
-        state.scene = Some(scene);
+        state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
         // What is closed needs no more work. Files of it that are being written were asked for, and are finished.
         self.lanes.whole.cancel();
         self.lanes.measure.cancel();

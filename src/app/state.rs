@@ -40,6 +40,8 @@ pub(super) struct Notice {
     pub text: String,
     /// When it came up.
     pub since: Instant,
+    /// The scene it speaks of, with which it ends; `None` where it holds whatever is open.
+    pub scene: Option<u64>,
 }
 
 /// The whole capture, pruned.
@@ -328,11 +330,20 @@ impl State {
 
     /// Adds a message.
     pub(super) fn notify(&mut self, kind: NoticeKind, title: impl Into<String>, text: impl Into<String>) {
-        let (title, text) = (title.into(), text.into());
+        self.add_notice(kind, title.into(), text.into(), None);
+    }
+
+    /// Adds a warning about what is open.
+    pub(super) fn warn_of_scene(&mut self, title: impl Into<String>, text: impl Into<String>) {
+        let scene = self.scene.as_ref().map(|scene| scene.id);
+        self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene);
+    }
+
+    fn add_notice(&mut self, kind: NoticeKind, title: String, text: String, scene: Option<u64>) {
         self.inspector.log(kind, format!("{title}: {text}"));
         self.notices.retain(|notice| notice.title != title || notice.text != text);
         let id = self.notices.iter().map(|notice| notice.id).max().unwrap_or(0) + 1;
-        self.notices.push(Notice { id, kind, title, text, since: Instant::now() });
+        self.notices.push(Notice { id, kind, title, text, since: Instant::now(), scene });
     }
 
     /// Says what could not be read of the open store, once: the first of many lines, and all of them in the log.
@@ -343,7 +354,7 @@ impl State {
         for line in others {
             self.inspector.log(NoticeKind::Warning, (*line).clone());
         }
-        self.notify(NoticeKind::Warning, "The store is damaged", and_others(first, others.len()));
+        self.warn_of_scene("The store is damaged", and_others(first, others.len()));
     }
 }
 

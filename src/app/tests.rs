@@ -6,6 +6,7 @@ use super::command::Command;
 use super::inspector::charts::Study;
 use super::inspector::path::Exported;
 use super::message::{Message, Purpose};
+use super::state::NoticeKind;
 use super::{OverlookApp, Start};
 use crate::capture::demo::DemoSpec;
 use crate::error::Error;
@@ -243,6 +244,23 @@ fn damage_that_is_met_while_a_store_plays_is_told_once() {
         settle(&mut app);
     }
     assert_eq!(about_damage(&app), 0);
+}
+
+#[test]
+fn warnings_about_a_scene_end_with_it_and_those_about_files_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = open_damaged(folder.path());
+    app.state.notices.clear();
+    app.apply(Command::Frame(FRAMES - 1));
+    wait(&mut app, "the warning", |app| !app.state.notices.is_empty());
+    let ctx = app.ctx.clone();
+    let exported = Exported { pictures: 2, notice: None, damage: vec!["frame 8".into()] };
+    app.receive(Message::Exported { path: "pictures".into(), exported }, &ctx);
+    app.open_demo(orrery(2, 2));
+    wait(&mut app, "the capture", |app| app.state.has_capture());
+    let warnings = app.state.notices.iter().filter(|notice| notice.kind == NoticeKind::Warning);
+    let titles: Vec<&str> = warnings.map(|notice| notice.title.as_str()).collect();
+    assert_eq!(titles, ["Exported from a damaged store"]);
 }
 
 #[test]
