@@ -38,6 +38,9 @@ impl OverlookApp {
                     // The surface point is kept, not the place in a picture that will turn.
                     let (camera, x, y) = (probed.camera, probed.x, probed.y);
                     probe.spot = Some(Spot::Source { camera, x, y });
+                } else {
+                    // That it is a hole may have been answered before it was to be kept.
+                    self.plan.forget_probe();
                 }
             }
             Command::ShowPointIn(camera) => self.show_point_in(camera),

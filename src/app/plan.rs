@@ -59,6 +59,11 @@ impl Plan {
         self.source = None;
     }
 
+    /// Forgets that the pixel was asked about, so that it is asked about again.
+    pub(super) fn forget_probe(&mut self) {
+        self.inspector.forget_probe();
+    }
+
     /// The frame whose inspection was asked for last.
     pub(super) fn inspected_frame(&self) -> Option<usize> {
         self.inspect.as_ref().map(|key| key.frame)

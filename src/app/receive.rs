@@ -62,7 +62,7 @@ impl OverlookApp {
                 self.state.live_shown = texture.map(|texture| Shown { key, picture, texture });
             }
             Message::Measured { settings, accuracy, .. } => self.measured(&settings, accuracy),
-            Message::Probed { spot, probed, .. } => self.probed(spot, probed),
+            Message::Probed { spot, probed, is_hole, .. } => self.probed(spot, probed, is_hole),
             Message::Thumbnails { pictures, .. } => {
                 let textures =
                     pictures.into_iter().map(|it| ctx.load_texture("thumbnail", it, TextureOptions::LINEAR));
@@ -139,14 +139,20 @@ impl OverlookApp {
         self.state.notify(NoticeKind::Done, "Settings loaded", text);
     }
 
-    fn probed(&mut self, spot: Spot, probed: Option<Arc<Probed>>) {
+    fn probed(&mut self, spot: Spot, probed: Option<Arc<Probed>>, is_hole: bool) {
         let probe = &mut self.state.inspector.probe;
         // An answer about a spot that the pointer has left is better than none while the next is on its way.
         if probe.spot.is_none() {
             return;
         }
-        if let (true, Spot::Live { .. }, Some(probed)) = (probe.pinned, spot, &probed) {
-            probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
+        let is_kept = probe.pinned && probe.spot == Some(spot) && matches!(spot, Spot::Live { .. });
+        match &probed {
+            Some(probed) if is_kept => {
+                probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
+            }
+            // There is no pixel to keep: what appears here later, nobody meant.
+            None if is_kept && is_hole => (probe.pinned, probe.spot) = (false, None),
+            _ => {}
         }
         probe.shown = probed;
     }

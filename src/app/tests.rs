@@ -5,11 +5,13 @@ use std::time::{Duration, Instant};
 use super::command::Command;
 use super::inspector::charts::Study;
 use super::inspector::path::Exported;
+use super::inspector::probe::Spot;
 use super::message::{Message, Purpose};
 use super::state::NoticeKind;
 use super::{OverlookApp, Start};
 use crate::capture::demo::DemoSpec;
 use crate::error::Error;
+use crate::render::NO_IMAGE;
 use crate::settings::PruningMethod;
 use crate::store::Store;
 
@@ -261,6 +263,36 @@ fn warnings_about_a_scene_end_with_it_and_those_about_files_stay() {
     let warnings = app.state.notices.iter().filter(|notice| notice.kind == NoticeKind::Warning);
     let titles: Vec<&str> = warnings.map(|notice| notice.title.as_str()).collect();
     assert_eq!(titles, ["Exported from a damaged store"]);
+}
+
+#[test]
+fn a_hole_that_is_clicked_is_not_kept() {
+    let mut app = start(2, 2);
+    settle(&mut app);
+    app.apply(Command::Dolly(4.0));
+    app.apply(Command::Orbit(glam::DVec2::new(2.0, 0.0)));
+    settle(&mut app);
+    let picture = app.state.live_shown.as_ref().unwrap().picture.rendered().unwrap().clone();
+    let width = picture.image.width();
+    let hole = picture.image.as_slice().iter().position(|image| *image == NO_IMAGE).expect("a hole");
+    let spot = Spot::Live { x: hole % width, y: hole / width };
+    // With and without having been pointed at before.
+    for before in [false, true] {
+        app.apply(Command::Probe(Some(spot)));
+        if before {
+            settle(&mut app);
+            step(&mut app);
+        }
+        app.apply(Command::Pin(true));
+        settle(&mut app);
+        // What the lane said last is taken in.
+        step(&mut app);
+        let probe = &app.state.inspector.probe;
+        assert!(!probe.pinned && probe.spot.is_none() && probe.shown.is_none(), "before: {before}");
+    }
+    app.apply(Command::Home);
+    settle(&mut app);
+    assert!(app.state.inspector.probe.shown.is_none());
 }
 
 #[test]

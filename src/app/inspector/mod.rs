@@ -206,7 +206,8 @@ impl InspectorLanes {
         Ok(Self {
             probe: Lane::start("Pixel argument", Supersede::Never, outbox.clone(), |key: ProbeKey, _| {
                 let probed = probe::probe(&key).map(Arc::new);
-                Ok(Message::Probed { scene: key.scene.id, spot: key.spot, probed })
+                let is_hole = probed.is_none() && key.has_picture();
+                Ok(Message::Probed { scene: key.scene.id, spot: key.spot, probed, is_hole })
             })?,
             memory: Lane::start(
                 "Memory map",
@@ -300,6 +301,11 @@ impl InspectorPlan {
         self.ask_memory(state, visible, lanes);
         self.ask_histograms(state, visible, lanes);
         self.ask_comparison(state, visible, lanes);
+    }
+
+    /// Forgets that the pixel was asked about, so that it is asked about again.
+    pub(crate) fn forget_probe(&mut self) {
+        self.probe = None;
     }
 
     /// Compares once the live view has come to rest: its picture says from where and of what.
