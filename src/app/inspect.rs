@@ -50,7 +50,13 @@ impl OverlookApp {
                 }
                 state.inspector.meter.clear();
             }
-            Command::Compare(look) => state.inspector.compare = *look,
+            Command::Compare(look) => {
+                let before = &state.inspector.compare;
+                if (look.sides, look.place) != (before.sides, before.place) {
+                    state.inspector.compare_trouble = None;
+                }
+                state.inspector.compare = *look;
+            }
             Command::Palette(palette) => state.inspector.palette = palette,
             Command::CheatSheet(open) => state.inspector.cheat_sheet = open,
             Command::Callout(next) => state.inspector.callout = next,

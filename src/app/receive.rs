@@ -6,7 +6,7 @@ use std::sync::Arc;
 use egui::{TextureFilter, TextureOptions};
 
 use super::OverlookApp;
-use super::inspector::compare::Compared;
+use super::inspector::compare::{CompareKey, Compared};
 use super::inspector::difference::Comparison;
 use super::inspector::path::Exported;
 use super::inspector::probe::{Probed, Spot};
@@ -69,7 +69,7 @@ impl OverlookApp {
                 state.inspector.thumbs = textures.collect();
             }
             Message::Histograms { histograms, .. } => state.inspector.histograms = histograms,
-            Message::Compared { outcome, .. } => self.compared(outcome, ctx),
+            Message::Compared { key, outcome } => self.compared(&key, outcome, ctx),
             Message::MemoryMapped { blocks, .. } => state.inspector.memory = Some(blocks),
             Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
             Message::Swept { point, known, .. } => state.inspector.charts.add(*point, known),
@@ -157,14 +157,15 @@ impl OverlookApp {
         probe.shown = probed;
     }
 
-    fn compared(&mut self, outcome: Result<Comparison, String>, ctx: &egui::Context) {
+    fn compared(&mut self, key: &CompareKey, outcome: Result<Comparison, String>, ctx: &egui::Context) {
         let inspector = &mut self.state.inspector;
         match outcome {
             Ok(comparison) => {
                 let [left, right] = comparison.images.clone();
                 let textures = [left, right, comparison.difference.clone()]
                     .map(|image| ctx.load_texture("comparison", image, TextureOptions::NEAREST));
-                inspector.compared = Some(Compared { comparison, textures });
+                inspector.compared =
+                    Some(Compared { sides: key.sides, place: key.place, comparison, textures });
                 inspector.compare_trouble = None;
             }
             Err(trouble) => inspector.compare_trouble = Some(trouble),

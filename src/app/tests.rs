@@ -3,7 +3,9 @@
 use std::time::{Duration, Instant};
 
 use super::command::Command;
+use super::dock::View;
 use super::inspector::charts::Study;
+use super::inspector::compare_look::{CompareLook, Side};
 use super::inspector::path::Exported;
 use super::inspector::probe::Spot;
 use super::message::{Message, Purpose};
@@ -293,6 +295,20 @@ fn a_hole_that_is_clicked_is_not_kept() {
     app.apply(Command::Home);
     settle(&mut app);
     assert!(app.state.inspector.probe.shown.is_none());
+}
+
+#[test]
+fn pictures_are_named_after_what_they_show_until_those_that_were_chosen_are_there() {
+    let mut app = start(2, 2);
+    app.dock.open(View::Compare);
+    wait(&mut app, "the comparison", |app| app.state.inspector.compared.is_some());
+    let sides = |app: &OverlookApp| app.state.inspector.compared.as_ref().map(|compared| compared.sides);
+    let before = app.state.inspector.compare.clone();
+    let look = CompareLook { sides: [Side::Point, Side::Kept], ..before.clone() };
+    app.state.inspector.compare_trouble = Some("of those before".into());
+    app.apply(Command::Compare(Box::new(look.clone())));
+    assert_eq!((sides(&app), &app.state.inspector.compare_trouble), (Some(before.sides), &None));
+    wait(&mut app, "the other comparison", |app| sides(app) == Some(look.sides));
 }
 
 #[test]

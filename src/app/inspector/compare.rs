@@ -64,6 +64,10 @@ impl PartialEq for CompareKey {
 
 /// A comparison that is shown.
 pub(crate) struct Compared {
+    /// Whose pictures these are.
+    pub sides: [Side; 2],
+    /// From where.
+    pub place: Place,
     /// What came of it.
     pub comparison: Comparison,
     /// Left, right and difference on the graphics card.
