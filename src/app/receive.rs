@@ -196,6 +196,7 @@ impl OverlookApp {
         state.source.zoom = 1.0;
         state.source.center = egui::Vec2::splat(0.5);
         state.live.rig = Rig::home(scene);
+        state.inspector.saved = scene.capture().map(|_| state.settings.clone());
         state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
         state.scene = Some(scene.clone());
         for warning in scene.capture().iter().flat_map(|capture| &capture.warnings) {
@@ -228,10 +229,8 @@ impl OverlookApp {
         let place = path.display();
         // Thresholds may have been changed while it was written, and another capture opened.
         let scene = self.state.scene.as_ref().map(|scene| scene.id);
-        if holds.is_some_and(|(of, settings)| {
-            Some(of) == scene && method_of(&settings) == method_of(&self.state.settings)
-        }) {
-            self.state.inspector.unsaved = false;
+        if let Some((_, settings)) = holds.filter(|(of, _)| Some(*of) == scene) {
+            self.state.inspector.saved = Some(settings);
         }
         let text = match bytes {
             Some(bytes) => {

@@ -272,6 +272,12 @@ impl State {
         }
     }
 
+    /// Whether thresholds differ from those that the store saved last was made with, or that the capture was opened with.
+    pub(super) fn is_unsaved(&self) -> bool {
+        let saved = self.inspector.saved.as_ref().filter(|_| self.has_capture());
+        saved.is_some_and(|saved| method_of(saved) != method_of(&self.settings))
+    }
+
     /// The settings that the panel shows: a store's own where one is open, with the painting that is on now.
     pub(super) fn shown_settings(&self) -> Settings {
         match self.scene.as_ref().map(|scene| &scene.content) {

@@ -178,12 +178,27 @@ fn thresholds_changed_while_a_store_is_written_are_still_unsaved() {
         holds: Some((scene, settings)),
     };
     app.receive(saved(scene, before), &ctx);
-    assert!(app.state.inspector.unsaved);
+    assert!(app.state.is_unsaved());
     let now = app.state.settings.clone();
     app.receive(saved(scene + 1, now.clone()), &ctx);
-    assert!(app.state.inspector.unsaved, "another capture was saved");
+    assert!(app.state.is_unsaved(), "another capture was saved");
     app.receive(saved(scene, now), &ctx);
-    assert!(!app.state.inspector.unsaved);
+    assert!(!app.state.is_unsaved());
+}
+
+#[test]
+fn thresholds_that_were_taken_back_need_not_be_saved() {
+    let mut app = start(2, 2);
+    settle(&mut app);
+    set_method(&mut app, PruningMethod::Off);
+    assert!(app.state.is_unsaved());
+    app.apply(Command::Undo);
+    assert!(!app.state.is_unsaved());
+    app.apply(Command::SwitchSettings);
+    set_method(&mut app, PruningMethod::FirstCamera);
+    assert!(app.state.is_unsaved());
+    app.apply(Command::SwitchSettings);
+    assert!(!app.state.is_unsaved());
 }
 
 #[test]

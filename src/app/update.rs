@@ -189,7 +189,6 @@ impl OverlookApp {
 
     pub(super) fn put_settings(&mut self, settings: Settings) {
         if method_of(&settings) != method_of(&self.state.settings) {
-            self.state.inspector.unsaved = self.state.has_capture();
             self.plan.changed_at = Some(Instant::now());
             self.state.stopped = false;
             self.state.failed_frame = None;

@@ -110,8 +110,8 @@ pub(crate) struct Inspector {
     pub cheat_sheet: bool,
     /// The callout of the first run that is next; beyond the last there is none.
     pub callout: usize,
-    /// Whether thresholds were changed since the last store was saved.
-    pub unsaved: bool,
+    /// The settings of the store that was saved last of the open capture, at first those that it was opened with.
+    pub saved: Option<Settings>,
     /// What stands between the person and closing the window.
     pub closing: Closing,
     /// What happened, the latest last.
@@ -133,7 +133,7 @@ impl Inspector {
         self.compared = None;
         self.path = CameraPath::default();
         self.charts = Charts::default();
-        self.unsaved = false;
+        self.saved = None;
         self.compare_trouble = None;
         self.told_damage.clear();
     }
