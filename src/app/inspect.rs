@@ -11,7 +11,6 @@ use super::inspector::study::StudyRequest;
 use super::message::Purpose;
 use super::names;
 use super::state::NoticeKind;
-use super::views::live_image::Pixels;
 use super::views::{marks, words};
 use crate::render::film::Reel;
 use crate::settings::Settings;
@@ -146,10 +145,10 @@ impl OverlookApp {
     }
 
     fn copy_picture(&mut self) {
-        let Some(shown) = &self.state.live_shown else { return };
-        let Pixels::InMemory { image, .. } = &shown.picture.pixels else {
-            return self.tell_of_motion();
-        };
+        if self.state.live_shown.is_none() {
+            return;
+        }
+        let Some(image) = self.state.shown_picture() else { return self.tell_of_motion() };
         self.ctx.copy_image(image.as_ref().clone());
         self.state.notify(NoticeKind::Done, "Copied", "The picture of the live view is on the clipboard.");
     }

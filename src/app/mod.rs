@@ -23,6 +23,7 @@ mod names;
 mod own_thread;
 mod panels;
 mod paths;
+mod picture_file;
 mod plan;
 mod receive;
 mod scene;

@@ -9,7 +9,7 @@ use super::inspector::Inspector;
 use super::message::{Accuracy, Purpose};
 use super::scene::{Content, Scene};
 use super::texture::Texture;
-use super::views::live_image::{ColorBy, LiveKey, LivePicture};
+use super::views::live_image::{ColorBy, LiveKey, LivePicture, Pixels};
 use super::views::rig::Rig;
 use super::views::source_image::{Overlay, SourceKey, SourcePicture};
 use crate::job::Progress;
@@ -306,6 +306,14 @@ impl State {
         }
         let own = || self.inspection_here().map(|inspection| &inspection.samples);
         self.current_whole().or_else(own).or(self.whole.as_ref().map(|whole| &whole.samples))
+    }
+
+    /// The picture of the live view as it is shown; `None` while it stays on the graphics card.
+    pub(super) fn shown_picture(&self) -> Option<&Arc<egui::ColorImage>> {
+        match &self.live_shown.as_ref()?.picture.pixels {
+            Pixels::InMemory { image, .. } => Some(image),
+            Pixels::OnAdapter(_) => None,
+        }
     }
 
     /// Whether the samples of all frames are there, made with the settings on the sliders or played from a store.
