@@ -127,8 +127,7 @@ impl OverlookApp {
 
     /// Opens something, after a question where a camera path or measured points are lost by it.
     fn ask_to_open(&mut self, command: Command) {
-        let inspector = &self.state.inspector;
-        if inspector.path.pictures() > 0 || inspector.has_measured() {
+        if self.state.inspector.losses().is_some() {
             self.state.asks_to_open = Some(command);
         } else {
             self.open(command);

@@ -138,12 +138,6 @@ impl Inspector {
         self.told_damage.clear();
     }
 
-    /// Whether a sweep or a stress test has points, or is under way.
-    pub(crate) fn has_measured(&self) -> bool {
-        let charts = &self.charts;
-        charts.studying || !charts.sweep.is_empty() || !charts.stress.is_empty()
-    }
-
     /// What stands in no file and ends with the scene, in words; `None` where there is nothing.
     pub(crate) fn losses(&self) -> Option<String> {
         let counted = |count: usize, of: &str| match count {

@@ -233,7 +233,6 @@ fn settings_loaded_beside_a_store_do_not_claim_to_have_changed_its_thresholds() 
 fn opening_something_else_asks_only_where_a_camera_path_or_points_are_lost() {
     let mut app = start(2, 2);
     settle(&mut app);
-    app.apply(Command::AddKey);
     app.apply(Command::OpenPath("/no/such/capture".into()));
     assert!(app.state.asks_to_open.is_none() && app.state.opening.is_some());
     settle(&mut app);
