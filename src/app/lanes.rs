@@ -58,8 +58,6 @@ pub(super) struct InspectRequest {
 pub(super) struct MeasureRequest {
     /// The scene, a capture.
     pub scene: Arc<Scene>,
-    /// The pass over all frames.
-    pub scan: Arc<TemporalScan>,
     /// What was kept.
     pub samples: Arc<SampleSet>,
     /// With which settings.

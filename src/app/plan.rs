@@ -237,9 +237,7 @@ impl Plan {
     }
 
     fn ask_accuracy(&mut self, state: &State, lanes: &Lanes) {
-        let (Some(scene), Some(scan), Some(whole)) = (&state.scene, &state.scan, &state.whole) else {
-            return;
-        };
+        let (Some(scene), Some(whole)) = (&state.scene, &state.whole) else { return };
         if state.is_stale() || state.timeline.playing {
             return;
         }
@@ -249,7 +247,6 @@ impl Plan {
         if !asked {
             lanes.measure.submit(MeasureRequest {
                 scene: scene.clone(),
-                scan: scan.clone(),
                 samples: whole.samples.clone(),
                 settings: state.settings.clone(),
             });
