@@ -96,9 +96,7 @@ impl Rule {
         match self {
             Self::NoSample => "No sample: the pixel has no depth.",
             Self::OnlyWitness => "Kept: no other camera has a sample of this point throughout its span.",
-            Self::BestRate => {
-                "Kept: no other camera has a clean sample of this point, its normal known, that is denser."
-            }
+            Self::BestRate => "Kept: no clean sample of this point with a known normal is denser.",
             Self::Coverage => {
                 "Kept: the better sample does not stand: it was dropped for one that does not see this point, or lives in a longer span, which is not asked."
             }
