@@ -5,14 +5,19 @@ use overlook::capture::Capture;
 use overlook::capture::demo::{Demo, DemoSpec};
 use overlook::job::Job;
 use overlook::preprocess::registration::Outcome;
-use overlook::preprocess::{self, FrameInspection, PixelArgument, Rule, TemporalScan, Verdict};
+use overlook::preprocess::{self, FrameInspection, PixelArgument, Rule, TemporalScan, Testimony, Verdict};
 use overlook::render::{CpuRenderer, Vantage, pick};
-use overlook::settings::{Kernel, Settings};
+use overlook::settings::{Kernel, RateModel, Settings};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 fn capture() -> Capture {
+    demo("orrery")
+}
+
+fn demo(scene: &str) -> Capture {
     let spec = DemoSpec {
-        scene: "orrery".into(),
+        scene: scene.into(),
         cameras: Some(4),
         frames: Some(3),
         size: Some((96, 72)),
@@ -26,6 +31,18 @@ fn inspected(capture: &Capture, settings: &Settings) -> (Arc<TemporalScan>, Fram
     let scan = preprocess::scan(capture, settings, &job).unwrap();
     let inspection = preprocess::inspect_frame(capture, Some(&scan), settings, 1, &job).unwrap();
     (scan, inspection)
+}
+
+/// A scene with normals, and an antialiased one whose normals have to be estimated, which leaves some unknown.
+fn cases() -> [(Capture, Settings); 2] {
+    let mut paper = Settings::default();
+    paper.pruning.rate = RateModel::Paper;
+    [(capture(), Settings::default()), (demo("nine-cameras"), paper)]
+}
+
+/// Whose samples yield to whose, however dense: clean ones last.
+fn class(row: &Testimony) -> (bool, bool) {
+    (row.is_blended, row.is_unsure)
 }
 
 /// The arguments of every fifth pixel of every camera.
@@ -44,8 +61,17 @@ fn arguments(inspection: &FrameInspection) -> Vec<PixelArgument> {
 
 #[test]
 fn every_dropped_pixel_is_outweighed_by_its_winner_in_the_numbers_shown() {
-    let settings = Settings::default();
-    let (scan, inspection) = inspected(&capture(), &settings);
+    let mut by_rule = BTreeMap::<_, u32>::new();
+    for (capture, settings) in cases() {
+        hold_against_winners(&capture, &settings, &mut by_rule);
+    }
+    for rule in [Rule::LowerRate, Rule::MixedYields, Rule::UnsureYields] {
+        assert!(by_rule.get(&rule).is_some_and(|count| *count > 5), "{by_rule:?}");
+    }
+}
+
+fn hold_against_winners(capture: &Capture, settings: &Settings, by_rule: &mut BTreeMap<Rule, u32>) {
+    let (scan, inspection) = inspected(capture, settings);
     // Colors may differ by the tolerance and by what noise explains: three standard deviations of both samples' together.
     let noise =
         scan.cameras.iter().map(|camera| camera.noise.color_steps.iter().copied().fold(0.0, f32::max));
@@ -60,10 +86,15 @@ fn every_dropped_pixel_is_outweighed_by_its_winner_in_the_numbers_shown() {
         let row = &argument.testimonies[witness.camera];
         assert_eq!(row.outcome, Some(Outcome::Same(witness.pixel)));
         assert!(row.plane_distance_footprints <= f64::from(settings.pruning.depth_tolerance) * 1.001 + 1e-3);
-        let mixed = argument.verdict.rule == Rule::MixedYields;
-        assert!(mixed || row.color_difference_steps <= color_limit, "{row:?}");
-        if argument.verdict.rule == Rule::LowerRate {
-            assert!(row.paper_r > 1.0, "{row:?}");
+        let own = &argument.testimonies[argument.camera];
+        assert!(own.is_blended || row.color_difference_steps <= color_limit, "{row:?}");
+        *by_rule.entry(argument.verdict.rule).or_default() += 1;
+        match argument.verdict.rule {
+            Rule::LowerRate => assert!(class(row) == class(own) && row.paper_r > 1.0, "{argument:?}"),
+            Rule::Tie => assert_eq!(class(row), class(own)),
+            Rule::MixedYields => assert!(own.is_blended && !row.is_blended, "{argument:?}"),
+            Rule::UnsureYields => assert!(own.is_unsure && !row.is_unsure, "{argument:?}"),
+            rule => panic!("{rule:?} has a witness"),
         }
     }
     assert!(lost > 100, "{lost}");
@@ -90,22 +121,30 @@ fn what_is_kept_as_the_only_witness_is_shown_by_no_sample_that_stays_in_the_tabl
 
 #[test]
 fn who_is_kept_though_a_better_sample_is_in_the_table_is_kept_because_that_one_does_not_stand() {
-    let (mut better_beside, mut across) = (0, Settings::default());
+    let mut across = Settings::default();
     across.pruning.across_spans = false;
-    for settings in [Settings::default(), across] {
-        let (_, inspection) = inspected(&capture(), &settings);
-        for argument in arguments(&inspection) {
-            let better = argument.testimonies.iter().filter(|row| {
-                let is_clean = row.verdict.is_some_and(|verdict| verdict.rule != Rule::MixedYields);
-                matches!(row.outcome, Some(Outcome::Same(_))) && is_clean && row.paper_r > 1.001
-            });
-            if argument.verdict.is_kept() && better.count() > 0 {
+    let (mut better_beside, mut denser_beside) = (0, 0);
+    for (capture, settings) in cases().into_iter().chain([(capture(), across)]) {
+        let (_, inspection) = inspected(&capture, &settings);
+        for argument in arguments(&inspection).iter().filter(|argument| argument.verdict.is_kept()) {
+            let own = &argument.testimonies[argument.camera];
+            let rows =
+                argument.testimonies.iter().filter(|row| matches!(row.outcome, Some(Outcome::Same(_))));
+            let (mut better, mut denser) = (false, false);
+            for row in rows {
+                better |= class(row) < class(own) || (class(row) == class(own) && row.paper_r > 1.001);
+                denser |= class(row) > class(own) && row.paper_r > 1.001;
+            }
+            if better {
                 better_beside += 1;
                 assert_eq!(argument.verdict.rule, Rule::Coverage, "{argument:?}");
+            } else if denser && argument.verdict.rule == Rule::BestRate {
+                denser_beside += 1;
+                assert!(argument.verdict.rule.sentence().contains("clean"), "{argument:?}");
             }
         }
     }
-    assert!(better_beside > 20, "{better_beside}");
+    assert!(better_beside > 20 && denser_beside > 0, "{better_beside}, {denser_beside}");
 }
 
 #[test]

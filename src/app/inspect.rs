@@ -11,7 +11,6 @@ use super::inspector::study::StudyRequest;
 use super::message::Purpose;
 use super::names;
 use super::state::NoticeKind;
-use super::views::live_image::Pixels;
 use super::views::{marks, words};
 use crate::render::film::Reel;
 use crate::settings::Settings;
@@ -38,6 +37,9 @@ impl OverlookApp {
                     // The surface point is kept, not the place in a picture that will turn.
                     let (camera, x, y) = (probed.camera, probed.x, probed.y);
                     probe.spot = Some(Spot::Source { camera, x, y });
+                } else {
+                    // That it is a hole may have been answered before it was to be kept.
+                    self.plan.forget_probe();
                 }
             }
             Command::ShowPointIn(camera) => self.show_point_in(camera),
@@ -47,7 +49,13 @@ impl OverlookApp {
                 }
                 state.inspector.meter.clear();
             }
-            Command::Compare(look) => state.inspector.compare = *look,
+            Command::Compare(look) => {
+                let before = &state.inspector.compare;
+                if (look.sides, look.place) != (before.sides, before.place) {
+                    state.inspector.compare_trouble = None;
+                }
+                state.inspector.compare = *look;
+            }
             Command::Palette(palette) => state.inspector.palette = palette,
             Command::CheatSheet(open) => state.inspector.cheat_sheet = open,
             Command::Callout(next) => state.inspector.callout = next,
@@ -92,7 +100,7 @@ impl OverlookApp {
         let Some(scene) = self.state.scene.clone() else { return };
         if self.state.inspector.charts.studying {
             let text = "A sweep or a stress test is under way; let it finish, or stop it (Esc) first.";
-            self.state.notify(NoticeKind::Warning, "Already measuring", text);
+            self.state.warn_of_scene("Already measuring", text);
             return;
         }
         let settings = self.state.settings.clone();
@@ -137,10 +145,10 @@ impl OverlookApp {
     }
 
     fn copy_picture(&mut self) {
-        let Some(shown) = &self.state.live_shown else { return };
-        let Pixels::InMemory { image, .. } = &shown.picture.pixels else {
-            return self.tell_of_motion();
-        };
+        if self.state.live_shown.is_none() {
+            return;
+        }
+        let Some(image) = self.state.shown_picture() else { return self.tell_of_motion() };
         self.ctx.copy_image(image.as_ref().clone());
         self.state.notify(NoticeKind::Done, "Copied", "The picture of the live view is on the clipboard.");
     }
@@ -148,7 +156,7 @@ impl OverlookApp {
     /// Pictures in motion may stay on the graphics card, out of reach.
     pub(super) fn tell_of_motion(&mut self) {
         let text = "The live view is in motion; pause it first, and try again.";
-        self.state.notify(NoticeKind::Warning, "No picture yet", text);
+        self.state.warn_of_scene("No picture yet", text);
     }
 
     /// Puts the point that is looked at in the middle of the live view.
@@ -163,7 +171,7 @@ impl OverlookApp {
             Some(_) => ("No point here", "This pixel lies infinitely far away; point at another one."),
             None => ("Point at a pixel first", "F then puts what it shows into the middle of the live view."),
         };
-        self.state.notify(NoticeKind::Warning, title, text);
+        self.state.warn_of_scene(title, text);
     }
 
     fn add_key(&mut self, key: PathKey) {

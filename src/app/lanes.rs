@@ -7,6 +7,7 @@ use super::inspector::InspectorLanes;
 use super::message::{Message, Purpose};
 use super::own_thread;
 use super::paths::Destination;
+use super::picture_file::write_picture;
 use super::scene::{Origin, Scene, median_depth};
 use super::state::Inspected;
 use super::views::live_image::{self, LiveKey};
@@ -17,7 +18,7 @@ use crate::capture::{Capture, View, transforms};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{self, Report, SampleSet, TemporalScan};
-use crate::render::{Picture, Renderer, SharedDevice, write_png};
+use crate::render::{Renderer, SharedDevice};
 use crate::settings::{CaptureSettings, Settings};
 use crate::store::{self, Extras, Playback, Provenance};
 use crate::whole_file;
@@ -57,8 +58,6 @@ pub(super) struct InspectRequest {
 pub(super) struct MeasureRequest {
     /// The scene, a capture.
     pub scene: Arc<Scene>,
-    /// The pass over all frames.
-    pub scan: Arc<TemporalScan>,
     /// What was kept.
     pub samples: Arc<SampleSet>,
     /// With which settings.
@@ -74,7 +73,7 @@ pub(super) enum FileRequest {
     /// Write settings.
     SaveSettings { path: PathBuf, settings: Settings },
     /// Write a picture.
-    SavePicture { path: PathBuf, picture: Arc<Picture> },
+    SavePicture { path: PathBuf, picture: Arc<egui::ColorImage> },
     /// Read settings.
     LoadSettings { path: PathBuf },
 }
@@ -334,7 +333,7 @@ fn file(request: FileRequest, job: &Job) -> Result<Message> {
             Ok(Message::Saved { path, bytes: None, holds: None })
         }
         FileRequest::SavePicture { path, picture } => {
-            write_png(&path, &picture)?;
+            write_picture(&path, &picture)?;
             Ok(Message::Saved { path, bytes: None, holds: None })
         }
         FileRequest::LoadSettings { path } => {

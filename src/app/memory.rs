@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::dock::Dock;
+use super::inspector::history::Slot;
 use super::state::State;
 use crate::settings::Settings;
 
@@ -21,6 +22,9 @@ pub(super) struct Memory {
     dark: bool,
     recent: Vec<PathBuf>,
     settings: String,
+    /// The settings of the slot that is not on; empty while both are the same.
+    other_settings: String,
+    is_b_on: bool,
     frames_per_second: f32,
     show_cameras: bool,
     layout: String,
@@ -34,6 +38,8 @@ impl Default for Memory {
             dark: true,
             recent: Vec::new(),
             settings: String::new(),
+            other_settings: String::new(),
+            is_b_on: false,
             frames_per_second: 24.0,
             show_cameras: true,
             layout: String::new(),
@@ -51,10 +57,13 @@ impl Memory {
 
     /// What there is to remember.
     pub(super) fn of(state: &State, dock: &Dock) -> Self {
+        let history = &state.inspector.history;
         Self {
             dark: state.dark,
             recent: state.recent.clone(),
             settings: state.settings.to_toml(),
+            other_settings: history.other.as_ref().map_or_else(String::new, Settings::to_toml),
+            is_b_on: history.slot == Slot::B,
             frames_per_second: state.timeline.frames_per_second,
             show_cameras: state.live.show_cameras,
             layout: dock.to_json(),
@@ -74,7 +83,11 @@ impl Memory {
     pub(super) fn restore(self, state: &mut State) -> Dock {
         state.dark = self.dark;
         state.recent = self.recent;
-        state.settings = Settings::from_toml(&self.settings, "remembered settings").unwrap_or_default();
+        let settings = |text: &str| Settings::from_toml(text, "remembered settings").ok();
+        state.settings = settings(&self.settings).unwrap_or_default();
+        let other = (!self.other_settings.is_empty()).then(|| settings(&self.other_settings)).flatten();
+        state.inspector.history.other = other;
+        state.inspector.history.slot = if self.is_b_on { Slot::B } else { Slot::A };
         state.timeline.frames_per_second = self.frames_per_second.clamp(1.0, 120.0);
         state.live.show_cameras = self.show_cameras;
         state.inspector.callout = self.callout;
@@ -94,7 +107,25 @@ pub(super) fn remember_recent(recent: &mut Vec<PathBuf>, path: &Path) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fresh_state;
     use super::*;
+
+    #[test]
+    fn both_settings_are_remembered_and_which_of_them_is_on() {
+        let mut state = fresh_state();
+        state.settings.pruning.depth_tolerance = 2.0;
+        let a = state.settings.clone();
+        state.settings = state.inspector.history.switch(&a);
+        state.settings.pruning.depth_tolerance = 3.0;
+        let b = state.settings.clone();
+        let mut next = fresh_state();
+        Memory::of(&state, &Dock::new()).restore(&mut next);
+        assert_eq!((next.inspector.history.slot, &next.settings), (Slot::B, &b));
+        assert_eq!(next.inspector.history.of(Slot::A, &next.settings), &a);
+        let mut first = fresh_state();
+        Memory::default().restore(&mut first);
+        assert_eq!((first.inspector.history.slot, &first.inspector.history.other), (Slot::A, &None));
+    }
 
     #[test]
     fn recent_files_are_unique_and_few() {

@@ -70,8 +70,8 @@ pub(super) enum Message {
     LivePainted { key: LiveKey, picture: Arc<LivePicture> },
     /// Accuracy at vantages with truth; `None` where there is none.
     Measured { scene: u64, settings: Settings, accuracy: Option<Accuracy> },
-    /// What there is to say about a pixel; `None` where there is nothing.
-    Probed { scene: u64, spot: Spot, probed: Option<Arc<Probed>> },
+    /// What there is to say about a pixel; `None` where there is nothing, or for a hole.
+    Probed { scene: u64, spot: Spot, probed: Option<Arc<Probed>>, is_hole: bool },
     /// Every camera small.
     Thumbnails { scene: u64, pictures: Vec<Arc<egui::ColorImage>> },
     /// The quantities that thresholds cut.

@@ -23,6 +23,7 @@ mod names;
 mod own_thread;
 mod panels;
 mod paths;
+mod picture_file;
 mod plan;
 mod receive;
 mod scene;
@@ -257,13 +258,14 @@ impl OverlookApp {
 
     /// Asks before the window closes with something unsaved, half written or half measured.
     fn watch_closing(&mut self, ctx: &egui::Context) {
+        let is_unsaved = self.state.is_unsaved();
         let inspector = &mut self.state.inspector;
         let closing = &mut inspector.closing;
         closing.writing = !self.lanes.file.is_idle() || !self.lanes.inspector.export.is_idle();
         if closing.anyway || !ctx.input(|input| input.viewport().close_requested()) {
             return;
         }
-        if inspector.unsaved || inspector.closing.writing || inspector.losses().is_some() {
+        if is_unsaved || inspector.closing.writing || inspector.losses().is_some() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             inspector.closing.asks = true;
         }

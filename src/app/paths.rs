@@ -9,6 +9,7 @@ use super::command::Command;
 use super::inspector::path::{NO_KEYS, Target};
 use super::lanes::FileRequest;
 use super::message::{Message, Purpose};
+use super::picture_file::with_ending;
 use super::scene::Content;
 use super::state::{NoticeKind, State, TypedPath};
 use crate::error::Error;
@@ -18,6 +19,8 @@ use crate::error::Error;
 const NO_DIALOG: Duration = Duration::from_secs(2);
 
 const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it here instead.";
+
+const OTHER_ENDING: &str = "A picture is written as PNG; name it .png.";
 
 /// Somewhere to write, before anything is written there.
 #[derive(Clone, Debug)]
@@ -98,8 +101,12 @@ impl OverlookApp {
 
     /// Takes the path in the field; one to be written to once it is known that nothing stands there, or that it may be replaced.
     fn take_typed_path(&mut self) {
-        let Some(typed) = &self.state.typed_path else { return };
+        let Some(typed) = &mut self.state.typed_path else { return };
         let (purpose, Some(path)) = (typed.purpose, place(&typed.text)) else { return };
+        let Some(path) = named(purpose, path) else {
+            typed.reason = Some(OTHER_ENDING.to_owned());
+            return;
+        };
         if purpose.writes() && !typed.replaces {
             self.lanes.look.submit(Destination { purpose, path });
         } else {
@@ -113,7 +120,7 @@ impl OverlookApp {
         let Destination { purpose, path } = destination;
         let typed = self.state.typed_path.as_mut();
         let Some(typed) =
-            typed.filter(|typed| typed.purpose == *purpose && place(&typed.text).as_ref() == Some(path))
+            typed.filter(|typed| typed.purpose == *purpose && typed_place(typed).as_ref() == Some(path))
         else {
             return;
         };
@@ -129,8 +136,13 @@ impl OverlookApp {
     pub(super) fn path_chosen(&mut self, purpose: Purpose, path: Option<PathBuf>) {
         let asked_at = self.asked_at.take();
         match path {
-            // The dialog asks before a file is replaced, not before pictures are put beside others.
-            Some(path) if purpose == Purpose::ExportPictures && path.to_str().is_some() => {
+            // The dialog asks before a file is replaced, not before pictures are put beside others, and it knows the name that
+            // was chosen alone.
+            Some(path)
+                if (purpose == Purpose::ExportPictures
+                    || named(purpose, path.clone()).as_ref() != Some(&path))
+                    && path.to_str().is_some() =>
+            {
                 self.type_path(purpose, None);
                 self.apply(Command::TypedPath(path.display().to_string()));
                 self.take_typed_path();
@@ -151,7 +163,7 @@ impl OverlookApp {
     pub(super) fn type_again(&mut self, what: &str, error: &Error) {
         let Error::Io { path, .. } = error else { return };
         let last = self.last_typed.take_if(|last| {
-            last.purpose.lane() == what && place(&last.text).is_some_and(|place| path.starts_with(place))
+            last.purpose.lane() == what && typed_place(last).is_some_and(|place| path.starts_with(place))
         });
         if let (Some(last), None) = (last, &self.state.typed_path) {
             self.state.typed_path =
@@ -169,13 +181,10 @@ impl OverlookApp {
                 self.lanes.file.submit(FileRequest::SaveSettings { path, settings });
             }
             Purpose::LoadSettings => self.lanes.file.submit(FileRequest::LoadSettings { path }),
-            Purpose::SavePicture => {
-                let rendered = self.state.live_shown.as_ref().and_then(|shown| shown.picture.rendered());
-                match rendered.cloned() {
-                    Some(picture) => self.lanes.file.submit(FileRequest::SavePicture { path, picture }),
-                    None => self.tell_of_motion(),
-                }
-            }
+            Purpose::SavePicture => match self.state.shown_picture().cloned() {
+                Some(picture) => self.lanes.file.submit(FileRequest::SavePicture { path, picture }),
+                None => self.tell_of_motion(),
+            },
             Purpose::ExportPictures => self.export_path(Target::Pictures(path)),
             Purpose::ExportFilm => {
                 let rate = f64::from(self.state.timeline.frames_per_second);
@@ -219,7 +228,7 @@ impl OverlookApp {
         } else {
             return false;
         };
-        self.state.notify(NoticeKind::Warning, title, text);
+        self.state.warn_of_scene(title, text);
         true
     }
 }
@@ -245,6 +254,16 @@ fn place(text: &str) -> Option<PathBuf> {
         _ => PathBuf::from(text),
     };
     (!text.is_empty()).then(|| lasting(path))
+}
+
+/// The path with the ending that a file of this purpose needs; `None` where it has one of another kind of file.
+fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
+    if purpose == Purpose::SavePicture { with_ending(path) } else { Some(path) }
+}
+
+/// Where the path in the field leads to; `None` where it cannot be taken.
+fn typed_place(typed: &TypedPath) -> Option<PathBuf> {
+    named(typed.purpose, place(&typed.text)?)
 }
 
 /// A path that means the same from whatever folder the window is started next time.

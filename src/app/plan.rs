@@ -59,6 +59,11 @@ impl Plan {
         self.source = None;
     }
 
+    /// Forgets that the pixel was asked about, so that it is asked about again.
+    pub(super) fn forget_probe(&mut self) {
+        self.inspector.forget_probe();
+    }
+
     /// The frame whose inspection was asked for last.
     pub(super) fn inspected_frame(&self) -> Option<usize> {
         self.inspect.as_ref().map(|key| key.frame)
@@ -232,9 +237,7 @@ impl Plan {
     }
 
     fn ask_accuracy(&mut self, state: &State, lanes: &Lanes) {
-        let (Some(scene), Some(scan), Some(whole)) = (&state.scene, &state.scan, &state.whole) else {
-            return;
-        };
+        let (Some(scene), Some(whole)) = (&state.scene, &state.whole) else { return };
         if state.is_stale() || state.timeline.playing {
             return;
         }
@@ -244,7 +247,6 @@ impl Plan {
         if !asked {
             lanes.measure.submit(MeasureRequest {
                 scene: scene.clone(),
-                scan: scan.clone(),
                 samples: whole.samples.clone(),
                 settings: state.settings.clone(),
             });

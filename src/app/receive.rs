@@ -6,7 +6,7 @@ use std::sync::Arc;
 use egui::{TextureFilter, TextureOptions};
 
 use super::OverlookApp;
-use super::inspector::compare::Compared;
+use super::inspector::compare::{CompareKey, Compared};
 use super::inspector::difference::Comparison;
 use super::inspector::path::Exported;
 use super::inspector::probe::{Probed, Spot};
@@ -44,7 +44,7 @@ impl OverlookApp {
         }
         let Self { state, .. } = self;
         match message {
-            Message::Opened(scene) => self.opened(scene),
+            Message::Opened(scene) => self.opened(&scene),
             Message::Scanned { scan, .. } => self.scanned(scan),
             Message::Pruned { settings, result, .. } => self.pruned(settings, &result),
             Message::Inspected { inspected, .. } => {
@@ -62,14 +62,14 @@ impl OverlookApp {
                 self.state.live_shown = texture.map(|texture| Shown { key, picture, texture });
             }
             Message::Measured { settings, accuracy, .. } => self.measured(&settings, accuracy),
-            Message::Probed { spot, probed, .. } => self.probed(spot, probed),
+            Message::Probed { spot, probed, is_hole, .. } => self.probed(spot, probed, is_hole),
             Message::Thumbnails { pictures, .. } => {
                 let textures =
                     pictures.into_iter().map(|it| ctx.load_texture("thumbnail", it, TextureOptions::LINEAR));
                 state.inspector.thumbs = textures.collect();
             }
             Message::Histograms { histograms, .. } => state.inspector.histograms = histograms,
-            Message::Compared { outcome, .. } => self.compared(outcome, ctx),
+            Message::Compared { key, outcome } => self.compared(&key, outcome, ctx),
             Message::MemoryMapped { blocks, .. } => state.inspector.memory = Some(blocks),
             Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
             Message::Swept { point, known, .. } => state.inspector.charts.add(*point, known),
@@ -106,7 +106,7 @@ impl OverlookApp {
         }
         let report = &result.report;
         for doubt in report.doubts() {
-            state.notify(NoticeKind::Warning, "Check the capture", text::sentence(&doubt));
+            state.warn_of_scene("Check the capture", text::sentence(&doubt));
         }
         let line = format!(
             "Pruned the capture: {} of {} samples kept in {} s",
@@ -139,33 +139,40 @@ impl OverlookApp {
         self.state.notify(NoticeKind::Done, "Settings loaded", text);
     }
 
-    fn probed(&mut self, spot: Spot, probed: Option<Arc<Probed>>) {
+    fn probed(&mut self, spot: Spot, probed: Option<Arc<Probed>>, is_hole: bool) {
         let probe = &mut self.state.inspector.probe;
         // An answer about a spot that the pointer has left is better than none while the next is on its way.
         if probe.spot.is_none() {
             return;
         }
-        if let (true, Spot::Live { .. }, Some(probed)) = (probe.pinned, spot, &probed) {
-            probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
+        let is_kept = probe.pinned && probe.spot == Some(spot) && matches!(spot, Spot::Live { .. });
+        match &probed {
+            Some(probed) if is_kept => {
+                probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
+            }
+            // There is no pixel to keep: what appears here later, nobody meant.
+            None if is_kept && is_hole => (probe.pinned, probe.spot) = (false, None),
+            _ => {}
         }
         probe.shown = probed;
     }
 
-    fn compared(&mut self, outcome: Result<Comparison, String>, ctx: &egui::Context) {
+    fn compared(&mut self, key: &CompareKey, outcome: Result<Comparison, String>, ctx: &egui::Context) {
         let inspector = &mut self.state.inspector;
         match outcome {
             Ok(comparison) => {
                 let [left, right] = comparison.images.clone();
                 let textures = [left, right, comparison.difference.clone()]
                     .map(|image| ctx.load_texture("comparison", image, TextureOptions::NEAREST));
-                inspector.compared = Some(Compared { comparison, textures });
+                inspector.compared =
+                    Some(Compared { sides: key.sides, place: key.place, comparison, textures });
                 inspector.compare_trouble = None;
             }
             Err(trouble) => inspector.compare_trouble = Some(trouble),
         }
     }
 
-    fn opened(&mut self, scene: Arc<Scene>) {
+    fn opened(&mut self, scene: &Arc<Scene>) {
         let state = &mut self.state;
         if let Origin::Path(path) = &scene.origin {
             remember_recent(&mut state.recent, path);
@@ -188,22 +195,20 @@ impl OverlookApp {
         state.source.against = None;
         state.source.zoom = 1.0;
         state.source.center = egui::Vec2::splat(0.5);
-        state.live.rig = Rig::home(&scene);
-        state.notices.retain(|notice| notice.kind != NoticeKind::Error);
-        if let Some(capture) = scene.capture() {
-            for warning in &capture.warnings {
-                state.notify(NoticeKind::Warning, "While opening", warning.clone());
-            }
+        state.live.rig = Rig::home(scene);
+        state.inspector.saved = scene.capture().map(|_| state.settings.clone());
+        state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
+        state.scene = Some(scene.clone());
+        for warning in scene.capture().iter().flat_map(|capture| &capture.warnings) {
+            state.warn_of_scene("While opening", warning.clone());
         }
         if let Some(playback) = scene.playback() {
             for warning in &playback.store().info().warnings {
-                state.notify(NoticeKind::Warning, "While opening", warning.clone());
+                state.warn_of_scene("While opening", warning.clone());
             }
             state.tell_damage(&playback.store().damage());
         }
-        let opened = format!("Opened {}", scene.name);
-        state.inspector.log(NoticeKind::Done, opened);
-        state.scene = Some(scene);
+        state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
         // What is closed needs no more work. Files of it that are being written were asked for, and are finished.
         self.lanes.whole.cancel();
         self.lanes.measure.cancel();
@@ -224,10 +229,8 @@ impl OverlookApp {
         let place = path.display();
         // Thresholds may have been changed while it was written, and another capture opened.
         let scene = self.state.scene.as_ref().map(|scene| scene.id);
-        if holds.is_some_and(|(of, settings)| {
-            Some(of) == scene && method_of(&settings) == method_of(&self.state.settings)
-        }) {
-            self.state.inspector.unsaved = false;
+        if let Some((_, settings)) = holds.filter(|(of, _)| Some(*of) == scene) {
+            self.state.inspector.saved = Some(settings);
         }
         let text = match bytes {
             Some(bytes) => {

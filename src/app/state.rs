@@ -9,7 +9,7 @@ use super::inspector::Inspector;
 use super::message::{Accuracy, Purpose};
 use super::scene::{Content, Scene};
 use super::texture::Texture;
-use super::views::live_image::{ColorBy, LiveKey, LivePicture};
+use super::views::live_image::{ColorBy, LiveKey, LivePicture, Pixels};
 use super::views::rig::Rig;
 use super::views::source_image::{Overlay, SourceKey, SourcePicture};
 use crate::job::Progress;
@@ -40,6 +40,8 @@ pub(super) struct Notice {
     pub text: String,
     /// When it came up.
     pub since: Instant,
+    /// The scene it speaks of, with which it ends; `None` where it holds whatever is open.
+    pub scene: Option<u64>,
 }
 
 /// The whole capture, pruned.
@@ -270,6 +272,12 @@ impl State {
         }
     }
 
+    /// Whether thresholds differ from those that the store saved last was made with, or that the capture was opened with.
+    pub(super) fn is_unsaved(&self) -> bool {
+        let saved = self.inspector.saved.as_ref().filter(|_| self.has_capture());
+        saved.is_some_and(|saved| method_of(saved) != method_of(&self.settings))
+    }
+
     /// The settings that the panel shows: a store's own where one is open, with the painting that is on now.
     pub(super) fn shown_settings(&self) -> Settings {
         match self.scene.as_ref().map(|scene| &scene.content) {
@@ -300,6 +308,14 @@ impl State {
         self.current_whole().or_else(own).or(self.whole.as_ref().map(|whole| &whole.samples))
     }
 
+    /// The picture of the live view as it is shown; `None` while it stays on the graphics card.
+    pub(super) fn shown_picture(&self) -> Option<&Arc<egui::ColorImage>> {
+        match &self.live_shown.as_ref()?.picture.pixels {
+            Pixels::InMemory { image, .. } => Some(image),
+            Pixels::OnAdapter(_) => None,
+        }
+    }
+
     /// Whether the samples of all frames are there, made with the settings on the sliders or played from a store.
     pub(super) fn is_whole_ready(&self) -> bool {
         match self.scene.as_ref().map(|scene| &scene.content) {
@@ -328,11 +344,20 @@ impl State {
 
     /// Adds a message.
     pub(super) fn notify(&mut self, kind: NoticeKind, title: impl Into<String>, text: impl Into<String>) {
-        let (title, text) = (title.into(), text.into());
+        self.add_notice(kind, title.into(), text.into(), None);
+    }
+
+    /// Adds a warning about what is open.
+    pub(super) fn warn_of_scene(&mut self, title: impl Into<String>, text: impl Into<String>) {
+        let scene = self.scene.as_ref().map(|scene| scene.id);
+        self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene);
+    }
+
+    fn add_notice(&mut self, kind: NoticeKind, title: String, text: String, scene: Option<u64>) {
         self.inspector.log(kind, format!("{title}: {text}"));
         self.notices.retain(|notice| notice.title != title || notice.text != text);
         let id = self.notices.iter().map(|notice| notice.id).max().unwrap_or(0) + 1;
-        self.notices.push(Notice { id, kind, title, text, since: Instant::now() });
+        self.notices.push(Notice { id, kind, title, text, since: Instant::now(), scene });
     }
 
     /// Says what could not be read of the open store, once: the first of many lines, and all of them in the log.
@@ -343,7 +368,7 @@ impl State {
         for line in others {
             self.inspector.log(NoticeKind::Warning, (*line).clone());
         }
-        self.notify(NoticeKind::Warning, "The store is damaged", and_others(first, others.len()));
+        self.warn_of_scene("The store is damaged", and_others(first, others.len()));
     }
 }
 

@@ -3,12 +3,17 @@
 use std::time::{Duration, Instant};
 
 use super::command::Command;
+use super::dock::View;
 use super::inspector::charts::Study;
+use super::inspector::compare_look::{CompareLook, Side};
 use super::inspector::path::Exported;
+use super::inspector::probe::Spot;
 use super::message::{Message, Purpose};
+use super::state::NoticeKind;
 use super::{OverlookApp, Start};
 use crate::capture::demo::DemoSpec;
 use crate::error::Error;
+use crate::render::NO_IMAGE;
 use crate::settings::PruningMethod;
 use crate::store::Store;
 
@@ -173,12 +178,27 @@ fn thresholds_changed_while_a_store_is_written_are_still_unsaved() {
         holds: Some((scene, settings)),
     };
     app.receive(saved(scene, before), &ctx);
-    assert!(app.state.inspector.unsaved);
+    assert!(app.state.is_unsaved());
     let now = app.state.settings.clone();
     app.receive(saved(scene + 1, now.clone()), &ctx);
-    assert!(app.state.inspector.unsaved, "another capture was saved");
+    assert!(app.state.is_unsaved(), "another capture was saved");
     app.receive(saved(scene, now), &ctx);
-    assert!(!app.state.inspector.unsaved);
+    assert!(!app.state.is_unsaved());
+}
+
+#[test]
+fn thresholds_that_were_taken_back_need_not_be_saved() {
+    let mut app = start(2, 2);
+    settle(&mut app);
+    set_method(&mut app, PruningMethod::Off);
+    assert!(app.state.is_unsaved());
+    app.apply(Command::Undo);
+    assert!(!app.state.is_unsaved());
+    app.apply(Command::SwitchSettings);
+    set_method(&mut app, PruningMethod::FirstCamera);
+    assert!(app.state.is_unsaved());
+    app.apply(Command::SwitchSettings);
+    assert!(!app.state.is_unsaved());
 }
 
 #[test]
@@ -243,6 +263,67 @@ fn damage_that_is_met_while_a_store_plays_is_told_once() {
         settle(&mut app);
     }
     assert_eq!(about_damage(&app), 0);
+}
+
+#[test]
+fn warnings_about_a_scene_end_with_it_and_those_about_files_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = open_damaged(folder.path());
+    app.state.notices.clear();
+    app.apply(Command::Frame(FRAMES - 1));
+    wait(&mut app, "the warning", |app| !app.state.notices.is_empty());
+    let ctx = app.ctx.clone();
+    let exported = Exported { pictures: 2, notice: None, damage: vec!["frame 8".into()] };
+    app.receive(Message::Exported { path: "pictures".into(), exported }, &ctx);
+    app.open_demo(orrery(2, 2));
+    wait(&mut app, "the capture", |app| app.state.has_capture());
+    let warnings = app.state.notices.iter().filter(|notice| notice.kind == NoticeKind::Warning);
+    let titles: Vec<&str> = warnings.map(|notice| notice.title.as_str()).collect();
+    assert_eq!(titles, ["Exported from a damaged store"]);
+}
+
+#[test]
+fn a_hole_that_is_clicked_is_not_kept() {
+    let mut app = start(2, 2);
+    settle(&mut app);
+    app.apply(Command::Dolly(4.0));
+    app.apply(Command::Orbit(glam::DVec2::new(2.0, 0.0)));
+    settle(&mut app);
+    let picture = app.state.live_shown.as_ref().unwrap().picture.rendered().unwrap().clone();
+    let width = picture.image.width();
+    let hole = picture.image.as_slice().iter().position(|image| *image == NO_IMAGE).expect("a hole");
+    let spot = Spot::Live { x: hole % width, y: hole / width };
+    // With and without having been pointed at before.
+    for before in [false, true] {
+        app.apply(Command::Probe(Some(spot)));
+        if before {
+            settle(&mut app);
+            step(&mut app);
+        }
+        app.apply(Command::Pin(true));
+        settle(&mut app);
+        // What the lane said last is taken in.
+        step(&mut app);
+        let probe = &app.state.inspector.probe;
+        assert!(!probe.pinned && probe.spot.is_none() && probe.shown.is_none(), "before: {before}");
+    }
+    app.apply(Command::Home);
+    settle(&mut app);
+    assert!(app.state.inspector.probe.shown.is_none());
+}
+
+#[test]
+fn pictures_are_named_after_what_they_show_until_those_that_were_chosen_are_there() {
+    let mut app = start(2, 2);
+    app.dock.open(View::Compare);
+    wait(&mut app, "the comparison", |app| app.state.inspector.compared.is_some());
+    let sides = |app: &OverlookApp| app.state.inspector.compared.as_ref().map(|compared| compared.sides);
+    let before = app.state.inspector.compare.clone();
+    let look = CompareLook { sides: [Side::Point, Side::Kept], ..before.clone() };
+    app.state.inspector.compare_trouble = Some("of those before".into());
+    app.apply(Command::Compare(Box::new(look.clone())));
+    assert_eq!((sides(&app), &app.state.inspector.compare_trouble), (Some(before.sides), &None));
+    wait(&mut app, "the other comparison", |app| sides(app) == Some(look.sides));
 }
 
 #[test]

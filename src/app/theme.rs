@@ -48,6 +48,8 @@ pub(crate) struct Tokens {
     pub hole_stripe: Color32,
     /// Samples that live over the whole sequence.
     pub static_over_time: Color32,
+    /// Samples of several frames.
+    pub lasting: Color32,
     /// Samples of one frame.
     pub moving: Color32,
     /// Pixels without depth.
@@ -78,6 +80,7 @@ const DARK: Tokens = Tokens {
     hole: rgb(0x33_2040),
     hole_stripe: rgb(0x3f_2a4e),
     static_over_time: rgb(0x3a_7fc4),
+    lasting: rgb(0x35_b592),
     moving: rgb(0xf0_a030),
     invalid: rgb(0x55_5a61),
     scrim: Color32::from_rgba_premultiplied(6, 8, 10, 190),
@@ -103,6 +106,7 @@ const LIGHT: Tokens = Tokens {
     hole: rgb(0x8d_7a9a),
     hole_stripe: rgb(0x81_6d8f),
     static_over_time: rgb(0x2f_72b5),
+    lasting: rgb(0x12_9273),
     moving: rgb(0xd9_8200),
     invalid: rgb(0x8b_9199),
     scrim: Color32::from_rgba_premultiplied(6, 8, 10, 180),
@@ -119,6 +123,15 @@ impl Tokens {
     /// The tokens of the theme that `ui` is drawn in.
     pub(crate) fn in_ui(ui: &egui::Ui) -> &'static Self {
         Self::of(ui.visuals().dark_mode)
+    }
+
+    /// The color of samples that are stored for `length` of all `frames`.
+    pub(crate) fn of_span(&self, length: usize, frames: usize) -> Color32 {
+        match length {
+            _ if length >= frames => self.static_over_time,
+            0 | 1 => self.moving,
+            _ => self.lasting,
+        }
     }
 }
 

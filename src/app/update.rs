@@ -127,8 +127,7 @@ impl OverlookApp {
 
     /// Opens something, after a question where a camera path or measured points are lost by it.
     fn ask_to_open(&mut self, command: Command) {
-        let inspector = &self.state.inspector;
-        if inspector.path.pictures() > 0 || inspector.has_measured() {
+        if self.state.inspector.losses().is_some() {
             self.state.asks_to_open = Some(command);
         } else {
             self.open(command);
@@ -189,7 +188,6 @@ impl OverlookApp {
 
     pub(super) fn put_settings(&mut self, settings: Settings) {
         if method_of(&settings) != method_of(&self.state.settings) {
-            self.state.inspector.unsaved = self.state.has_capture();
             self.plan.changed_at = Some(Instant::now());
             self.state.stopped = false;
             self.state.failed_frame = None;

@@ -9,6 +9,7 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
+use super::facet::{MIXED, UNSURE};
 use super::layer::Layer;
 use super::pruning::Rig;
 use super::registration::{Outcome, SameSurface};
@@ -263,6 +264,8 @@ impl<'a> Asker<'a> {
             color_difference_steps: f64::NAN,
             paper_r: f64::NAN,
             footprint_r: f64::NAN,
+            is_blended: false,
+            is_unsure: false,
             verdict: None,
         };
         let Some(found) = self.find(target, layer) else { return testimony };
@@ -285,6 +288,8 @@ impl<'a> Asker<'a> {
             return testimony;
         }
         testimony.depth_found = 1.0 / f64::from(inverse_depth);
+        let rank = layer.ranks[pixel].rank;
+        (testimony.is_blended, testimony.is_unsure) = (rank & MIXED != 0, rank & UNSURE != 0);
         if let Some((distance, footprint)) = self.plane_distance(target, layer, &found, (x, y, pixel)) {
             testimony.plane_distance_footprints = distance;
             testimony.footprint = footprint;

@@ -34,7 +34,8 @@ pub enum Rule {
     NoSample,
     /// Kept: no other camera sees this surface point.
     OnlyWitness,
-    /// Kept: every other camera that sees the point samples it less densely (or equally, and comes later).
+    /// Kept: every other camera that sees the point samples it less densely (or equally, and comes later), or its sample is
+    /// blended or its normal unknown, and this one's is not.
     BestRate,
     /// Kept: a better sample exists but was itself dropped for one that does not see this point (coverage guarantee), or is
     /// one of a longer span where those may not stand.
@@ -49,13 +50,15 @@ pub enum Rule {
     LaterCamera,
     /// Dropped: blended across a silhouette, and the witness is clean.
     MixedYields,
+    /// Dropped: the normal is unknown, so that the rate is a guess, and the witness's is known.
+    UnsureYields,
     /// Dropped: blended across a silhouette, and the settings drop all such samples. There is no witness.
     MixedDropped,
 }
 
 impl Rule {
     /// Every rule.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::NoSample,
         Self::OnlyWitness,
         Self::BestRate,
@@ -65,6 +68,7 @@ impl Rule {
         Self::Tie,
         Self::LaterCamera,
         Self::MixedYields,
+        Self::UnsureYields,
         Self::MixedDropped,
     ];
 
@@ -81,6 +85,7 @@ impl Rule {
             Self::Tie => "tie",
             Self::LaterCamera => "later_camera",
             Self::MixedYields => "mixed_yields",
+            Self::UnsureYields => "unsure_yields",
             Self::MixedDropped => "mixed_dropped",
         }
     }
@@ -91,7 +96,7 @@ impl Rule {
         match self {
             Self::NoSample => "No sample: the pixel has no depth.",
             Self::OnlyWitness => "Kept: no other camera has a sample of this point throughout its span.",
-            Self::BestRate => "Kept: no other camera samples this point more densely.",
+            Self::BestRate => "Kept: no clean sample of this point with a known normal is denser.",
             Self::Coverage => {
                 "Kept: the better sample does not stand: it was dropped for one that does not see this point, or lives in a longer span, which is not asked."
             }
@@ -102,6 +107,7 @@ impl Rule {
             Self::MixedYields => {
                 "Dropped: its color is blended across a silhouette, and the witness is clean."
             }
+            Self::UnsureYields => "Dropped: its normal is not known, and the witness's is.",
             Self::MixedDropped => "Dropped: its color is blended across a silhouette.",
         }
     }

@@ -23,7 +23,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use rayon::prelude::*;
 
 use super::contest::{Contest, Entry, Rival, Way, hold_row, lanes_at, rivals};
-use super::facet::MIXED;
+use super::facet::{MIXED, UNSURE};
 use super::layer::{Layer, Level, NO_SAMPLE};
 use super::registration::{Block, LANES, SameSurface};
 pub use super::rig::Rig;
@@ -385,6 +385,8 @@ pub(super) fn rule_between(method: PruningMethod, rank: u32, witness_rank: u32) 
         Rule::LaterCamera
     } else if rank & MIXED != 0 && witness_rank & MIXED == 0 {
         Rule::MixedYields
+    } else if rank & UNSURE != 0 && witness_rank & UNSURE == 0 {
+        Rule::UnsureYields
     } else if witness_rank == rank {
         Rule::Tie
     } else {

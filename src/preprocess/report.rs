@@ -73,7 +73,8 @@ pub struct Report {
     pub samples_in: u64,
     /// Samples kept.
     pub samples_kept: u64,
-    /// Samples dropped, per rule; `static` counts the repetitions that a background sample stands for.
+    /// Samples dropped, per rule; `static` counts the repetitions that a sample of several frames
+    /// stands for.
     pub pruned: BTreeMap<String, u64>,
     /// `witnesses[loser][winner]`: samples of camera `loser` for which a sample of camera `winner` stands.
     pub witnesses: Vec<Vec<u64>>,

@@ -34,6 +34,10 @@ pub struct Testimony {
     pub paper_r: f64,
     /// The same by footprints, which know focal length and resolution: their longest sides where these decide, else their areas.
     pub footprint_r: f64,
+    /// Whether the sample found there is blended across a silhouette, so that it yields to clean ones, however dense.
+    pub is_blended: bool,
+    /// Whether the normal found there is not known, so that the sample yields to those whose is.
+    pub is_unsure: bool,
     /// What became of the pixel found there; `None` outside the picture.
     pub verdict: Option<Verdict>,
 }

@@ -171,6 +171,26 @@ fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
 }
 
 #[test]
+fn in_a_small_window_what_is_compared_stands_above_and_how_below() {
+    let mut window = open(small_demo(), [1024.0, 640.0]);
+    settle(&mut window);
+    open_view(&mut window, "Compare");
+    choose(&mut window, "Compare by", "Difference");
+    let row = |names: &[&str]| {
+        let rects: Vec<egui::Rect> = names.iter().map(|name| window.get_by_label(name).rect()).collect();
+        for pair in rects.windows(2) {
+            assert!(pair[0].right() <= pair[1].left() + 0.5, "{names:?}: {pair:?}");
+            assert!((pair[0].center().y - pair[1].center().y).abs() < 1.0, "{names:?}: {pair:?}");
+        }
+        rects[0]
+    };
+    let above = row(&["Left side", "Right side", "From"]);
+    let below = row(&["Compare by: Wipe", "Compare by: Flip", "Compare by: Difference"]);
+    row(&["Difference in: Steps", "Difference in: Brighter", "Difference in: FLIP"]);
+    assert!(above.bottom() <= below.top() && above.left() - below.left() < 1.0);
+}
+
+#[test]
 fn settings_are_kept_under_a_name_put_on_again_and_forgotten() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);

@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use super::super::accuracy::with_nothing_pruned;
 use super::super::scene::{Content, Scene};
 use super::super::state::method_of;
 use super::compare_look::{Measure, Place, Side};
@@ -13,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{self, SampleSet, TemporalScan};
 use crate::render::{Renderer, Vantage};
-use crate::settings::{Backend, Kernel, PruningMethod, Settings, SpanLevels};
+use crate::settings::{Backend, Kernel, Settings};
 
 /// What a comparison is made from; an equal key gives an equal comparison.
 #[derive(Clone)]
@@ -64,6 +65,10 @@ impl PartialEq for CompareKey {
 
 /// A comparison that is shown.
 pub(crate) struct Compared {
+    /// Whose pictures these are.
+    pub sides: [Side; 2],
+    /// From where.
+    pub place: Place,
     /// What came of it.
     pub comparison: Comparison,
     /// Left, right and difference on the graphics card.
@@ -145,10 +150,7 @@ impl Comparer {
             Side::Gather => render.kernel = Kernel::Gather,
             Side::Cpu => render.backend = Backend::Cpu,
             Side::Gpu => render.backend = Backend::Gpu,
-            Side::Everything => {
-                settings.pruning.method = PruningMethod::Off;
-                settings.spans.levels = SpanLevels::Off;
-            }
+            Side::Everything => settings = with_nothing_pruned(&settings),
             _ => {}
         }
         let as_shown = method_of(&settings) == method_of(&key.settings[0]);
@@ -270,6 +272,8 @@ fn place(key: &CompareKey) -> Result<(Vantage, Option<Arc<Frame>>)> {
 
 #[cfg(test)]
 mod tests {
+    use crate::settings::{MixedPixels, SpanLevels};
+
     use super::super::super::lanes::pool;
     use super::super::super::scene::Origin;
     use super::*;
@@ -357,7 +361,8 @@ mod tests {
 
     #[test]
     fn all_samples_are_every_pixel_of_the_frame() {
-        let (mut comparer, key) = (comparer(), key(Settings::default()));
+        let (mut comparer, mut key) = (comparer(), key(Settings::default()));
+        key.settings[0].pruning.mixed_pixels = MixedPixels::Drop;
         let key = CompareKey { sides: [Side::Everything, Side::Kept], ..key };
         comparer.compare(&key, &Job::new()).unwrap();
         assert_eq!(lengths(&comparer), [1]);

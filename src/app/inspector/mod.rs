@@ -110,8 +110,8 @@ pub(crate) struct Inspector {
     pub cheat_sheet: bool,
     /// The callout of the first run that is next; beyond the last there is none.
     pub callout: usize,
-    /// Whether thresholds were changed since the last store was saved.
-    pub unsaved: bool,
+    /// The settings of the store that was saved last of the open capture, at first those that it was opened with.
+    pub saved: Option<Settings>,
     /// What stands between the person and closing the window.
     pub closing: Closing,
     /// What happened, the latest last.
@@ -133,15 +133,9 @@ impl Inspector {
         self.compared = None;
         self.path = CameraPath::default();
         self.charts = Charts::default();
-        self.unsaved = false;
+        self.saved = None;
         self.compare_trouble = None;
         self.told_damage.clear();
-    }
-
-    /// Whether a sweep or a stress test has points, or is under way.
-    pub(crate) fn has_measured(&self) -> bool {
-        let charts = &self.charts;
-        charts.studying || !charts.sweep.is_empty() || !charts.stress.is_empty()
     }
 
     /// What stands in no file and ends with the scene, in words; `None` where there is nothing.
@@ -206,7 +200,8 @@ impl InspectorLanes {
         Ok(Self {
             probe: Lane::start("Pixel argument", Supersede::Never, outbox.clone(), |key: ProbeKey, _| {
                 let probed = probe::probe(&key).map(Arc::new);
-                Ok(Message::Probed { scene: key.scene.id, spot: key.spot, probed })
+                let is_hole = probed.is_none() && key.has_picture();
+                Ok(Message::Probed { scene: key.scene.id, spot: key.spot, probed, is_hole })
             })?,
             memory: Lane::start(
                 "Memory map",
@@ -300,6 +295,11 @@ impl InspectorPlan {
         self.ask_memory(state, visible, lanes);
         self.ask_histograms(state, visible, lanes);
         self.ask_comparison(state, visible, lanes);
+    }
+
+    /// Forgets that the pixel was asked about, so that it is asked about again.
+    pub(crate) fn forget_probe(&mut self) {
+        self.probe = None;
     }
 
     /// Compares once the live view has come to rest: its picture says from where and of what.

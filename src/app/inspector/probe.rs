@@ -83,6 +83,13 @@ pub(crate) struct Probed {
     pub spans: Option<Vec<Span>>,
 }
 
+impl ProbeKey {
+    /// Whether the live picture can be asked. While it is in motion it may stay out of reach.
+    pub(crate) fn has_picture(&self) -> bool {
+        self.live.as_ref().is_some_and(|(_, picture)| picture.rendered().is_some())
+    }
+}
+
 /// Works out what there is to say; `None` where the spot shows nothing.
 pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
     let (camera, x, y, seen) = match key.spot {

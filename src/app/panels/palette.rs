@@ -182,11 +182,14 @@ fn entries(state: &State) -> Vec<Entry> {
         add(format!("Stand where {} stood", camera.name), "Shift+1 – 9", Command::JumpTo(index));
     }
     for field in Settings::fields().filter(|field| turns || field.path.starts_with("render.")) {
-        if let Kind::Choice(names) = field.kind {
-            for (value, _) in names {
-                let command = Command::Set { path: field.path, value: (*value).into() };
-                add(format!("Set {} to {value}", field.path), "", command);
-            }
+        let values: Vec<(&str, toml::Value)> = match field.kind {
+            Kind::Choice(names) => names.iter().map(|(value, _)| (*value, (*value).into())).collect(),
+            Kind::Switch => vec![("on", true.into()), ("off", false.into())],
+            // Numbers are turned on their sliders.
+            Kind::Number { .. } | Kind::Integer { .. } => Vec::new(),
+        };
+        for (name, value) in values {
+            add(format!("Set {} to {name}", field.path), "", Command::Set { path: field.path, value });
         }
     }
     entries
@@ -219,5 +222,24 @@ pub(super) fn cheat_sheet_ui(ctx: &egui::Context, state: &State, commands: &mut 
     });
     if modal.should_close() {
         commands.push(Command::CheatSheet(false));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::fresh_state;
+    use super::*;
+
+    #[test]
+    fn switches_are_set_by_name() {
+        let mut state = fresh_state();
+        for (text, on) in [("set render.antialias to on", true), ("set render.antialias to off", false)] {
+            let entry = matching(&state, text).into_iter().next().unwrap();
+            let expected = Command::Set { path: "render.antialias", value: on.into() };
+            assert_eq!(entry.command, expected);
+            let Command::Set { path, value } = entry.command else { unreachable!() };
+            state.settings.set(path, value).unwrap();
+            assert_eq!(state.settings.render.antialias, on);
+        }
     }
 }

@@ -73,12 +73,15 @@ pub(super) fn matrix_view_ui(ui: &mut Ui, state: &State) {
 
 fn rule_words(rule: &str) -> (String, &'static str) {
     let (words, help) = match rule {
-        "static" => ("Same over all frames", "Repetitions that a background sample stands for."),
+        "static" => ("Repeated over time", "Repetitions that a sample stored for several frames stands for."),
         "lower_rate" => ("Seen better elsewhere", "Another camera samples the point more densely."),
         "tie" => ("Seen equally well", "Equal rates: the earlier camera's sample stays."),
         "later_camera" => ("Seen by an earlier camera", "First camera wins, whatever the sampling rate."),
         "mixed_yields" => {
             ("Blended at a silhouette", "The color is blended, and a clean sample shows the point.")
+        }
+        "unsure_yields" => {
+            ("Normal unknown", "The normal is not known here, and a sample that knows it shows the point.")
         }
         "mixed_dropped" => ("Blended, dropped", "The color is blended and the settings drop such samples."),
         "no_sample" => ("Without depth", "The pixel has no depth and takes part in nothing."),

@@ -86,7 +86,7 @@ fn frame_facts_ui(ui: &mut Ui, state: &State) {
     }
     ui.add_space(space::SMALL);
     ui.label(RichText::new(facts).color(tokens.text_weak)).on_hover_text(
-        "All pixels of all cameras at this frame, and the kept samples that represent them: those stored once for all \
-         frames and those of this frame.",
+        "All pixels of all cameras at this frame, and the kept samples that represent them: those stored for all frames, for \
+         several and for this one alone.",
     );
 }

@@ -1,4 +1,4 @@
-//! Time: play, scrub, step, and how much moves in each frame.
+//! Time: play, scrub, step, and how much of each frame does not hold for all frames.
 
 use egui::{Align, DragValue, Layout, Rect, RichText, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::{ICON_PAUSE, ICON_PLAY_ARROW, ICON_SKIP_NEXT, ICON_SKIP_PREVIOUS};
@@ -49,9 +49,9 @@ fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let caption = match foreground(state) {
             Some(counts) => {
                 let here = counts.get(timeline.frame).copied().unwrap_or(0);
-                format!("moving: {} samples kept in this frame alone", text::count(here))
+                format!("{} samples that do not hold for all frames", text::count(here))
             }
-            None => "bars show what moves, once the capture is pruned".to_owned(),
+            None => "bars show what does not hold for all frames, once the capture is pruned".to_owned(),
         };
         ui.label(RichText::new(caption).color(tokens.text_weak));
     });
@@ -103,7 +103,9 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if let Some(pointer) = response.hover_pos() {
         let frame = ((pointer.x - rect.left()) / step).clamp(0.0, frames as f32 - 1.0) as usize;
         let count = foreground(state).and_then(|counts| counts.get(frame));
-        let kept = count.map_or(String::new(), |count| format!(": {} moving samples", text::count(*count)));
+        let kept = count.map_or(String::new(), |count| {
+            format!(": {} samples that do not hold for all frames", text::count(*count))
+        });
         response.on_hover_text_at_pointer(format!("Frame {}{kept}", frame + 1));
     }
 }

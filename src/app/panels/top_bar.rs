@@ -37,7 +37,14 @@ pub(super) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>
             if icon_button(ui, ICON_KEYBOARD, "Keys", "Keys (?)").clicked() {
                 commands.push(Command::CheatSheet(true));
             }
-            if icon_button(ui, ICON_TERMINAL, "Commands", "Do anything by its name (Ctrl+P)").clicked() {
+            if icon_button(
+                ui,
+                ICON_TERMINAL,
+                "Commands",
+                "Do anything but turn a slider by its name (Ctrl+P)",
+            )
+            .clicked()
+            {
                 commands.push(Command::Palette(Some(Palette::default())));
             }
         });

@@ -90,7 +90,7 @@ pub(super) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<
         ui.set_width(420.0);
         let inspector = &state.inspector;
         let losses = inspector.losses();
-        let (title, text) = match (inspector.closing.writing, inspector.unsaved) {
+        let (title, text) = match (inspector.closing.writing, state.is_unsaved()) {
             _ if !closes => ("Open something else?", None),
             (true, _) => ("Close before all is written?", Some(WRITING)),
             (false, true) => ("Close without saving?", Some(UNSAVED)),
@@ -106,7 +106,7 @@ pub(super) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<
         }
         ui.add_space(space::MEDIUM);
         ui.horizontal(|ui| {
-            let saves = closes && inspector.unsaved && !inspector.closing.writing;
+            let saves = closes && state.is_unsaved() && !inspector.closing.writing;
             if saves && ui.button("Save store…").accessible_name("Save before closing").clicked() {
                 commands.push(Command::Stay);
                 commands.push(Command::AskPath(Purpose::SaveStore));

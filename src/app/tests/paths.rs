@@ -9,6 +9,7 @@ use super::super::dock::View;
 use super::super::inspector::charts::Study;
 use super::super::inspector::probe::Spot;
 use super::super::message::{Message, Purpose};
+use super::super::views::live_image::ColorBy;
 use super::{set_method, settle, start, step, wait};
 use crate::settings::{PruningMethod, Settings};
 
@@ -232,7 +233,6 @@ fn settings_loaded_beside_a_store_do_not_claim_to_have_changed_its_thresholds() 
 fn opening_something_else_asks_only_where_a_camera_path_or_points_are_lost() {
     let mut app = start(2, 2);
     settle(&mut app);
-    app.apply(Command::AddKey);
     app.apply(Command::OpenPath("/no/such/capture".into()));
     assert!(app.state.asks_to_open.is_none() && app.state.opening.is_some());
     settle(&mut app);
@@ -246,4 +246,33 @@ fn opening_something_else_asks_only_where_a_camera_path_or_points_are_lost() {
     app.apply(demo);
     app.apply(Command::GoOnAnyway);
     assert!(app.state.opening.is_some());
+}
+
+#[test]
+fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let [bare, png, jpg] = ["view", "view.png", "view.jpg"].map(|name| folder.path().join(name));
+    let mut app = start(2, 2);
+    settle(&mut app);
+    app.apply(Command::ColorBy(ColorBy::Camera));
+    settle(&mut app);
+    let ctx = app.ctx.clone();
+    for chosen in [false, true] {
+        if chosen {
+            app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(jpg.clone()) }, &ctx);
+        } else {
+            type_path(&mut app, Purpose::SavePicture, &jpg);
+        }
+        let typed = app.state.typed_path.take().unwrap();
+        assert_eq!(typed.reason.unwrap(), "A picture is written as PNG; name it .png.");
+    }
+    app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(bare.clone()) }, &ctx);
+    wait(&mut app, "the picture", |_| png.is_file());
+    type_path(&mut app, Purpose::SavePicture, &bare);
+    wait(&mut app, "the question", asks_to_replace);
+    assert!(!bare.exists() && !jpg.exists());
+    let saved = image::open(&png).unwrap().into_rgb8();
+    let shown = app.state.shown_picture().unwrap();
+    let rgb = shown.pixels.iter().map(|pixel| [pixel.r(), pixel.g(), pixel.b()]);
+    assert!(saved.pixels().map(|pixel| pixel.0).eq(rgb));
 }

@@ -10,8 +10,8 @@ use super::super::dock::{Dock, View};
 use super::super::inspector::charts::Study;
 use super::super::state::{Busy, State, Work};
 use super::super::views::words;
-use super::super::{OverlookApp, fresh_state, panels, secs_left, theme};
-use super::{start, wait};
+use super::super::{OverlookApp, fresh_state, panels, secs_left, text, theme};
+use super::{settle, start, wait};
 use crate::job::Progress;
 use crate::settings::{Kernel, Settings};
 
@@ -113,4 +113,15 @@ fn of_a_pixel_that_is_kept_in_motion_nobody_is_asked_to_click_it() {
     state.timeline.playing = true;
     assert!(words::pending_verdict(&state, false).contains("click"));
     assert_eq!(words::pending_verdict(&state, true), "In motion: pause to read its verdict.");
+}
+
+#[test]
+fn samples_of_shorter_spans_are_not_said_to_be_of_one_frame() {
+    let mut app = start(2, 4);
+    settle(&mut app);
+    let counted = app.state.report().unwrap().foreground_per_frame[0];
+    let words = format!("{} samples that do not hold for all frames", text::count(counted));
+    let mut dock = Dock::new();
+    assert!(says(&words, |ui| panels::window_ui(ui, &app.state, &mut dock, &mut Vec::new())));
+    assert!(view_says(&app.state, View::Report, "Repeated over time"));
 }

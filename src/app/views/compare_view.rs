@@ -47,8 +47,9 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Com
     }
 }
 
+/// What is compared above, how below: rows that wrap break each other apart in a narrow view.
 fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
-    ui.horizontal_wrapped(|ui| {
+    ui.horizontal(|ui| {
         let sides: Vec<_> = Side::ALL
             .iter()
             .map(|(side, name, help)| (*side, (*name).to_owned(), (*help).to_owned()))
@@ -58,14 +59,17 @@ fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
                 look.sides[index] = side;
             }
         }
+        if let Some(place) = choice_ui(ui, "From", look.place, &places(state), SIDES) {
+            look.place = place;
+        }
+    });
+    ui.horizontal(|ui| {
         let modes = Mode::ALL.map(|(mode, name, help)| (mode, name, help));
         if let Some(mode) = segments_ui(ui, "Compare by", look.mode, modes) {
             look.mode = mode;
         }
-        if let Some(place) = choice_ui(ui, "From", look.place, &places(state), SIDES) {
-            look.place = place;
-        }
         if look.mode == Mode::Difference {
+            ui.add_space(space::MEDIUM);
             let measures = Measure::ALL.map(|(measure, name, help)| (measure, name, help));
             if let Some(measure) = segments_ui(ui, "Difference in", look.measure, measures) {
                 // A locked range is one of the other unit.
@@ -112,10 +116,8 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
     let picture = Rect::from_min_size(canvas.center() - size * scale * look.center, size * scale);
     let flipped = response.is_pointer_button_down_on() && look.mode == Mode::Flip
         || ui.input(|input| input.key_down(Key::X));
-    draw(&painter, picture, canvas, compared, look, flipped);
-    let name = |side: usize| {
-        Side::ALL.iter().find(|(of, ..)| *of == look.sides[side]).map_or("", |(_, name, _)| name)
-    };
+    let parts = parts(look, flipped);
+    draw(&painter, picture, canvas, compared, &parts);
     let font = egui::TextStyle::Small.resolve(ui.style());
     let plate = |at: egui::Pos2, align: Align2, words: &str| {
         let galley = painter.layout_no_wrap(words.to_owned(), font.clone(), tokens.on_scrim);
@@ -123,14 +125,18 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
         painter.rect_filled(place, 4.0, tokens.scrim);
         painter.galley(place.min + vec2(5.0, 2.0), galley, tokens.on_scrim);
     };
+    if !is_of(compared, look) {
+        painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.scrim);
+        egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+    }
     let (left, right) = (canvas.left_top() + vec2(6.0, 6.0), canvas.right_top() + vec2(-6.0, 6.0));
-    match look.mode {
-        Mode::Wipe => {
-            plate(left, Align2::LEFT_TOP, name(0));
-            plate(right, Align2::RIGHT_TOP, name(1));
+    for (index, (texture, _)) in parts.iter().enumerate() {
+        let words = compared.sides.get(*texture).map_or("Difference", |side| side_name(*side));
+        if index == 0 {
+            plate(left, Align2::LEFT_TOP, words);
+        } else {
+            plate(right, Align2::RIGHT_TOP, words);
         }
-        Mode::Flip => plate(left, Align2::LEFT_TOP, name(usize::from(flipped))),
-        Mode::Difference => plate(left, Align2::LEFT_TOP, "Difference"),
     }
     move_ui(ui, &response, canvas, picture, look);
     let at = response.hover_pos().filter(|at| picture.contains(*at))?;
@@ -138,29 +144,42 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
     Some([at.x as usize, at.y as usize])
 }
 
+fn side_name(side: Side) -> &'static str {
+    Side::ALL.iter().find(|(of, ..)| *of == side).map_or("", |(_, name, _)| name)
+}
+
+/// Whether pictures show what is chosen; else what is chosen is being worked out.
+fn is_of(compared: &Compared, look: &CompareLook) -> bool {
+    (compared.sides, compared.place) == (look.sides, look.place)
+}
+
+/// What is drawn: which of left, right and difference, and the shares of the width between which.
+fn parts(look: &CompareLook, flipped: bool) -> Vec<(usize, [f32; 2])> {
+    match look.mode {
+        Mode::Difference => vec![(2, [0.0, 1.0])],
+        Mode::Flip | Mode::Wipe if flipped => vec![(1, [0.0, 1.0])],
+        Mode::Flip => vec![(0, [0.0, 1.0])],
+        Mode::Wipe => vec![(0, [0.0, look.wipe]), (1, [look.wipe, 1.0])],
+    }
+}
+
 fn draw(
     painter: &egui::Painter,
     picture: Rect,
     canvas: Rect,
     compared: &Compared,
-    look: &CompareLook,
-    flipped: bool,
+    parts: &[(usize, [f32; 2])],
 ) {
     let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    let show = |painter: &egui::Painter, index: usize| {
-        painter.image(compared.textures[index].id(), picture, whole, egui::Color32::WHITE);
-    };
-    match look.mode {
-        Mode::Difference => show(painter, 2),
-        Mode::Flip => show(painter, usize::from(flipped)),
-        Mode::Wipe => {
-            let x = canvas.left() + canvas.width() * look.wipe;
-            let split = |from: f32, to: f32| Rect::from_x_y_ranges(from..=to, canvas.y_range());
-            show(&painter.with_clip_rect(split(canvas.left(), x)), 0);
-            show(&painter.with_clip_rect(split(x, canvas.right())), 1);
-            for (width, color) in [(3.0, egui::Color32::BLACK), (1.5, egui::Color32::WHITE)] {
-                painter.vline(x, canvas.y_range(), Stroke::new(width, color));
-            }
+    let column = |share: f32| canvas.left() + canvas.width() * share;
+    for (texture, [from, to]) in parts {
+        let clip = Rect::from_x_y_ranges(column(*from)..=column(*to), canvas.y_range());
+        let texture = compared.textures[*texture].id();
+        painter.with_clip_rect(clip).image(texture, picture, whole, egui::Color32::WHITE);
+    }
+    for (_, [from, _]) in parts.iter().skip(1) {
+        for (width, color) in [(3.0, egui::Color32::BLACK), (1.5, egui::Color32::WHITE)] {
+            painter.vline(column(*from), canvas.y_range(), Stroke::new(width, color));
         }
     }
 }
@@ -220,11 +239,17 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
                 }
                 _ => "Hold X, or the mouse button, for the right side.",
             };
-            ui.label(RichText::new(hint).small().color(tokens.text_weak));
+            ui.add(egui::Label::new(RichText::new(hint).small().color(tokens.text_weak)).truncate());
         }
     });
     let words = pointed.and_then(|at| about_pixel(comparison, at)).unwrap_or_else(|| figures(comparison));
-    ui.add(egui::Label::new(RichText::new(words).small().color(tokens.text)).truncate());
+    let (words, color) = if is_of(compared, look) {
+        (words, tokens.text)
+    } else {
+        let [left, right] = compared.sides.map(side_name);
+        (format!("{left} and {right}: {words}"), tokens.text_weak)
+    };
+    ui.add(egui::Label::new(RichText::new(words).small().color(color)).truncate());
 }
 
 /// What the colors of the map stand for.
@@ -271,4 +296,20 @@ fn figures(comparison: &Comparison) -> String {
         )
     };
     format!("{psnr}; {:.1} % of pixels are shown by one side alone", 100.0 * comparison.one_sided)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn holding_the_key_shows_the_right_side_everywhere_whether_wiped_or_flipped() {
+        for mode in [Mode::Wipe, Mode::Flip] {
+            let look = CompareLook { mode, ..CompareLook::default() };
+            assert_eq!(parts(&look, true), [(1, [0.0, 1.0])], "{mode:?}");
+            assert_eq!(parts(&look, false)[0].0, 0, "{mode:?}");
+        }
+        let look = CompareLook { mode: Mode::Difference, ..CompareLook::default() };
+        assert_eq!(parts(&look, true), [(2, [0.0, 1.0])]);
+    }
 }

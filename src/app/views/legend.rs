@@ -37,10 +37,12 @@ pub(super) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, lege
         }
         Legend::Ratio => ratio_ui(ui, "this camera denser", "other denser"),
         Legend::Tiles(_) => bar_ui(ui, "all pruned", "all kept", sequential),
-        Legend::Split { background, foreground, invalid } => {
-            let total = background + foreground + invalid;
-            swatch_ui(ui, tokens.static_over_time, &format!("still {}", text::percent(*background, total)));
-            swatch_ui(ui, tokens.moving, &format!("moving {}", text::percent(*foreground, total)));
+        Legend::Split { background, lasting, foreground, invalid } => {
+            let total = background + lasting + foreground + invalid;
+            let counts = [*background, *lasting, *foreground];
+            for ((color, name), count) in spans(tokens).into_iter().zip(counts) {
+                swatch_ui(ui, color, &format!("{name} {}", text::percent(count, total)));
+            }
             if *invalid > 0 {
                 swatch_ui(ui, tokens.invalid, &format!("no depth {}", text::percent(*invalid, total)));
             }
@@ -58,6 +60,11 @@ pub(super) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, lege
             winners_ui(ui, state, won_by, total);
         }
     });
+}
+
+/// For how long samples are stored, in the colors of both views.
+fn spans(tokens: &Tokens) -> [(Color32, &'static str); 3] {
+    [(tokens.static_over_time, "all frames"), (tokens.lasting, "several"), (tokens.moving, "this frame")]
 }
 
 /// Cameras with the share of pixels that each won, most first.
@@ -91,8 +98,9 @@ pub(super) fn live_legend_ui(ui: &mut Ui, state: &State) {
                 swatches_ui(ui, &entries, HOLE_WIDTH);
             }
             ColorBy::Span => {
-                swatch_ui(ui, tokens.static_over_time, "several frames");
-                swatch_ui(ui, tokens.moving, "this frame only");
+                for (color, name) in spans(tokens) {
+                    swatch_ui(ui, color, name);
+                }
             }
             ColorBy::SamplingRate => ratio_ui(ui, "denser than pixels", "coarser"),
         }

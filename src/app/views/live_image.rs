@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::super::theme::Tokens;
 use super::colormap::{camera as camera_color, dimmed, diverging, mix};
-use super::source_image::RATIO_RANGE;
+use super::source_image::{MOTION, RATIO_RANGE};
 use crate::color::srgb8_from_linear;
 use crate::error::Result;
 use crate::grid::Grid;
@@ -27,7 +27,7 @@ pub(crate) enum ColorBy {
     Picture,
     /// Which camera's sample is shown.
     Camera,
-    /// Whether the sample lives over several frames or in this one.
+    /// For how long the sample is stored.
     Span,
     /// How densely samples lie beside the pixels of this view.
     SamplingRate,
@@ -52,9 +52,7 @@ impl ColorBy {
         match self {
             Self::Picture => "The scene as the kept samples show it.",
             Self::Camera => "Each pixel in the color of the camera whose sample it shows.",
-            Self::Span => {
-                "Samples stored for several frames at once against samples stored for this frame alone."
-            }
+            Self::Span => MOTION,
             Self::SamplingRate => {
                 "Distance between samples beside distance between pixels here: purple where samples are denser than \
                  pixels, orange where the view is closer than the camera was."
@@ -221,8 +219,11 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
         match key.color_by {
             ColorBy::Picture => own,
             ColorBy::Camera => mix(dimmed(own, 0.9), camera_color(source.camera as usize), 0.7),
-            ColorBy::Span if source.span.len() > 1 => mix(dimmed(own, 0.9), tokens.static_over_time, 0.55),
-            ColorBy::Span => mix(dimmed(own, 0.9), tokens.moving, 0.7),
+            ColorBy::Span => {
+                let frames = key.samples.frame_numbers.len();
+                let share = if source.span.len() >= frames { 0.55 } else { 0.7 };
+                mix(dimmed(own, 0.9), tokens.of_span(source.span.len(), frames), share)
+            }
             ColorBy::SamplingRate => {
                 let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
                 let inverse_depth = f64::from(picture.inverse_depth[(x, y)]);

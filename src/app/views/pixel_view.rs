@@ -11,7 +11,6 @@ use super::super::state::State;
 use super::super::theme::{Tokens, space};
 use super::{colormap, words};
 use crate::preprocess::Testimony;
-use crate::preprocess::registration::Outcome;
 
 /// Width of the summary beside the table.
 const SUMMARY: f32 = 292.0;
@@ -37,7 +36,11 @@ const COLUMNS: [(&str, &str); 9] = [
          longest sides do not decide.",
     ),
     ("Color", "Largest difference of a color channel, in 8-bit steps."),
-    ("There", "What became of that camera's own pixel."),
+    (
+        "There",
+        "What became of that camera's own pixel. One that is blended at a silhouette, or whose normal is not known, yields to others \
+         however dense it is.",
+    ),
 ];
 
 /// The view.
@@ -45,7 +48,7 @@ pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comma
     let shown = state.scene.as_ref().zip(state.inspector.probe.shown.as_ref());
     let Some((scene, probed)) = shown else {
         let text = if state.inspector.probe.spot.is_some() {
-            "Nothing is known about this spot: it is a hole, or its verdict is being worked out."
+            "Nothing is known about this spot: it is a hole, of which no pixel can be kept, or its verdict is being worked out."
         } else {
             "Point at a pixel in the source or the live view. Click to keep it here; every camera then says what it \
              knows about the point."
@@ -143,7 +146,7 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
         let (start, end) = (span.start as f32 * step, span.end as f32 * step - gap);
         let bar =
             Rect::from_min_max(rect.min + vec2(start, 2.0), pos2(rect.left() + end, rect.bottom() - 2.0));
-        let color = if span.len() > 1 { tokens.static_over_time } else { tokens.moving };
+        let color = tokens.of_span(span.len(), frames);
         painter.rect_filled(bar, 1.0, color);
     }
     let now = rect.left() + (state.timeline.frame as f32 + 0.5) * step;
@@ -152,8 +155,8 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
         egui::WidgetInfo::labeled(egui::Role::Label, true, format!("Spans of the pixel: {caption}"))
     });
     response.on_hover_text(
-        "When this pixel is stored: blue for several frames at once, orange for one; gray where another camera's sample \
-         stands for it. The line is the frame shown.",
+        "When this pixel is stored: blue for all frames at once, green for several, orange for one; gray where another \
+         camera's sample stands for it. The line is the frame shown.",
     );
 }
 
@@ -219,7 +222,7 @@ fn row_ui(
         }
     });
     let tolerance = &state.settings.pruning;
-    let same = matches!(row.outcome, None | Some(Outcome::Same(_)));
+    let same = words::is_same_point(row);
     let sees =
         RichText::new(words::sees(row.outcome)).color(if same { tokens.text } else { tokens.text_weak });
     ui.label(sees).on_hover_text(words::why(row.outcome));
@@ -248,13 +251,12 @@ fn row_ui(
         words::distance(row.normal_angle_degrees),
         tolerance.normal_tolerance
     ));
-    // Of two different surface points no rates can be compared.
-    let ratio = |value: f64| if same { words::number(value) } else { "–".to_owned() };
-    cell(ui, ratio(row.paper_r), false);
-    cell(ui, ratio(row.footprint_r), false);
+    for rate in words::rates(row) {
+        cell(ui, rate, false);
+    }
     let apart = row.color_difference_steps > f64::from(tolerance.color_tolerance);
     cell(ui, words::distance(row.color_difference_steps), apart);
-    let there = row.verdict.map_or_else(|| "–".to_owned(), |verdict| words::fate(&scene.cameras, verdict));
+    let there = words::there(&scene.cameras, row).unwrap_or_else(|| "–".to_owned());
     let there = if wins && row.outcome.is_some() { format!("{there}, stands for it") } else { there };
     ui.label(RichText::new(there).color(if wins { tokens.accent } else { tokens.text_weak }));
 }

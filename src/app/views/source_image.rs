@@ -27,7 +27,7 @@ pub(crate) enum Overlay {
     WhoWon,
     /// Where the two rate models name different cameras.
     RateDisputes,
-    /// What is the same over all frames, and what is not.
+    /// For how long samples are stored.
     Split,
     /// What is kept in each tile of the store.
     Tiles,
@@ -82,15 +82,17 @@ impl Overlay {
             Self::WhoWon => {
                 "Pruned pixels in the color of the camera whose sample stands for them; kept pixels show their own picture."
             }
-            Self::Split => {
-                "What stays the same over all frames is stored once; what moves is stored for each frame."
-            }
+            Self::Split => MOTION,
             Self::Tiles => {
                 "The share of samples kept in each 16 × 16 tile of the store; empty tiles cost nothing."
             }
         }
     }
 }
+
+/// What either view's *Motion* shows.
+pub(super) const MOTION: &str = "For how long samples are stored: once for all frames, once for several frames where they hold that long, or for this \
+     frame alone.";
 
 /// What a left picture was made from; a picture with an equal key is the same picture.
 #[derive(Clone)]
@@ -158,6 +160,8 @@ pub(crate) enum Legend {
     Split {
         /// The same over all frames.
         background: u64,
+        /// The same over several frames.
+        lasting: u64,
         /// Of this frame alone.
         foreground: u64,
         /// Without depth.
@@ -298,7 +302,7 @@ fn rate_disputes(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Co
 }
 
 fn split(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) -> (Grid<Color32>, Legend) {
-    let (mut background, mut foreground, mut invalid) = (0, 0, 0);
+    let (mut background, mut lasting, mut foreground, mut invalid) = (0, 0, 0, 0);
     let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
         let own = dimmed(picture[(x, y)], 0.9);
         match camera.class[(x, y)] {
@@ -306,7 +310,11 @@ fn split(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) ->
                 background += 1;
                 mix(own, tokens.static_over_time, 0.55)
             }
-            PixelClass::Lasting | PixelClass::Foreground => {
+            PixelClass::Lasting => {
+                lasting += 1;
+                mix(own, tokens.lasting, 0.7)
+            }
+            PixelClass::Foreground => {
                 foreground += 1;
                 mix(own, tokens.moving, 0.7)
             }
@@ -316,7 +324,7 @@ fn split(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) ->
             }
         }
     });
-    (pixels, Legend::Split { background, foreground, invalid })
+    (pixels, Legend::Split { background, lasting, foreground, invalid })
 }
 
 fn tiles(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Color32>, Legend) {
@@ -361,8 +369,10 @@ mod tests {
         let lost = Verdict { rule: Rule::LowerRate, witness_level: 0, witness_camera: 2, witness_pixel: 0 };
         let camera = CameraInspection {
             frame: Arc::new(frame),
-            class: Arc::new(Grid::from_fn(width, height, |x, _| {
-                if x < 16 { PixelClass::Background } else { PixelClass::Foreground }
+            class: Arc::new(Grid::from_fn(width, height, |x, _| match x {
+                0..16 => PixelClass::Background,
+                16..24 => PixelClass::Lasting,
+                _ => PixelClass::Foreground,
             })),
             level: Arc::new(Grid::from_fn(width, height, |x, _| u8::from(x >= 16))),
             verdict: Grid::from_fn(width, height, |x, _| {
@@ -410,9 +420,11 @@ mod tests {
     }
 
     #[test]
-    fn background_and_foreground_are_counted() {
+    fn what_holds_for_all_frames_for_several_and_for_one_is_told_apart_and_counted() {
         let (camera, picture) = camera();
-        let (_, legend) = split(&camera, &picture, Tokens::of(false));
-        assert_eq!(legend, Legend::Split { background: 256, foreground: 256, invalid: 0 });
+        let (pixels, legend) = split(&camera, &picture, Tokens::of(false));
+        assert_eq!(legend, Legend::Split { background: 256, lasting: 128, foreground: 128, invalid: 0 });
+        let [all, several, one] = [0, 20, 28].map(|x| pixels[(x, 0)]);
+        assert!(all != several && several != one && one != all);
     }
 }

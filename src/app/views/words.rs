@@ -20,6 +20,7 @@ pub(super) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
         Rule::Tie => format!("Dropped: {name} samples it as densely and comes first, at {x}, {y}."),
         Rule::LaterCamera => format!("Dropped: {name} shows this point and comes first, at {x}, {y}."),
         Rule::MixedYields => format!("Dropped: blended at a silhouette; {name} is clean, at {x}, {y}."),
+        Rule::UnsureYields => format!("Dropped: no normal is known here; {name} knows it, at {x}, {y}."),
         rule => format!("{} Witness: {name} at {x}, {y}.", rule.sentence()),
     }
 }
@@ -97,6 +98,27 @@ pub(super) fn fate(cameras: &[Camera], verdict: Verdict) -> String {
     }
 }
 
+/// What became of a camera's own pixel, and for what it yields to others however dense it is; `None` outside its picture.
+pub(super) fn there(cameras: &[Camera], row: &Testimony) -> Option<String> {
+    let mut words = fate(cameras, row.verdict?);
+    for (yields, why) in [(row.is_blended, ", blended"), (row.is_unsure, ", no normal")] {
+        if yields {
+            words.push_str(why);
+        }
+    }
+    Some(words)
+}
+
+/// Whether a row speaks of the surface point that is argued about.
+pub(super) fn is_same_point(row: &Testimony) -> bool {
+    matches!(row.outcome, None | Some(Outcome::Same(_)))
+}
+
+/// The paper's rate and the footprint's, in the table and on the clipboard: of two different surface points none can be compared.
+pub(super) fn rates(row: &Testimony) -> [String; 2] {
+    [row.paper_r, row.footprint_r].map(|rate| number(if is_same_point(row) { rate } else { f64::NAN }))
+}
+
 /// A number that is held against a tolerance of about one: of what is far below it, nothing but hundredths is told.
 pub(super) fn distance(value: f64) -> String {
     if value.abs() < 0.1 { format!("{:.2}", value.abs()) } else { number(value) }
@@ -160,18 +182,12 @@ fn line(cameras: &[Camera], row: &Testimony) -> String {
     let name = cameras.get(row.camera).map_or("", |camera| &camera.name);
     let mut cells = vec![name.to_owned(), sees(row.outcome).to_owned()];
     cells.extend(
-        [
-            row.depth_expected,
-            row.depth_found,
-            row.plane_distance_footprints,
-            row.incidence_degrees,
-            row.paper_r,
-            row.footprint_r,
-            row.color_difference_steps,
-        ]
-        .map(number),
+        [row.depth_expected, row.depth_found, row.plane_distance_footprints, row.incidence_degrees]
+            .map(number),
     );
-    cells.push(row.verdict.map_or_else(String::new, |verdict| fate(cameras, verdict)));
+    cells.extend(rates(row));
+    cells.push(number(row.color_difference_steps));
+    cells.push(there(cameras, row).unwrap_or_default());
     cells.join("\t")
 }
 
@@ -204,6 +220,42 @@ mod tests {
             ChainLink { camera: 1, pixel: 64 * 3 + 5, verdict: kept },
         ];
         assert_eq!(chain(&cameras, &links), "front 0, 0 (dropped) » left 5, 3 (kept)");
+    }
+
+    fn row(outcome: Option<Outcome>) -> Testimony {
+        Testimony {
+            camera: 0,
+            outcome,
+            position: None,
+            pixel: Some(0),
+            depth_expected: 4.0,
+            depth_found: 2.0,
+            footprint: 0.1,
+            plane_distance_footprints: 20.0,
+            incidence_degrees: 30.0,
+            normal_angle_degrees: 10.0,
+            color_difference_steps: 3.0,
+            paper_r: 1.25,
+            footprint_r: 1.5,
+            is_blended: false,
+            is_unsure: false,
+            verdict: Some(Verdict::without_witness(Rule::BestRate)),
+        }
+    }
+
+    #[test]
+    fn no_rates_are_told_of_a_camera_that_does_not_see_the_point() {
+        let copied = line(&[], &row(Some(Outcome::Occluded)));
+        assert!(copied.contains("\t–\t–\t") && !copied.contains("1.25"), "{copied}");
+        assert!(line(&[], &row(Some(Outcome::Same(0)))).contains("\t1.25\t1.50\t"));
+        assert_eq!(rates(&row(Some(Outcome::SeesPast))), ["–", "–"]);
+    }
+
+    #[test]
+    fn a_denser_sample_that_yields_says_why() {
+        let blended = Testimony { is_blended: true, is_unsure: true, ..row(Some(Outcome::Same(0))) };
+        assert_eq!(there(&[], &blended).unwrap(), "kept, blended, no normal");
+        assert_eq!(there(&[], &row(None)).unwrap(), "kept");
     }
 
     #[test]
