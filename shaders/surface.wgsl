@@ -45,6 +45,34 @@ struct Seen {
     edges: vec4<i32>,
     pixels: u32,
     has_fringe: bool,
+    // How far the footprint reaches with its fringe, in source pixels: to the left, right, up and down.
+    reach: vec4<f32>,
+}
+
+// There is no fringe toward samples of the same tile, whose own footprints are there.
+fn reach_of(at: vec2<u32>) -> vec4<f32> {
+    let place = vec2<i32>(at);
+    let beside = vec4<f32>(
+        neighbor(place.x - 1, place.y),
+        neighbor(place.x + 1, place.y),
+        neighbor(place.x, place.y - 1),
+        neighbor(place.x, place.y + 1),
+    );
+    return select(vec4<f32>(FRINGE), vec4<f32>(CORE_REACH), beside >= vec4<f32>(0.0));
+}
+
+// The pixels of a footprint with its fringe, as `edges_around` gives them.
+fn edges_of_fringe(seen: Seen) -> vec4<i32> {
+    let found = seen.footprint;
+    let across = vec4<f32>(found.jacobian.xz * -seen.reach.x, found.jacobian.xz * seen.reach.y);
+    let down = vec4<f32>(found.jacobian.yw * -seen.reach.z, found.jacobian.yw * seen.reach.w);
+    let before = min(across.xy, across.zw) + min(down.xy, down.zw);
+    let after = max(across.xy, across.zw) + max(down.xy, down.zw);
+    let pixel = seen.projected.pixel;
+    return edges_between(
+        pixel + min(max(before, vec2<f32>(-found.largest)), vec2<f32>(-0.5)),
+        pixel + max(min(after, vec2<f32>(found.largest)), vec2<f32>(0.5)),
+    );
 }
 
 // The sample at `at` in the tile; called after `lay_out`.
@@ -56,14 +84,18 @@ fn see(projector: Projector, corner: vec2<f32>, at: vec2<u32>) -> Seen {
         seen.projected = projected;
         if stage.kernel == KERNEL_SURFEL || stage.kernel == KERNEL_GATHER {
             seen.footprint = footprint(projector, projected, w, slopes(at, projector.per_footprint));
-            var half_size = max(seen.footprint.half_size, vec2<f32>(0.5));
+            let half_size = max(seen.footprint.half_size, vec2<f32>(0.5));
+            seen.edges = edges_around(projected.pixel, half_size);
             let low = ceil(projected.pixel - half_size - 0.5);
             let high = floor(projected.pixel + half_size - 0.5);
-            seen.has_fringe = stage.kernel == KERNEL_GATHER && any(high > low + 1.0);
+            let is_large = any(high > low + 1.0) && seen.footprint.largest >= MAX_STRETCH * MAGNIFIED;
+            // Edge on, nothing is known of the surface beside its sample.
+            let is_known = any(seen.footprint.inverse != vec4<f32>(0.0));
+            seen.has_fringe = stage.kernel == KERNEL_GATHER && is_known && is_large;
             if seen.has_fringe {
-                half_size = max(seen.footprint.fringe, vec2<f32>(0.5));
+                seen.reach = reach_of(at);
+                seen.edges = edges_of_fringe(seen);
             }
-            seen.edges = edges_around(projected.pixel, half_size);
             let size = max(seen.edges.yw - seen.edges.xz + 1, vec2<i32>(0));
             seen.pixels = u32(size.x) * u32(size.y);
         }
@@ -80,9 +112,12 @@ fn raise_footprint(seen: Seen, slot: u32, first: vec2<u32>, step: i32) {
             let off = vec2<f32>(f32(x), f32(y)) + 0.5 - seen.projected.pixel;
             let across = found.inverse.x * off.x + found.inverse.y * off.y;
             let down = found.inverse.z * off.x + found.inverse.w * off.y;
-            let covered = max(abs(across), abs(down)) <= 0.5 * OVERLAP || max(abs(off.x), abs(off.y)) <= 0.5;
-            if covered || (seen.has_fringe && max(abs(across), abs(down)) <= FRINGE) {
-                let most = found.deviation * select(FRINGE / (0.5 * OVERLAP), 1.0, covered);
+            let covered = max(abs(across), abs(down)) <= CORE_REACH || max(abs(off.x), abs(off.y)) <= 0.5;
+            let on_fringe = seen.has_fringe
+                && across >= -seen.reach.x && across <= seen.reach.y
+                && down >= -seen.reach.z && down <= seen.reach.w;
+            if covered || on_fringe {
+                let most = found.deviation * select(FRINGE / CORE_REACH, 1.0, covered);
                 let deviation = clamp(found.slope.x * off.x + found.slope.y * off.y, -most, most);
                 let depth = max(found.inverse_depth + deviation, 0.0);
                 raise(u32(y) * stage.width + u32(x), nearness(depth, select(0u, CORE, covered)), slot);

@@ -320,3 +320,35 @@ fn normals_are_left_out_of_a_store_that_is_written_again_where_none_are_asked_fo
     assert!(refused.contains("cannot have normals: the store holds none"), "{refused}");
     assert!(read(&again).images == plain.images);
 }
+
+#[test]
+fn what_depth_errs_by_adds_up_over_stores_that_are_written_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut set = moving_set();
+    // A focal length at which the granted error is no power of two of a float's units.
+    for camera in &mut set.cameras {
+        (camera.intrinsics.fx, camera.intrinsics.fy) = (80.0, 80.0);
+    }
+    set.settings.set_text("store.precision=bits10").unwrap();
+    set.settings.set_text("store.depth_precision=0.0625").unwrap();
+    let written = |name: &str| folder.path().join(name);
+    store::write(&written("0"), &set, &small_report(), &Job::new()).unwrap();
+    let depths =
+        |set: &SampleSet| set.images.iter().flat_map(|image| image.inverse_depths()).collect::<Vec<f32>>();
+    let (mut last, mut held) = ("0".to_owned(), 0);
+    for footprints in ["0.125", "0.08", "0.25", "0.5", "1"] {
+        let mut settings = set.settings.clone();
+        settings.set_text(&format!("store.depth_precision={footprints}")).unwrap();
+        let store = Store::open(&written(&last)).unwrap();
+        if store::write_again(&written(footprints), &store, Some(&settings.store), &Job::new()).is_err() {
+            continue;
+        }
+        (last, held) = (footprints.to_owned(), held + 1);
+        let (read, _) = store::read(&written(footprints), &Job::new()).unwrap();
+        let granted = footprints.parse::<f32>().unwrap() / 80.0;
+        for (true_w, w) in depths(&set).iter().zip(depths(&read)) {
+            assert!((w - true_w).abs() <= granted * true_w, "{footprints}: {true_w} became {w}");
+        }
+    }
+    assert!(held > 0, "every store was refused");
+}

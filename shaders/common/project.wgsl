@@ -51,15 +51,19 @@ struct Footprint {
     jacobian: vec4<f32>,
     inverse: vec4<f32>,
     half_size: vec2<f32>,
-    // Half the extent of its fringe; no larger than `half_size` where nothing is known of the surface.
-    fringe: vec2<f32>,
+    // What neither may exceed, nor those of the fringe.
+    largest: f32,
 }
 
 // A footprint never stretches beyond this many times its size seen face on.
 const MAX_STRETCH: f32 = 1.5;
 // Neighboring footprints overlap by this factor, so that no crack opens between them.
 const OVERLAP: f32 = 1.05;
-// How far from its sample the fringe of a magnified footprint reaches, in source pixels.
+// How far a footprint reaches from its sample, in source pixels.
+const CORE_REACH: f32 = 0.5 * OVERLAP;
+// Samples are magnified that are so many pixels wide.
+const MAGNIFIED: f32 = 2.5;
+// How far the fringe of a magnified one does.
 const FRINGE: f32 = 1.0;
 
 fn footprint(projector: Projector, projected: Projected, w: f32, slopes: vec2<f32>) -> Footprint {
@@ -85,18 +89,22 @@ fn footprint(projector: Projector, projected: Projected, w: f32, slopes: vec2<f3
     var found: Footprint;
     found.inverse_depth = target_w;
     found.slope = vec2<f32>(w_across * d - w_down * c, w_down * a - w_across * b) * inverse;
-    found.deviation = 0.5 * OVERLAP * (abs(w_across) + abs(w_down));
+    found.deviation = CORE_REACH * (abs(w_across) + abs(w_down));
     found.jacobian = vec4<f32>(a, b, c, d);
     found.inverse = vec4<f32>(d, -b, -c, a) * inverse;
-    let extent = vec2<f32>(abs(a) + abs(b), abs(c) + abs(d));
-    found.half_size = min(0.5 * OVERLAP * extent, vec2<f32>(largest));
-    found.fringe = select(found.half_size, min(FRINGE * extent, vec2<f32>(largest)), inverse != 0.0);
+    found.half_size = min(CORE_REACH * vec2<f32>(abs(a) + abs(b), abs(c) + abs(d)), vec2<f32>(largest));
+    found.largest = largest;
     return found;
 }
 
 // Columns and rows `[left, right, top, bottom]`, whole numbers, all inclusive.
 fn edges_around(pixel: vec2<f32>, half_size: vec2<f32>) -> vec4<i32> {
-    let low = max(ceil(pixel - half_size - 0.5), vec2<f32>(0.0));
-    let high = min(floor(pixel + half_size - 0.5), vec2<f32>(f32(stage.width), f32(stage.height)) - 1.0);
+    return edges_between(pixel - half_size, pixel + half_size);
+}
+
+// The same between two corners.
+fn edges_between(first: vec2<f32>, last: vec2<f32>) -> vec4<i32> {
+    let low = max(ceil(first - 0.5), vec2<f32>(0.0));
+    let high = min(floor(last - 0.5), vec2<f32>(f32(stage.width), f32(stage.height)) - 1.0);
     return vec4<i32>(i32(low.x), i32(high.x), i32(low.y), i32(high.y));
 }

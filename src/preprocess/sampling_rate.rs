@@ -124,9 +124,9 @@ pub fn footprint(
     if inverse_depth <= 0.0 {
         return match rate {
             Rate::Paper => 1.0,
-            Rate::Footprint | Rate::Stretch => {
-                rays.pixel_area / (secant_off_axis * secant_off_axis * secant_off_axis)
-            }
+            Rate::Footprint => rays.pixel_area / secant_off_axis.powi(3),
+            // Squared, which orders them alike.
+            Rate::Stretch => rays.longer_side_squared / secant_off_axis.powi(3),
         };
     }
     let cosine = cosine_of_incidence(ray, normal, settings.cosine_floor);

@@ -17,7 +17,13 @@ pub(super) const MAX_STRETCH: f32 = 1.5;
 /// Neighboring footprints overlap by this factor, so that no crack opens between them.
 pub(super) const OVERLAP: f32 = 1.05;
 
-/// How far from its sample the fringe of a magnified footprint reaches, in source pixels: over the neighbors, which may have been
+/// How far a footprint reaches from its sample, in source pixels.
+pub(super) const CORE_REACH: f32 = 0.5 * OVERLAP;
+
+/// Samples are magnified that are so many pixels wide: gaps beside narrower ones are no wider than a pixel.
+pub(super) const MAGNIFIED: f32 = 2.5;
+
+/// How far the fringe of a magnified one does: over the neighbors, which may have been
 /// dropped for another camera's.
 pub(super) const FRINGE: f32 = 1.0;
 
@@ -83,7 +89,7 @@ pub(super) fn footprints(
         found.inverse_depth[i] = target_w;
         found.slope_x[i] = (w_across * d - w_down * c) * inverse;
         found.slope_y[i] = (w_down * a - w_across * b) * inverse;
-        found.deviation[i] = 0.5 * OVERLAP * (w_across.abs() + w_down.abs());
+        found.deviation[i] = CORE_REACH * (w_across.abs() + w_down.abs());
         found.jacobian[0][i] = a;
         found.jacobian[1][i] = b;
         found.jacobian[2][i] = c;
@@ -93,8 +99,8 @@ pub(super) fn footprints(
         found.inverse[2][i] = -c * inverse;
         found.inverse[3][i] = a * inverse;
         found.largest[i] = largest;
-        found.half_width[i] = (0.5 * OVERLAP * (a.abs() + b.abs())).min(largest);
-        found.half_height[i] = (0.5 * OVERLAP * (c.abs() + d.abs())).min(largest);
+        found.half_width[i] = (CORE_REACH * (a.abs() + b.abs())).min(largest);
+        found.half_height[i] = (CORE_REACH * (c.abs() + d.abs())).min(largest);
     }
     found
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::cull::Band;
 use super::dense_tile::{DenseTile, slopes};
-use super::footprint::{FRINGE, Footprints, OVERLAP, footprints};
+use super::footprint::{CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, footprints};
 use super::frame_samples::FrameSamples;
 use super::keys::{CORE, key, nearness};
 use super::project::{ProjectedRow, Projector};
@@ -110,6 +110,8 @@ struct Row<'a> {
     /// Reciprocal focal length of the camera.
     per_footprint: f32,
     tile: &'a DenseTile,
+    /// Where the tile holds samples: a mask of columns per row.
+    rows: &'a [u16; TILE],
     nth: usize,
     projected: ProjectedRow,
 }
@@ -139,7 +141,8 @@ impl<S: Splat> Work for BandSurface<'_, S> {
                 let w = dense.row(row);
                 let projected = projector.row(projector.ray(x, (y + row) as f32), w);
                 let per_footprint = stage.per_footprint[camera];
-                let line = Row { projector, per_footprint, tile: &dense, nth: row, projected };
+                let line =
+                    Row { projector, per_footprint, tile: &dense, rows: &tile.rows, nth: row, projected };
                 splat.row(&line, number << 8 | (row as u32) << 4, &mut raised);
             }
             splat.end(&mut raised);
@@ -292,8 +295,8 @@ impl Splat for Planes {
             for i in 0..TILE {
                 let (x, y) = (columns[i], rows[i]);
                 let (pixel, inside) = self.window.pixel(x, y, i);
-                let (depth, reach) = depth_at(&found, projected, i, x, y);
-                let covered = reach <= 0.5 * OVERLAP;
+                let PlaneAt { inverse_depth: depth, is_core: covered, .. } =
+                    plane_at(&found, projected, i, x, y);
                 let is_further = further[corner] >> i & 1 == 1;
                 let seen = inside & covered & is_further & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
                 raised.pixels[corner][i] = pixel;
@@ -306,7 +309,7 @@ impl Splat for Planes {
         while large != 0 {
             let i = large.trailing_zeros() as usize % TILE;
             large &= large - 1;
-            self.large(&found, projected, i, slots, raised.keys);
+            self.large(&found, row, i, slots, raised.keys);
         }
     }
 }
@@ -314,46 +317,75 @@ impl Splat for Planes {
 impl Planes {
     /// Raises the keys of a footprint of many pixels, that of sample `i`.
     #[inline(always)]
-    fn large(&self, found: &Footprints, projected: &ProjectedRow, i: usize, slots: u32, keys: &mut [u64]) {
+    fn large(&self, found: &Footprints, row: &Row<'_>, i: usize, slots: u32, keys: &mut [u64]) {
         let Window { width, right, top, bottom, .. } = self.window;
+        let projected = &row.projected;
         // Edge on, nothing is known of the surface beside its sample.
-        let has_fringe = self.fringe && found.inverse.iter().any(|part| part[i] != 0.0);
-        let [half_width, half_height] = if has_fringe {
-            let [a, b, c, d] = found.jacobian.map(|part| part[i].abs());
-            [a + b, c + d].map(|extent| (FRINGE * extent).min(found.largest[i]))
-        } else {
-            [found.half_width[i], found.half_height[i]]
-        };
-        let (u, v) = (projected.u[i], projected.v[i]);
-        let span = |middle: f32, half: f32, low: f32, last: f32| {
+        let is_known = found.inverse.iter().any(|part| part[i] != 0.0);
+        let has_fringe = self.fringe && is_known && found.largest[i] >= MAX_STRETCH * MAGNIFIED;
+        let reach = if has_fringe { row.reach(i) } else { [CORE_REACH; 4] };
+        let [a, b, c, d] = found.jacobian.map(|part| part[i]);
+        let span = |middle: f32, per_column: f32, per_row: f32, low: f32, last: f32| {
+            let (left, right) = (-reach[0] * per_column, reach[1] * per_column);
+            let (above, below) = (-reach[2] * per_row, reach[3] * per_row);
+            let largest = found.largest[i];
+            let before = (left.min(right) + above.min(below)).max(-largest).min(-0.5);
+            let after = (left.max(right) + above.max(below)).min(largest).max(0.5);
             let clamp = |value: f32| value.max(low).min(last + 1.0) as usize;
-            clamp((middle - half.max(0.5) - 0.5).ceil())..clamp((middle + half.max(0.5) - 0.5).floor() + 1.0)
+            clamp((middle + before - 0.5).ceil())..clamp((middle + after - 0.5).floor() + 1.0)
         };
-        for y in span(v, half_height, top, bottom) {
-            for x in span(u, half_width, 0.0, right) {
-                let (depth, reach) = depth_at(found, projected, i, x as f32, y as f32);
-                let tier = if reach <= 0.5 * OVERLAP { CORE } else { 0 };
-                if tier == CORE || (has_fringe && reach <= FRINGE) {
+        let columns = span(projected.u[i], a, b, 0.0, right);
+        for y in span(projected.v[i], c, d, top, bottom) {
+            for x in columns.clone() {
+                let at = plane_at(found, projected, i, x as f32, y as f32);
+                let on_fringe = has_fringe
+                    && (-reach[0]..=reach[1]).contains(&at.across)
+                    && (-reach[2]..=reach[3]).contains(&at.down);
+                if at.is_core || on_fringe {
+                    let tier = if at.is_core { CORE } else { 0 };
                     let key_there = &mut keys[(y - top as usize) * width as usize + x];
-                    *key_there = (*key_there).max(key(nearness(depth, tier), slots | i as u32));
+                    *key_there = (*key_there).max(key(nearness(at.inverse_depth, tier), slots | i as u32));
                 }
             }
         }
     }
 }
 
-/// Inverse depth of a sample's plane at the center of pixel `(x, y)`, never negative, and how far that lies from the sample: in
-/// source pixels along the axis where it is farther, 0 where the sample lies in the pixel.
+impl Row<'_> {
+    /// How far the footprint of sample `i` reaches with its fringe, in source pixels: to the left, right, up and down. There is none
+    /// toward samples of the same tile, whose own footprints are there.
+    #[inline(always)]
+    fn reach(&self, i: usize) -> [f32; 4] {
+        let row = |nth: usize| u32::from(*self.rows.get(nth).unwrap_or(&0)) << 1;
+        let (above, here, below) = (row(self.nth.wrapping_sub(1)), row(self.nth), row(self.nth + 1));
+        [here >> i, here >> (i + 2), above >> (i + 1), below >> (i + 1)]
+            .map(|closed| if closed & 1 == 1 { CORE_REACH } else { FRINGE })
+    }
+}
+
+/// The plane of a sample at the center of a pixel.
+struct PlaneAt {
+    /// Never negative.
+    inverse_depth: f32,
+    /// How far the place lies from the sample, in source columns.
+    across: f32,
+    /// The same in rows.
+    down: f32,
+    /// Whether it lies in the footprint proper, without its fringe.
+    is_core: bool,
+}
+
+/// The plane of a sample at the center of pixel `(x, y)`.
 #[inline(always)]
-fn depth_at(found: &Footprints, projected: &ProjectedRow, i: usize, x: f32, y: f32) -> (f32, f32) {
+fn plane_at(found: &Footprints, projected: &ProjectedRow, i: usize, x: f32, y: f32) -> PlaneAt {
     let (dx, dy) = (x + 0.5 - projected.u[i], y + 0.5 - projected.v[i]);
     let (across, down) = (
         found.inverse[0][i] * dx + found.inverse[1][i] * dy,
         found.inverse[2][i] * dx + found.inverse[3][i] * dy,
     );
-    let reach = if dx.abs().max(dy.abs()) <= 0.5 { 0.0 } else { across.abs().max(down.abs()) };
+    let is_core = (across.abs().max(down.abs()) <= CORE_REACH) | (dx.abs().max(dy.abs()) <= 0.5);
+    let most = found.deviation[i] * if is_core { 1.0 } else { FRINGE / CORE_REACH };
     // Not `clamp`, whose check for an empty range is a branch.
-    let most = found.deviation[i] * if reach <= 0.5 * OVERLAP { 1.0 } else { FRINGE / (0.5 * OVERLAP) };
     let deviation = (found.slope_x[i] * dx + found.slope_y[i] * dy).min(most).max(-most);
-    ((found.inverse_depth[i] + deviation).max(0.0), reach)
+    PlaneAt { inverse_depth: (found.inverse_depth[i] + deviation).max(0.0), across, down, is_core }
 }

@@ -99,10 +99,20 @@ pub(super) fn decode_head(bytes: &[u8]) -> Result<Head, String> {
     if pixels > MAX_TOTAL_PIXELS {
         return Err(format!("the pictures of the cameras have {pixels} pixels together"));
     }
+    if let Some(name) =
+        [&name].into_iter().chain(cameras.iter().map(|camera| &camera.name)).find(|name| has_controls(name))
+    {
+        return Err(format!("a name holds control characters: {name:?}"));
+    }
     if !frame_numbers.is_sorted_by(|a, b| a < b) {
         return Err("the frame numbers do not ascend".to_owned());
     }
     Ok(Head { name, up_in_world, cameras, frame_numbers })
+}
+
+/// Whether a name would break a line or steer a terminal.
+fn has_controls(name: &str) -> bool {
+    name.contains(char::is_control)
 }
 
 fn decode_camera(reader: &mut ByteReader) -> Result<Camera, String> {
@@ -188,6 +198,11 @@ pub(super) fn decode_index(
         if entry.head > entry.length {
             return Err("an image is shorter than its head".to_owned());
         }
+    }
+    let mut held = BTreeSet::new();
+    if let Some(twice) = entries.iter().find(|entry| !held.insert((entry.camera, entry.span))) {
+        let Span { start, end } = twice.span;
+        return Err(format!("two images of camera {} hold frames {start} to {end}", twice.camera));
     }
     // Two entries for one chunk would let a small file stand for any number of samples.
     let end = |entry: &ImageEntry| entry.offset.saturating_add(u64::from(entry.length));

@@ -46,7 +46,9 @@ pub(super) fn check_again(
     let errs = |camera: &Camera| {
         let (now, earlier) = (depth_shift(camera, settings), depth_shift(camera, before));
         let rounding = |shift: u32| if shift == 0 { 0.0 } else { f64::from(1_u32 << (shift - 1)) };
-        now != earlier && rounding(now) + rounding(earlier) > depth_error(camera, settings) * UNITS
+        // What was rounded before may err by all that was granted, by however many roundings; the same bits are left off but once.
+        let further = if now == earlier { 0.0 } else { rounding(now) };
+        further + depth_error(camera, before) * UNITS > depth_error(camera, settings) * UNITS
     };
     if cameras.iter().any(errs) {
         let (now, earlier) = (settings.depth_precision, before.depth_precision);

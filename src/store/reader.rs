@@ -244,6 +244,11 @@ impl Store {
         if before.is_some_and(|before| before.head.is_none()) {
             return Err(self.damaged(index, "the image it is predicted from is lost"));
         }
+        let unlike =
+            |other: &ImageHead| (other.normals, other.depth_shift) != (head.normals, head.depth_shift);
+        if before.and_then(|before| before.head.as_deref()).is_some_and(unlike) {
+            return Err(self.damaged(index, "it is coded otherwise than the image it is predicted from"));
+        }
         let from = first.start;
         let range = from as u64..(last.start + last.length) as u64;
         let codes = self.bytes(&self.chunk(index)?, range)?;

@@ -44,6 +44,7 @@ pub fn verify(path: &Path, job: &Job) -> Result<Verification> {
     let mut seconds_to_first_frame = 0.0;
     job.start("Reading the store", frames);
     for frame in 0..frames {
+        job.check()?;
         playback.at(frame, job)?;
         if frame == 0 {
             seconds_to_first_frame = started.elapsed().as_secs_f64();

@@ -116,6 +116,13 @@ fn picture_files(folder: &Path, entry: &Entry, keys: &Keys, manifest: &Path) -> 
 /// The name of every entry's camera: the manifest's, or one for each distinct pose in order of appearance.
 fn camera_names(keys: &[Keys], poses: &[DAffine3], path: &Path) -> Result<Vec<String>> {
     let named = keys.iter().filter(|keys| keys.camera.is_some()).count();
+    let is_odd = |name: &String| name.contains(char::is_control);
+    if let Some(name) =
+        keys.iter().filter_map(|keys| keys.camera.as_ref()).map(ToString::to_string).find(is_odd)
+    {
+        let problem = format!("camera {name:?} has control characters in its name; leave them out");
+        return Err(Error::invalid(path.display(), problem));
+    }
     if named == keys.len() {
         return Ok(keys.iter().filter_map(|keys| keys.camera.as_ref().map(ToString::to_string)).collect());
     }
