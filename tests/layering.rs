@@ -261,6 +261,19 @@ fn the_files_that_the_architecture_names_exist() {
 }
 
 #[test]
+fn the_page_on_captures_names_every_key_of_the_manifest() {
+    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("CAPTURES.md")).unwrap();
+    let (_, text) = sources().into_iter().find(|(name, _)| name == "capture/transforms/manifest.rs").unwrap();
+    let keys = text.lines().filter_map(|line| line.strip_prefix("    pub ")?.split_once(':'));
+    // Keys of bent lenses are told as a kind: none of them helps.
+    let keys: Vec<&str> = keys.map(|(key, _)| key).filter(|key| !["keys", "lens"].contains(key)).collect();
+    assert!(keys.len() > 25, "{keys:?}");
+    for key in keys {
+        assert!(page.contains(&format!("`{key}`")) || page.contains(&format!("\"{key}\"")), "{key}");
+    }
+}
+
+#[test]
 fn no_file_grew_to_hold_two_ideas() {
     for (name, text) in sources() {
         let lines = text.lines().count();
