@@ -199,11 +199,7 @@ pub(super) fn decode_index(
             return Err("an image is shorter than its head".to_owned());
         }
     }
-    let mut held = BTreeSet::new();
-    if let Some(twice) = entries.iter().find(|entry| !held.insert((entry.camera, entry.span))) {
-        let Span { start, end } = twice.span;
-        return Err(format!("two images of camera {} hold frames {start} to {end}", twice.camera));
-    }
+    check_held_once(&entries)?;
     // Two entries for one chunk would let a small file stand for any number of samples.
     let end = |entry: &ImageEntry| entry.offset.saturating_add(u64::from(entry.length));
     if !entries.is_sorted_by(|a, b| end(a) <= b.offset) {
@@ -216,6 +212,17 @@ pub(super) fn decode_index(
         );
     }
     Ok(entries)
+}
+
+/// A camera has at most one image of a span: two would say its pixels twice.
+pub(super) fn check_held_once(entries: &[ImageEntry]) -> Result<(), String> {
+    let mut held = BTreeSet::new();
+    match entries.iter().find(|entry| !held.insert((entry.camera, entry.span))) {
+        None => Ok(()),
+        Some(ImageEntry { camera, span: Span { start, end }, .. }) => {
+            Err(format!("two images of camera {camera} hold frames {start} to {end}"))
+        }
+    }
 }
 
 /// An image and those it is predicted from, itself first; `None` where a reference is not what it must be.

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::blocks::Coding;
 use super::bytes::{HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE};
 use super::coding::model::{Counts, Model};
-use super::header::{ImageEntry, choose_references, encode_head, encode_index};
+use super::header::{ImageEntry, check_held_once, choose_references, encode_head, encode_index};
 use super::iff::{ChunkId, FormWriter, IffError};
 use super::palette::{Palette, Used};
 use super::provenance::{PlaneBytes, Provenance};
@@ -143,6 +143,7 @@ fn write_spooled_to(
     // length from the start and is filled in at the end.
     let mut entries: Vec<ImageEntry> =
         (0..prepared.images.len()).map(|index| prepared.entry(index)).collect();
+    check_held_once(&entries).map_err(invalid)?;
     let index = form.chunk(INDEX, &encode_index(&entries, 0)).map_err(iff)?;
     for start in (0..entries.len()).step_by(BATCH) {
         let batch = start..entries.len().min(start + BATCH);

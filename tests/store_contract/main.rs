@@ -343,6 +343,18 @@ fn huge_lengths_are_refused_without_being_allocated() {
 }
 
 #[test]
+fn two_images_of_a_camera_and_a_span_are_neither_written_nor_read() {
+    let (_folder, path, bytes) = small_store();
+    let mut samples = small_set();
+    samples.images.insert(1, Arc::clone(&samples.images[0]));
+    let error = store::write(&path, &samples, &small_report(), &Job::new()).unwrap_err();
+    assert!(error.to_string().contains("two images of camera 0"), "{error}");
+    assert_eq!(std::fs::read(&path).unwrap(), bytes);
+    let twice = tampered(&bytes, *b"INDX", |index| index.copy_within(12..24, 52));
+    assert!(refusal(&path, &twice).contains("two images of camera 0"));
+}
+
+#[test]
 fn a_bomb_is_refused() {
     let (_folder, path, bytes) = small_store();
     // A picture of 2^14 × 2^14 pixels would have 8 KiB of block bits; the head in the file has one byte.
@@ -359,7 +371,7 @@ fn a_bomb_is_refused() {
         assert!(refusal(&path, &of_side(side)).contains("'HEAD'"));
     }
     // Both index entries for one chunk.
-    let twice = tampered(&bytes, *b"INDX", |index| index.copy_within(12..52, 52));
+    let twice = tampered(&bytes, *b"INDX", |index| index.copy_within(24..52, 64));
     assert!(refusal(&path, &twice).contains("overlap"));
     // An image that is predicted from itself, and one from another camera's.
     for reference in [0_u32, 1] {
