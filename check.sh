@@ -8,7 +8,7 @@ cd "$(dirname "$0")"
 need_rust
 need_packages gcc libc6-dev \
     libvulkan1 mesa-vulkan-drivers libegl1 \
-    xvfb libxcursor1 libxi6 libxkbcommon-x11-0 xdotool imagemagick
+    xvfb libxcursor1 libxi6 libxkbcommon-x11-0 xdotool imagemagick || exit 1
 
 step() { printf '\n== %s\n' "$*"; }
 
