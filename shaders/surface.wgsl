@@ -91,7 +91,7 @@ fn see(projector: Projector, corner: vec2<f32>, at: vec2<u32>) -> Seen {
             let is_large = any(high > low + 1.0) && seen.footprint.largest >= MAX_STRETCH * MAGNIFIED;
             // Edge on, nothing is known of the surface beside its sample.
             let is_known = any(seen.footprint.inverse != vec4<f32>(0.0));
-            seen.has_fringe = stage.kernel == KERNEL_GATHER && is_known && is_large;
+            seen.has_fringe = stage.kernel == KERNEL_GATHER && stage.pruned != 0u && is_known && is_large;
             if seen.has_fringe {
                 seen.reach = reach_of(at);
                 seen.edges = edges_of_fringe(seen);

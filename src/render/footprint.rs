@@ -23,8 +23,7 @@ pub(super) const CORE_REACH: f32 = 0.5 * OVERLAP;
 /// Samples are magnified that are so many pixels wide: gaps beside narrower ones are no wider than a pixel.
 pub(super) const MAGNIFIED: f32 = 2.5;
 
-/// How far the fringe of a magnified one does: over the neighbors, which may have been
-/// dropped for another camera's.
+/// How far the fringe of a magnified one does: over the neighbors, which may have been dropped for another camera's.
 pub(super) const FRINGE: f32 = 1.0;
 
 /// The footprints of a row of sixteen samples.
@@ -103,4 +102,34 @@ pub(super) fn footprints(
         found.half_height[i] = (CORE_REACH * (c.abs() + d.abs())).min(largest);
     }
     found
+}
+
+/// The plane of a sample at the center of a pixel.
+pub(super) struct PlaneAt {
+    /// Never negative.
+    pub(super) inverse_depth: f32,
+    /// How far the place lies from the sample, in source columns.
+    pub(super) across: f32,
+    /// The same in rows.
+    pub(super) down: f32,
+    /// Whether it lies in the footprint proper, without its fringe.
+    pub(super) is_core: bool,
+}
+
+impl Footprints {
+    /// The plane of sample `i` at the center of pixel `(x, y)`. Its depth deviates from the sample's by `stretch` times what it may
+    /// within the footprint.
+    #[inline(always)]
+    pub(super) fn plane_at(&self, row: &ProjectedRow, i: usize, (x, y): (f32, f32), stretch: f32) -> PlaneAt {
+        let (dx, dy) = (x + 0.5 - row.u[i], y + 0.5 - row.v[i]);
+        let (across, down) = (
+            self.inverse[0][i] * dx + self.inverse[1][i] * dy,
+            self.inverse[2][i] * dx + self.inverse[3][i] * dy,
+        );
+        let is_core = (across.abs().max(down.abs()) <= CORE_REACH) | (dx.abs().max(dy.abs()) <= 0.5);
+        let most = self.deviation[i] * stretch;
+        // Not `clamp`, whose check for an empty range is a branch.
+        let deviation = (self.slope_x[i] * dx + self.slope_y[i] * dy).min(most).max(-most);
+        PlaneAt { inverse_depth: (self.inverse_depth[i] + deviation).max(0.0), across, down, is_core }
+    }
 }

@@ -14,6 +14,7 @@ use half::f16;
 use super::keys::slot_of;
 use crate::error::{Error, Result};
 use crate::preprocess::{SampleImage, SampleSet, TILE, TILE_SAMPLES, TileDepths};
+use crate::settings::PruningMethod;
 use crate::simd::{self, Work};
 
 /// Tiles that slots can tell apart.
@@ -206,6 +207,11 @@ impl Work for Numbering<'_, '_> {
 }
 
 impl<'a> FrameSamples<'a> {
+    /// Whether samples that others represent were dropped.
+    pub(super) fn is_pruned(&self) -> bool {
+        self.set.settings.pruning.method != PruningMethod::Off
+    }
+
     /// The samples of the images at `frame`. Where the numbers of lasting tiles are known, those tiles are taken to be painted.
     ///
     /// # Errors

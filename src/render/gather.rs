@@ -16,7 +16,6 @@ use super::lookup::{CellTable, Lookup};
 use super::project::{Projector, focal, rays_in_world};
 use crate::capture::Camera;
 use crate::preprocess::TILE;
-use crate::settings::PruningMethod;
 
 /// Sampling rates beyond this many times that of the vantage gain nothing: the picture cannot show more.
 pub(super) const USEFUL_RATE: f32 = 1.5;
@@ -85,7 +84,7 @@ impl<'a> Gather<'a> {
             offset_in_world: (center - source.position_in_world()).as_vec3(),
             tolerance: depth_tolerance / focal(source),
         };
-        let pruned = frame.set.settings.pruning.method != PruningMethod::Off;
+        let pruned = frame.is_pruned();
         Self {
             pruned,
             many: if pruned { MANY_PRUNED } else { MANY },

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::cull::Band;
 use super::dense_tile::{DenseTile, slopes};
-use super::footprint::{CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, footprints};
+use super::footprint::{CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, footprints};
 use super::frame_samples::FrameSamples;
 use super::keys::{CORE, key, nearness};
 use super::project::{ProjectedRow, Projector};
@@ -70,7 +70,7 @@ pub(super) fn surface(stage: &Stage<'_>, bands: &[Band], keys: &mut [u64]) -> Re
                 stage,
                 band,
                 keys,
-                splat: Planes { window, fringe: stage.kernel == Kernel::Gather },
+                splat: Planes { window, fringe: stage.kernel == Kernel::Gather && stage.frame.is_pruned() },
             }),
         }
     })
@@ -207,6 +207,23 @@ impl Window {
     }
 }
 
+impl Window {
+    /// Raises the keys of the pixels from the first to the last column and row of `edges` to what `key_at` gives.
+    #[inline(always)]
+    fn raise(&self, keys: &mut [u64], edges: [f32; 4], key_at: impl Fn(f32, f32) -> u64) {
+        let clamp = |value: f32, low: f32, end: f32| value.max(low).min(end) as usize;
+        let [left, right, top, bottom] = edges;
+        let (end, below) = (self.right + 1.0, self.bottom + 1.0);
+        let columns = clamp(left, 0.0, end)..clamp(right + 1.0, 0.0, end);
+        for y in clamp(top, self.top, below)..clamp(bottom + 1.0, self.top, below) {
+            for x in columns.clone() {
+                let key_there = &mut keys[(y - self.top as usize) * self.width as usize + x];
+                *key_there = (*key_there).max(key_at(x as f32, y as f32));
+            }
+        }
+    }
+}
+
 /// `point`: a sample touches the pixel that it falls into.
 struct Points(Window);
 
@@ -260,8 +277,8 @@ impl Splat for Squares {
 /// `surfel` and `gather`: a sample touches the pixels whose centers its footprint covers, at the depth of its plane.
 struct Planes {
     window: Window,
-    /// Whether magnified samples have a fringe, which fills pixels that are in no footprint. What of it is surface has to be decided
-    /// afterwards, see [`super::silhouette`].
+    /// Whether magnified samples have a fringe, which fills pixels that are in no footprint, where neighbors may have been dropped.
+    /// What of it is surface has to be decided afterwards, see [`super::silhouette`].
     fringe: bool,
 }
 
@@ -296,7 +313,7 @@ impl Splat for Planes {
                 let (x, y) = (columns[i], rows[i]);
                 let (pixel, inside) = self.window.pixel(x, y, i);
                 let PlaneAt { inverse_depth: depth, is_core: covered, .. } =
-                    plane_at(&found, projected, i, x, y);
+                    found.plane_at(projected, i, (x, y), 1.0);
                 let is_further = further[corner] >> i & 1 == 1;
                 let seen = inside & covered & is_further & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
                 raised.pixels[corner][i] = pixel;
@@ -309,45 +326,65 @@ impl Splat for Planes {
         while large != 0 {
             let i = large.trailing_zeros() as usize % TILE;
             large &= large - 1;
-            self.large(&found, row, i, slots, raised.keys);
+            let own = Large { found: &found, projected, i, slot: slots | i as u32 };
+            self.window.raise(raised.keys, edges.map(|edges| edges[i]), |x, y| own.core(x, y));
+            if self.fringe && own.has_fringe() {
+                let reach = row.reach(i);
+                self.window.raise(raised.keys, own.edges_of_fringe(reach), |x, y| own.fringe(x, y, reach));
+            }
         }
     }
 }
 
-impl Planes {
-    /// Raises the keys of a footprint of many pixels, that of sample `i`.
+/// A sample whose footprint covers many pixels.
+struct Large<'a> {
+    found: &'a Footprints,
+    projected: &'a ProjectedRow,
+    /// Its place in the row.
+    i: usize,
+    slot: u32,
+}
+
+impl Large<'_> {
+    /// Its key at the center of pixel `(x, y)`, 0 where the footprint does not cover that.
     #[inline(always)]
-    fn large(&self, found: &Footprints, row: &Row<'_>, i: usize, slots: u32, keys: &mut [u64]) {
-        let Window { width, right, top, bottom, .. } = self.window;
-        let projected = &row.projected;
-        // Edge on, nothing is known of the surface beside its sample.
-        let is_known = found.inverse.iter().any(|part| part[i] != 0.0);
-        let has_fringe = self.fringe && is_known && found.largest[i] >= MAX_STRETCH * MAGNIFIED;
-        let reach = if has_fringe { row.reach(i) } else { [CORE_REACH; 4] };
-        let [a, b, c, d] = found.jacobian.map(|part| part[i]);
-        let span = |middle: f32, per_column: f32, per_row: f32, low: f32, last: f32| {
+    fn core(&self, x: f32, y: f32) -> u64 {
+        let at = self.found.plane_at(self.projected, self.i, (x, y), 1.0);
+        if at.is_core { key(nearness(at.inverse_depth, CORE), self.slot) } else { 0 }
+    }
+
+    /// The same of its fringe, which begins where the footprint ends and reaches so many source pixels to the left, right, up and down.
+    #[inline(always)]
+    fn fringe(&self, x: f32, y: f32, reach: [f32; 4]) -> u64 {
+        let at = self.found.plane_at(self.projected, self.i, (x, y), FRINGE / CORE_REACH);
+        let reaches = !at.is_core
+            && (-reach[0]..=reach[1]).contains(&at.across)
+            && (-reach[2]..=reach[3]).contains(&at.down);
+        if reaches { key(nearness(at.inverse_depth, 0), self.slot) } else { 0 }
+    }
+
+    /// Whether it is magnified, and not seen edge on: nothing is known of the surface beside it then.
+    #[inline(always)]
+    fn has_fringe(&self) -> bool {
+        let is_known = self.found.inverse.iter().any(|part| part[self.i] != 0.0);
+        is_known && self.found.largest[self.i] >= MAX_STRETCH * MAGNIFIED
+    }
+
+    /// First and last column and row whose centers the fringe may cover.
+    #[inline(always)]
+    fn edges_of_fringe(&self, reach: [f32; 4]) -> [f32; 4] {
+        let [a, b, c, d] = self.found.jacobian.map(|part| part[self.i]);
+        let largest = self.found.largest[self.i];
+        let span = |middle: f32, per_column: f32, per_row: f32| {
             let (left, right) = (-reach[0] * per_column, reach[1] * per_column);
             let (above, below) = (-reach[2] * per_row, reach[3] * per_row);
-            let largest = found.largest[i];
             let before = (left.min(right) + above.min(below)).max(-largest).min(-0.5);
             let after = (left.max(right) + above.max(below)).min(largest).max(0.5);
-            let clamp = |value: f32| value.max(low).min(last + 1.0) as usize;
-            clamp((middle + before - 0.5).ceil())..clamp((middle + after - 0.5).floor() + 1.0)
+            [(middle + before - 0.5).ceil(), (middle + after - 0.5).floor()]
         };
-        let columns = span(projected.u[i], a, b, 0.0, right);
-        for y in span(projected.v[i], c, d, top, bottom) {
-            for x in columns.clone() {
-                let at = plane_at(found, projected, i, x as f32, y as f32);
-                let on_fringe = has_fringe
-                    && (-reach[0]..=reach[1]).contains(&at.across)
-                    && (-reach[2]..=reach[3]).contains(&at.down);
-                if at.is_core || on_fringe {
-                    let tier = if at.is_core { CORE } else { 0 };
-                    let key_there = &mut keys[(y - top as usize) * width as usize + x];
-                    *key_there = (*key_there).max(key(nearness(at.inverse_depth, tier), slots | i as u32));
-                }
-            }
-        }
+        let [left, right] = span(self.projected.u[self.i], a, b);
+        let [top, bottom] = span(self.projected.v[self.i], c, d);
+        [left, right, top, bottom]
     }
 }
 
@@ -361,31 +398,4 @@ impl Row<'_> {
         [here >> i, here >> (i + 2), above >> (i + 1), below >> (i + 1)]
             .map(|closed| if closed & 1 == 1 { CORE_REACH } else { FRINGE })
     }
-}
-
-/// The plane of a sample at the center of a pixel.
-struct PlaneAt {
-    /// Never negative.
-    inverse_depth: f32,
-    /// How far the place lies from the sample, in source columns.
-    across: f32,
-    /// The same in rows.
-    down: f32,
-    /// Whether it lies in the footprint proper, without its fringe.
-    is_core: bool,
-}
-
-/// The plane of a sample at the center of pixel `(x, y)`.
-#[inline(always)]
-fn plane_at(found: &Footprints, projected: &ProjectedRow, i: usize, x: f32, y: f32) -> PlaneAt {
-    let (dx, dy) = (x + 0.5 - projected.u[i], y + 0.5 - projected.v[i]);
-    let (across, down) = (
-        found.inverse[0][i] * dx + found.inverse[1][i] * dy,
-        found.inverse[2][i] * dx + found.inverse[3][i] * dy,
-    );
-    let is_core = (across.abs().max(down.abs()) <= CORE_REACH) | (dx.abs().max(dy.abs()) <= 0.5);
-    let most = found.deviation[i] * if is_core { 1.0 } else { FRINGE / CORE_REACH };
-    // Not `clamp`, whose check for an empty range is a branch.
-    let deviation = (found.slope_x[i] * dx + found.slope_y[i] * dy).min(most).max(-most);
-    PlaneAt { inverse_depth: (found.inverse_depth[i] + deviation).max(0.0), across, down, is_core }
 }

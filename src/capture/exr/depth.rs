@@ -107,12 +107,9 @@ impl DepthRules {
     #[must_use]
     pub fn are_negative(&self, values: &[f32]) -> bool {
         let counts = |value: &&f32| **value < self.misses_from && !self.is_given_miss(f64::from(**value));
-        let (mut are_some_negative, mut are_some_distances) = (false, false);
-        for value in values.iter().filter(counts) {
-            are_some_negative |= *value < 0.0;
-            are_some_distances |= *value > 0.0;
-        }
-        are_some_negative && !are_some_distances
+        // In this order: in nearly every picture one of the first values is a distance.
+        !values.iter().filter(counts).any(|value| *value > 0.0)
+            && values.iter().filter(counts).any(|value| *value < 0.0)
     }
 
     #[inline(always)]

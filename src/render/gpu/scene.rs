@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::preprocess::{SampleImage, TILE};
 use crate::render::frame_samples::FrameSamples;
 use crate::render::project::focal;
-use crate::settings::{Kernel, PruningMethod, RenderSettings};
+use crate::settings::{Kernel, RenderSettings};
 
 /// Distance between the stages in their buffer, bytes: the alignment that every adapter takes.
 const STAGE_STRIDE: usize = 256;
@@ -107,7 +107,7 @@ fn stages((frame, camera, settings): Wanted<'_>, piece_count: usize, cells: usiz
                 entries_at: cells as u32,
                 ray_down: (ray(0.5, 1.5) - first).as_vec3().to_array(),
                 all_tiles: frame.tile_count() as u32,
-                pruned: u32::from(frame.set.settings.pruning.method != PruningMethod::Off),
+                pruned: u32::from(frame.is_pruned()),
                 ..GpuStage::zeroed()
             };
             stages.extend_from_slice(bytemuck::bytes_of(&stage));
