@@ -7,7 +7,7 @@ use super::dock::View;
 use super::inspector::InspectorPlan;
 use super::lanes::{InspectRequest, Lanes, MeasureRequest, WholeRequest};
 use super::state::{State, method_of};
-use super::views::live_image::LiveKey;
+use super::views::live_image::{ColorBy, LiveKey};
 use super::views::source_image::SourceKey;
 use crate::preprocess::SampleSet;
 use crate::render::Vantage;
@@ -16,8 +16,8 @@ use crate::settings::{Backend, Settings};
 /// How long a slider must rest before the whole capture is pruned again.
 const DEBOUNCE: Duration = Duration::from_millis(400);
 
-/// The live view is still once it has shown one place and frame for so long; then its pixels are brought into memory, where
-/// they can be asked about. Of a frame that was shown for so long thresholds may be turned.
+/// The live view is still once it has shown one place and frame for so long; then it is painted as fine as it helps, into memory,
+/// where its pixels can be asked about. Of a frame that was shown for so long thresholds may be turned.
 const REST: Duration = Duration::from_millis(200);
 
 #[derive(Clone, PartialEq)]
@@ -38,6 +38,10 @@ pub(super) struct Plan {
     inspect_at: Option<Instant>,
     source: Option<SourceKey>,
     live: Option<LiveKey>,
+    /// Where the live view looks from and when, as it is painted in motion.
+    place: Option<Vantage>,
+    /// Whether it is painted otherwise once it rests.
+    live_will_change: bool,
     whole: Option<(u64, Settings)>,
     measure: Option<(Arc<SampleSet>, Settings)>,
     inspector: InspectorPlan,
@@ -80,8 +84,8 @@ impl Plan {
         let whole = !state.has_capture() || state.stopped || (state.whole.is_some() && !state.is_stale());
         let source = !state.has_capture()
             || state.source_shown.as_ref().map(|shown| &shown.key) == self.source.as_ref();
-        let live = state.live_shown.as_ref().map(|shown| &shown.key) == self.live.as_ref()
-            && self.live.as_ref().is_none_or(|live| !live.in_motion);
+        let live =
+            state.live_shown.as_ref().map(|shown| &shown.key) == self.live.as_ref() && !self.live_will_change;
         whole && source && live && (self.is_inspected(state) || !state.has_capture())
     }
 
@@ -179,12 +183,23 @@ impl Plan {
         else {
             return None;
         };
-        let [width, height] = rig.painted_size(state.live.size);
-        let vantage = Vantage { camera: rig.camera(width, height), frame: state.timeline.frame };
-        if self.live.as_ref().is_some_and(|last| last.vantage != vantage) {
+        let frame = state.timeline.frame;
+        let coarse = rig.size_in_motion(state.live.size);
+        let place = Vantage { camera: rig.camera(coarse[0], coarse[1]), frame };
+        if self.place.as_ref() != Some(&place) {
             self.moved_at = Some(Instant::now());
+            self.place = Some(place);
         }
-        let rested = self.moved_at.map_or(REST, |at| at.elapsed());
+        // While a threshold is dragged the next picture follows at once, too.
+        let changes = [self.moved_at, self.changed_at];
+        let rested = changes.into_iter().flatten().map(|at| at.elapsed()).min().unwrap_or(REST);
+        // Colors that tell of samples beside pixels would mean something else in a finer picture.
+        let fine = match state.live.color_by {
+            ColorBy::Picture => rig.size_at_rest(state.live.size),
+            _ => coarse,
+        };
+        let [width, height] = if rested < REST { coarse } else { fine };
+        let vantage = Vantage { camera: rig.camera(width, height), frame };
         let on_gpu =
             state.live_shown.as_ref().is_some_and(|shown| shown.picture.painter.backend == Backend::Gpu);
         let in_motion = state.live.shares_device && on_gpu && rested < REST;
@@ -197,12 +212,14 @@ impl Plan {
             color_by: state.live.color_by,
             dark: state.dark,
             in_motion,
+            per_coarse_pixel: f64::from(width) / f64::from(coarse[0]),
         };
         if self.live.as_ref() != Some(&key) {
             lanes.live.submit(key.clone());
             self.live = Some(key);
         }
-        in_motion.then(|| REST.saturating_sub(rested))
+        self.live_will_change = rested < REST && (in_motion || coarse != fine);
+        self.live_will_change.then(|| REST.saturating_sub(rested))
     }
 
     fn ask_whole(&mut self, state: &State, lanes: &Lanes) -> Option<Duration> {

@@ -213,6 +213,7 @@ fn whoever_takes_over_before_is_not_set_in_motion() {
     // On a busy machine the scene may be in motion before the key is pressed.
     let taken_over = (0..10).find_map(|_| {
         let mut window = open(welcome(), SIZE);
+        wait(&mut window, "the scene", |window| window.state().scene_name().is_some());
         window.key_press(Key::Period);
         window.step();
         window.query_by_label("Play").is_some().then_some(window)

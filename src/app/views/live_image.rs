@@ -80,6 +80,15 @@ pub(crate) struct LiveKey {
     pub dark: bool,
     /// Whether the next one follows at once: then nobody asks what its pixels show, and they may stay where they are.
     pub in_motion: bool,
+    /// How many of its pixels lie along one of a picture in motion.
+    pub per_coarse_pixel: f64,
+}
+
+impl LiveKey {
+    /// Width of the stripes over holes, pixels: on the screen as wide in motion as at rest.
+    fn stripe(&self) -> usize {
+        (STRIPE * self.per_coarse_pixel).round().max(1.0) as usize
+    }
 }
 
 impl PartialEq for LiveKey {
@@ -97,8 +106,8 @@ impl PartialEq for LiveKey {
 /// Frames whose samples are sent to a GPU before they are asked for.
 const FRAMES_AHEAD: usize = 2;
 
-/// Width of the stripes over holes, pixels.
-const STRIPE: usize = 6;
+/// Width of the stripes over holes, pixels of a picture in motion.
+const STRIPE: f64 = 6.0;
 
 /// The right picture.
 pub(crate) struct LivePicture {
@@ -192,7 +201,7 @@ fn shown(
     if key.in_motion && key.color_by == ColorBy::Picture {
         let tokens = Tokens::of(key.dark);
         let colors = [tokens.hole, tokens.hole_stripe].map(|color| [color.r(), color.g(), color.b()]);
-        let holes = HolePattern { colors, stripe: STRIPE as u32 };
+        let holes = HolePattern { colors, stripe: key.stripe() as u32 };
         return renderer.show(samples, &key.vantage, &key.settings, &holes, job);
     }
     let settings =
@@ -203,6 +212,7 @@ fn shown(
 
 fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     let tokens = Tokens::of(key.dark);
+    let stripe = key.stripe();
     Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
         let image = picture.image[(x, y)];
         if image == NO_IMAGE {
@@ -211,7 +221,7 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
                 let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
                 return Color32::from_rgb(r, g, b);
             }
-            return if ((x + y) / STRIPE).is_multiple_of(2) { tokens.hole } else { tokens.hole_stripe };
+            return if ((x + y) / stripe).is_multiple_of(2) { tokens.hole } else { tokens.hole_stripe };
         }
         let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
         let own = Color32::from_rgb(r, g, b);
@@ -276,6 +286,7 @@ mod tests {
             color_by: ColorBy::Picture,
             dark: true,
             in_motion: false,
+            per_coarse_pixel: 1.0,
         }
     }
 

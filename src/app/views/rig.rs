@@ -8,6 +8,9 @@ use crate::capture::{Camera, Intrinsics};
 /// How near to straight up or down orbiting goes, as a cosine, so that up stays up.
 const STEEPEST: f64 = 0.985;
 
+/// Pixels of a resting view along each side of one that the lens recorded, at most.
+const FINEST_AT_REST: f64 = 3.0;
+
 /// How far the first vantage stands from the first camera, as a share of the way to the second.
 const HOME_STEP: f64 = 0.3;
 
@@ -85,12 +88,22 @@ impl Rig {
         Camera { name: "vantage".to_owned(), intrinsics, world_from_camera: self.world_from_camera }
     }
 
-    /// The size at which a view of `width × height` pixels is painted: never finer than the lens recorded, as there are
-    /// no samples for the pixels in between.
-    pub(crate) fn painted_size(&self, [width, height]: [u32; 2]) -> [u32; 2] {
+    /// The size at which a view of `width × height` pixels is painted while it moves: no finer than the lens recorded.
+    pub(crate) fn size_in_motion(&self, size: [u32; 2]) -> [u32; 2] {
+        self.painted_size(size, 1.0)
+    }
+
+    /// The size at which it is painted once it rests. Outlines are as sharp as the view then, and what another camera saw from nearer
+    /// by has its detail; beyond [`FINEST_AT_REST`] there is nothing more to be seen.
+    pub(crate) fn size_at_rest(&self, size: [u32; 2]) -> [u32; 2] {
+        self.painted_size(size, FINEST_AT_REST)
+    }
+
+    /// At most `finest` pixels a side for each one of the lens.
+    fn painted_size(&self, [width, height]: [u32; 2], finest: f64) -> [u32; 2] {
         let scale = (f64::from(width) / f64::from(self.lens.width))
-            .min(f64::from(height) / f64::from(self.lens.height))
-            .max(1.0);
+            .min(f64::from(height) / f64::from(self.lens.height));
+        let scale = (scale / finest).max(1.0);
         [width, height].map(|side| ((f64::from(side) / scale).round() as u32).max(1))
     }
 
@@ -227,10 +240,12 @@ mod tests {
     }
 
     #[test]
-    fn a_view_is_never_painted_finer_than_it_was_recorded() {
-        assert_eq!(rig().painted_size([640, 480]), [64, 48]);
-        assert_eq!(rig().painted_size([1280, 480]), [128, 48]);
-        assert_eq!(rig().painted_size([32, 24]), [32, 24]);
+    fn a_view_in_motion_is_painted_no_finer_than_it_was_recorded_and_one_at_rest_as_fine_as_it_helps() {
+        let both = |size| [rig().size_in_motion(size), rig().size_at_rest(size)];
+        assert_eq!(both([640, 480]), [[64, 48], [192, 144]]);
+        assert_eq!(both([1280, 480]), [[128, 48], [384, 144]]);
+        assert_eq!(both([96, 72]), [[64, 48], [96, 72]]);
+        assert_eq!(both([32, 24]), [[32, 24]; 2]);
     }
 
     #[test]
