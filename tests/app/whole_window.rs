@@ -96,15 +96,15 @@ fn time_plays_steps_and_is_scrubbed() {
 }
 
 #[test]
-fn a_view_at_rest_is_painted_three_times_as_fine_as_recorded_and_in_motion_no_finer() {
+fn a_view_at_rest_is_painted_twice_as_fine_as_recorded_and_in_motion_no_finer() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    assert!(shows(&window, "×216 in "), "72 rows were recorded");
+    assert!(shows(&window, "×144 in "), "72 rows were recorded");
     window.get_by_label("Play").click();
     wait(&mut window, "a picture in motion", |window| shows(window, "×72 in "));
     window.get_by_label("Pause").click();
     settle(&mut window);
-    assert!(shows(&window, "×216 in "));
+    assert!(shows(&window, "×144 in "));
 }
 
 #[test]
