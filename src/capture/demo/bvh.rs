@@ -15,10 +15,7 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Holds nothing.
-    pub(super) const EMPTY: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
-
-    pub(super) fn union(self, other: Self) -> Self {
+    fn union(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
@@ -28,17 +25,6 @@ impl Bounds {
 
     fn distance_squared(&self, point: DVec3) -> f64 {
         (self.low - point).max(point - self.high).max(DVec3::ZERO).length_squared()
-    }
-
-    /// The box and `margin` more on every side, m.
-    pub(super) fn grown(self, margin: f64) -> Self {
-        Self { low: self.low - DVec3::splat(margin), high: self.high + DVec3::splat(margin) }
-    }
-
-    /// Whether two boxes come within `distance` of each other, m.
-    pub(super) fn is_within(&self, distance: f64, other: &Self) -> bool {
-        let apart = (self.low - other.high).max(other.low - self.high).max(DVec3::ZERO);
-        apart.length_squared() <= distance * distance
     }
 
     fn is_met_by(&self, ray: &BoundsRay, t_max: f64) -> bool {
@@ -67,7 +53,7 @@ struct Node {
 }
 
 /// The hierarchy; items are known by their index in the slice it was built from.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Bvh {
     nodes: Vec<Node>,
     order: Vec<u32>,

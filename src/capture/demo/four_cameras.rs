@@ -33,10 +33,8 @@ pub(super) fn stage(moment: f64) -> Builder {
     laboratory(&mut stage);
     glassware(&mut stage);
     molecule(&mut stage, DVec3::new(-0.52, 0.22, BENCH_TOP_M));
-    stage.moving(|stage| {
-        crystals(stage, DVec3::new(0.08, 0.02, SLAB_TOP_M), moment);
-        ball(stage, moment);
-    });
+    crystals(&mut stage, DVec3::new(0.08, 0.02, SLAB_TOP_M), moment);
+    ball(&mut stage, moment);
     stage
 }
 

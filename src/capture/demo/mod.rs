@@ -1,8 +1,8 @@
 //! Built-in scenes, traced on demand: exact depth and normals at pixel centers, truth for any vantage.
 //!
 //! ```text
-//! orrery, nine_cameras, four_cameras ── world (solids, light) ──┬─────────────────── trace ── Frame
-//!        └─ props, palette, texture      shapes, hits, bvh, shade └─ recording, still, retrace ─┘ └─ camera_noise
+//! orrery, nine_cameras, four_cameras ── world (solids, light) ──────── trace ── Frame
+//!        └─ props, palette, texture      shapes, hits, bvh, shadow_map   └─ shade, camera_noise
 //! ```
 //!
 //! Surfaces are diffuse: a point has one color at a time, whoever looks. World space is in meters, z up.
@@ -14,15 +14,11 @@ mod hits;
 mod nine_cameras;
 mod orrery;
 mod palette;
-mod part;
 mod props;
-mod recording;
-mod retrace;
 mod rig;
 mod shade;
 mod shadow_map;
 mod shapes;
-mod still;
 mod texture;
 mod trace;
 mod world;
@@ -32,12 +28,10 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use self::camera_noise::CameraNoise;
-use self::part::Part;
-use self::recording::Recording;
 use self::rig::Rig;
 use self::trace::Picture;
 use self::world::{Builder, World};
-use super::{Camera, Capture, CaptureParts, Frame, View};
+use super::{Camera, Capture, CaptureParts, Frame, FrameSource, View};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 
@@ -147,8 +141,6 @@ pub struct Demo {
     novel: Vec<Camera>,
     frames: usize,
     noise: f32,
-    /// The solids at rest, the same at every moment.
-    still: Arc<Part>,
 }
 
 impl Demo {
@@ -176,8 +168,7 @@ impl Demo {
         check(scene, "rows", f64::from(size.1), 1.0..=f64::from(MAX_SIZE))?;
         check(scene, "noise", f64::from(noise), 0.0..=1.0)?;
         let novel = rig.novel.iter().map(|vantage| vantage.camera(size)).collect();
-        let still = scene.world(0.0).still;
-        Ok(Self { scene, cameras: rig.cameras(cameras, size), novel, frames, noise, still })
+        Ok(Self { scene, cameras: rig.cameras(cameras, size), novel, frames, noise })
     }
 
     /// The scene as a capture whose frames are traced when asked for.
@@ -191,7 +182,7 @@ impl Demo {
             has_normals: self.scene.normals,
             antialiased_color: self.scene.antialiased,
             warnings: Vec::new(),
-            source: Arc::new(Recording::new(self.clone())),
+            source: Arc::new(self.clone()),
         };
         Capture::new(parts, settings.cache as usize * 1024 * 1024)
     }
@@ -227,15 +218,23 @@ impl Demo {
     /// What a camera anywhere would record: exact, without noise. Frames beyond the last go on with the animation.
     #[must_use]
     pub fn render(&self, camera: &Camera, frame: usize) -> Frame {
-        trace::picture(&self.world(frame), camera, self.wanted(None))
+        self.picture(camera, frame, None)
     }
 
-    fn world(&self, frame: usize) -> World {
-        (self.scene.stage)(frame as f64 / self.frames as f64).build_around(self.still.clone())
+    fn picture(&self, camera: &Camera, frame: usize, noise: Option<CameraNoise>) -> Frame {
+        let wanted = Picture { antialiased: self.scene.antialiased, normals: self.scene.normals, noise };
+        trace::picture(&self.scene.world(frame as f64 / self.frames as f64), camera, wanted)
+    }
+}
+
+impl FrameSource for Demo {
+    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
+        let noise = CameraNoise::new(self.noise, self.scene.seed, camera, frame);
+        Ok(self.picture(&self.cameras[camera], frame, noise))
     }
 
-    fn wanted(&self, noise: Option<CameraNoise>) -> Picture {
-        Picture { antialiased: self.scene.antialiased, normals: self.scene.normals, noise }
+    fn place(&self, camera: usize, frame: usize) -> String {
+        format!("demo {}, camera '{}', frame {frame}", self.scene.name, self.cameras[camera].name)
     }
 }
 

@@ -150,10 +150,8 @@ fn pendulum_clock(stage: &mut Builder, moment: f64) {
     let swing = 0.17 * (TAU * 3.0 * moment).sin();
     let pivot = place + DVec3::new(0.02, 0.0, 1.52);
     let bob = pivot + DVec3::new(0.0, swing.sin(), -swing.cos()) * 0.85;
-    stage.moving(|stage| {
-        stage.add_bar((pivot, bob), (0.006, 0.006), brass());
-        stage.add_turned(Shape::cylinder(0.075, 0.012), bob, upright, brass());
-    });
+    stage.add_bar((pivot, bob), (0.006, 0.006), brass());
+    stage.add_turned(Shape::cylinder(0.075, 0.012), bob, upright, brass());
 }
 
 fn railway(stage: &mut Builder, moment: f64) {
@@ -170,7 +168,7 @@ fn railway(stage: &mut Builder, moment: f64) {
     let colors = [0x00b0_302c, 0x002c_5c9c, 0x00d8_a430, 0x003c_7c48];
     for (index, color) in colors.into_iter().enumerate() {
         let angle = TAU * (moment - 0.052 * index as f64);
-        stage.moving(|stage| carriage(stage, angle, index == 0, color));
+        carriage(stage, angle, index == 0, color);
     }
 }
 

@@ -152,7 +152,7 @@ fn arm(stage: &mut Builder, planet: &Planet, height: f64, moment: f64) {
     let outward = DVec3::new(turn.cos(), turn.sin(), 0.0);
     let root = DVec3::new(0.0, 0.0, TABLE_TOP_M + height);
     stage.add(Shape::cylinder(0.028, 0.012), root, brass());
-    stage.moving(|stage| outer_arm(stage, planet, (root, outward), moment));
+    outer_arm(stage, planet, (root, outward), moment);
 }
 
 /// What of an arm turns about its `root`, toward `outward`.
@@ -188,7 +188,7 @@ fn gear(stage: &mut Builder, center: DVec3, radius: f64, teeth: usize, turns: f6
         let block =
             Shape::Block { half: DVec3::new(0.008, 0.3 * PI * radius / teeth as f64, 0.0055), round: 0.0 };
         let place = center + rotation * DVec3::X * radius;
-        stage.moving(|stage| stage.add_turned(block, place, rotation, dark_brass()));
+        stage.add_turned(block, place, rotation, dark_brass());
     }
 }
 

@@ -8,7 +8,6 @@
 
 use glam::{DVec3, Vec3};
 
-use super::part::Part;
 use super::world::{Hit, Light, World};
 
 /// Heights above the surface at which its surroundings are felt, as shares of [`Light::contact`], and their weights, the
@@ -35,57 +34,22 @@ pub(super) fn sky(direction: DVec3) -> Vec3 {
 
 /// Linear color that the point sends in every direction under the given [`irradiance`].
 pub(super) fn reflected(world: &World, hit: &Hit, irradiance: Vec3) -> Vec3 {
-    sent(world.surface_color(hit), irradiance)
-}
-
-/// As [`reflected`], with the reflectance and glow of the point known.
-pub(super) fn sent((color, glow): (Vec3, f32), irradiance: Vec3) -> Vec3 {
+    let (color, glow) = world.surface_color(hit);
     color * (irradiance + Vec3::splat(glow))
 }
 
 /// Light that arrives at the point: the radiance of a white surface there.
 pub(super) fn irradiance(world: &World, hit: &Hit) -> Vec3 {
-    let open = openness(world, &world.still, hit).min(openness(world, &world.moving, hit));
-    irradiance_through(&world.light, hit, &open)
-}
-
-/// What solids leave open of a point's surroundings. That of several parts of a world is the minimum of each.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Openness {
-    /// By how much the cone of light to the point clears the solids: −1 fully shaded to 1 not touched.
-    clear: f64,
-    /// Distance of the solids to each of [`CONTACT_TAPS`], m, at most its height.
-    free: [f64; CONTACT_TAPS.len()],
-}
-
-impl Openness {
-    /// What both leave open.
-    pub(super) fn min(self, other: Self) -> Self {
-        let mut free = self.free;
-        for (free, other) in free.iter_mut().zip(other.free) {
-            *free = free.min(other);
-        }
-        Self { clear: self.clear.min(other.clear), free }
-    }
-}
-
-/// What one part of the world leaves open of the surroundings of a point.
-pub(super) fn openness(world: &World, part: &Part, hit: &Hit) -> Openness {
-    Openness { clear: sun_clearance(world, part, hit), free: free_distances(world, part, hit) }
-}
-
-/// Where the surroundings of a point on a surface are felt lie within [`Light::contact`] of here.
-pub(super) fn contact_center(light: &Light, point: DVec3, normal: DVec3) -> DVec3 {
-    point + normal * light.contact
-}
-
-/// Light that arrives at the point past what solids leave open.
-pub(super) fn irradiance_through(light: &Light, hit: &Hit, open: &Openness) -> Vec3 {
+    let light = &world.light;
     let toward_sun = hit.normal.dot(light.to_sun);
-    let sun = if toward_sun > 0.0 { sunlight(open.clear) * toward_sun as f32 } else { 0.0 };
+    let sun = if toward_sun > 0.0 {
+        sunlight(sun_clearance(world, hit, toward_sun)) * toward_sun as f32
+    } else {
+        0.0
+    };
     let up = 0.5 + 0.5 * hit.normal.z as f32;
     let above = light.horizon.lerp(light.zenith, 0.5 + 0.5 * up);
-    let sky = light.ground.lerp(above, up) * skylight(light.contact, open.free);
+    let sky = light.ground.lerp(above, up) * skylight(light.contact, free_distances(world, hit));
     light.sun * sun + sky + lamp(light, hit)
 }
 
@@ -107,14 +71,11 @@ fn sunlight(clear: f64) -> f32 {
     (t * t * (3.0 - 2.0 * t)) as f32
 }
 
-/// By how much the cone of light to a point clears the solids of a part: −1 fully shaded to 1 not touched.
-fn sun_clearance(world: &World, part: &Part, hit: &Hit) -> f64 {
-    let toward_sun = hit.normal.dot(world.light.to_sun);
+/// By how much the cone of light to a point clears the solids: −1 fully shaded to 1 not touched. `toward_sun`, the
+/// cosine between normal and sun, is positive.
+fn sun_clearance(world: &World, hit: &Hit, toward_sun: f64) -> f64 {
     let mut clear: f64 = 1.0;
-    if toward_sun <= 0.0 {
-        return clear;
-    }
-    part.for_each_toward_sun(hit.point, |index, from, to| {
+    world.shadows.for_each_toward_sun(hit.point, |index, from, to| {
         clear = clear.min(if index == hit.solid && world.solids[index].is_convex() {
             toward_sun / world.light.sun_spread
         } else {
@@ -151,11 +112,11 @@ fn clearance(world: &World, index: usize, point: DVec3, (from, to): (f64, f64)) 
     clear
 }
 
-/// Distance of the solids of a part to each of the point's [`CONTACT_TAPS`], m, at most its height.
-fn free_distances(world: &World, part: &Part, hit: &Hit) -> [f64; CONTACT_TAPS.len()] {
+/// Distance of the solids to each of the point's [`CONTACT_TAPS`], m, at most its height.
+fn free_distances(world: &World, hit: &Hit) -> [f64; CONTACT_TAPS.len()] {
     let reach = world.light.contact;
     let mut free = CONTACT_TAPS.map(|(share, _)| share * reach);
-    part.for_each_near(contact_center(&world.light, hit.point, hit.normal), reach, |index| {
+    world.bvh.for_each_near(hit.point + hit.normal * reach, reach, |index| {
         let solid = &world.solids[index];
         if index == hit.solid && solid.is_convex() {
             return;
@@ -198,12 +159,10 @@ mod tests {
                 let direction = DVec3::new(0.7 * sin, 1.0, 0.5 * cos - 0.3);
                 let Some(hit) = world.hit((DVec3::new(0.3, -1.9, 1.6), direction)) else { continue };
                 let mut listed = vec![false; world.solids.len()];
-                for part in [&*world.still, &world.moving] {
-                    part.for_each_toward_sun(hit.point, |solid, _, _| {
-                        listed[solid] = true;
-                        true
-                    });
-                }
+                world.shadows.for_each_toward_sun(hit.point, |solid, _, _| {
+                    listed[solid] = true;
+                    true
+                });
                 listed[hit.solid] = true;
                 for (solid, _) in listed.iter().enumerate().filter(|(_, listed)| !**listed) {
                     assert!(clearance(&world, solid, hit.point, (0.0, 20.0)) >= 1.0 - 1e-9);

@@ -5,14 +5,12 @@
 
 use glam::{DVec2, DVec3};
 
-use super::bvh::Bounds;
-
 /// Cells along each side of the grid.
 const CELLS: usize = 64;
 
 /// A solid as the sun sees it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Outline {
+struct Outline {
     /// Across the sun's rays, m.
     low: DVec2,
     high: DVec2,
@@ -38,13 +36,10 @@ pub(super) struct ShadowMap {
 }
 
 impl ShadowMap {
-    /// A map over solids that are given by their centers and half axes (half extent times direction), world space. No
-    /// lit point may lie deeper along the sun's rays than these solids and `ground_m`.
-    pub(super) fn new(
-        (to_sun, spread): (DVec3, f64),
-        ground_m: f64,
-        solids: impl Iterator<Item = (DVec3, [DVec3; 3])>,
-    ) -> Self {
+    /// A map over solids that are given by their centers and half axes (half extent times direction), world space, for
+    /// a sun whose penumbra is `spread` m wide per meter behind an edge. No lit point may lie deeper along the sun's
+    /// rays than these solids.
+    pub(super) fn new(to_sun: DVec3, spread: f64, solids: impl Iterator<Item = (DVec3, [DVec3; 3])>) -> Self {
         let across = {
             let u = to_sun.any_orthonormal_vector();
             [u, to_sun.cross(u)]
@@ -53,7 +48,7 @@ impl ShadowMap {
             solids.map(|(center, half_axes)| outline(across, to_sun, center, half_axes)).collect();
         let low = outlines.iter().fold(DVec2::INFINITY, |low, o| low.min(o.low));
         let high = outlines.iter().fold(DVec2::NEG_INFINITY, |high, o| high.max(o.high));
-        let deepest = outlines.iter().fold(ground_m, |deepest, o| deepest.min(o.below));
+        let deepest = outlines.iter().fold(f64::INFINITY, |deepest, o| deepest.min(o.below));
         let cells_per_m = DVec2::splat(CELLS as f64) / (high - low).max(DVec2::splat(1e-6));
         let mut map = Self {
             across,
@@ -99,23 +94,6 @@ impl ShadowMap {
             }
         }
         self.starts = starts;
-    }
-
-    /// How deep along the sun's rays the solids, or the ground below them, reach, m.
-    pub(super) fn deepest(&self) -> f64 {
-        self.deepest
-    }
-
-    /// Whether the cone of light to any point of a box may touch a solid.
-    pub(super) fn may_shade(&self, points: &Bounds) -> bool {
-        let half = 0.5 * (points.high - points.low);
-        let half_axes = [DVec3::X * half.x, DVec3::Y * half.y, DVec3::Z * half.z];
-        let lit = outline(self.across, self.to_sun, points.low + half, half_axes);
-        self.outlines.iter().any(|outline| {
-            let to = outline.above - lit.below;
-            let beside = (outline.low - lit.high).max(lit.low - outline.high).max_element();
-            to > 0.0 && beside < self.spread * to
-        })
     }
 
     fn cell(&self, place: DVec2) -> (usize, usize) {

@@ -1,5 +1,4 @@
-//! Pictures of a moment, traced in full: depth and normals exact at pixel centers, color there or filtered over the
-//! pixel. What a camera records over many frames is traced more cheaply, to the same bits, by `retrace`.
+//! Pictures of a moment: depth and normals exact at pixel centers, color there or filtered over the pixel.
 
 use glam::{DVec2, DVec3, Vec3};
 use half::f16;
@@ -7,12 +6,12 @@ use rayon::prelude::*;
 
 use super::camera_noise::CameraNoise;
 use super::shade;
-use super::world::{Hit, Ray, World};
+use super::world::{Ray, World};
 use crate::capture::{Camera, Frame};
 use crate::grid::Grid;
 
 /// Where in the pixel the color of an edge is sampled besides its center: five points of a rotated grid.
-pub(super) const SUBPIXELS: [(f64, f64); 5] = [(0.1, 0.3), (0.3, 0.9), (0.5, 0.1), (0.7, 0.7), (0.9, 0.45)];
+const SUBPIXELS: [(f64, f64); 5] = [(0.1, 0.3), (0.3, 0.9), (0.5, 0.1), (0.7, 0.7), (0.9, 0.45)];
 /// Neighbors whose normals differ by more than this cosine lie on two sides of an edge.
 const EDGE_COSINE: f32 = 0.9;
 /// Neighbors whose colors differ by more than this share of the brighter lie on two sides of an edge.
@@ -34,46 +33,27 @@ pub(super) struct Picture {
 }
 
 /// What stands at one pixel's center.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Surfel {
-    pub(super) color: Vec3,
-    pub(super) irradiance: Vec3,
-    pub(super) inverse_depth: f32,
-    pub(super) normal: [f32; 3],
-    /// Index in the world, or none for the sky.
-    pub(super) solid: u32,
-    /// Whether another solid stands at the same place.
-    pub(super) is_tied: bool,
+struct Surfel {
+    color: Vec3,
+    irradiance: Vec3,
+    inverse_depth: f32,
+    normal: [f32; 3],
+    /// Index in the world, or [`SKY`].
+    solid: u32,
 }
 
 /// The picture that `camera` takes of `world`.
 pub(super) fn picture(world: &World, camera: &Camera, wanted: Picture) -> Frame {
     let view = CameraRays::new(camera);
-    let surfels = surfels(world, &view);
-    frame(&surfels, wanted, |x, y| {
-        if wanted.antialiased && is_edge(&surfels, x, y) {
-            filtered(world, &view, &surfels[(x, y)], (x, y), |_| ())
-        } else {
-            surfels[(x, y)].color
-        }
-    })
-}
-
-/// What stands at every pixel's center.
-pub(super) fn surfels(world: &World, view: &CameraRays) -> Grid<Surfel> {
-    let (width, height) = view.camera.intrinsics.size();
-    rows(width, height, |x, y| surfel(world, view.center(x, y), world.hit(view.center(x, y))))
-}
-
-/// The frame of what stands at every pixel's center, with the given color of each pixel.
-pub(super) fn frame(
-    surfels: &Grid<Surfel>,
-    wanted: Picture,
-    color: impl Fn(usize, usize) -> Vec3 + Sync,
-) -> Frame {
-    let (width, height) = surfels.size();
+    let (width, height) = camera.intrinsics.size();
+    let surfels = rows(width, height, |x, y| surfel(world, view.center(x, y)));
     let color = rows(width, height, |x, y| {
-        let color = color(x, y);
+        let center = &surfels[(x, y)];
+        let color = if wanted.antialiased && is_edge(&surfels, x, y) {
+            filtered(world, center, view.subpixels(x, y))
+        } else {
+            center.color
+        };
         let color = wanted.noise.map_or(color, |noise| noise.apply(color, y * width + x));
         color.to_array().map(|value| f16::from_f32(value.clamp(0.0, f16::MAX.to_f32())))
     });
@@ -86,13 +66,13 @@ pub(super) fn frame(
 }
 
 /// The rays of a camera.
-pub(super) struct CameraRays<'a> {
-    pub(super) camera: &'a Camera,
+struct CameraRays<'a> {
+    camera: &'a Camera,
     origin: DVec3,
 }
 
 impl<'a> CameraRays<'a> {
-    pub(super) fn new(camera: &'a Camera) -> Self {
+    fn new(camera: &'a Camera) -> Self {
         Self { camera, origin: camera.position_in_world() }
     }
 
@@ -102,80 +82,53 @@ impl<'a> CameraRays<'a> {
     }
 
     /// The ray through a pixel's center.
-    pub(super) fn center(&self, x: usize, y: usize) -> Ray {
+    fn center(&self, x: usize, y: usize) -> Ray {
         self.through(DVec2::new(x as f64 + 0.5, y as f64 + 0.5))
     }
 
     /// The rays through the [`SUBPIXELS`] of a pixel.
-    pub(super) fn subpixels(&self, (x, y): (usize, usize)) -> [Ray; SUBPIXELS.len()] {
+    fn subpixels(&self, x: usize, y: usize) -> [Ray; SUBPIXELS.len()] {
         SUBPIXELS.map(|(dx, dy)| self.through(DVec2::new(x as f64 + dx, y as f64 + dy)))
     }
 }
 
-/// What stands at a pixel's center, given the ray through it and where that meets the world.
-pub(super) fn surfel(world: &World, ray: Ray, hit: Option<Hit>) -> Surfel {
-    match hit {
-        Some(hit) => {
-            let irradiance = shade::irradiance(world, &hit);
-            Surfel {
-                color: shade::reflected(world, &hit, irradiance),
-                irradiance,
-                inverse_depth: (1.0 / hit.t) as f32,
-                normal: hit.normal.as_vec3().to_array(),
-                solid: hit.solid as u32,
-                is_tied: hit.is_tied,
-            }
-        }
-        None => Surfel {
+/// What the ray through a pixel's center meets.
+fn surfel(world: &World, ray: Ray) -> Surfel {
+    let Some(hit) = world.hit(ray) else {
+        return Surfel {
             color: shade::sky(ray.1),
             irradiance: Vec3::ZERO,
             inverse_depth: 0.0,
             normal: [0.0; 3],
             solid: SKY,
-            is_tied: false,
-        },
+        };
+    };
+    let irradiance = shade::irradiance(world, &hit);
+    Surfel {
+        color: shade::reflected(world, &hit, irradiance),
+        irradiance,
+        inverse_depth: (1.0 / hit.t) as f32,
+        normal: hit.normal.as_vec3().to_array(),
+        solid: hit.solid as u32,
     }
 }
 
 /// The color of a pixel that holds an edge. Within a pixel light hardly changes along a smooth surface, so that the
 /// center's serves every sample of the same surface; texture and silhouettes are sampled.
-///
-/// Calls `met` for every sample's hit.
-pub(super) fn filtered(
-    world: &World,
-    view: &CameraRays,
-    center: &Surfel,
-    pixel: (usize, usize),
-    mut met: impl FnMut(&Hit),
-) -> Vec3 {
-    let samples = view.subpixels(pixel).map(|ray| {
+fn filtered(world: &World, center: &Surfel, rays: [Ray; SUBPIXELS.len()]) -> Vec3 {
+    let samples = rays.map(|ray| {
         let Some(hit) = world.hit(ray) else { return shade::sky(ray.1) };
-        met(&hit);
-        sample(world, center, &hit)
+        let is_same_surface = hit.solid as u32 == center.solid
+            && hit.normal.as_vec3().dot(center.normal.into()) > SAME_SURFACE_COSINE;
+        let irradiance = if is_same_surface { center.irradiance } else { shade::irradiance(world, &hit) };
+        shade::reflected(world, &hit, irradiance)
     });
-    mean(center, samples)
-}
-
-/// Whether a sample of a pixel is of the surface at the pixel's center.
-pub(super) fn shares_light(center: &Surfel, hit: &Hit) -> bool {
-    hit.solid as u32 == center.solid && hit.normal.as_vec3().dot(center.normal.into()) > SAME_SURFACE_COSINE
-}
-
-/// The color of a sample of a pixel.
-pub(super) fn sample(world: &World, center: &Surfel, hit: &Hit) -> Vec3 {
-    let irradiance =
-        if shares_light(center, hit) { center.irradiance } else { shade::irradiance(world, hit) };
-    shade::reflected(world, hit, irradiance)
-}
-
-/// The color of a pixel from its center and samples.
-pub(super) fn mean(center: &Surfel, samples: [Vec3; SUBPIXELS.len()]) -> Vec3 {
     let sum = samples.into_iter().fold(center.color, |sum, sample| sum + sample);
     sum / (SUBPIXELS.len() + 1) as f32
 }
 
 /// Whether the pixel and one of its eight neighbors show different surfaces, faces, or sides of a color edge.
-pub(super) fn is_edge(surfels: &Grid<Surfel>, x: usize, y: usize) -> bool {
+fn is_edge(surfels: &Grid<Surfel>, x: usize, y: usize) -> bool {
     let here = &surfels[(x, y)];
     let (x_end, y_end) = ((x + 2).min(surfels.width()), (y + 2).min(surfels.height()));
     (y.saturating_sub(1)..y_end).any(|row| {
@@ -193,11 +146,7 @@ pub(super) fn is_edge(surfels: &Grid<Surfel>, x: usize, y: usize) -> bool {
 ///
 /// A worker that waits for rows takes up other work meanwhile, and that may be the very frame whose rows it waits for:
 /// traced twice, with two frames in memory. Hence a worker traces its frame alone.
-pub(super) fn rows<T: Send + Sync>(
-    width: usize,
-    height: usize,
-    value: impl Fn(usize, usize) -> T + Sync,
-) -> Grid<T> {
+fn rows<T: Send + Sync>(width: usize, height: usize, value: impl Fn(usize, usize) -> T + Sync) -> Grid<T> {
     if rayon::current_thread_index().is_some() {
         return Grid::from_fn(width, height, value);
     }

@@ -1,16 +1,14 @@
-//! One moment of a demo scene: placed solids, those at rest apart from those that move, and the light.
-
-use std::sync::{Arc, OnceLock};
+//! One moment of a demo scene: placed solids, what finds them quickly, and the light.
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::bvh::Bounds;
-use super::part::Part;
+use super::bvh::{Bounds, Bvh};
+use super::shadow_map::ShadowMap;
 use super::shapes::Shape;
 use super::texture::Material;
 
 /// A solid at its place.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub(super) struct Solid {
     pub(super) shape: Shape,
     /// Rotation from the solid's space to world space.
@@ -94,17 +92,12 @@ pub(super) struct Hit {
     pub(super) point: DVec3,
     /// Unit geometric normal in world space, toward the ray's origin.
     pub(super) normal: DVec3,
-    /// Whether another solid is met at the same place.
-    pub(super) is_tied: bool,
 }
 
 /// Collects the solids of one moment, in an order that is the same for every moment.
 pub(super) struct Builder {
     solids: Vec<Solid>,
     light: Light,
-    /// Indices of the solids that move.
-    moving: Vec<u32>,
-    adds_moving: bool,
 }
 
 /// One moment of a scene.
@@ -112,19 +105,17 @@ pub(super) struct Builder {
 pub(super) struct World {
     /// The solids, in the order the scene adds them.
     pub(super) solids: Vec<Solid>,
-    /// Those that are the same at every moment.
-    pub(super) still: Arc<Part>,
-    /// All others.
-    pub(super) moving: Part,
     /// What lights them.
     pub(super) light: Light,
-    /// Both parts together, once a ray meets two solids at once.
-    whole: OnceLock<Part>,
+    /// Finds the solids along a ray or near a point.
+    pub(super) bvh: Bvh,
+    /// Finds the solids between a point and the sun.
+    pub(super) shadows: ShadowMap,
 }
 
 impl Builder {
     pub(super) fn new(light: Light) -> Self {
-        Self { solids: Vec::new(), light, moving: Vec::new(), adds_moving: false }
+        Self { solids: Vec::new(), light }
     }
 
     /// Adds an upright solid with its origin at `position`.
@@ -140,9 +131,6 @@ impl Builder {
         world_from_local: DMat3,
         material: Material,
     ) {
-        if self.adds_moving {
-            self.moving.push(self.solids.len() as u32);
-        }
         self.solids.push(Solid { shape, world_from_local, position, material });
     }
 
@@ -153,27 +141,11 @@ impl Builder {
         self.add_turned(shape, 0.5 * (ends.0 + ends.1), upright_to(axis), material);
     }
 
-    /// Solids that `add` adds may differ from moment to moment; all others are the same at every moment.
-    pub(super) fn moving(&mut self, add: impl FnOnce(&mut Self)) {
-        self.adds_moving = true;
-        add(self);
-        self.adds_moving = false;
-    }
-
     pub(super) fn build(self) -> World {
-        let mut is_still = vec![true; self.solids.len()];
-        for index in &self.moving {
-            is_still[*index as usize] = false;
-        }
-        let members = (0..self.solids.len() as u32).filter(|index| is_still[*index as usize]).collect();
-        let still = Part::new(&self.solids, members, &self.light, f64::INFINITY);
-        self.build_around(Arc::new(still))
-    }
-
-    /// As [`Self::build`], with the part at rest taken from another moment of the same scene.
-    pub(super) fn build_around(self, still: Arc<Part>) -> World {
-        let moving = Part::new(&self.solids, self.moving, &self.light, still.ground_m());
-        World { moving, still, solids: self.solids, light: self.light, whole: OnceLock::new() }
+        let Self { solids, light } = self;
+        let bounds: Vec<Bounds> = solids.iter().map(Solid::bounds).collect();
+        let shadows = ShadowMap::new(light.to_sun, light.sun_spread, solids.iter().map(Solid::outer_box));
+        World { bvh: Bvh::new(&bounds), shadows, solids, light }
     }
 }
 
@@ -184,93 +156,22 @@ pub(super) fn upright_to(axis: DVec3) -> DMat3 {
     DMat3::from_cols(x, z.cross(x), z)
 }
 
-/// Hits closer together than this, as ray parameter, may come in either order out of a hierarchy: its boxes are rounded.
-/// The scenes have faces that lie in one plane, as where a shelf's side meets its back.
-const TIE: f64 = 1e-9;
-
-/// The nearest of some hits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Nearest {
-    /// Ray parameter.
-    pub(super) t: f64,
-    /// Index of the solid; none for a ray that meets nothing.
-    pub(super) solid: usize,
-    /// Whether another solid is met within [`TIE`]. Which of them is seen is for [`World::hit`] to say.
-    pub(super) is_tied: bool,
-}
-
-impl Nearest {
-    /// No hit at all.
-    pub(super) const NONE: Self = Self { t: f64::INFINITY, solid: usize::MAX, is_tied: false };
-
-    fn include(&mut self, t: f64, solid: usize) {
-        let is_tied = (t - self.t).abs() <= TIE;
-        if t < self.t {
-            *self = Self { t, solid, is_tied };
-        } else {
-            self.is_tied |= is_tied;
-        }
-    }
-}
-
 impl World {
-    /// The world without the solids that move.
-    pub(super) fn at_rest(&self) -> Self {
-        let moving = Part::new(&self.solids, Vec::new(), &self.light, self.still.ground_m());
-        Self {
-            solids: self.solids.clone(),
-            still: self.still.clone(),
-            moving,
-            light: self.light,
-            whole: OnceLock::new(),
-        }
-    }
-
     /// The first surface along `origin + t · direction`, `t > 0`. With a direction of camera-space `z = 1`, `t` is
-    /// planar depth.
-    pub(super) fn hit(&self, ray: Ray) -> Option<Hit> {
-        let mut nearest = self.nearest(&self.moving, ray, self.nearest(&self.still, ray, Nearest::NONE));
-        if nearest.is_tied {
-            (nearest.t, nearest.solid) = self.first_of_tied(ray)?;
-        }
-        (nearest.solid != Nearest::NONE.solid).then(|| self.hit_at(ray, nearest))
-    }
-
-    /// The nearest of `before` and the hits of a part.
-    pub(super) fn nearest(&self, part: &Part, ray: Ray, before: Nearest) -> Nearest {
-        let mut nearest = before;
-        part.for_each_before(ray, nearest.t + TIE, |index, t_max| {
-            nearest.include(self.hit_solid(index, ray.0, ray.1, t_max)?, index);
-            Some(nearest.t + TIE)
-        });
-        nearest
-    }
-
-    /// Of solids that are met together, the one that one hierarchy over all of them comes to first.
-    fn first_of_tied(&self, ray: Ray) -> Option<(f64, usize)> {
-        let whole = self.whole.get_or_init(|| {
-            let mut members: Vec<u32> =
-                self.still.members().chain(self.moving.members()).map(|index| index as u32).collect();
-            members.sort_unstable();
-            Part::new(&self.solids, members, &self.light, self.still.ground_m())
-        });
-        let mut first = None;
-        whole.for_each_before(ray, f64::INFINITY, |index, t_max| {
-            let t = self.hit_solid(index, ray.0, ray.1, t_max)?;
-            first = Some((t, index));
+    /// planar depth. Where faces lie in one plane, the solid that the hierarchy visits first is met.
+    pub(super) fn hit(&self, (origin, direction): Ray) -> Option<Hit> {
+        let mut nearest = None;
+        self.bvh.for_each_before(origin, direction, f64::INFINITY, |index, t_max| {
+            let t = self.hit_solid(index, origin, direction, t_max)?;
+            nearest = Some((t, index));
             Some(t)
         });
-        first
-    }
-
-    /// The nearest hit of a ray, in full.
-    pub(super) fn hit_at(&self, (origin, direction): Ray, nearest: Nearest) -> Hit {
-        let Nearest { t, solid, is_tied } = nearest;
+        let (t, solid) = nearest?;
         let placed = &self.solids[solid];
         let point = origin + direction * t;
         let outward = placed.world_from_local * placed.shape.normal(placed.to_local(point));
         let normal = if outward.dot(direction) > 0.0 { -outward } else { outward };
-        Hit { solid, t, point, normal, is_tied }
+        Some(Hit { solid, t, point, normal })
     }
 
     /// Ray parameter at which one solid is met before `t_max`.
@@ -286,30 +187,5 @@ impl World {
         let normal = solid.world_from_local.transpose() * hit.normal;
         let color = solid.material.color(solid.to_local(hit.point), normal, hit.solid as u32);
         (color, solid.material.glow)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::capture::demo::ALL;
-
-    #[test]
-    fn the_part_at_rest_is_the_same_at_every_moment_and_nothing_else_is() {
-        for scene in ALL {
-            let first = scene.world(0.0);
-            let mut has_moved = vec![false; first.solids.len()];
-            for step in 0..=40 {
-                let now = scene.world(f64::from(step) / 40.0);
-                assert!(now.still.members().eq(first.still.members()));
-                assert!(now.moving.members().eq(first.moving.members()));
-                assert_eq!(now.solids.len(), first.solids.len());
-                assert_eq!(format!("{:?}", now.light), format!("{:?}", first.light));
-                for (index, has_moved) in has_moved.iter_mut().enumerate() {
-                    *has_moved |= now.solids[index] != first.solids[index];
-                }
-            }
-            let moved = (0..has_moved.len()).filter(|index| has_moved[*index]);
-            assert!(moved.eq(first.moving.members()), "{} marks what moves", scene.name);
-        }
     }
 }
