@@ -12,13 +12,8 @@ use overlook::settings::CaptureSettings;
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 
-fn spec(scene: &str) -> DemoSpec {
-    DemoSpec { scene: scene.to_owned(), cameras: None, frames: None, size: None, noise: None }
-}
-
 fn small(scene: &str, size: (u32, u32)) -> Demo {
-    Demo::new(&DemoSpec { size: Some(size), noise: Some(0.0), ..spec(scene) })
-        .unwrap_or_else(|error| panic!("{error}"))
+    Demo::new(&DemoSpec::new(scene).size(size).noise(0.0)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn capture(demo: &Demo) -> Capture {
@@ -51,7 +46,7 @@ fn aimed(camera: &Camera, at: DVec2) -> Camera {
 #[test]
 fn the_papers_recordings_have_their_sizes() {
     let shape = |scene| {
-        let capture = capture(&Demo::new(&spec(scene)).unwrap());
+        let capture = capture(&Demo::new(&DemoSpec::new(scene)).unwrap());
         (
             capture.cameras.len(),
             capture.frame_count(),
@@ -70,13 +65,7 @@ fn the_papers_recordings_have_their_sizes() {
 fn every_scene_takes_any_size_and_any_number_of_cameras() {
     for scene in names() {
         for (cameras, size) in [(1, (1, 1)), (1, (7, 5)), (MAX_CAMERAS, (7, 5))] {
-            let demo = Demo::new(&DemoSpec {
-                cameras: Some(cameras),
-                frames: Some(2),
-                size: Some(size),
-                ..spec(scene)
-            })
-            .unwrap();
+            let demo = Demo::new(&DemoSpec::new(scene).cameras(cameras).frames(2).size(size)).unwrap();
             let capture = capture(&demo);
             assert_eq!(capture.cameras.len(), cameras);
             for camera in 0..cameras {
@@ -96,15 +85,15 @@ fn every_scene_takes_any_size_and_any_number_of_cameras() {
 #[test]
 fn absurd_recordings_are_refused_in_one_line() {
     let refused = [
-        DemoSpec { scene: "orery".into(), ..spec("") },
-        DemoSpec { cameras: Some(0), ..spec("orrery") },
-        DemoSpec { cameras: Some(MAX_CAMERAS + 1), ..spec("orrery") },
-        DemoSpec { frames: Some(0), ..spec("orrery") },
-        DemoSpec { frames: Some(MAX_FRAMES + 1), ..spec("orrery") },
-        DemoSpec { size: Some((0, 10)), ..spec("orrery") },
-        DemoSpec { size: Some((10, 20_000)), ..spec("orrery") },
-        DemoSpec { noise: Some(-0.1), ..spec("orrery") },
-        DemoSpec { noise: Some(f32::NAN), ..spec("orrery") },
+        DemoSpec::new("orery"),
+        DemoSpec::new("orrery").cameras(0),
+        DemoSpec::new("orrery").cameras(MAX_CAMERAS + 1),
+        DemoSpec::new("orrery").frames(0),
+        DemoSpec::new("orrery").frames(MAX_FRAMES + 1),
+        DemoSpec::new("orrery").size((0, 10)),
+        DemoSpec::new("orrery").size((10, 20_000)),
+        DemoSpec::new("orrery").noise(-0.1),
+        DemoSpec::new("orrery").noise(f32::NAN),
     ];
     for spec in refused {
         let message = Demo::new(&spec).unwrap_err().to_string();
@@ -115,13 +104,7 @@ fn absurd_recordings_are_refused_in_one_line() {
 #[test]
 fn every_camera_stands_in_the_open_and_sees_the_scene() {
     for scene in names() {
-        let demo = Demo::new(&DemoSpec {
-            cameras: Some(MAX_CAMERAS),
-            size: Some((16, 12)),
-            noise: Some(0.0),
-            ..spec(scene)
-        })
-        .unwrap();
+        let demo = Demo::new(&DemoSpec::new(scene).cameras(MAX_CAMERAS).size((16, 12)).noise(0.0)).unwrap();
         for camera in capture(&demo).cameras {
             let frame = demo.render(&camera, 0);
             let depths = frame.inverse_depth.as_slice();
@@ -203,7 +186,7 @@ fn normals_are_unit_and_face_the_camera() {
 #[test]
 fn a_frame_is_the_same_bytes_for_any_number_of_threads() {
     for scene in names() {
-        let demo = Demo::new(&DemoSpec { size: Some((40, 30)), ..spec(scene) }).unwrap();
+        let demo = Demo::new(&DemoSpec::new(scene).size((40, 30))).unwrap();
         let camera = capture(&demo).cameras[0].clone();
         let many = (demo.render(&camera, 7), capture(&demo).frame(0, 7).unwrap());
         for threads in [1, 2] {
@@ -217,7 +200,7 @@ fn a_frame_is_the_same_bytes_for_any_number_of_threads() {
 
 #[test]
 fn noise_differs_from_frame_to_frame_around_the_true_color() {
-    let demo = Demo::new(&DemoSpec { size: Some((64, 48)), ..spec("nine-cameras") }).unwrap();
+    let demo = Demo::new(&DemoSpec::new("nine-cameras").size((64, 48))).unwrap();
     let noisy = capture(&demo);
     let truth = demo.render(&noisy.cameras[1], 0);
     let relative = |frame: &Arc<Frame>| -> Vec<f64> {
@@ -296,7 +279,7 @@ fn the_default_scenes_loop_and_move() {
 #[test]
 fn truth_views_lie_between_the_cameras_and_come_with_their_pictures() {
     for scene in names() {
-        let demo = Demo::new(&DemoSpec { size: Some((32, 24)), ..spec(scene) }).unwrap();
+        let demo = Demo::new(&DemoSpec::new(scene).size((32, 24))).unwrap();
         let views = demo.truth_views();
         let capture = capture(&demo);
         let mut paths: Vec<_> = views.iter().map(|view| view.file_path.clone()).collect();
@@ -335,8 +318,7 @@ fn many_workers_may_ask_for_frames_of_one_camera_at_once() {
 
 /// Two cameras of a scene as it is recorded, over 48 frames.
 fn recorded(scene: &str) -> Demo {
-    let size = Some((200, 150));
-    Demo::new(&DemoSpec { cameras: Some(2), frames: Some(48), size, ..spec(scene) }).unwrap()
+    Demo::new(&DemoSpec::new(scene).cameras(2).frames(48).size((200, 150))).unwrap()
 }
 
 /// What [`measure_pairs`] says of some frames and those after them.

@@ -140,13 +140,7 @@ fn random_captures_are_split_as_a_plain_implementation_splits_them() {
 #[test]
 fn built_in_scenes_are_split_as_a_plain_implementation_splits_them() {
     for (scene, cameras, frames) in [("nine-cameras", 3, 6), ("orrery", 2, 5), ("four-cameras", 2, 5)] {
-        let spec = DemoSpec {
-            scene: scene.to_owned(),
-            cameras: Some(cameras),
-            frames: Some(frames),
-            size: Some((64, 48)),
-            noise: None,
-        };
+        let spec = DemoSpec::new(scene).cameras(cameras).frames(frames).size((64, 48));
         let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
         let [background, foreground] = assert_agree(&capture);
         assert!(background > 0 && foreground > 0, "{scene}: {background} and {foreground}");

@@ -16,13 +16,7 @@ fn capture() -> Capture {
 }
 
 fn demo(scene: &str) -> Capture {
-    let spec = DemoSpec {
-        scene: scene.into(),
-        cameras: Some(4),
-        frames: Some(3),
-        size: Some((96, 72)),
-        noise: None,
-    };
+    let spec = DemoSpec::new(scene).cameras(4).frames(3).size((96, 72));
     Demo::new(&spec).unwrap().capture(&Settings::default().capture)
 }
 

@@ -1,4 +1,4 @@
-//! What `overlook preprocess` tells beside the store, and what must not cost the store.
+//! What `overlook preprocess` tells beside the store.
 
 #[path = "common/command.rs"]
 mod command;
@@ -11,49 +11,6 @@ use serde_json::Value;
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
-}
-
-#[test]
-#[cfg(unix)]
-fn a_form_that_cannot_be_measured_is_a_warning_and_the_store_is_written() {
-    use std::os::unix::fs::PermissionsExt;
-    let folder = scene("2", "24x16");
-    let folder = folder.path();
-    std::fs::create_dir(folder.join("bin")).unwrap();
-    let told = "echo no such codec >&2; echo >&2; exit 3";
-    // One that ends at once, one that first takes all it is given, and one that can make depth alone.
-    let depth_alone =
-        format!("case \"$*\" in *ffv1*) for last; do :; done; cat > \"$last\";; *) {told};; esac");
-    for (script, measures_depth) in
-        [(told.to_owned(), false), (format!("cat > taken; {told}"), false), (depth_alone, true)]
-    {
-        let program = folder.join("bin/ffmpeg");
-        let script = format!("#!/bin/sh\nPATH=/usr/bin:/bin\n[ \"$1\" = -version ] && exit 0\n{script}\n");
-        std::fs::write(&program, script).unwrap();
-        std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
-        let mut command =
-            overlook(folder, &["preprocess", "scene", "--out", "scene.ovl", "--measure-rivals"]);
-        command.env("PATH", folder.join("bin"));
-        let said = text(&succeed(command).stderr);
-        let expected: Vec<_> = ["color", "depth"][..2 - usize::from(measures_depth)]
-            .iter()
-            .map(|of| {
-                format!(
-                    "overlook: warning: lossless video of {of} is not measured: ffmpeg failed: no such codec"
-                )
-            })
-            .collect();
-        let of_it = said.lines().filter(|line| line.contains("measured") || line.contains("ffmpeg"));
-        assert_eq!(of_it.collect::<Vec<_>>(), expected, "{said}");
-        let info = succeed(overlook(folder, &["info", "scene.ovl", "--json"]));
-        let info: Value = serde_json::from_slice(&info.stdout).unwrap();
-        let rivals = &info["provenance"]["rivals"];
-        assert!(rivals["zip_exr"].as_u64().is_some_and(|bytes| bytes > 0), "{rivals}");
-        assert!(rivals["video_color"].is_null() && info["sizes"]["lossless_video"].is_null(), "{rivals}");
-        let depth = measures_depth.then_some(2 * 2 * 24 * 16 * 2);
-        assert_eq!(rivals["video_depth"].as_u64(), depth);
-        std::fs::remove_file(folder.join("scene.ovl")).unwrap();
-    }
 }
 
 /// Takes the depth of `pixels` out of a picture.

@@ -16,13 +16,7 @@ use builder::{moving_set, small_report};
 
 /// A store of a built-in scene, with its cameras.
 fn recorded(folder: &std::path::Path, cameras: usize, size: (u32, u32)) -> (std::path::PathBuf, Vec<Camera>) {
-    let spec = DemoSpec {
-        scene: "nine-cameras".to_owned(),
-        cameras: Some(cameras),
-        frames: Some(2),
-        size: Some(size),
-        noise: Some(0.0),
-    };
+    let spec = DemoSpec::new("nine-cameras").cameras(cameras).frames(2).size(size).noise(0.0);
     let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
     let preprocessed = preprocess(&capture, &Settings::default(), &Job::new()).unwrap();
     let path = folder.join("scene.ovl");

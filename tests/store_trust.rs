@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use overlook::error::Error;
 use overlook::job::Job;
 use overlook::preprocess::SampleSet;
-use overlook::store::{self, Extras, InputFiles, Playback, Provenance, Rivals, Store};
+use overlook::store::{self, Extras, InputFiles, Playback, Provenance, Store};
 
 use builder::{any_set, moving_set, small_report, small_set};
 
@@ -148,7 +148,6 @@ fn provenance_and_unknown_chunks_stay_when_a_store_is_written_again() {
     let [first, second] = ["first.ovl", "second.ovl"].map(|name| folder.path().join(name));
     let provenance = Provenance {
         inputs: Some(InputFiles { files: 3, bytes: 12_345, crc32: 0xDEAD_BEEF }),
-        rivals: Some(Rivals { zip_exr: 99, video_color: Some(5), ..Rivals::default() }),
         ..Provenance::default()
     };
     let unknown = vec![(*b"ANNO", b"by hand".to_vec()), (*b"XTRA", Vec::new())];
@@ -220,7 +219,7 @@ fn a_store_plays_frame_by_frame_with_a_cache_that_holds_hardly_anything() {
     }
     assert!(playback.at(10, &job).unwrap_err().to_string().contains("no frame 10"));
     let cached = Playback::new(Store::open(&path).unwrap(), 1 << 20);
-    cached.read_ahead(2..20, &job).unwrap();
+    cached.read_ahead_from(&set.cameras[0], 2..20, &job).unwrap();
     let [first, again] = [cached.at(3, &job).unwrap(), cached.at(3, &job).unwrap()];
     assert!(first.shares(&again, &[3]) && !first.shares(&cached.at(4, &job).unwrap(), &[3]));
 }

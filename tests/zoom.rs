@@ -46,13 +46,7 @@ fn mean_squared_error(picture: &Picture, truth: &Frame) -> f64 {
 #[test]
 fn the_close_up_s_detail_is_there_and_with_first_camera_wins_it_is_not() {
     let size = if updating() { (480, 360) } else { (160, 120) };
-    let spec = DemoSpec {
-        scene: "nine-cameras".to_owned(),
-        cameras: None,
-        frames: Some(1),
-        size: Some(size),
-        noise: None,
-    };
+    let spec = DemoSpec::new("nine-cameras").frames(1).size(size);
     let demo = Demo::new(&spec).unwrap();
     let capture = demo.capture(&CaptureSettings::default());
     let vantage = Vantage { camera: zoomed(&capture), frame: 0 };

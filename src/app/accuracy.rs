@@ -76,13 +76,7 @@ mod tests {
 
     #[test]
     fn with_nothing_pruned_every_pixel_is_the_one_that_was_recorded() {
-        let spec = DemoSpec {
-            scene: "nine-cameras".into(),
-            cameras: Some(2),
-            frames: Some(4),
-            size: Some((48, 36)),
-            noise: None,
-        };
+        let spec = DemoSpec::new("nine-cameras").cameras(2).frames(4).size((48, 36));
         let mut settings = Settings::default();
         settings.pruning.mixed_pixels = MixedPixels::Drop;
         let capture = Demo::new(&spec).unwrap().capture(&settings.capture);

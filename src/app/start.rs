@@ -48,8 +48,7 @@ fn window_device() -> eframe::egui_wgpu::WgpuConfiguration {
 }
 
 fn default_demo() -> DemoSpec {
-    let scene = SCENES.first().map_or("orrery", |(name, _)| name).to_owned();
-    DemoSpec { scene, cameras: None, frames: None, size: None, noise: None }
+    DemoSpec::new(SCENES.first().map_or("orrery", |(name, _)| name))
 }
 
 /// Only X11 and Wayland can be missing; other systems always have a display.

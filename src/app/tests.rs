@@ -25,13 +25,7 @@ mod telling;
 const PATIENCE: Duration = Duration::from_mins(3);
 
 fn orrery(cameras: usize, frames: usize) -> DemoSpec {
-    DemoSpec {
-        scene: "orrery".into(),
-        cameras: Some(cameras),
-        frames: Some(frames),
-        size: Some((48, 36)),
-        noise: None,
-    }
+    DemoSpec::new("orrery").cameras(cameras).frames(frames).size((48, 36))
 }
 
 /// The window's logic on a small scene.

@@ -137,7 +137,7 @@ impl OverlookApp {
     fn open(&mut self, command: Command) {
         match command {
             Command::OpenDemo(scene) => {
-                self.open_demo(DemoSpec { scene, cameras: None, frames: None, size: None, noise: None });
+                self.open_demo(DemoSpec::new(scene));
             }
             Command::OpenPath(path) => self.open_path(path),
             _ => {}

@@ -84,7 +84,7 @@ impl DemoArgs {
     /// Refuses a folder that holds another capture. One that this scene was recorded into may be recorded anew, with other counts
     /// and sizes too: none of them moves a camera.
     fn check_is_ours(&self, spec: &DemoSpec) -> Result<()> {
-        let all = Demo::new(&DemoSpec { cameras: Some(MAX_CAMERAS), ..spec.clone() })?;
+        let all = Demo::new(&spec.clone().cameras(MAX_CAMERAS))?;
         let cameras = all.capture(&CaptureSettings::default()).cameras;
         let novel: Vec<Camera> = all.truth_views().into_iter().map(|view| view.camera).collect();
         let manifests = [self.out.join(MANIFEST_NAME), self.out.join("novel").join(MANIFEST_NAME)];

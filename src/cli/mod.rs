@@ -4,7 +4,6 @@
 //! on success, 1 on bad input (with one line that says what, where, and what to do) and 2 on bad usage.
 
 mod bench;
-mod clock;
 mod demo;
 mod evaluate;
 mod export;
@@ -18,7 +17,6 @@ mod preprocess;
 mod progress;
 mod render;
 mod results;
-mod rivals;
 mod settings;
 mod sizes;
 mod stress;

@@ -2,6 +2,7 @@
 
 use std::io::{ErrorKind, Write};
 
+use indicatif::{DecimalBytes, HumanCount};
 use serde::Serialize;
 
 use super::Failure;
@@ -39,30 +40,12 @@ pub(super) fn warn(warnings: &[String]) {
 
 /// A count with separators: 1,234,567.
 pub(super) fn count(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (position, digit) in digits.chars().enumerate() {
-        if position > 0 && (digits.len() - position).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    HumanCount(number).to_string()
 }
 
-/// Bytes in the unit that suits.
+/// Bytes in powers of a thousand: `12 B`, `1.54 kB`.
 pub(super) fn bytes(number: u64) -> String {
-    const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];
-    if number < 1024 {
-        return format!("{number} bytes");
-    }
-    let mut value = number as f64 / 1024.0;
-    let mut unit = 0;
-    while value >= 1024.0 && unit + 1 < UNITS.len() {
-        value /= 1024.0;
-        unit += 1;
-    }
-    format!("{value:.1} {}", UNITS[unit])
+    DecimalBytes(number).to_string()
 }
 
 /// The line that says how many pixels have no depth, where there are any; it stands below what was dropped.
@@ -88,7 +71,7 @@ mod tests {
     #[test]
     fn numbers_read_well() {
         assert_eq!([count(0), count(999), count(1_234_567)], ["0", "999", "1,234,567"]);
-        assert_eq!([bytes(12), bytes(1536), bytes(5 << 30)], ["12 bytes", "1.5 KiB", "5.0 GiB"]);
+        assert_eq!([bytes(12), bytes(1536), bytes(5 << 30)], ["12 B", "1.54 kB", "5.37 GB"]);
         assert_eq!([percent(1, 8), percent(1, 0)], ["12.5 %", "0 %"]);
         assert_eq!([number(Some(1.25), 1, 5), number(None, 1, 3)], ["  1.2", "  –"]);
     }

@@ -9,9 +9,8 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::clock::Clock;
 use super::hold_out::HoldOutArgs;
-use super::{Failure, SettingsArgs, machine, output, progress, rivals, targets};
+use super::{Failure, SettingsArgs, inputs, machine, output, progress, targets};
 use crate::capture::{Capture, transforms};
 use crate::error::{Error, Result};
 use crate::evaluate::hold_out;
@@ -20,7 +19,7 @@ use crate::preprocess::report::CameraReport;
 use crate::preprocess::residuals::PairResiduals;
 use crate::preprocess::{Report, Spooled, preprocess_spooled};
 use crate::settings::{CaptureSettings, Settings, SpanLevels};
-use crate::store::{self, Extras, Provenance, Rivals};
+use crate::store::{self, Extras, Provenance};
 
 /// Arguments of `overlook preprocess`.
 #[derive(Debug, Args)]
@@ -37,9 +36,6 @@ pub(super) struct PreprocessArgs {
     /// Also measure how long decoding every frame takes on its own.
     #[arg(long)]
     measure_decode: bool,
-    /// Also measure what the input takes as ZIP EXR and, where there is an ffmpeg, as lossless video; `overlook info` tells.
-    #[arg(long)]
-    measure_rivals: bool,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -61,7 +57,7 @@ struct PreprocessOutput {
     bytes_raw: u64,
     bytes_memory: u64,
     bytes_store: u64,
-    /// From the open capture to the whole store, without what --measure-decode and --measure-rivals add.
+    /// From the open capture to the whole store, without what --measure-decode adds.
     seconds_total: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     seconds_decode_only: Option<f64>,
@@ -80,13 +76,12 @@ impl PreprocessArgs {
         targets::apart_from_capture(&self.capture, None, &self.out)?;
         output::warn(&capture.warnings);
         let seconds_decode_only = if self.measure_decode { Some(self.decode_seconds()?) } else { None };
-        let mut clock = Clock::start();
+        let started = Instant::now();
         let (report, bytes_store) = progress::watched(|job| {
             let Spooled { outline, images, report } = preprocess_spooled(&capture, &settings, job)?;
-            let inputs = rivals::input_files(&capture, job)?;
-            let rivals = clock.aside(|| self.rivals(&capture, job))?;
+            let inputs = inputs::input_files(&capture, job)?;
             let frames_are_ranked = capture.frames_are_ranked();
-            let provenance = Provenance { inputs, rivals, frames_are_ranked, ..Provenance::default() };
+            let provenance = Provenance { inputs, frames_are_ranked, ..Provenance::default() };
             let extras = Extras { provenance, ..Extras::default() };
             let bytes = store::write_spooled(&self.out, (&outline, &images), &report, &extras, job)?;
             Ok::<_, Error>((report, bytes))
@@ -98,7 +93,7 @@ impl PreprocessArgs {
             bytes_raw: report.bytes_raw,
             bytes_memory: report.bytes_memory,
             bytes_store,
-            seconds_total: clock.seconds(),
+            seconds_total: started.elapsed().as_secs_f64(),
             seconds_decode_only,
             peak_rss_bytes: machine::peak_rss_bytes(),
             pruned: report.pruned.clone(),
@@ -112,18 +107,6 @@ impl PreprocessArgs {
         let capture = transforms::open(&self.capture, settings)?;
         let held_out = self.held_out.names();
         if held_out.is_empty() { Ok(capture) } else { Ok(hold_out::split(&capture, &held_out)?.0) }
-    }
-
-    /// What is told beside the store must not cost the store: what keeps it from being measured is a warning.
-    fn rivals(&self, capture: &Capture, job: &Job) -> Result<Option<Rivals>> {
-        match self.measure_rivals.then(|| rivals::measure(capture, job)) {
-            Some(Err(Error::Cancelled)) => Err(Error::Cancelled),
-            Some(Err(error)) => {
-                job.warn(format!("the input's other forms are not measured: {error}"));
-                Ok(None)
-            }
-            measured => measured.transpose(),
-        }
     }
 
     /// Decodes every frame once, through a capture of its own so that neither cache helps the other.

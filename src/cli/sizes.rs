@@ -1,4 +1,4 @@
-//! Bytes of a store stage by stage, and beside other forms of the same pictures.
+//! Bytes of a store stage by stage.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ use crate::store::{PlaneBytes, StoreInfo};
 /// Bytes of a raw pixel: 8-bit color and 32-bit depth.
 const RAW_PIXEL: u64 = 3 + 4;
 
-/// Bytes after each stage, and of what the stages are measured against.
+/// Bytes after each stage.
 #[derive(Debug, Serialize)]
 pub(super) struct Sizes {
     /// All input pixels, 8-bit color and 32-bit depth.
@@ -26,24 +26,16 @@ pub(super) struct Sizes {
     images: u64,
     /// The store.
     store: u64,
-    /// ZIP EXR of the same channels, where preprocessing measured it.
-    zip_exr: Option<u64>,
-    /// Lossless video, color and depth, where preprocessing measured it.
-    lossless_video: Option<u64>,
-    /// Each frame xor the one before, by zstd, where preprocessing measured it.
-    xor_zstd: Option<u64>,
     /// The images in the store, by what they hold.
     planes: Option<PlaneBytes>,
     ratios: Ratios,
 }
 
-/// The store's bytes, as a share of others.
+/// The store's bytes beside the input's.
 #[derive(Debug, Serialize)]
 struct Ratios {
+    /// As a share of the raw bytes.
     raw: f64,
-    zip_exr: Option<f64>,
-    lossless_video: Option<f64>,
-    xor_zstd: Option<f64>,
     /// Bytes of the store for every input pixel.
     bytes_per_pixel: f64,
 }
@@ -53,10 +45,6 @@ impl Sizes {
         let report = &info.report;
         let repeated = report.pruned.get(STATIC_RULE).copied().unwrap_or(0);
         let distinct = report.samples_in.saturating_sub(report.without_depth()).saturating_sub(repeated);
-        let rivals = info.provenance.rivals;
-        let zip_exr = rivals.map(|rivals| rivals.zip_exr);
-        let lossless_video = rivals.and_then(|rivals| Some(rivals.video_color? + rivals.video_depth?));
-        let xor_zstd = rivals.and_then(|rivals| rivals.xor_zstd);
         let store = info.bytes;
         let share = |of: u64| store as f64 / of.max(1) as f64;
         Self {
@@ -66,17 +54,8 @@ impl Sizes {
             memory: report.bytes_memory,
             images: info.images.iter().map(|image| u64::from(image.length)).sum(),
             store,
-            zip_exr,
-            lossless_video,
-            xor_zstd,
             planes: info.provenance.planes,
-            ratios: Ratios {
-                raw: share(report.bytes_raw),
-                zip_exr: zip_exr.map(share),
-                lossless_video: lossless_video.map(share),
-                xor_zstd: xor_zstd.map(share),
-                bytes_per_pixel: share(report.samples_in),
-            },
+            ratios: Ratios { raw: share(report.bytes_raw), bytes_per_pixel: share(report.samples_in) },
         }
     }
 
@@ -96,9 +75,6 @@ impl Sizes {
                 self.planes.map(|planes| planes.green + planes.red + planes.blue),
             ),
             ("  of that, normals", self.planes.map(|planes| planes.normals).filter(|bytes| *bytes > 0)),
-            ("as ZIP EXR", self.zip_exr),
-            ("as lossless video", self.lossless_video),
-            ("as differences of frames, by zstd", self.xor_zstd),
         ] {
             if let Some(bytes) = bytes {
                 let _ = writeln!(text, "  {:>12}  {:>7} of raw  {name}", output::bytes(bytes), of_raw(bytes));

@@ -214,8 +214,7 @@ mod tests {
 
     #[test]
     fn the_voxel_grid_keeps_the_same_samples_wherever_the_worlds_origin_lies() {
-        let scene = "orrery".to_owned();
-        let spec = DemoSpec { scene, cameras: Some(2), frames: Some(1), size: Some((48, 36)), noise: None };
+        let spec = DemoSpec::new("orrery").cameras(2).frames(1).size((48, 36));
         let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
         let near = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples;
         let mut far = near.as_ref().clone();

@@ -382,8 +382,7 @@ mod tests {
 
     #[test]
     fn flicker_is_seen_whatever_the_order_of_the_views_and_they_keep_theirs() {
-        let scene = "orrery".to_owned();
-        let spec = DemoSpec { scene, cameras: Some(2), frames: Some(3), size: Some((32, 24)), noise: None };
+        let spec = DemoSpec::new("orrery").cameras(2).frames(3).size((32, 24));
         let demo = Demo::new(&spec).unwrap();
         let (capture, settings) = (demo.capture(&CaptureSettings::default()), Settings::default());
         let samples = preprocess::preprocess(&capture, &settings, &Job::new()).unwrap().samples;

@@ -120,13 +120,7 @@ mod tests {
 
     #[test]
     fn frames_with_truth_come_first_and_the_others_fill_the_widest_gaps() {
-        let spec = DemoSpec {
-            scene: "orrery".to_owned(),
-            cameras: Some(2),
-            frames: Some(20),
-            size: Some((16, 12)),
-            noise: None,
-        };
+        let spec = DemoSpec::new("orrery").cameras(2).frames(20).size((16, 12));
         let demo = Demo::new(&spec).unwrap();
         let capture = demo.capture(&CaptureSettings::default());
         let truth = Truth::Views(demo.truth_views());

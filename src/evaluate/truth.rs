@@ -261,8 +261,7 @@ mod tests {
     }
 
     fn demo_of_two() -> (Capture, Vec<View>) {
-        let scene = "orrery".to_owned();
-        let spec = DemoSpec { scene, cameras: Some(2), frames: Some(1), size: Some((32, 24)), noise: None };
+        let spec = DemoSpec::new("orrery").cameras(2).frames(1).size((32, 24));
         let demo = Demo::new(&spec).unwrap();
         (demo.capture(&CaptureSettings::default()), demo.truth_views())
     }

@@ -309,13 +309,7 @@ mod tests {
 
     #[test]
     fn every_instruction_set_prunes_the_same_samples_for_the_same_witnesses() {
-        let spec = DemoSpec {
-            scene: "nine-cameras".to_owned(),
-            cameras: Some(4),
-            frames: Some(1),
-            size: Some((75, 50)),
-            noise: None,
-        };
+        let spec = DemoSpec::new("nine-cameras").cameras(4).frames(1).size((75, 50));
         let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
         let verdicts = simd::at_every_level(|| {
             let inspection = inspect_frame(&capture, None, &Settings::default(), 0, &Job::new()).unwrap();

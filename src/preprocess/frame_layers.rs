@@ -258,13 +258,7 @@ mod tests {
             ("orrery", 3.0, MixedPixels::Yield, false),
         ];
         for (scene, turned, mixed_pixels, overlap) in cases {
-            let spec = DemoSpec {
-                scene: scene.to_owned(),
-                cameras: Some(4),
-                frames: Some(5),
-                size: Some((70, 45)),
-                noise: None,
-            };
+            let spec = DemoSpec::new(scene).cameras(4).frames(5).size((70, 45));
             let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
             let mut settings = Settings::default();
             settings.pruning.mixed_pixels = mixed_pixels;

@@ -300,13 +300,7 @@ mod tests {
 
     #[test]
     fn every_instruction_set_finds_the_same_spans() {
-        let spec = DemoSpec {
-            scene: "nine-cameras".to_owned(),
-            cameras: Some(1),
-            frames: Some(40),
-            size: Some((75, 50)),
-            noise: None,
-        };
+        let spec = DemoSpec::new("nine-cameras").cameras(1).frames(40).size((75, 50));
         let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
         let frames: Vec<_> = (0..40).map(|frame| capture.frame(0, frame).unwrap()).collect();
         let noise = measure_pairs(&[[&frames[0], &frames[1]]]);

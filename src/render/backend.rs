@@ -328,13 +328,7 @@ mod tests {
     use crate::simd::skip::skip;
 
     fn scene() -> (Arc<SampleSet>, Vantage) {
-        let spec = DemoSpec {
-            scene: "orrery".to_owned(),
-            cameras: Some(2),
-            frames: Some(2),
-            size: Some((48, 36)),
-            noise: None,
-        };
+        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((48, 36));
         let demo = Demo::new(&spec).unwrap();
         let settings = Settings::default();
         let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;

@@ -60,13 +60,7 @@ mod tests {
 
     #[test]
     fn every_instruction_set_paints_the_same_bits() {
-        let spec = DemoSpec {
-            scene: "orrery".to_owned(),
-            cameras: None,
-            frames: Some(2),
-            size: Some((72, 50)),
-            noise: None,
-        };
+        let spec = DemoSpec::new("orrery").frames(2).size((72, 50));
         let demo = Demo::new(&spec).unwrap();
         let capture = demo.capture(&CaptureSettings::default());
         let samples = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples;

@@ -368,13 +368,7 @@ mod tests {
 
     #[test]
     fn points_far_apart_read_what_each_of_them_reads_alone() {
-        let spec = DemoSpec {
-            scene: "orrery".to_owned(),
-            cameras: Some(2),
-            frames: Some(2),
-            size: Some((160, 120)),
-            noise: None,
-        };
+        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((160, 120));
         let demo = Demo::new(&spec).unwrap();
         let settings = Settings::default();
         let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;

@@ -38,7 +38,7 @@ use crate::settings::StoreSettings;
 pub use header::{ImageEntry, MAX_REFERENCES, VERSION};
 pub use images::{BlockEntry, ImageHead};
 pub use playback::{DEFAULT_CACHE_BYTES, Playback};
-pub use provenance::{InputFiles, PlaneBytes, Provenance, Rivals};
+pub use provenance::{InputFiles, PlaneBytes, Provenance};
 pub use reader::{Store, StoreInfo};
 pub use source::ReadAt;
 pub use verify::{Verification, verify};

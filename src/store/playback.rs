@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! frame ─▶ images of its span path ─▶ cache, or file: at most MAX_REFERENCES images before each ─▶ SampleSet of that frame
-//!                  read_ahead does the same for the frames to come, on whatever thread asks for it
+//!                  read_ahead_from does the same for the frames to come, on whatever thread asks for it
 //! ```
 //!
 //! The set of a frame has every image of the store in its place, those of other frames without samples. Images that two frames
@@ -140,18 +140,7 @@ impl Playback {
         Ok(Arc::new(set))
     }
 
-    /// Decodes the images of some frames, so that [`Playback::at`] finds them in the cache.
-    ///
-    /// # Errors
-    /// As [`Playback::at`].
-    pub fn read_ahead(&self, frames: Range<usize>, job: &Job) -> Result<()> {
-        for frame in frames.start..frames.end.min(self.outline.frame_count()) {
-            self.path(frame).par_iter().try_for_each(|&index| self.image(index, None, job).map(|_| ()))?;
-        }
-        Ok(())
-    }
-
-    /// As [`Playback::read_ahead`], of those frames only what painting from a vantage needs.
+    /// Decodes what painting some frames from a vantage needs, so that [`Playback::seen_from`] finds it in the cache.
     ///
     /// # Errors
     /// As [`Playback::at`].

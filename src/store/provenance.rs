@@ -1,4 +1,4 @@
-//! Where a store comes from, and what it is measured against: `PROV`, as JSON.
+//! Where a store comes from: `PROV`, as JSON.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,8 +10,6 @@ pub struct Provenance {
     pub program: String,
     /// The files that were read.
     pub inputs: Option<InputFiles>,
-    /// What the same pictures take in other forms.
-    pub rivals: Option<Rivals>,
     /// Whether frames are numbered by the order of times that are fractions, so that a view's time of 1 may mean another frame.
     pub frames_are_ranked: bool,
     /// What each plane of the samples takes in the store, bytes; the writer says it, where samples are not coded plainly.
@@ -56,7 +54,6 @@ impl Default for Provenance {
         Self {
             program: concat!("overlook ", env!("CARGO_PKG_VERSION")).to_owned(),
             inputs: None,
-            rivals: None,
             frames_are_ranked: false,
             planes: None,
         }
@@ -72,18 +69,4 @@ pub struct InputFiles {
     pub bytes: u64,
     /// CRC-32 of the list of every file's name, size and CRC-32, one a line, as `{crc:08x} {bytes} {name}`, sorted by name.
     pub crc32: u32,
-}
-
-/// Bytes that the input pictures take in other lossless forms, all cameras and frames together.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Rivals {
-    /// EXR with half-float color and 32-bit depth, ZIP.
-    pub zip_exr: u64,
-    /// Color in 8-bit sRGB as lossless H.264 (x264, RGB), where there was an ffmpeg.
-    pub video_color: Option<u64>,
-    /// Inverse depth in 16 bits as FFV1, where there was an ffmpeg.
-    pub video_depth: Option<u64>,
-    /// Color in 8-bit sRGB and inverse depth in 16 bits, each frame xor the one before, by zstd at level 3, where there was a zstd.
-    pub xor_zstd: Option<u64>,
 }

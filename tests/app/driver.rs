@@ -25,13 +25,7 @@ pub(crate) fn small_demo() -> Start {
 
 /// A recording of the orrery.
 pub(crate) fn demo(cameras: usize, frames: usize, size: (u32, u32)) -> Start {
-    Start::Demo(DemoSpec {
-        scene: "orrery".into(),
-        cameras: Some(cameras),
-        frames: Some(frames),
-        size: Some(size),
-        noise: None,
-    })
+    Start::Demo(DemoSpec::new("orrery").cameras(cameras).frames(frames).size(size))
 }
 
 /// Opens a window of the given size.

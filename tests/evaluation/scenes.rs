@@ -15,13 +15,7 @@ pub(crate) struct Scene {
 }
 
 fn demo(frames: usize) -> Demo {
-    let spec = DemoSpec {
-        scene: "orrery".to_owned(),
-        cameras: Some(3),
-        frames: Some(frames),
-        size: Some((64, 48)),
-        noise: None,
-    };
+    let spec = DemoSpec::new("orrery").cameras(3).frames(frames).size((64, 48));
     Demo::new(&spec).unwrap()
 }
 

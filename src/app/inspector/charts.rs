@@ -236,8 +236,7 @@ mod tests {
     fn what_a_sweep_starts_from_is_not_called_the_defaults() {
         let mut settings = Settings::default();
         settings.pruning.depth_tolerance = 2.0;
-        let (scene, size) = ("orrery".to_owned(), Some((16, 12)));
-        let spec = DemoSpec { scene, cameras: Some(2), frames: Some(2), size, noise: None };
+        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((16, 12));
         let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
         for planned in sweep::Plan::standard(&settings, &capture).trials {
             let point = Point::new(&planned.trial, planned.series, &Measured::default());

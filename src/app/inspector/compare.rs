@@ -281,13 +281,7 @@ mod tests {
 
     /// A comparison of settings A, the defaults, with settings B, by a scan that serves A.
     fn key(b: Settings) -> CompareKey {
-        let spec = DemoSpec {
-            scene: "orrery".into(),
-            cameras: Some(2),
-            frames: Some(8),
-            size: Some((48, 36)),
-            noise: None,
-        };
+        let spec = DemoSpec::new("orrery").cameras(2).frames(8).size((48, 36));
         let demo = Demo::new(&spec).unwrap();
         let a = Settings::default();
         let capture = demo.capture(&a.capture);

@@ -102,8 +102,7 @@ mod tests {
     #[test]
     fn a_single_camera_without_truth_is_not_measured_and_one_line_says_what_to_do() {
         let settings = Settings::default();
-        let (scene, size) = ("orrery".to_owned(), Some((16, 12)));
-        let spec = DemoSpec { scene, cameras: Some(1), frames: Some(2), size, noise: None };
+        let spec = DemoSpec::new("orrery").cameras(1).frames(2).size((16, 12));
         let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
         let scene = Arc::new(Scene::of_capture(Origin::Demo("orrery".into()), capture, Vec::new(), 1.0));
         let (sender, _inbox) = std::sync::mpsc::sync_channel(8);

@@ -85,6 +85,38 @@ struct Scene {
     seed: u64,
 }
 
+impl DemoSpec {
+    /// A scene recorded the way of its own.
+    #[must_use]
+    pub fn new(scene: impl Into<String>) -> Self {
+        Self { scene: scene.into(), cameras: None, frames: None, size: None, noise: None }
+    }
+
+    /// The same with another number of cameras.
+    #[must_use]
+    pub fn cameras(self, cameras: usize) -> Self {
+        Self { cameras: Some(cameras), ..self }
+    }
+
+    /// The same with another number of frames.
+    #[must_use]
+    pub fn frames(self, frames: usize) -> Self {
+        Self { frames: Some(frames), ..self }
+    }
+
+    /// The same with other columns and rows.
+    #[must_use]
+    pub fn size(self, size: (u32, u32)) -> Self {
+        Self { size: Some(size), ..self }
+    }
+
+    /// The same with other noise.
+    #[must_use]
+    pub fn noise(self, noise: f32) -> Self {
+        Self { noise: Some(noise), ..self }
+    }
+}
+
 impl Scene {
     /// The scene at a moment of its animation, 0 to 1.
     fn world(&self, moment: f64) -> World {

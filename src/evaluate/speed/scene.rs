@@ -131,13 +131,7 @@ impl Scene {
 /// # Errors
 /// `Cancelled`, and `Invalid` where there is no such scene.
 pub fn recorded(scene: &str, frames: usize, size: (u32, u32), job: &Job) -> Result<(Demo, Capture)> {
-    let spec = DemoSpec {
-        scene: scene.to_owned(),
-        cameras: None,
-        frames: Some(frames),
-        size: Some(size),
-        noise: None,
-    };
+    let spec = DemoSpec::new(scene).frames(frames).size(size);
     let demo = Demo::new(&spec)?;
     let capture = demo.capture(&CaptureSettings { cache: 4096 });
     let cameras = capture.cameras.len();

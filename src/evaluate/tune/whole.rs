@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{Spooled, preprocess_spooled};
 use crate::settings::{RenderSettings, Settings};
-use crate::store::{self, Extras, InputFiles, Provenance, Rivals};
+use crate::store::{self, Extras, InputFiles, Provenance};
 
 /// Stores of one capture, by their settings.
 pub(super) struct WholeStores<'a> {
@@ -43,10 +43,8 @@ impl<'a> WholeStores<'a> {
 fn most_bytes(capture: &Capture, settings: &Settings, job: &Job) -> Result<u64> {
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
     let Spooled { outline, images, report } = preprocess_spooled(capture, settings, job)?;
-    let most = Some(u64::MAX);
-    let rivals = Rivals { zip_exr: u64::MAX, video_color: most, video_depth: most, xor_zstd: most };
     let inputs = InputFiles { files: u64::MAX, bytes: u64::MAX, crc32: u32::MAX };
-    let provenance = Provenance { inputs: Some(inputs), rivals: Some(rivals), ..Provenance::default() };
+    let provenance = Provenance { inputs: Some(inputs), ..Provenance::default() };
     let extras = Extras { provenance, ..Extras::default() };
     store::write_spooled(&folder.path().join("whole.ovl"), (&outline, &images), &report, &extras, job)
 }

@@ -344,9 +344,7 @@ mod tests {
     #[test]
     fn after_a_failure_the_next_picture_is_painted() {
         let Some(mut gpu) = opened(GpuRenderer::new(AdapterChoice::Any)) else { return };
-        let size = Some((48, 36));
-        let spec =
-            DemoSpec { scene: "orrery".to_owned(), cameras: Some(2), frames: Some(2), size, noise: None };
+        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((48, 36));
         let demo = Demo::new(&spec).unwrap();
         let settings = Settings::default();
         let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
