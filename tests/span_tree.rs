@@ -413,7 +413,7 @@ fn kept_samples_that_do_not_fit_the_memory_are_stored_as_those_that_do() {
         let Spooled { outline, images, report } =
             preprocess_spooled(&capture, &settings, &Job::new()).unwrap();
         assert!(outline.images.is_empty());
-        store::write_spooled(&from_file, (&outline, &images), &report, &Extras::default(), &Job::new())
+        store::write_spooled(&from_file, &outline, &images, &report, &Extras::default(), &Job::new())
             .unwrap();
         assert_eq!(std::fs::read(&from_memory).unwrap(), std::fs::read(&from_file).unwrap());
     }

@@ -75,8 +75,8 @@ fn mend(bytes: &mut [u8]) {
 
 fn written(set: &overlook::preprocess::SampleSet) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
-    let report = (&small_report(), &store::Extras::default());
-    store::write_to(&mut bytes, Path::new("memory.ovl"), set, report, &Job::new()).unwrap();
+    let (report, extras) = (small_report(), store::Extras::default());
+    store::write_to(&mut bytes, Path::new("memory.ovl"), set, &report, &extras, &Job::new()).unwrap();
     bytes.into_inner()
 }
 

@@ -110,7 +110,7 @@ fn a_disk_that_fills_at_any_byte_gives_an_error() {
     let extras = Extras::default();
     let write = |room| {
         let full = Full { room, position: 0 };
-        store::write_to(full, Path::new("full.ovl"), &small_set(), (&small_report(), &extras), &Job::new())
+        store::write_to(full, Path::new("full.ovl"), &small_set(), &small_report(), &extras, &Job::new())
     };
     let size = write(usize::MAX).unwrap() as usize;
     for room in (0..size).step_by(97).chain([size - 1]) {

@@ -83,7 +83,7 @@ impl PreprocessArgs {
             let frames_are_ranked = capture.frames_are_ranked();
             let provenance = Provenance { inputs, frames_are_ranked, ..Provenance::default() };
             let extras = Extras { provenance, ..Extras::default() };
-            let bytes = store::write_spooled(&self.out, (&outline, &images), &report, &extras, job)?;
+            let bytes = store::write_spooled(&self.out, &outline, &images, &report, &extras, job)?;
             Ok::<_, Error>((report, bytes))
         })?;
         output::warn(&report.doubts());

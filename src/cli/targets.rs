@@ -1,6 +1,6 @@
 //! Where results go, looked at before the work: long work must end neither in "no such folder" nor in what it was made from.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::HashSet;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -49,32 +49,16 @@ pub(super) fn folder(out: &Path) -> Result<()> {
     }
 }
 
-/// Refuses pictures below `out` that would lie where those of the manifest are looked for, or those of any capture whose folder
-/// they go to: a recorded picture must not be painted over, nor what is painted be held for one the next time.
+/// Refuses pictures below `out` that would lie where those of the manifest are looked for, or those of a capture in `out`: a
+/// recorded picture must not be painted over.
 ///
 /// # Errors
 /// `Invalid` naming the first; whatever the manifest gives.
 pub(super) fn apart_from_pictures_of(manifest: &Path, out: &Path, targets: &[PicturePaths]) -> Result<()> {
     apart_from_places(manifest, &picture_places(manifest)?, targets)?;
-    for found in manifests_around(out, targets) {
-        // One that nobody named may be broken, or something else, without a word.
-        apart_from_places(&found, &picture_places(&found).unwrap_or_default(), targets)?;
-    }
-    Ok(())
-}
-
-/// Folders above that of the results in which a capture's manifest is looked for: `capture/camera/pictures` is two below it.
-const FOLDERS_ABOVE: usize = 2;
-
-/// The manifests in the folders that the targets go to and in those above, as far as [`FOLDERS_ABOVE`] says.
-fn manifests_around(out: &Path, targets: &[PicturePaths]) -> BTreeSet<PathBuf> {
-    let out = resolved(out);
-    let below = targets.iter().filter_map(|paths| paths.exr.parent()).collect::<BTreeSet<_>>();
-    let below: Vec<PathBuf> = below.into_iter().map(resolved).collect();
-    let within =
-        below.iter().flat_map(|folder| folder.ancestors().take_while(|above| above.starts_with(&out)));
-    let folders = within.chain(out.ancestors().take(1 + FOLDERS_ABOVE));
-    folders.map(|folder| folder.join(MANIFEST_NAME)).filter(|manifest| manifest.is_file()).collect()
+    // The manifest of another capture was not named: it may be missing or broken.
+    let other = out.join(MANIFEST_NAME);
+    apart_from_places(&other, &picture_places(&other).unwrap_or_default(), targets)
 }
 
 fn apart_from_places(manifest: &Path, places: &[PathBuf], targets: &[PicturePaths]) -> Result<()> {
@@ -264,33 +248,20 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_a_capture_that_nobody_named_are_not_painted_over_from_its_folder_or_from_within() {
+    fn pictures_of_another_capture_are_not_painted_over_in_its_folder() {
         let folder = tempfile::tempdir().unwrap();
         let here = folder.path();
-        std::fs::create_dir_all(here.join("scene/a/b/c")).unwrap();
-        std::fs::create_dir(here.join("scene/novel")).unwrap();
+        std::fs::create_dir(here.join("scene")).unwrap();
         let entry = |name: &str| format!(r#"{{"frames":[{{"file_path":"{name}","transform_matrix":[]}}]}}"#);
         std::fs::write(here.join("views.json"), entry("v.exr")).unwrap();
-        std::fs::write(here.join("scene/transforms.json"), entry("a/b/1.exr")).unwrap();
-        std::fs::write(here.join("scene/novel/transforms.json"), entry("n.png")).unwrap();
-        let refused = |out: &str, name: &str| {
-            let out = here.join(out);
+        std::fs::write(here.join("scene/transforms.json"), entry("a/1.exr")).unwrap();
+        let out = here.join("scene");
+        let refused = |name: &str| {
             let targets = [PicturePaths::below(&out, name).unwrap()];
             apart_from_pictures_of(&here.join("views.json"), &out, &targets).is_err()
         };
-        for (out, name) in [
-            ("scene", "a/b/1"),
-            ("scene/a", "b/1"),
-            ("scene/a/b", "1"),
-            ("scene", "novel/n"),
-            (".", "scene/a/b/1"),
-        ] {
-            assert!(refused(out, name), "{name} in {out}");
-        }
-        for (out, name) in [("scene", "1"), ("scene/a/b", "2"), ("scene/a/b/c", "1"), ("other", "a/b/1")] {
-            assert!(!refused(out, name), "{name} in {out}");
-        }
+        assert!(refused("a/1") && !refused("a/2"));
         std::fs::write(here.join("scene/transforms.json"), "no manifest").unwrap();
-        assert!(!refused("scene", "a/b/1"));
+        assert!(!refused("a/1"));
     }
 }

@@ -39,6 +39,13 @@ pub(super) struct BlockTiles {
     index: [u32; TILES * TILES],
 }
 
+/// One block of an image, with its samples.
+#[derive(Clone, Copy)]
+pub(super) struct Block<'a> {
+    pub(super) image: &'a SampleImage,
+    pub(super) tiles: &'a BlockTiles,
+}
+
 /// Working memory of one thread.
 pub(super) struct Scratch {
     walker: Walker,
@@ -82,9 +89,14 @@ pub(super) fn blocks_of(image: &SampleImage) -> Vec<BlockTiles> {
 }
 
 /// The block at `place`, among those of an image.
-pub(super) fn find(blocks: &[BlockTiles], place: (u16, u16)) -> Option<&BlockTiles> {
+pub(super) fn find<'a>(
+    image: &'a SampleImage,
+    blocks: &'a [BlockTiles],
+    place: (u16, u16),
+) -> Option<Block<'a>> {
     let order = |block: &BlockTiles| (block.place.1, block.place.0);
-    blocks.binary_search_by_key(&(place.1, place.0), order).ok().map(|index| &blocks[index])
+    let index = blocks.binary_search_by_key(&(place.1, place.0), order).ok()?;
+    Some(Block { image, tiles: &blocks[index] })
 }
 
 /// Samples in a block, and the bits of its smallest and largest inverse depth.
@@ -113,10 +125,10 @@ impl Coding<'_> {
     }
 
     /// Puts the samples of a block where a walk finds them.
-    fn spread(&self, image: &SampleImage, block: &BlockTiles, pixels: &mut Pixels) {
+    fn spread(&self, Block { image, tiles }: Block<'_>, pixels: &mut Pixels) {
         pixels.clear();
         let mut depths = [0.0; TILE_SAMPLES];
-        for (inside, &index) in block.index.iter().enumerate().filter(|(_, index)| **index != u32::MAX) {
+        for (inside, &index) in tiles.index.iter().enumerate().filter(|(_, index)| **index != u32::MAX) {
             let tile = &image.tiles[index as usize];
             let count = tile.count();
             image.depth.tile(index as usize, tile.first, count).unpack(&mut depths);
@@ -142,29 +154,20 @@ impl Coding<'_> {
     }
 
     /// Counts the tokens of a block.
-    pub(super) fn count(
-        &self,
-        (image, block): (&SampleImage, &BlockTiles),
-        reference: Option<(&SampleImage, &BlockTiles)>,
-        counts: &mut Counts,
-    ) {
-        Scratch::with(|scratch| self.walk(&mut Counter(counts), scratch, (image, block), reference));
+    pub(super) fn count(&self, block: Block<'_>, reference: Option<Block<'_>>, counts: &mut Counts) {
+        Scratch::with(|scratch| self.walk(&mut Counter(counts), scratch, block, reference));
     }
 
     /// The code of a block.
-    pub(super) fn encode(
-        &self,
-        (image, block): (&SampleImage, &BlockTiles),
-        reference: Option<(&SampleImage, &BlockTiles)>,
-    ) -> Vec<u8> {
+    pub(super) fn encode(&self, block: Block<'_>, reference: Option<Block<'_>>) -> Vec<u8> {
         Scratch::with(|scratch| {
             if self.plain {
                 let mut writer = PlainWriter::default();
-                self.walk(&mut writer, scratch, (image, block), reference);
+                self.walk(&mut writer, scratch, block, reference);
                 writer.finish()
             } else {
                 let mut writer = ModelWriter::new(self.model);
-                self.walk(&mut writer, scratch, (image, block), reference);
+                self.walk(&mut writer, scratch, block, reference);
                 writer.finish()
             }
         })
@@ -174,15 +177,15 @@ impl Coding<'_> {
         &self,
         coder: &mut C,
         scratch: &mut Scratch,
-        (image, block): (&SampleImage, &BlockTiles),
-        reference: Option<(&SampleImage, &BlockTiles)>,
+        block: Block<'_>,
+        reference: Option<Block<'_>>,
     ) {
-        self.spread(image, block, &mut scratch.pixels);
-        let reference = reference.map(|(image, block)| {
-            self.spread(image, block, &mut scratch.reference);
+        self.spread(block, &mut scratch.pixels);
+        let reference = reference.map(|block| {
+            self.spread(block, &mut scratch.reference);
             &scratch.reference
         });
-        let shape = self.shape(block.place, block.tiles);
+        let shape = self.shape(block.tiles.place, block.tiles.tiles);
         scratch.walker.walk(coder, &shape, &mut scratch.pixels, reference);
     }
 
@@ -195,12 +198,12 @@ impl Coding<'_> {
         place: (u16, u16),
         tiles: u16,
         code: &[u8],
-        reference: Option<(&SampleImage, &BlockTiles)>,
+        reference: Option<Block<'_>>,
     ) -> Result<BlockSamples, String> {
         Scratch::with(|scratch| {
             scratch.pixels.clear();
-            let reference = reference.map(|(image, block)| {
-                self.spread(image, block, &mut scratch.reference);
+            let reference = reference.map(|block| {
+                self.spread(block, &mut scratch.reference);
                 &scratch.reference
             });
             let shape = self.shape(place, tiles);

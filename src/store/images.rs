@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::blocks::{BlockSamples, Coding, assemble, blocks_of, find, summary};
+use super::blocks::{Block, BlockSamples, Coding, assemble, blocks_of, find, summary};
 use super::bytes::{ByteReader, IMAGE};
 use super::coding::model::Counts;
 use super::coding::near::BLOCK;
@@ -111,9 +111,9 @@ pub(super) fn count(
     counts: &mut Counts,
 ) {
     let before = reference.map(|reference| (reference, blocks_of(reference)));
-    for block in blocks_of(image) {
-        let before = before.as_ref().and_then(|(image, blocks)| Some((*image, find(blocks, block.place)?)));
-        coding.count((image, &block), before, counts);
+    for tiles in &blocks_of(image) {
+        let before = before.as_ref().and_then(|(image, blocks)| find(image, blocks, tiles.place));
+        coding.count(Block { image, tiles }, before, counts);
     }
 }
 
@@ -128,10 +128,9 @@ pub(super) fn encode(
     let before = reference.map(|reference| (reference, blocks_of(reference)));
     let codes: Vec<Vec<u8>> = blocks
         .iter()
-        .map(|block| {
-            let before =
-                before.as_ref().and_then(|(image, blocks)| Some((*image, find(blocks, block.place)?)));
-            coding.encode((image, block), before)
+        .map(|tiles| {
+            let before = before.as_ref().and_then(|(image, blocks)| find(image, blocks, tiles.place));
+            coding.encode(Block { image, tiles }, before)
         })
         .collect();
 
@@ -227,7 +226,8 @@ pub(super) type Reference<'a> = (&'a SampleImage, &'a [Damage]);
 ///
 /// Blocks that are damaged, or whose reference is, are left out and told.
 pub(super) fn decode<'a>(
-    (image, head): (&SampleImage, &ImageHead),
+    image: &SampleImage,
+    head: &ImageHead,
     reference: Option<Reference>,
     coding: &Coding,
     code: impl Fn(&BlockEntry) -> Result<&'a [u8], String> + Sync,
@@ -239,7 +239,7 @@ pub(super) fn decode<'a>(
             Some((_, _, damage)) if damage.iter().any(|(place, _)| *place == block.place) => {
                 return Err("the block it is predicted from is damaged".to_owned());
             }
-            Some((image, blocks, _)) => find(blocks, block.place).map(|block| (*image, block)),
+            Some((image, blocks, _)) => find(image, blocks, block.place),
             None => None,
         };
         let code = code(block)?;

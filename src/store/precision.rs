@@ -83,7 +83,8 @@ pub(super) fn depth_shift(camera: &Camera, settings: &StoreSettings) -> u32 {
 pub(super) fn reduce(
     image: &SampleImage,
     camera: &Camera,
-    (palette, color_room): (&Palette, f32),
+    palette: &Palette,
+    color_room: f32,
     settings: &StoreSettings,
 ) -> Result<SampleImage, String> {
     let shift = depth_shift(camera, settings);

@@ -258,7 +258,7 @@ impl Store {
         };
         let reference = before.map(|before| (&*before.image, before.damage.as_slice()));
         let coding = self.coding(&self.info.images[index], &head);
-        let (image, damage) = images::decode((&decoded.image, &head), reference, &coding, code, &missing);
+        let (image, damage) = images::decode(&decoded.image, &head, reference, &coding, code, &missing);
         debug_assert_eq!(images::check(&image, &self.info.cameras, self.info.frame_numbers.len()), Ok(()));
         self.blocks_read.fetch_add(missing.len() as u64, Relaxed);
         decoded.image = Arc::new(image);

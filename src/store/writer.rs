@@ -64,7 +64,7 @@ pub fn write_with(
     extras: &Extras,
     job: &Job,
 ) -> Result<u64> {
-    write_spooled(path, (samples, &Spool::of(&samples.images)), report, extras, job)
+    write_spooled(path, samples, &Spool::of(&samples.images), report, extras, job)
 }
 
 /// As [`write_with`], of images that may be in a file; those of the set itself are not asked for.
@@ -73,13 +73,15 @@ pub fn write_with(
 /// As [`write()`].
 pub fn write_spooled(
     path: &Path,
-    samples: (&SampleSet, &Spool),
+    samples: &SampleSet,
+    images: &Spool,
     report: &Report,
     extras: &Extras,
     job: &Job,
 ) -> Result<u64> {
     let temporary = whole_file::beside(path, ".tmp")?;
-    let size = write_spooled_to(BufWriter::new(temporary.as_file()), path, samples, (report, extras), job)?;
+    let input = Input { path, samples, images, extras, job };
+    let size = input.write_to(BufWriter::new(temporary.as_file()), report)?;
     temporary.as_file().sync_all().map_err(|error| Error::io(path, error))?;
     job.check()?;
     whole_file::persist(temporary.into_temp_path(), path)?;
@@ -97,113 +99,143 @@ pub fn write_to(
     target: impl Write + Seek,
     path: &Path,
     samples: &SampleSet,
-    beside: (&Report, &Extras),
+    report: &Report,
+    extras: &Extras,
     job: &Job,
 ) -> Result<u64> {
-    write_spooled_to(target, path, (samples, &Spool::of(&samples.images)), beside, job)
+    Input { path, samples, images: &Spool::of(&samples.images), extras, job }.write_to(target, report)
 }
 
-fn write_spooled_to(
-    target: impl Write + Seek,
-    path: &Path,
-    (samples, images): (&SampleSet, &Spool),
-    (report, extras): (&Report, &Extras),
-    job: &Job,
-) -> Result<u64> {
-    let invalid = |what: String| Error::invalid(path.display(), format!("cannot be written: {what}"));
-    let iff = |error| from_iff(path, error);
-    let head = encode_head(samples).map_err(invalid)?;
-    let report = encode_report(report).map_err(invalid)?;
-    job.start("Writing the store", 2 * images.len());
-    if let Some(before) = &extras.held_to {
-        let again = precision::check_again(&samples.settings.store, before, &samples.cameras);
-        again.map_err(|what| Error::invalid(path.display(), what))?;
-    }
-    let held_to = extras.held_to.as_ref();
-    let palette = palette_of((samples, images), held_to, path, job)?;
-    let reduced = reduced((samples, images), held_to, &palette, path)?;
-    let prepared = Prepared::of((samples, reduced.as_ref().unwrap_or(images)), palette, path, job)?;
+/// What is written, for whom, and under which name errors speak of it.
+struct Input<'a> {
+    path: &'a Path,
+    /// Everything but the images.
+    samples: &'a SampleSet,
+    images: &'a Spool,
+    extras: &'a Extras,
+    job: &'a Job,
+}
 
-    let is_plain = samples.settings.store.coding == settings::Coding::Plain;
-    let planes = (!is_plain).then_some(prepared.planes);
-    let provenance = Provenance { planes, ..extras.provenance.clone() };
-    let provenance = serde_json::to_vec(&provenance).map_err(|error| invalid(error.to_string()))?;
-
-    let mut form = FormWriter::new(target, STORE).map_err(iff)?;
-    form.chunk(HEAD, &head).map_err(iff)?;
-    form.chunk(SETTINGS, samples.settings.to_toml().as_bytes()).map_err(iff)?;
-    form.chunk(REPORT, &report).map_err(iff)?;
-    form.chunk(PROVENANCE, &provenance).map_err(iff)?;
-    form.chunk(PALETTE, &prepared.palette.encode()).map_err(iff)?;
-    form.chunk(MODEL, &prepared.model.encode()).map_err(iff)?;
-    for (id, payload) in &extras.unknown {
-        form.plain_chunk(*id, payload).map_err(iff)?;
-    }
-    // The index stands before the images, so that opening a store reads its first few kilobytes only; it has its final
-    // length from the start and is filled in at the end.
-    let mut entries: Vec<ImageEntry> =
-        (0..prepared.images.len()).map(|index| prepared.entry(index)).collect();
-    check_held_once(&entries).map_err(invalid)?;
-    let index = form.chunk(INDEX, &encode_index(&entries, 0)).map_err(iff)?;
-    for start in (0..entries.len()).step_by(BATCH) {
-        let batch = start..entries.len().min(start + BATCH);
-        let encode = |index| job.check().and_then(|()| prepared.encode(samples, index));
-        let payloads: Result<Vec<_>> = batch.clone().into_par_iter().map(encode).collect();
-        for (index, (payload, head)) in batch.clone().zip(payloads?) {
-            let offset = form.plain_chunk(IMAGE, &payload).map_err(iff)?;
-            let (length, head) = (payload.len() as u32, head as u32);
-            entries[index] = ImageEntry { offset, length, head, ..entries[index] };
+impl Input<'_> {
+    fn write_to(&self, target: impl Write + Seek, report: &Report) -> Result<u64> {
+        let Self { path, samples, images, extras, job } = *self;
+        let invalid = |what: String| Error::invalid(path.display(), format!("cannot be written: {what}"));
+        let iff = |error| from_iff(path, error);
+        let head = encode_head(samples).map_err(invalid)?;
+        let report = encode_report(report).map_err(invalid)?;
+        job.start("Writing the store", 2 * images.len());
+        if let Some(before) = &extras.held_to {
+            let again = precision::check_again(&samples.settings.store, before, &samples.cameras);
+            again.map_err(|what| Error::invalid(path.display(), what))?;
         }
-        job.advance(batch.len());
+        let palette = self.palette()?;
+        let reduced = self.reduced(&palette)?;
+        let prepared = self.prepare(reduced.as_ref().unwrap_or(images), palette)?;
+
+        let is_plain = samples.settings.store.coding == settings::Coding::Plain;
+        let planes = (!is_plain).then_some(prepared.planes);
+        let provenance = Provenance { planes, ..extras.provenance.clone() };
+        let provenance = serde_json::to_vec(&provenance).map_err(|error| invalid(error.to_string()))?;
+
+        let mut form = FormWriter::new(target, STORE).map_err(iff)?;
+        form.chunk(HEAD, &head).map_err(iff)?;
+        form.chunk(SETTINGS, samples.settings.to_toml().as_bytes()).map_err(iff)?;
+        form.chunk(REPORT, &report).map_err(iff)?;
+        form.chunk(PROVENANCE, &provenance).map_err(iff)?;
+        form.chunk(PALETTE, &prepared.palette.encode()).map_err(iff)?;
+        form.chunk(MODEL, &prepared.model.encode()).map_err(iff)?;
+        for (id, payload) in &extras.unknown {
+            form.plain_chunk(*id, payload).map_err(iff)?;
+        }
+        // The index stands before the images, so that opening a store reads its first few kilobytes only; it has its final
+        // length from the start and is filled in at the end.
+        let mut entries: Vec<ImageEntry> =
+            (0..prepared.images.len()).map(|index| prepared.entry(index)).collect();
+        check_held_once(&entries).map_err(invalid)?;
+        let index = form.chunk(INDEX, &encode_index(&entries, 0)).map_err(iff)?;
+        for start in (0..entries.len()).step_by(BATCH) {
+            let batch = start..entries.len().min(start + BATCH);
+            let encode = |index| job.check().and_then(|()| prepared.encode(samples, index));
+            let payloads: Result<Vec<_>> = batch.clone().into_par_iter().map(encode).collect();
+            for (index, (payload, head)) in batch.clone().zip(payloads?) {
+                let offset = form.plain_chunk(IMAGE, &payload).map_err(iff)?;
+                let (length, head) = (payload.len() as u32, head as u32);
+                entries[index] = ImageEntry { offset, length, head, ..entries[index] };
+            }
+            job.advance(batch.len());
+        }
+        let size = form.position();
+        form.replace(index, INDEX, &encode_index(&entries, size)).map_err(iff)?;
+        form.finish().map_err(iff)?;
+        Ok(size)
     }
-    let size = form.position();
-    form.replace(index, INDEX, &encode_index(&entries, size)).map_err(iff)?;
-    form.finish().map_err(iff)?;
-    Ok(size)
+
+    /// The colors that occur, as far as the settings leave them apart; checks every image.
+    fn palette(&self) -> Result<Palette> {
+        let cameras = &self.samples.cameras;
+        let used = (0..self.images.len()).into_par_iter().try_fold(Used::new, |mut used, index| {
+            self.job.check()?;
+            let image = &*self.images.get(index)?;
+            images::check(image, cameras, self.samples.frame_count()).map_err(|what| {
+                Error::invalid(place_of(image, self.path), format!("cannot be written: {what}"))
+            })?;
+            used.add(image);
+            Ok(used)
+        });
+        let used = used.try_reduce(Used::new, |used, more| Ok::<_, Error>(used.plus(&more)))?;
+        Ok(Palette::within(&used, self.color_room()))
+    }
+
+    /// By how much a color may be moved, 8-bit steps.
+    fn color_room(&self) -> f32 {
+        precision::color_room(&self.samples.settings.store, self.extras.held_to.as_ref())
+    }
+
+    /// The images as they are stored, where the settings ask for less than all of them.
+    fn reduced(&self, palette: &Palette) -> Result<Option<Spool>> {
+        let settings = &self.samples.settings.store;
+        if settings.precision == settings::Precision::Lossless {
+            return Ok(None);
+        }
+        let color_room = self.color_room();
+        let reduce = |image: &SampleImage| {
+            let camera = &self.samples.cameras[image.camera as usize];
+            precision::reduce(image, camera, palette, color_room, settings)
+                .map_err(|what| Error::invalid(place_of(image, self.path), what))
+        };
+        self.images.map(reduce).map(Some)
+    }
+
+    /// Chooses references and fits a model to `images`, whose colors are those of the palette.
+    fn prepare<'a>(&self, images: &'a Spool, palette: Palette) -> Result<Prepared<'a>> {
+        let fit =
+            |counts: &Counts| Model::fit(counts).map_err(|what| Error::invalid(self.path.display(), what));
+        let mut prepared = Prepared {
+            references: choose_references(&images.facts().collect::<Vec<_>>()),
+            images,
+            palette,
+            model: fit(&Counts::default())?,
+            planes: PlaneBytes::default(),
+        };
+        let counted = (0..images.len()).into_par_iter().try_fold(Counts::default, |mut counts, index| {
+            self.job.check()?;
+            let (image, reference) = prepared.with_reference(index)?;
+            let coding = prepared.coding(self.samples, &image);
+            images::count(&image, reference.as_deref(), &coding, &mut counts);
+            self.job.advance(1);
+            Ok(counts)
+        });
+        let counted =
+            counted.try_reduce(Counts::default, |counts, more| Ok::<_, Error>(counts.plus(&more)))?;
+        prepared.model = fit(&counted)?;
+        prepared.planes = PlaneBytes::of_bits(prepared.model.bits(&counted));
+        Ok(prepared)
+    }
 }
 
 fn place_of(image: &SampleImage, path: &Path) -> String {
     let SampleImage { camera, span: Span { start, end }, .. } = image;
     format!("{}: the image of camera {camera} for frames {start}..{end}", path.display())
-}
-
-/// The colors that occur, as far as `held_to` and the settings leave them apart; checks every image.
-fn palette_of(
-    (samples, images): (&SampleSet, &Spool),
-    held_to: Option<&StoreSettings>,
-    path: &Path,
-    job: &Job,
-) -> Result<Palette> {
-    let used = (0..images.len()).into_par_iter().try_fold(Used::new, |mut used, index| {
-        job.check()?;
-        let image = &*images.get(index)?;
-        images::check(image, &samples.cameras, samples.frame_count())
-            .map_err(|what| Error::invalid(place_of(image, path), format!("cannot be written: {what}")))?;
-        used.add(image);
-        Ok(used)
-    });
-    let used = used.try_reduce(Used::new, |used, more| Ok::<_, Error>(used.plus(&more)))?;
-    Ok(Palette::within(&used, precision::color_room(&samples.settings.store, held_to)))
-}
-
-/// The images as they are stored, where the settings ask for less than all of them.
-fn reduced(
-    (samples, images): (&SampleSet, &Spool),
-    held_to: Option<&StoreSettings>,
-    palette: &Palette,
-    path: &Path,
-) -> Result<Option<Spool>> {
-    let settings = &samples.settings.store;
-    if settings.precision == settings::Precision::Lossless {
-        return Ok(None);
-    }
-    let color_room = precision::color_room(settings, held_to);
-    let reduce = |image: &SampleImage| {
-        let camera = &samples.cameras[image.camera as usize];
-        precision::reduce(image, camera, (palette, color_room), settings)
-            .map_err(|what| Error::invalid(place_of(image, path), what))
-    };
-    images.map(reduce).map(Some)
 }
 
 /// All that is decided before the first sample is written.
@@ -215,36 +247,7 @@ struct Prepared<'a> {
     planes: PlaneBytes,
 }
 
-impl<'a> Prepared<'a> {
-    fn of(
-        (samples, images): (&SampleSet, &'a Spool),
-        palette: Palette,
-        path: &Path,
-        job: &Job,
-    ) -> Result<Self> {
-        let fit = |counts: &Counts| Model::fit(counts).map_err(|what| Error::invalid(path.display(), what));
-        let mut prepared = Self {
-            references: choose_references(&images.facts().collect::<Vec<_>>()),
-            images,
-            palette,
-            model: fit(&Counts::default())?,
-            planes: PlaneBytes::default(),
-        };
-        let counted = (0..images.len()).into_par_iter().try_fold(Counts::default, |mut counts, index| {
-            job.check()?;
-            let (image, reference) = prepared.with_reference(index)?;
-            let coding = prepared.coding(samples, &image);
-            images::count(&image, reference.as_deref(), &coding, &mut counts);
-            job.advance(1);
-            Ok(counts)
-        });
-        let counted =
-            counted.try_reduce(Counts::default, |counts, more| Ok::<_, Error>(counts.plus(&more)))?;
-        prepared.model = fit(&counted)?;
-        prepared.planes = PlaneBytes::of_bits(prepared.model.bits(&counted));
-        Ok(prepared)
-    }
-
+impl Prepared<'_> {
     /// What the index says of an image that stands nowhere yet.
     fn entry(&self, index: usize) -> ImageEntry {
         let ImageFacts { camera, span, samples, tiles, .. } = *self.images.facts_of(index);

@@ -72,7 +72,7 @@ impl Bvh {
         let mut nodes = Vec::with_capacity(2 * items.len() + 1);
         if !items.is_empty() {
             nodes.push(Node { bounds: items[0], first: 0, count: 0 });
-            Building { items, order: &mut order, nodes: &mut nodes }.split(0, (0, items.len()), 0);
+            Building { items, order: &mut order, nodes: &mut nodes }.split(0, 0, items.len(), 0);
         }
         Self { nodes, order }
     }
@@ -151,7 +151,7 @@ impl Building<'_> {
         order.iter().map(|item| self.items[*item as usize]).reduce(Bounds::union).unwrap_or(self.items[0])
     }
 
-    fn split(&mut self, node: usize, (start, end): (usize, usize), depth: usize) {
+    fn split(&mut self, node: usize, start: usize, end: usize, depth: usize) {
         let bounds = self.bounds(&self.order[start..end]);
         if end - start <= LEAF_ITEMS {
             self.nodes[node] = Node { bounds, first: start as u32, count: (end - start) as u32 };
@@ -161,8 +161,8 @@ impl Building<'_> {
         let first = self.nodes.len();
         self.nodes.extend([self.nodes[node]; 2]);
         self.nodes[node] = Node { bounds, first: first as u32, count: 0 };
-        self.split(first, (start, middle), depth + 1);
-        self.split(first + 1, (middle, end), depth + 1);
+        self.split(first, start, middle, depth + 1);
+        self.split(first + 1, middle, end, depth + 1);
     }
 
     /// Sorts the range along the best axis and gives the number of items for the first child.

@@ -152,11 +152,11 @@ fn arm(stage: &mut Builder, planet: &Planet, height: f64, moment: f64) {
     let outward = DVec3::new(turn.cos(), turn.sin(), 0.0);
     let root = DVec3::new(0.0, 0.0, TABLE_TOP_M + height);
     stage.add(Shape::cylinder(0.028, 0.012), root, brass());
-    outer_arm(stage, planet, (root, outward), moment);
+    outer_arm(stage, planet, root, outward, moment);
 }
 
 /// What of an arm turns about its `root`, toward `outward`.
-fn outer_arm(stage: &mut Builder, planet: &Planet, (root, outward): (DVec3, DVec3), moment: f64) {
+fn outer_arm(stage: &mut Builder, planet: &Planet, root: DVec3, outward: DVec3, moment: f64) {
     let elbow = root + outward * planet.orbit;
     let center = DVec3::new(elbow.x, elbow.y, SUN.z);
     stage.add_bar((root - outward * 0.09, elbow), (0.007, 0.006), brass());

@@ -79,7 +79,7 @@ fn sun_clearance(world: &World, hit: &Hit, toward_sun: f64) -> f64 {
         clear = clear.min(if index == hit.solid && world.solids[index].is_convex() {
             toward_sun / world.light.sun_spread
         } else {
-            clearance(world, index, hit.point, (from, to))
+            clearance(world, index, hit.point, from, to)
         });
         clear > -1.0
     });
@@ -88,7 +88,7 @@ fn sun_clearance(world: &World, hit: &Hit, toward_sun: f64) -> f64 {
 
 /// By how much the cone of light clears one solid between two distances from the point: −1 fully shaded, 0 the cone's
 /// axis grazes it, 1 not touched.
-fn clearance(world: &World, index: usize, point: DVec3, (from, to): (f64, f64)) -> f64 {
+fn clearance(world: &World, index: usize, point: DVec3, from: f64, to: f64) -> f64 {
     let solid = &world.solids[index];
     let Light { to_sun, sun_spread, .. } = world.light;
     let (start, direction) = solid.ray_to_local(point, to_sun);
@@ -165,7 +165,7 @@ mod tests {
                 });
                 listed[hit.solid] = true;
                 for (solid, _) in listed.iter().enumerate().filter(|(_, listed)| !**listed) {
-                    assert!(clearance(&world, solid, hit.point, (0.0, 20.0)) >= 1.0 - 1e-9);
+                    assert!(clearance(&world, solid, hit.point, 0.0, 20.0) >= 1.0 - 1e-9);
                 }
             }
         }

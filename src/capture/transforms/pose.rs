@@ -85,8 +85,8 @@ pub(super) fn intrinsics(
     refuse_distortion(keys, place)?;
     let (width, height) = picture_size(keys, size, place)?;
     let (w, h) = (f64::from(width), f64::from(height));
-    let fx = focal_px(keys.fl_x, ("camera_angle_x", keys.camera_angle_x), w, place)?;
-    let fy = focal_px(keys.fl_y, ("camera_angle_y", keys.camera_angle_y), h, place)?;
+    let fx = focal_px(keys.fl_x, "camera_angle_x", keys.camera_angle_x, w, place)?;
+    let fy = focal_px(keys.fl_y, "camera_angle_y", keys.camera_angle_y, h, place)?;
     let (fx, fy) = match (fx, fy) {
         (Some(fx), Some(fy)) => (fx, fy),
         (Some(fx), None) => (fx, fx * pixel_aspect()),
@@ -122,7 +122,8 @@ pub(super) fn intrinsics(
 /// A focal length as it is given, or else from the angle under which a side of so many pixels is seen.
 fn focal_px(
     focal: Option<f64>,
-    (name, angle): (&str, Option<f64>),
+    name: &str,
+    angle: Option<f64>,
     side: f64,
     place: &str,
 ) -> Result<Option<f64>> {

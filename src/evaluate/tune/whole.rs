@@ -46,5 +46,5 @@ fn most_bytes(capture: &Capture, settings: &Settings, job: &Job) -> Result<u64> 
     let inputs = InputFiles { files: u64::MAX, bytes: u64::MAX, crc32: u32::MAX };
     let provenance = Provenance { inputs: Some(inputs), ..Provenance::default() };
     let extras = Extras { provenance, ..Extras::default() };
-    store::write_spooled(&folder.path().join("whole.ovl"), (&outline, &images), &report, &extras, job)
+    store::write_spooled(&folder.path().join("whole.ovl"), &outline, &images, &report, &extras, job)
 }

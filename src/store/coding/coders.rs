@@ -39,7 +39,7 @@ impl<'a> ModelWriter<'a> {
         Self { model, tokens: Vec::new(), bits: BitWriter::default() }
     }
 
-    fn push(&mut self, lane: usize, (plane, context): (Plane, usize), token: usize) {
+    fn push(&mut self, lane: usize, plane: Plane, context: usize, token: usize) {
         let (start, frequency) = self.model.table(plane, context).range(token);
         self.tokens.push((lane as u8, start as u16, frequency as u16));
     }
@@ -61,13 +61,13 @@ impl<'a> ModelWriter<'a> {
 
 impl Coder for ModelWriter<'_> {
     fn held(&mut self, lane: usize, context: usize, value: bool) -> bool {
-        self.push(lane, (Plane::Mask, context), usize::from(value));
+        self.push(lane, Plane::Mask, context, usize::from(value));
         value
     }
 
     fn code(&mut self, plane: Plane, context: usize, value: u32) -> u32 {
         let (token, bits) = split(value);
-        self.push(plane.lane(), (plane, context), token);
+        self.push(plane.lane(), plane, context, token);
         self.bits.push(value, bits);
         value
     }
