@@ -53,12 +53,6 @@ impl FrameCache {
         self.cache.insert(key, frame.clone());
         Ok(frame)
     }
-
-    /// Bytes of decoded frames held now.
-    #[must_use]
-    pub fn bytes(&self) -> u64 {
-        self.cache.weight()
-    }
 }
 
 #[cfg(test)]
@@ -81,7 +75,7 @@ mod tests {
         let cache = FrameCache::new(100_000);
         for number in 0..100 {
             cache.get_or_load((0, number), || Ok(frame(1000))).unwrap();
-            assert!(cache.bytes() <= 100_000);
+            assert!(cache.cache.weight() <= 100_000);
         }
     }
 

@@ -103,6 +103,10 @@ pub(super) fn in_chunk(path: &Path, id: ChunkId, what: impl std::fmt::Display) -
 pub(super) fn from_iff(path: &Path, error: IffError) -> Error {
     match error {
         IffError::Io(error) => Error::io(path, error),
-        error => Error::invalid(path.display(), error.to_string()),
+        IffError::TooLarge { .. } => Error::unsupported(
+            path.display(),
+            "one image would take more than 4 GiB; preprocess smaller pictures",
+        ),
+        error @ IffError::Malformed { .. } => Error::invalid(path.display(), error.to_string()),
     }
 }

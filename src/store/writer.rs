@@ -13,9 +13,10 @@ use rayon::prelude::*;
 
 use super::blocks::Coding;
 use super::bytes::{HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE};
+use super::chunks::from_iff;
 use super::coding::model::{Counts, Model};
 use super::header::{ImageEntry, check_held_once, choose_references, encode_head, encode_index};
-use super::iff::{ChunkId, FormWriter, IffError};
+use super::iff::{ChunkId, FormWriter};
 use super::palette::{Palette, Used};
 use super::provenance::{PlaneBytes, Provenance};
 use super::{images, precision};
@@ -291,16 +292,5 @@ fn encode_report(report: &Report) -> Result<Vec<u8>, String> {
     match serde_json::from_slice::<Report>(&json) {
         Ok(read) if read == timeless => Ok(json),
         _ => Err("the report holds a number that is not finite".to_owned()),
-    }
-}
-
-fn from_iff(path: &Path, error: IffError) -> Error {
-    match error {
-        IffError::Io(error) => Error::io(path, error),
-        IffError::TooLarge { .. } => Error::unsupported(
-            path.display(),
-            "one image would take more than 4 GiB; preprocess smaller pictures",
-        ),
-        IffError::Malformed { .. } => Error::invalid(path.display(), error.to_string()),
     }
 }
