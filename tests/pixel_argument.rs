@@ -55,7 +55,7 @@ fn arguments(inspection: &FrameInspection) -> Vec<PixelArgument> {
         let (width, height) = inspected.verdict.size();
         for y in (0..height).step_by(5) {
             for x in (0..width).step_by(5) {
-                arguments.push(pixel_argument(&inspection, camera, x, y).unwrap());
+                arguments.push(pixel_argument(inspection, camera, x, y).unwrap());
             }
         }
     }

@@ -36,7 +36,7 @@ pub struct CameraInspection {
     pub frame: Arc<Frame>,
     /// Over how many frames each pixel is the same, in words.
     pub class: Arc<Grid<PixelClass>>,
-    /// The level of each pixel's sample, an index into [`FrameInspection::path`]; [`NO_SAMPLE`] where there is none.
+    /// The level of each pixel's sample, an index into [`FrameInspection::path`]; [`NO_SAMPLE`](super::level::NO_SAMPLE) where there is none.
     pub level: Arc<Grid<Level>>,
     /// Why each pixel was kept or dropped.
     pub verdict: Grid<Verdict>,

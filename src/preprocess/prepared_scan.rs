@@ -117,13 +117,12 @@ impl PreparedScan {
     /// Every camera's static pixels, ready to be pruned.
     fn rated_layers(&self, capture: &Capture, settings: &Settings, job: &Job) -> Result<Vec<Layer>> {
         let key = (settings.normals.clone(), settings.spans.clone());
-        let layers = match self.static_layers.get(&key) {
-            Some(layers) => layers,
-            None => {
-                let layers = Arc::new(static_layers(capture, &self.scan, settings, job)?);
-                self.static_layers.set(key, layers.clone());
-                layers
-            }
+        let layers = if let Some(layers) = self.static_layers.get(&key) {
+            layers
+        } else {
+            let layers = Arc::new(static_layers(capture, &self.scan, settings, job)?);
+            self.static_layers.set(key, layers.clone());
+            layers
         };
         rated(capture, layers.as_ref().clone(), settings, job)
     }

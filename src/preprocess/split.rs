@@ -94,7 +94,7 @@ impl Split {
         }
     }
 
-    /// Adds the frames that follow: [`BATCH`] of them, or a smaller power of two each time; at the end, what is left. Gives
+    /// Adds the frames that follow: [`BATCH`](super::batch::BATCH) of them, or a smaller power of two each time; at the end, what is left. Gives
     /// the samples of the spans that are settled now.
     pub fn add(&mut self, frames: &[Arc<Frame>]) -> Given {
         let span = Span { start: self.added, end: self.added + frames.len() as u32 };
@@ -289,6 +289,7 @@ fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums) 
 mod tests {
     use super::*;
     use crate::capture::demo::{Demo, DemoSpec};
+    use crate::preprocess::batch::BATCH;
     use crate::preprocess::noise::measure_pairs;
     use crate::settings::{CaptureSettings, SpanSettings};
     use crate::simd;
