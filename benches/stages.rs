@@ -7,10 +7,10 @@ use std::time::Duration;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use overlook::evaluate::speed::scene::recorded;
 use overlook::job::Job;
-use overlook::preprocess::frame_layers::FrameLayers;
+use overlook::preprocess::batch::BATCH;
 use overlook::preprocess::noise::measure_pairs;
-use overlook::preprocess::pruning::Rig;
-use overlook::preprocess::split::{BATCH, Split};
+use overlook::preprocess::rig::Rig;
+use overlook::preprocess::split::Split;
 use overlook::preprocess::static_test::StaticTest;
 use overlook::preprocess::{inspect_frame, preprocess, scan};
 use overlook::render::{CpuRenderer, Vantage};
@@ -41,7 +41,7 @@ fn preprocessing(c: &mut Criterion) {
     let scanned = scan(&capture, &settings, &job).expect("a scan");
     group.throughput(Throughput::Elements(capture.pixel_count() / 3));
     let rig = Rig::new(&capture.cameras);
-    let layers = FrameLayers::of(&capture, Some(&scanned), &rig, &settings, 1, &job).expect("layers");
+    let layers = scanned.frame_layers(&capture, &rig, &settings, 1, &job).expect("layers");
     layers.prepare(&rig, &settings, &job).expect("a docket").expect("one that fits into memory");
     let mut changed = settings.clone();
     group.bench_function("one prepared frame after a threshold change", |b| {

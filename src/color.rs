@@ -53,6 +53,23 @@ pub fn steps_from_linear(linear: f16) -> f32 {
     STEPS[linear.to_bits() as usize]
 }
 
+/// 2¹¹²: the difference between the exponents' biases of single floats and half floats.
+pub(crate) const WIDENING: f32 = f32::from_bits(0x7780_0000);
+
+/// A half float widened by integer arithmetic alone, so that it is vectorized; colors are finite.
+#[inline(always)]
+#[must_use]
+pub(crate) fn widened(bits: i16) -> f32 {
+    widened_small(bits) * WIDENING
+}
+
+/// The same times 2⁻¹¹²: sign, exponent and mantissa are in their place, and the exponent is the half float's. Sums of such numbers
+/// are those of the numbers themselves times 2⁻¹¹²: the least half float, 2⁻²⁴, is as exact as the largest.
+#[inline(always)]
+pub(crate) fn widened_small(bits: i16) -> f32 {
+    f32::from_bits((i32::from(bits) << 16 >> 3) as u32 & 0x8fff_ffff)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,8 +4,11 @@ use glam::DVec2;
 use overlook::capture::Capture;
 use overlook::capture::demo::{Demo, DemoSpec};
 use overlook::job::Job;
-use overlook::preprocess::registration::Outcome;
-use overlook::preprocess::{self, FrameInspection, PixelArgument, Rule, TemporalScan, Testimony, Verdict};
+use overlook::preprocess::Outcome;
+use overlook::preprocess::{
+    self, FrameInspection, PixelArgument, PreparedScan, Rule, Testimony, Verdict, pair_quantities,
+    pixel_argument,
+};
 use overlook::render::{CpuRenderer, Vantage, pick};
 use overlook::settings::{Kernel, RateModel, Settings};
 use std::collections::BTreeMap;
@@ -20,7 +23,7 @@ fn demo(scene: &str) -> Capture {
     Demo::new(&spec).unwrap().capture(&Settings::default().capture)
 }
 
-fn inspected(capture: &Capture, settings: &Settings) -> (Arc<TemporalScan>, FrameInspection) {
+fn inspected(capture: &Capture, settings: &Settings) -> (Arc<PreparedScan>, FrameInspection) {
     let job = Job::new();
     let scan = preprocess::scan(capture, settings, &job).unwrap();
     let inspection = preprocess::inspect_frame(capture, Some(&scan), settings, 1, &job).unwrap();
@@ -46,7 +49,7 @@ fn arguments(inspection: &FrameInspection) -> Vec<PixelArgument> {
         let (width, height) = inspected.verdict.size();
         for y in (0..height).step_by(5) {
             for x in (0..width).step_by(5) {
-                arguments.push(inspection.pixel_argument(camera, x, y).unwrap());
+                arguments.push(pixel_argument(inspection, camera, x, y).unwrap());
             }
         }
     }
@@ -185,9 +188,9 @@ fn the_spans_of_a_pixel_hold_it_at_exactly_the_frames_where_it_was_kept() {
 #[test]
 fn outside_the_picture_there_is_nothing_to_argue_about() {
     let (_, inspection) = inspected(&capture(), &Settings::default());
-    assert!(inspection.pixel_argument(9, 0, 0).is_none());
-    assert!(inspection.pixel_argument(0, 96, 0).is_none());
-    assert!(inspection.pair_quantities(5000).len() > 500);
+    assert!(pixel_argument(&inspection, 9, 0, 0).is_none());
+    assert!(pixel_argument(&inspection, 0, 96, 0).is_none());
+    assert!(pair_quantities(&inspection, 5000).len() > 500);
 }
 
 #[test]

@@ -10,8 +10,9 @@ use overlook::capture::{Capture, Frame, INVALID_INVERSE_DEPTH};
 use overlook::color;
 use overlook::grid::Grid;
 use overlook::job::Job;
+use overlook::preprocess::batch::BATCH;
 use overlook::preprocess::noise::Noise;
-use overlook::preprocess::split::{BATCH, Given, Split};
+use overlook::preprocess::split::{Given, Split};
 use overlook::preprocess::static_test::StaticTest;
 use overlook::preprocess::{
     PixelClass, Preprocessed, Span, Spooled, inspect_frame, preprocess, preprocess_spooled, scan,

@@ -17,7 +17,7 @@ use crate::capture::demo::{Demo, DemoSpec};
 use crate::capture::{Capture, View, transforms};
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::{self, Report, SampleSet, TemporalScan};
+use crate::preprocess::{self, PreparedScan, Report, SampleSet};
 use crate::render::{Renderer, SharedDevice};
 use crate::settings::{CaptureSettings, Settings};
 use crate::store::{self, Extras, Playback, Provenance};
@@ -37,7 +37,7 @@ pub(super) struct WholeRequest {
     /// The scene, a capture.
     pub scene: Arc<Scene>,
     /// The pass over all frames, where it is done.
-    pub scan: Option<Arc<TemporalScan>>,
+    pub scan: Option<Arc<PreparedScan>>,
     /// With which settings.
     pub settings: Settings,
 }
@@ -47,7 +47,7 @@ pub(super) struct InspectRequest {
     /// The scene, a capture.
     pub scene: Arc<Scene>,
     /// The pass over all frames, where it is done.
-    pub scan: Option<Arc<TemporalScan>>,
+    pub scan: Option<Arc<PreparedScan>>,
     /// With which settings.
     pub settings: Settings,
     /// Which frame.

@@ -17,7 +17,7 @@ use super::views::source_image::{SourceKey, SourcePicture};
 use crate::error::Error;
 use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::Point;
-use crate::preprocess::{Preprocessed, TemporalScan};
+use crate::preprocess::{PreparedScan, Preprocessed};
 use crate::settings::Settings;
 
 /// What a chosen path is for.
@@ -57,7 +57,7 @@ pub(super) enum Message {
     /// A capture, demo or store is open.
     Opened(Arc<Scene>),
     /// The pass over all frames is done.
-    Scanned { scene: u64, scan: Arc<TemporalScan> },
+    Scanned { scene: u64, scan: Arc<PreparedScan> },
     /// The whole capture is pruned.
     Pruned { scene: u64, settings: Settings, result: Arc<Preprocessed> },
     /// One frame is pruned, with reasons.

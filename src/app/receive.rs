@@ -19,7 +19,7 @@ use super::texture::Texture;
 use super::views::live_image::{LivePicture, Pixels};
 use super::views::rig::Rig;
 use crate::error::Error;
-use crate::preprocess::{Preprocessed, TemporalScan};
+use crate::preprocess::{PreparedScan, Preprocessed};
 use crate::settings::Settings;
 
 /// Pixels of the recording are looked at one by one; those of the live view are only as fine as there are samples.
@@ -89,7 +89,7 @@ impl OverlookApp {
         }
     }
 
-    fn scanned(&mut self, scan: Arc<TemporalScan>) {
+    fn scanned(&mut self, scan: Arc<PreparedScan>) {
         let spans = &self.state.settings.spans;
         // Of settings that were taken back; what serves those on the sliders is here.
         let late = !scan.serves(spans) && self.state.scan.as_ref().is_some_and(|scan| scan.serves(spans));

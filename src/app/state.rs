@@ -13,7 +13,7 @@ use super::views::live_image::{ColorBy, LiveKey, LivePicture, Pixels};
 use super::views::rig::Rig;
 use super::views::source_image::{Overlay, SourceKey, SourcePicture};
 use crate::job::Progress;
-use crate::preprocess::{FrameInspection, Report, SampleSet, TemporalScan};
+use crate::preprocess::{FrameInspection, PreparedScan, Report, SampleSet};
 use crate::settings::{CaptureSettings, RenderSettings, Settings};
 
 /// How loud a message is.
@@ -181,7 +181,7 @@ pub(super) struct State {
     /// The settings on the sliders.
     pub settings: Settings,
     /// The pass over all frames of the open capture.
-    pub scan: Option<Arc<TemporalScan>>,
+    pub scan: Option<Arc<PreparedScan>>,
     /// The whole capture, pruned; perhaps by older settings.
     pub whole: Option<Whole>,
     /// Whether the whole-capture work was stopped, by the person or as something could not be read.

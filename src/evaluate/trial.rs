@@ -22,7 +22,7 @@ use super::{Evaluation, Scoreboard, ViewScore, render_view};
 use crate::capture::View;
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::{self, Report, SampleSet, TemporalScan};
+use crate::preprocess::{self, PreparedScan, Report, SampleSet};
 use crate::render::Renderer;
 use crate::settings::{
     Backend, CaptureSettings, Fill, Kernel, NormalSettings, PruningMethod, RenderSettings, Settings,
@@ -126,7 +126,7 @@ impl Model {
 
 struct FoldState {
     fold: Fold,
-    scans: Vec<(ScanKey, Arc<TemporalScan>, f64)>,
+    scans: Vec<(ScanKey, Arc<PreparedScan>, f64)>,
     models: Vec<(ModelKey, Arc<Model>)>,
 }
 
@@ -281,7 +281,7 @@ impl FoldState {
         self.fold.capture.cameras.iter().any(|camera| Self::keeps(trial, &camera.name))
     }
 
-    fn scan(&mut self, trial: &Trial, job: &Job) -> Result<(Arc<TemporalScan>, f64)> {
+    fn scan(&mut self, trial: &Trial, job: &Job) -> Result<(Arc<PreparedScan>, f64)> {
         let Settings { normals, spans, .. } = &trial.settings;
         let key = (normals.clone(), spans.clone(), trial.cameras.clone());
         if let Some((_, scan, seconds)) = self.scans.iter().find(|(known, ..)| *known == key) {

@@ -9,135 +9,148 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
+use super::answers::Outcome;
+use super::decision::{Rule, Verdict};
 use super::facet::{MIXED, UNSURE};
+use super::inspection::FrameInspection;
 use super::layer::Layer;
-use super::pruning::Rig;
-use super::registration::{Outcome, SameSurface};
+use super::rig::Rig;
+use super::same_surface::SameSurface;
+use super::samples::{SampleSet, Span};
 use super::sampling_rate::{Rate, Rays, footprint};
 use super::testimony::{ChainLink, PairQuantities, PixelArgument, Testimony};
-use super::{FrameInspection, Rule, SampleSet, Span, TILE, Verdict};
+use super::tile::TILE;
 use crate::capture::Camera;
 use crate::color::steps_from_linear;
 
-impl FrameInspection {
-    /// The argument for pixel `(x, y)` of camera `camera`; `None` where there is no such pixel.
-    #[must_use]
-    pub fn pixel_argument(&self, camera: usize, x: usize, y: usize) -> Option<PixelArgument> {
-        let layer = self.layers.get(camera)?;
-        if x >= layer.width || y >= layer.height() {
-            return None;
-        }
-        let verdict = self.cameras[camera].verdict[(x, y)];
-        let mut argument = PixelArgument {
-            camera,
-            x,
-            y,
-            frame: self.frame,
-            point_in_world: None,
-            class: self.cameras[camera].class[(x, y)],
-            verdict,
-            winner: None,
-            testimonies: Vec::new(),
-            chain: Vec::new(),
-        };
-        let inverse_depth = f64::from(layer.inverse_depth[y * layer.width + x]);
-        if inverse_depth < 0.0 {
-            return Some(argument);
-        }
-        let asker = Asker::new(self, camera, x, y);
-        argument.point_in_world = asker.point_in_world();
-        let rig = Rig::new(&self.samples.cameras);
-        let limits = self.limits_of(layer, y * layer.width + x);
-        argument.testimonies =
-            (0..self.layers.len()).map(|other| asker.testimony(&rig, &limits, other)).collect();
-        argument.winner = if verdict.is_kept() {
-            Some(camera)
+/// The argument for pixel `(x, y)` of camera `camera`; `None` where there is no such pixel.
+#[must_use]
+pub fn pixel_argument(
+    inspection: &FrameInspection,
+    camera: usize,
+    x: usize,
+    y: usize,
+) -> Option<PixelArgument> {
+    let layer = inspection.layers.get(camera)?;
+    if x >= layer.width || y >= layer.height() {
+        return None;
+    }
+    let verdict = inspection.cameras[camera].verdict[(x, y)];
+    let mut argument = PixelArgument {
+        camera,
+        x,
+        y,
+        frame: inspection.frame,
+        point_in_world: None,
+        class: inspection.cameras[camera].class[(x, y)],
+        verdict,
+        winner: None,
+        testimonies: Vec::new(),
+        chain: Vec::new(),
+    };
+    let inverse_depth = f64::from(layer.inverse_depth[y * layer.width + x]);
+    if inverse_depth < 0.0 {
+        return Some(argument);
+    }
+    let asker = Asker::new(inspection, camera, x, y);
+    argument.point_in_world = asker.point_in_world();
+    let rig = Rig::new(&inspection.samples.cameras);
+    let limits = limits_of(inspection, layer, y * layer.width + x);
+    argument.testimonies =
+        (0..inspection.layers.len()).map(|other| asker.testimony(&rig, &limits, other)).collect();
+    argument.winner = if verdict.is_kept() {
+        Some(camera)
+    } else {
+        (verdict.witness_camera != Verdict::NO_CAMERA).then_some(verdict.witness_camera as usize)
+    };
+    argument.chain = chain(inspection, &rig, camera, (y * layer.width + x) as u32);
+    Some(argument)
+}
+
+/// What a sample is held against: others of its level and of longer spans.
+fn limits_of(inspection: &FrameInspection, layer: &Layer, pixel: usize) -> SameSurface {
+    SameSurface::new(&inspection.settings).at_level(layer.level[pixel])
+}
+
+fn verdict_of(inspection: &FrameInspection, camera: usize, pixel: u32) -> Verdict {
+    let width = inspection.layers[camera].width;
+    inspection.cameras[camera].verdict[(pixel as usize % width, pixel as usize / width)]
+}
+
+fn chain(inspection: &FrameInspection, rig: &Rig<'_>, camera: usize, pixel: u32) -> Vec<ChainLink> {
+    let mut chain: Vec<ChainLink> = Vec::new();
+    let mut next = Some((camera, pixel));
+    while let Some((camera, pixel)) = next {
+        let verdict = verdict_of(inspection, camera, pixel);
+        chain.push(ChainLink { camera, pixel, verdict });
+        next = if verdict.rule == Rule::Coverage {
+            best_other(inspection, rig, camera, pixel)
         } else {
-            (verdict.witness_camera != Verdict::NO_CAMERA).then_some(verdict.witness_camera as usize)
+            (!verdict.is_kept() && verdict.witness_camera != Verdict::NO_CAMERA)
+                .then_some((verdict.witness_camera as usize, verdict.witness_pixel))
         };
-        argument.chain = self.chain(&rig, camera, (y * layer.width + x) as u32);
-        Some(argument)
+        // Ranks fall along the chain, so that it ends; the bound is for verdicts that something else made.
+        next = next.filter(|_| chain.len() <= inspection.layers.len());
     }
+    chain
+}
 
-    /// What a sample is held against: others of its level and of longer spans.
-    fn limits_of(&self, layer: &Layer, pixel: usize) -> SameSurface {
-        SameSurface::new(&self.settings).at_level(layer.level[pixel])
-    }
+/// The best-ranked sample of another camera that shows the same point and is better.
+fn best_other(
+    inspection: &FrameInspection,
+    rig: &Rig<'_>,
+    camera: usize,
+    pixel: u32,
+) -> Option<(usize, u32)> {
+    let layer = &inspection.layers[camera];
+    let limits = limits_of(inspection, layer, pixel as usize);
+    let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
+    let own = (layer.ranks[pixel as usize].rank, camera);
+    (0..inspection.layers.len())
+        .filter(|&other| other != camera)
+        .filter_map(|other| {
+            let target = &inspection.layers[other];
+            match limits.test(rig.registration(camera, other), (layer, x, y), target) {
+                Outcome::Same(found) => Some((target.ranks[found as usize].rank, other, found)),
+                _ => None,
+            }
+        })
+        .filter(|(rank, other, _)| (*rank, *other) < own)
+        .filter(|&(_, other, found)| {
+            let level = inspection.layers[other].level[found as usize];
+            inspection.settings.pruning.across_spans || level == layer.level[pixel as usize]
+        })
+        .min()
+        .map(|(_, other, found)| (other, found))
+}
 
-    fn verdict_of(&self, camera: usize, pixel: u32) -> Verdict {
-        let width = self.layers[camera].width;
-        self.cameras[camera].verdict[(pixel as usize % width, pixel as usize / width)]
-    }
-
-    fn chain(&self, rig: &Rig<'_>, camera: usize, pixel: u32) -> Vec<ChainLink> {
-        let mut chain: Vec<ChainLink> = Vec::new();
-        let mut next = Some((camera, pixel));
-        while let Some((camera, pixel)) = next {
-            let verdict = self.verdict_of(camera, pixel);
-            chain.push(ChainLink { camera, pixel, verdict });
-            next = if verdict.rule == Rule::Coverage {
-                self.best_other(rig, camera, pixel)
-            } else {
-                (!verdict.is_kept() && verdict.witness_camera != Verdict::NO_CAMERA)
-                    .then_some((verdict.witness_camera as usize, verdict.witness_pixel))
-            };
-            // Ranks fall along the chain, so that it ends; the bound is for verdicts that something else made.
-            next = next.filter(|_| chain.len() <= self.layers.len());
-        }
-        chain
-    }
-
-    /// The best-ranked sample of another camera that shows the same point and is better.
-    fn best_other(&self, rig: &Rig<'_>, camera: usize, pixel: u32) -> Option<(usize, u32)> {
-        let layer = &self.layers[camera];
-        let limits = self.limits_of(layer, pixel as usize);
-        let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
-        let own = (layer.ranks[pixel as usize].rank, camera);
-        (0..self.layers.len())
-            .filter(|&other| other != camera)
-            .filter_map(|other| {
-                let target = &self.layers[other];
-                match rig.registration(camera, other).test(layer, target, x, y, &limits) {
-                    Outcome::Same(found) => Some((target.ranks[found as usize].rank, other, found)),
-                    _ => None,
+/// What the same-surface test compares, for at most `at_most` pairs spread evenly over all pixels of all cameras.
+/// Pairs of which one side has no depth, or lies at infinity, are left out.
+#[must_use]
+pub fn pair_quantities(inspection: &FrameInspection, at_most: usize) -> Vec<PairQuantities> {
+    let cameras = inspection.layers.len();
+    let pairs: usize =
+        inspection.layers.iter().map(|layer| layer.inverse_depth.len()).sum::<usize>() * cameras;
+    let stride = (pairs.div_ceil(at_most.max(1)) as f64).sqrt().ceil().max(1.0) as usize;
+    let rig = Rig::new(&inspection.samples.cameras);
+    let mut quantities = Vec::new();
+    for (camera, layer) in inspection.layers.iter().enumerate() {
+        for y in (stride / 2..layer.height()).step_by(stride) {
+            for x in (stride / 2..layer.width).step_by(stride) {
+                if layer.inverse_depth[y * layer.width + x] <= 0.0 {
+                    continue;
                 }
-            })
-            .filter(|(rank, other, _)| (*rank, *other) < own)
-            .filter(|&(_, other, found)| {
-                let level = self.layers[other].level[found as usize];
-                self.settings.pruning.across_spans || level == layer.level[pixel as usize]
-            })
-            .min()
-            .map(|(_, other, found)| (other, found))
-    }
-
-    /// What the same-surface test compares, for at most `at_most` pairs spread evenly over all pixels of all cameras.
-    /// Pairs of which one side has no depth, or lies at infinity, are left out.
-    #[must_use]
-    pub fn pair_quantities(&self, at_most: usize) -> Vec<PairQuantities> {
-        let cameras = self.layers.len();
-        let pairs: usize = self.layers.iter().map(|layer| layer.inverse_depth.len()).sum::<usize>() * cameras;
-        let stride = (pairs.div_ceil(at_most.max(1)) as f64).sqrt().ceil().max(1.0) as usize;
-        let rig = Rig::new(&self.samples.cameras);
-        let mut quantities = Vec::new();
-        for (camera, layer) in self.layers.iter().enumerate() {
-            for y in (stride / 2..layer.height()).step_by(stride) {
-                for x in (stride / 2..layer.width).step_by(stride) {
-                    if layer.inverse_depth[y * layer.width + x] <= 0.0 {
-                        continue;
-                    }
-                    let limits = self.limits_of(layer, y * layer.width + x);
-                    let asker = Asker::new(self, camera, x, y);
-                    quantities.extend(
-                        (0..cameras)
-                            .filter(|&other| other != camera)
-                            .filter_map(|other| asker.quantities(&rig, &limits, other)),
-                    );
-                }
+                let limits = limits_of(inspection, layer, y * layer.width + x);
+                let asker = Asker::new(inspection, camera, x, y);
+                quantities.extend(
+                    (0..cameras)
+                        .filter(|&other| other != camera)
+                        .filter_map(|other| asker.quantities(&rig, &limits, other)),
+                );
             }
         }
-        quantities
     }
+    quantities
 }
 
 /// The spans in which pixel `(x, y)` of camera `camera` is stored, longest first.
@@ -237,7 +250,11 @@ impl<'a> Asker<'a> {
         }
         let (distance, _) = self.plane_distance(target, layer, &found, (x, y, pixel))?;
         Some(PairQuantities {
-            outcome: rig.registration(self.camera, other).explain(self.layer, layer, self.x, self.y, limits),
+            outcome: limits.explain(
+                rig.registration(self.camera, other),
+                (self.layer, self.x, self.y),
+                layer,
+            ),
             plane_distance_footprints: distance as f32,
             normal_angle_degrees: angle_degrees(self.normal, layer.normal[pixel]) as f32,
             color_difference_steps: self.color_difference(layer, pixel) as f32,
@@ -248,8 +265,9 @@ impl<'a> Asker<'a> {
         let target = &self.inspection.samples.cameras[other];
         let layer = &self.inspection.layers[other];
         let own = other == self.camera;
-        let outcome = (!own)
-            .then(|| rig.registration(self.camera, other).explain(self.layer, layer, self.x, self.y, limits));
+        let outcome = (!own).then(|| {
+            limits.explain(rig.registration(self.camera, other), (self.layer, self.x, self.y), layer)
+        });
         let mut testimony = Testimony {
             camera: other,
             outcome,

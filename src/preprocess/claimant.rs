@@ -3,8 +3,8 @@
 //! Tolerances are compared as codes of 16 bits, which grow with them. What is a code or less off the limit is asked anew, so
 //! that the answers are those of [`super::same_surface`] bit for bit.
 
-use super::inspection::{Rule, Verdict};
-use super::same_surface::Needs;
+use super::answers::Needs;
+use super::decision::{Rule, Verdict};
 use crate::settings::PruningSettings;
 
 /// Depth in footprints, one less the cosine of the turn between the normals, color in 8-bit steps.

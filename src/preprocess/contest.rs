@@ -2,11 +2,14 @@
 
 use std::ops::Range;
 
+use super::answers::{IN_VIEW, LANES};
 use super::facet::Ranks;
-use super::layer::{Layer, Level, NO_SAMPLE};
-use super::pruning::{Pass, Rig};
-use super::registration::{Block, Carried, LANES, Registration, SameSurface, lanes_of};
-use super::same_surface::IN_VIEW;
+use super::layer::Layer;
+use super::level::{Level, NO_SAMPLE};
+use super::pass::{Candidate, Pass};
+use super::registration::{Block, Carried, Registration, lanes_of};
+use super::rig::Rig;
+use super::same_surface::SameSurface;
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::simd;
 
@@ -163,15 +166,6 @@ pub(super) struct Contest {
     own_rank: [u32; LANES],
 }
 
-/// The best of all better samples of a point.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Best {
-    pub(super) rank: u32,
-    pub(super) camera: u16,
-    pub(super) level: Level,
-    pub(super) pixel: u32,
-}
-
 impl Contest {
     /// Before any other camera than the block's own was asked.
     #[inline(always)]
@@ -224,7 +218,7 @@ impl Contest {
         wanted: [u32; LANES],
     ) -> u32 {
         let (source, target) = (&pass.layers[camera], &pass.layers[rival.camera]);
-        let answers = rival.registration.compare(source, target, block, carried, &rival.limits, wanted);
+        let answers = rival.limits.compare(rival.registration, (source, block), (target, carried), wanted);
         let mut stands = wanted;
         if !pass.all_stand[rival.camera] {
             for lane in 0..LANES {
@@ -258,8 +252,8 @@ impl Contest {
 
     /// The best sample of the point in `lane` where another camera has a better one than the block's own.
     #[inline(always)]
-    pub(super) fn best(&self, lane: usize) -> Option<Best> {
-        (self.camera[lane] != self.own_camera).then(|| Best {
+    pub(super) fn best(&self, lane: usize) -> Option<Candidate> {
+        (self.camera[lane] != self.own_camera).then(|| Candidate {
             rank: self.rank[lane],
             camera: self.camera[lane] as u16,
             level: self.level[lane] as Level,

@@ -6,15 +6,18 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use glam::Vec3;
 use rayon::prelude::*;
 
-use super::Span;
 use super::background::Background;
-use super::layer::{Layer, LayerBuilder, Level, NO_SAMPLE};
-use super::pruning::{self, Decided, Rig, Statuses};
-use super::span_samples::SpanSamples;
+use super::decision::Decided;
+use super::layer::Layer;
+use super::layer_builder::LayerBuilder;
+use super::level::Level;
+use super::pruning;
+use super::rig::Rig;
+use super::samples::Span;
 use super::span_tree::SpanTree;
+use super::status::{ABSENT, Statuses};
 use super::temporal::TemporalScan;
 use crate::capture::{Capture, Frame};
 use crate::error::Result;
@@ -95,14 +98,14 @@ impl<'a> Descent<'a> {
             layer.noise_share.push((span.len() as f32).sqrt().recip());
             let pixels = if let Some(spans) = scan.and_then(|scan| scan.spans.as_ref()) {
                 let samples = spans.get(camera, span)?.unwrap_or_default();
-                put(layer, level, &samples);
+                layer.put(level, &samples);
                 samples.pixels.clone()
             } else {
                 let frame = capture.frame(camera, span.start as usize)?;
                 if scan.is_none() {
                     layer.depth_step_relative = frame.depth_step_relative;
                 }
-                put_frame(layer, level, &frame)
+                layer.put_frame(level, &frame)
             };
             builder.estimate_normals(layer, &capture.cameras[camera], &pixels);
             builder.rate(layer, &capture.cameras[camera], &pixels);
@@ -117,39 +120,10 @@ impl<'a> Descent<'a> {
         cameras.for_each(|((layer, statuses), pixels)| {
             for &pixel in pixels {
                 layer.clear(pixel as usize);
-                statuses[pixel as usize].store(pruning::ABSENT, Ordering::Relaxed);
+                statuses[pixel as usize].store(ABSENT, Ordering::Relaxed);
             }
         });
     }
-}
-
-/// Puts samples into a layer; they need normals and rates yet.
-pub(super) fn put(layer: &mut Layer, level: Level, samples: &SpanSamples) {
-    for (index, &pixel) in samples.pixels.iter().enumerate() {
-        let pixel = pixel as usize;
-        layer.level[pixel] = level;
-        layer.color[pixel] = samples.color[index];
-        layer.inverse_depth[pixel] = samples.inverse_depth[index];
-        layer.normal[pixel] = samples.normal.get(index).copied().unwrap_or(Vec3::ZERO);
-    }
-}
-
-/// Puts the frame's samples wherever the layer has none; they need normals and rates yet. Gives their pixels.
-fn put_frame(layer: &mut Layer, level: Level, frame: &Frame) -> Vec<u32> {
-    let mut pixels = Vec::new();
-    for (pixel, &inverse_depth) in frame.inverse_depth.as_slice().iter().enumerate() {
-        if layer.level[pixel] != NO_SAMPLE || inverse_depth < 0.0 {
-            continue;
-        }
-        layer.level[pixel] = level;
-        layer.inverse_depth[pixel] = inverse_depth;
-        layer.color[pixel] = frame.color.as_slice()[pixel];
-        if let Some(normals) = &frame.normal_in_world {
-            layer.normal[pixel] = Vec3::from(normals.as_slice()[pixel]);
-        }
-        pixels.push(pixel as u32);
-    }
-    pixels
 }
 
 /// The recorded pictures of all cameras at one frame.

@@ -11,8 +11,8 @@
 //! A list leaves out whom a better claimant covers: one that holds whenever the other does, and that nothing is better than,
 //! so that it is surely kept. Nearly always one is left.
 
+use super::answers::LANES;
 use super::claimant::{Claimant, Tolerances, tolerances};
-use super::registration::LANES;
 use crate::settings::{PruningSettings, Settings};
 
 /// How far a tolerance may be turned, either way, before the lists have to be made anew.

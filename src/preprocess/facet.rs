@@ -7,7 +7,7 @@
 use glam::Vec3;
 use half::f16;
 
-use super::layer::Level;
+use super::level::Level;
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::color;
 

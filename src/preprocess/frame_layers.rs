@@ -6,30 +6,25 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::background::{Background, remember, remembered};
+use super::background::Background;
+use super::decision::{Dispute, Rule, Verdict};
 use super::descent::Descent;
 use super::docket::{Docket, Reach};
-use super::layer::{Layer, Level, NO_SAMPLE, ROOT};
+use super::inspection::PixelClass;
+use super::layer::Layer;
+use super::level::{Level, NO_SAMPLE, ROOT};
 use super::pack::Masks;
-use super::pruning::{self, Dispute, Rig, Statuses};
-use super::{PixelClass, Rule, Span, TemporalScan, Verdict, walk};
+use super::pruning;
+use super::rig::Rig;
+use super::samples::Span;
+use super::status::{Statuses, no_statuses};
+use super::summons::make_docket;
+use super::walk;
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
-use crate::settings::{MixedPixels, NormalSettings, PruningMethod, RateModel, Settings, SpanSettings};
-
-/// What the layers of a frame depend on.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct FrameKey {
-    frame: usize,
-    normals: NormalSettings,
-    spans: SpanSettings,
-    rate: RateModel,
-    cosine_floor: f32,
-    first_camera: bool,
-    mixed_pixels: MixedPixels,
-}
+use crate::settings::{PruningMethod, Settings};
 
 /// All cameras at one frame, ready to be pruned.
 #[derive(Debug)]
@@ -65,46 +60,31 @@ pub struct CameraPlanes {
 }
 
 impl FrameLayers {
-    /// The layers of `frame`; with a `scan`, made once for as long as the settings that touch them and the frame stay.
+    /// The layers of `frame` where nothing is known of other frames.
     ///
     /// # Errors
     /// As [`Descent::enter`].
-    pub fn of(
+    pub fn unscanned(
         capture: &Capture,
-        scan: Option<&TemporalScan>,
         rig: &Rig<'_>,
         settings: &Settings,
         frame: usize,
         job: &Job,
-    ) -> Result<Arc<Self>> {
-        let key = FrameKey {
-            frame,
-            normals: settings.normals.clone(),
-            spans: settings.spans.clone(),
-            rate: settings.pruning.rate,
-            cosine_floor: settings.pruning.cosine_floor,
-            first_camera: settings.pruning.method == PruningMethod::FirstCamera,
-            mixed_pixels: settings.pruning.mixed_pixels,
-        };
-        if let Some(layers) = scan.and_then(|scan| remembered(&scan.memo.frame, &key)) {
-            return Ok(layers);
-        }
-        let background = match scan {
-            Some(scan) => Background::undecided(scan.rated_layers(capture, settings, job)?),
-            None => Background::none(capture),
-        };
-        let mut descent = Descent::new(capture, scan, rig, settings, background);
+    ) -> Result<Self> {
+        Self::at(frame, Descent::new(capture, None, rig, settings, Background::none(capture)), job)
+    }
+
+    /// The layers of `frame`, on a way down that is at its beginning.
+    ///
+    /// # Errors
+    /// As [`Descent::enter`].
+    pub fn at(frame: usize, mut descent: Descent<'_>, job: &Job) -> Result<Self> {
         let path = descent.tree().path(frame);
         for (level, &span) in path.iter().enumerate().skip(1) {
             descent.put_span(span, level as Level, job)?;
         }
         let planes = descent.layers.par_iter().map(|layer| planes(layer, path.len())).collect();
-        let layers = Self { path, layers: Arc::new(descent.layers), planes, docket: Mutex::default() };
-        let layers = Arc::new(layers);
-        if let Some(scan) = scan {
-            remember(&scan.memo.frame, key, layers.clone());
-        }
-        Ok(layers)
+        Ok(Self { path, layers: Arc::new(descent.layers), planes, docket: Mutex::default() })
     }
 
     /// Decides every sample: from the docket where one serves the settings, else by searching all pictures.
@@ -134,7 +114,7 @@ impl FrameLayers {
             return Ok(Some(docket.bytes()));
         }
         let bound = docket_bound(settings);
-        let made = Docket::new(rig, &self.layers, self.path.len(), settings, bound, job)?.map(Arc::new);
+        let made = make_docket(rig, &self.layers, self.path.len(), settings, bound, job)?.map(Arc::new);
         let bytes = made.as_ref().map(|docket| docket.bytes());
         let refused = made.is_none().then(|| (Reach::around(&settings.pruning), bound));
         *lock() = Kept { docket: made, refused };
@@ -204,7 +184,7 @@ impl FrameVerdicts {
         Self {
             verdicts: layers.par_iter().map(|layer| vec![no_sample; layer.level.len()]).collect(),
             disputes: vec![Vec::new(); layers.len()],
-            statuses: pruning::no_statuses(layers),
+            statuses: no_statuses(layers),
         }
     }
 
@@ -248,7 +228,7 @@ mod tests {
     use super::*;
     use crate::capture::demo::{Demo, DemoSpec};
     use crate::preprocess::{Rule, scan};
-    use crate::settings::CaptureSettings;
+    use crate::settings::{CaptureSettings, MixedPixels};
 
     #[test]
     fn a_frame_that_is_pruned_again_from_its_docket_gets_the_verdicts_of_a_new_search() {
@@ -265,7 +245,7 @@ mod tests {
             settings.pruning.overlap = overlap;
             let scan = scan(&capture, &settings, &Job::new()).unwrap();
             let rig = Rig::new(&capture.cameras);
-            let complete = FrameLayers::of(&capture, Some(&scan), &rig, &settings, 2, &Job::new()).unwrap();
+            let complete = scan.frame_layers(&capture, &rig, &settings, 2, &Job::new()).unwrap();
             assert!(complete.path.len() > 2);
             let original = complete.prune(&rig, &settings, &Job::new()).unwrap();
             let bytes = complete.prepare(&rig, &settings, &Job::new()).unwrap();

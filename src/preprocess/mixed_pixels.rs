@@ -9,8 +9,6 @@
 //! goes unseen, and the sample counts as a clean one: 5 to 9 % of the blended pixels of the built-in scene `nine-cameras`, and
 //! 31 % where no noise is granted, as spans are short there.
 
-use rayon::prelude::*;
-
 use super::layer::Layer;
 use crate::capture::Camera;
 use crate::color;
@@ -41,7 +39,7 @@ impl<'a> MixedTest<'a> {
     /// Whether pixel `(x, y)` is blended with one of its neighbors.
     #[must_use]
     pub fn is_mixed(&self, x: usize, y: usize) -> bool {
-        DIRECTIONS.iter().any(|&toward| self.share_of_other(x, y, toward).is_some())
+        DIRECTIONS.iter().any(|&toward| self.is_blended(x, y, toward))
     }
 
     /// The pixel `steps` steps from `(x, y)` in a direction; `None` outside the picture.
@@ -56,87 +54,33 @@ impl<'a> MixedTest<'a> {
         a >= 0.0 && b >= 0.0 && (a - b).abs() <= a.max(b) * self.edge_relative
     }
 
-    /// The share of the neighbor's color in the pixel's where it is blended with its neighbor in that direction; the opposite
-    /// neighbor shows its own color.
-    fn share_of_other(&self, x: usize, y: usize, toward: (isize, isize)) -> Option<f32> {
+    /// Whether the pixel is blended with its neighbor in that direction; the opposite neighbor shows its own color.
+    fn is_blended(&self, x: usize, y: usize, toward: (isize, isize)) -> bool {
         let here = y * self.layer.width + x;
-        let other = self.pixel(x, y, toward, 1)?;
-        let own = self.pixel(x, y, toward, -1)?;
+        let (Some(other), Some(own)) = (self.pixel(x, y, toward, 1), self.pixel(x, y, toward, -1)) else {
+            return false;
+        };
         let has_depth = |pixel: usize| self.layer.inverse_depth[pixel] >= 0.0;
         if !has_depth(here) || !has_depth(other) || self.is_one_surface(here, other) {
-            return None;
+            return false;
         }
         if !self.is_one_surface(here, own) {
-            return None;
+            return false;
         }
         let [c_here, c_other, c_own] =
             [here, other, own].map(|i| glam::Vec3::from(self.layer.color[i].map(color::steps_from_linear)));
         let across = c_other - c_own;
         let contrast = across.length();
         if contrast < MIN_CONTRAST_STEPS {
-            return None;
+            return false;
         }
         let share = (c_here - c_own).dot(across) / (contrast * contrast);
         let off_line = (c_here - c_own - across * share).length() / contrast;
-        (share > MIN_SHARE && off_line < MAX_OFF_LINE).then_some(share)
-    }
-
-    /// What a mixed pixel becomes on the surface that it shows most of; `None` where it is not mixed.
-    fn snapped(&self, x: usize, y: usize) -> Option<Snapped> {
-        let found =
-            DIRECTIONS.iter().filter_map(|&toward| Some((toward, self.share_of_other(x, y, toward)?)));
-        let (toward, share) = found.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let layer = self.layer;
-        if share <= 0.5 {
-            let here = y * layer.width + x;
-            let own = self.pixel(x, y, toward, -1)?;
-            return Some(Snapped {
-                color: layer.color[own],
-                inverse_depth: layer.inverse_depth[here],
-                normal: layer.normal[here],
-            });
-        }
-        let other = self.pixel(x, y, toward, 1)?;
-        let inverse_depth = layer.inverse_depth[other];
-        // The neighbor may be blended itself; the one behind it is cleaner, and tells how the surface goes on.
-        let behind = self.pixel(x, y, toward, 2).filter(|&behind| self.is_one_surface(other, behind));
-        Some(Snapped {
-            color: layer.color[behind.unwrap_or(other)],
-            inverse_depth: behind
-                .map(|behind| 2.0 * inverse_depth - layer.inverse_depth[behind])
-                .filter(|w| *w > 0.0)
-                .unwrap_or(inverse_depth),
-            normal: layer.normal[other],
-        })
+        share > MIN_SHARE && off_line < MAX_OFF_LINE
     }
 }
 
 const DIRECTIONS: [(isize, isize); 4] = [(1, 0), (-1, 0), (0, 1), (0, -1)];
-
-/// What a mixed pixel becomes.
-struct Snapped {
-    color: [half::f16; 3],
-    inverse_depth: f32,
-    normal: glam::Vec3,
-}
-
-/// Moves the mixed ones among `pixels` onto the surface that they show most of, and gives which they were, ascending. A plane
-/// keeps its inverse depth exactly, as that is linear in the image.
-pub(super) fn snap(layer: &mut Layer, camera: &Camera, edge_footprints: f32, pixels: &[u32]) -> Vec<u32> {
-    let test = MixedTest::new(layer, camera, edge_footprints);
-    let width = layer.width.max(1);
-    let of_pixel =
-        |&pixel: &u32| Some((pixel, test.snapped(pixel as usize % width, pixel as usize / width)?));
-    let snapped: Vec<(u32, Snapped)> = pixels.par_iter().filter_map(of_pixel).collect();
-    let mut mixed = Vec::with_capacity(snapped.len());
-    for (pixel, snapped) in snapped {
-        layer.color[pixel as usize] = snapped.color;
-        layer.inverse_depth[pixel as usize] = snapped.inverse_depth;
-        layer.normal[pixel as usize] = snapped.normal;
-        mixed.push(pixel);
-    }
-    mixed
-}
 
 #[cfg(test)]
 mod tests {

@@ -12,17 +12,23 @@
 //! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add. Where thresholds of one frame
 //! are turned again and again, [`prepare_frame`] lists who may stand for whom, so that nobody has to be searched for.
 
+pub mod answers;
 pub mod argument;
 pub mod background;
+pub mod batch;
 mod claimant;
 mod contest;
+pub mod decision;
 pub mod depth_plane;
+pub mod depth_view;
 pub mod descent;
 mod docket;
 pub mod facet;
 pub mod frame_layers;
 pub mod inspection;
 pub mod layer;
+pub mod layer_builder;
+pub mod level;
 pub mod mixed_pixels;
 mod moving_patterns;
 pub mod noise;
@@ -36,13 +42,15 @@ pub mod normals;
 mod octahedral;
 mod overflow;
 pub mod pack;
+mod pass;
+mod prepared_scan;
 pub mod pruning;
 pub mod range_shares;
 pub mod ranges;
 pub mod registration;
 pub mod report;
 pub mod residuals;
-mod rig;
+pub mod rig;
 mod root_samples;
 pub mod same_surface;
 pub mod samples;
@@ -58,9 +66,11 @@ pub mod split;
 pub mod spool;
 mod spread;
 pub mod static_test;
+pub mod status;
 mod summons;
 pub mod temporal;
 pub mod testimony;
+mod tile;
 mod walk;
 
 use std::sync::Arc;
@@ -75,23 +85,31 @@ use crate::job::Job;
 use crate::settings::Settings;
 
 use background::Background;
+use decision::Decided;
 use descent::{Descent, load_frame};
 use frame_layers::{CameraPlanes, FrameLayers, FrameVerdicts};
-use layer::{Layer, Level, ROOT};
+use layer::Layer;
+use level::{Level, ROOT};
+use overflow::samples_in_memory;
 use pack::Masks;
-use pruning::{Decided, Rig};
 use report::Tally;
 use residuals::Residuals;
+use rig::Rig;
 use span_tree::{SpanTree, all_frames};
 use spool::Spool;
 
-pub use argument::spans_of_pixel;
+pub use answers::Outcome;
+pub use argument::{pair_quantities, pixel_argument, spans_of_pixel};
+pub use decision::{Dispute, Rule, Verdict};
 pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
-pub use inspection::{CameraInspection, FrameInspection, PairArgument, PixelClass, Rule, Verdict};
+pub use inspection::{CameraInspection, FrameInspection, PixelClass};
+pub use octahedral::OctNormal;
+pub use prepared_scan::PreparedScan;
 pub use report::Report;
-pub use samples::{OctNormal, Sample, SampleImage, SampleSet, SampleTile, Span, TILE};
+pub use samples::{Sample, SampleImage, SampleSet, Span};
 pub use temporal::TemporalScan;
 pub use testimony::{ChainLink, PairQuantities, PixelArgument, Testimony};
+pub use tile::{SampleTile, TILE};
 
 /// What preprocessing gives: the kept samples, and the account of what was dropped and why.
 #[derive(Clone, Debug)]
@@ -146,19 +164,13 @@ fn preprocess_into(images: Spool, capture: &Capture, settings: &Settings, job: &
     Ok(spooled)
 }
 
-/// Bytes of the memory setting that samples take, before pruning and after, until they go to a temporary file.
-fn samples_in_memory(settings: &Settings) -> usize {
-    const SHARE: usize = 16;
-    ((settings.capture.cache as usize) << 20) / SHARE
-}
-
 /// The pass over all frames: the samples of every span, before any pruning. No pruning threshold touches it.
 ///
 /// # Errors
 /// As [`preprocess`].
-pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<TemporalScan>> {
+pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<PreparedScan>> {
     settings.validate("settings")?;
-    Ok(Arc::new(temporal::scan(capture, settings, job)?))
+    Ok(Arc::new(temporal::scan(capture, settings, job)?.into()))
 }
 
 /// Everything after [`scan`]: cheap enough to be repeated whenever a threshold of pruning changes. Where the scan does not
@@ -166,13 +178,13 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<Tem
 ///
 /// # Errors
 /// As [`preprocess`].
-pub fn prune(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &Job) -> Result<Preprocessed> {
+pub fn prune(capture: &Capture, scan: &PreparedScan, settings: &Settings, job: &Job) -> Result<Preprocessed> {
     prune_into(Spool::new(usize::MAX), (capture, scan), settings, job)?.into_memory()
 }
 
 fn prune_into(
     mut images: Spool,
-    (capture, scan): (&Capture, &TemporalScan),
+    (capture, scan): (&Capture, &PreparedScan),
     settings: &Settings,
     job: &Job,
 ) -> Result<Spooled> {
@@ -182,7 +194,7 @@ fn prune_into(
     let scan = if scan.serves(&settings.spans) {
         scan
     } else {
-        other = temporal::scan(capture, settings, job)?;
+        other = temporal::scan(capture, settings, job)?.into();
         &other
     };
     job.start("Pruning the background", 1);
@@ -196,9 +208,10 @@ fn prune_into(
     residuals.add_lasting(&background.layers, job)?;
     let descent = Descent::new(capture, Some(scan), &rig, settings, background);
     job.start("Pruning frames", scan.frames);
-    let mut walk = Walk { tree: descent.tree(), descent, tally, residuals, images, settings, job };
-    walk.below(all_frames(scan.frames), ROOT)?;
-    let Walk { tally, residuals, mut images, .. } = walk;
+    let mut traversal =
+        SpanTraversal { tree: descent.tree(), descent, tally, residuals, images, settings, job };
+    traversal.below(all_frames(scan.frames), ROOT)?;
+    let SpanTraversal { tally, residuals, mut images, .. } = traversal;
     images.sort();
     let mut report = tally.finish(images.facts());
     report.residuals = residuals.finish();
@@ -207,7 +220,7 @@ fn prune_into(
 }
 
 /// Goes over all spans, parents before children, and decides what lives in each.
-struct Walk<'a> {
+struct SpanTraversal<'a> {
     tree: SpanTree,
     descent: Descent<'a>,
     tally: Tally,
@@ -217,7 +230,7 @@ struct Walk<'a> {
     job: &'a Job,
 }
 
-impl Walk<'_> {
+impl SpanTraversal<'_> {
     /// Everything that lives in shorter spans within `span`, which lies at `level`.
     fn below(&mut self, span: Span, level: Level) -> Result<()> {
         for child in self.tree.children(span) {
@@ -247,7 +260,7 @@ impl Walk<'_> {
 /// As [`preprocess`], and `Invalid` where there is no such frame.
 pub fn inspect_frame(
     capture: &Capture,
-    scan: Option<&TemporalScan>,
+    scan: Option<&PreparedScan>,
     settings: &Settings,
     frame: usize,
     job: &Job,
@@ -263,7 +276,10 @@ pub fn inspect_frame(
     let settings = &Settings { spans, ..settings.clone() };
     let rig = Rig::new(&capture.cameras);
     let frames = load_frame(capture, frame, job)?;
-    let complete = FrameLayers::of(capture, scan, &rig, settings, frame, job)?;
+    let complete = match scan {
+        Some(scan) => scan.frame_layers(capture, &rig, settings, frame, job)?,
+        None => Arc::new(FrameLayers::unscanned(capture, &rig, settings, frame, job)?),
+    };
     let all = complete.prune(&rig, settings, job)?;
     let levels = complete.path.iter().zip(0..);
     let packed = levels.flat_map(|(&span, level)| {
@@ -300,7 +316,7 @@ pub fn inspect_frame(
 /// As [`inspect_frame`].
 pub fn prepare_frame(
     capture: &Capture,
-    scan: &TemporalScan,
+    scan: &PreparedScan,
     settings: &Settings,
     frame: usize,
     job: &Job,
@@ -310,7 +326,7 @@ pub fn prepare_frame(
         return Ok(None);
     }
     let rig = Rig::new(&capture.cameras);
-    FrameLayers::of(capture, Some(scan), &rig, settings, frame, job)?.prepare(&rig, settings, job)
+    scan.frame_layers(capture, &rig, settings, frame, job)?.prepare(&rig, settings, job)
 }
 
 /// Adds the kept samples of every camera over one span.

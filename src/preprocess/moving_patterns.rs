@@ -7,7 +7,6 @@
 //! Source: block matching by sums of absolute differences; for parts of a pixel Lucas and Kanade, *An Iterative Image
 //! Registration Technique*, IJCAI 1981, without iterations. What differs: where a block went to is not asked.
 
-use super::noise::is_same_surface;
 use crate::capture::Frame;
 use crate::color;
 
@@ -127,6 +126,11 @@ fn lies_elsewhere(block: &Block, around: &Around) -> bool {
     };
     let limit = LEFT_OVER * left_over(REACH, REACH);
     (0..=2 * REACH).any(|below| (0..=2 * REACH).any(|right| left_over(right, below) <= limit))
+}
+
+/// Whether a pixel shows one surface in two frames: inverse depths that are finite and differ by no more than `limit`, relative.
+pub(super) fn is_same_surface([before, after]: [f32; 2], limit: f32) -> bool {
+    before.min(after) > 0.0 && (after - before).abs() <= limit * before.max(after)
 }
 
 #[cfg(test)]

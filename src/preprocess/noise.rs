@@ -17,7 +17,7 @@
 use half::f16;
 use serde::{Deserialize, Serialize};
 
-use super::moving_patterns::patterns_move;
+use super::moving_patterns::{is_same_surface, patterns_move};
 use crate::capture::Frame;
 use crate::color;
 
@@ -236,11 +236,6 @@ impl Change {
 /// What a change has of its own beside those on both sides of it, as wide as a change where they are independent.
 fn own_part([left, here, right]: [f32; 3]) -> f32 {
     (left - 2.0 * here + right) / SECOND_DIFFERENCE
-}
-
-/// Whether a pixel shows one surface in two frames: inverse depths that are finite and differ by no more than `limit`, relative.
-pub(super) fn is_same_surface([before, after]: [f32; 2], limit: f32) -> bool {
-    before.min(after) > 0.0 && (after - before).abs() <= limit * before.max(after)
 }
 
 fn looked_at_rows(frame: &Frame) -> impl Iterator<Item = usize> {

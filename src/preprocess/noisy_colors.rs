@@ -1,9 +1,9 @@
 //! Colors that differ by more than the tolerance, but by no more than the noise of both cameras explains.
 
+use super::answers::{Answers, COLOR_AGREES, Needs, SAME, SURROUNDED};
 use super::facet::{COLOR_STEPS, Look};
 use super::layer::Layer;
 use super::registration::Block;
-use super::same_surface::{Answers, COLOR_AGREES, Needs, SAME, SURROUNDED, SameSurface};
 
 /// All that has to hold before the color of a sample matters.
 const BUT_LOOKS: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
@@ -12,19 +12,17 @@ const BUT_LOOKS: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
 #[cold]
 #[inline(never)]
 pub(super) fn tell_noise<const N: usize>(
-    source: &Layer,
-    target: &Layer,
-    block: &Block<N>,
-    looks: &[Look; N],
+    (source, block): (&Layer, &Block<N>),
+    (target, looks): (&Layer, &[Look; N]),
     answers: &Answers<N>,
-    limits: &SameSurface,
+    sigmas: f32,
     needs: &mut Needs<N>,
 ) {
     for (i, look) in looks.iter().enumerate() {
         if answers.bits[i] & BUT_LOOKS != BUT_LOOKS || needs.color[i] <= needs.few_steps {
             continue;
         }
-        let beyond = beyond_noise((source, block, i), (target, answers.pixel[i], look), limits.noise_sigmas);
+        let beyond = beyond_noise((source, block, i), (target, answers.pixel[i], look), sigmas);
         needs.color[i] = needs.color[i].min(beyond);
     }
 }
@@ -52,20 +50,18 @@ fn beyond_noise<const N: usize>(
 #[cold]
 #[inline(never)]
 pub(super) fn allow_noise<const N: usize>(
-    source: &Layer,
-    target: &Layer,
-    block: &Block<N>,
-    looks: &[Look; N],
+    (source, block): (&Layer, &Block<N>),
+    (target, looks): (&Layer, &[Look; N]),
     answers: &mut Answers<N>,
-    limits: &SameSurface,
+    (color_steps, sigmas): (f32, f32),
     wanted: [u32; N],
 ) {
     for (i, look) in looks.iter().enumerate() {
         if wanted[i] == 0 || answers.bits[i] & (BUT_LOOKS | COLOR_AGREES) != BUT_LOOKS {
             continue;
         }
-        let beyond = beyond_noise((source, block, i), (target, answers.pixel[i], look), limits.noise_sigmas);
-        let agrees = beyond <= limits.color_steps;
+        let beyond = beyond_noise((source, block, i), (target, answers.pixel[i], look), sigmas);
+        let agrees = beyond <= color_steps;
         if agrees {
             answers.bits[i] |= COLOR_AGREES;
         }

@@ -4,7 +4,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::normals::{DepthView, MIN_CONFIDENCE};
+use super::depth_view::DepthView;
+use super::normals::{MIN_CONFIDENCE, estimate_all};
 use crate::capture::{Camera, Frame};
 use crate::settings::{NormalEstimator, NormalSettings};
 
@@ -62,7 +63,7 @@ pub fn compare_with_given(frame: &Frame, camera: &Camera, settings: &NormalSetti
     NormalEstimator::ALL
         .iter()
         .filter_map(|&estimator| {
-            let estimates = view.estimate_all(estimator);
+            let estimates = estimate_all(&view, estimator);
             let pairs = estimates.as_slice().par_iter().zip(given.as_slice());
             let judged = pairs.filter(|(_, given)| **given != [0.0; 3]).map(|(estimate, given)| {
                 let cosine = (rotation * estimate.normal_in_camera).dot(Vec3::from(*given));

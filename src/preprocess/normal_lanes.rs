@@ -1,6 +1,6 @@
-//! The plane fit of [`normals`](super::normals) for sixteen pixels at a time, wherever they lie: the same bits as one by one.
+//! The plane fit of [`normals`](super::normals) for sixteen pixels at a time, wherever they lie.
 
-use super::normals::{DepthView, Estimate};
+use super::depth_view::{DepthView, Estimate};
 use crate::simd::Work;
 use glam::Vec3;
 

@@ -5,7 +5,12 @@
 
 use glam::Vec3;
 
-use super::OctNormal;
+/// A unit normal in octahedral coordinates, two signed bytes; about one degree of precision.
+///
+/// Source: Cigolle et al., *A Survey of Efficient Representations for Independent Unit Vectors*, JCGT 2014.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct OctNormal(pub [i8; 2]);
 
 const UNKNOWN: OctNormal = OctNormal([-128, -128]);
 

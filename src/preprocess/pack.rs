@@ -2,10 +2,14 @@
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
+use super::decision::Decided;
 use super::depth_plane::DepthPlane;
-use super::layer::{Layer, Level};
-use super::pruning::{Decided, KEPT};
-use super::{OctNormal, SampleImage, SampleTile, Span, TILE};
+use super::layer::Layer;
+use super::level::Level;
+use super::octahedral::OctNormal;
+use super::samples::{SampleImage, Span};
+use super::status::KEPT;
+use super::tile::{SampleTile, TILE};
 
 /// Which pixels of a picture are kept: for each tile, a mask of columns per row.
 #[derive(Clone, Debug)]

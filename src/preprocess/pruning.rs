@@ -17,69 +17,26 @@
 //! not held against it.
 
 use std::cmp::Reverse;
-use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
+use super::answers::LANES;
 use super::contest::{Contest, Entry, Rival, Way, hold_row, lanes_at, rivals};
-use super::facet::{MIXED, UNSURE};
-use super::layer::{Layer, Level, NO_SAMPLE};
-use super::registration::{Block, LANES, SameSurface};
-pub use super::rig::Rig;
-use super::settle::{Candidate, SettleWaiting, Waiting};
-use super::{Rule, Verdict};
+use super::decision::{Decided, Dispute, Rule, Verdict};
+use super::facet::MIXED;
+use super::layer::Layer;
+use super::level::{Level, NO_SAMPLE};
+use super::pass::{BAND_ROWS, Band, Pass};
+use super::registration::Block;
+use super::rig::Rig;
+use super::same_surface::SameSurface;
+use super::settle::{SettleWaiting, settle};
+use super::status::{DROPPED, KEPT, Statuses, UNDECIDED};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{MixedPixels, PruningMethod, Settings};
 use crate::simd::{self, Work};
-
-/// No sample at the pixel that could stand for another.
-pub const ABSENT: u8 = 0;
-/// Waiting for better samples to be decided.
-pub(super) const UNDECIDED: u8 = 1;
-/// Stays.
-pub const KEPT: u8 = 2;
-/// Was dropped.
-pub const DROPPED: u8 = 3;
-
-/// Rows that one task works on.
-pub(super) const BAND_ROWS: usize = 16;
-
-/// The verdicts on one camera's samples of one level.
-#[derive(Clone, Debug, Default)]
-pub struct Decided {
-    /// Pixels that were decided, `y * width + x`, ascending.
-    pub pixels: Vec<u32>,
-    /// One verdict per pixel.
-    pub verdicts: Vec<Verdict>,
-    /// Where the other rate model would have named another camera, by pixel.
-    pub disputes: Vec<Dispute>,
-    /// Samples whose color was found to be blended across a silhouette.
-    pub mixed: u64,
-    /// How many of them are kept.
-    pub mixed_kept: u64,
-}
-
-/// A sample of whose point the two rate models name different cameras as the best-sampled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dispute {
-    /// The pixel, `y * width + x`.
-    pub pixel: u32,
-    /// The camera that the model in use names.
-    pub camera: u16,
-    /// The camera that the other model names.
-    pub other_camera: u16,
-}
-
-/// Whether each pixel of each camera holds a kept sample: [`ABSENT`], [`KEPT`] or [`DROPPED`].
-pub type Statuses = Vec<Vec<AtomicU8>>;
-
-/// Statuses in which nothing is decided yet.
-#[must_use]
-pub fn no_statuses(layers: &[Layer]) -> Statuses {
-    layers.iter().map(|layer| layer.level.iter().map(|_| AtomicU8::new(ABSENT)).collect()).collect()
-}
 
 /// Decides every sample of level `decide`; samples of other levels take part as `statuses` says and stay as they are.
 ///
@@ -128,7 +85,7 @@ pub fn prune(
         simd::run(FindBest { pass: &pass, band });
         Ok(())
     })?;
-    bands.par_iter_mut().for_each(|band| pass.settle(band));
+    bands.par_iter_mut().for_each(|band| settle(&pass, band));
     while bands.iter().any(|band| !band.waiting.is_empty()) {
         job.check()?;
         bands.par_iter_mut().for_each(|band| simd::run(SettleWaiting { pass: &pass, band }));
@@ -216,31 +173,6 @@ fn bands<'a>(layers: &[Layer], counts: &[Vec<usize>], decided: &'a mut [Decided]
     bands
 }
 
-/// What all bands share.
-pub(super) struct Pass<'a> {
-    pub(super) rig: &'a Rig<'a>,
-    pub(super) layers: &'a [Layer],
-    pub(super) statuses: &'a Statuses,
-    pub(super) decide: Level,
-    settings: &'a Settings,
-    pub(super) limits: SameSurface,
-    /// Per camera, see [`all_stand`].
-    pub(super) all_stand: Vec<bool>,
-    /// Per camera, whether it holds samples of deeper levels than the one that is decided.
-    has_deeper: Vec<bool>,
-}
-
-/// Some rows of one camera: the samples to decide and what is known of each. Until it is settled, a verdict names the
-/// sample's best candidate as if that one were kept.
-pub(super) struct Band<'a> {
-    pub(super) camera: usize,
-    rows: Range<usize>,
-    pub(super) pixels: &'a mut [u32],
-    pub(super) verdicts: &'a mut [Verdict],
-    disputes: Vec<Dispute>,
-    pub(super) waiting: Vec<Waiting>,
-}
-
 /// Finds the best candidate of every sample of a band.
 struct FindBest<'a, 'b> {
     pass: &'a Pass<'a>,
@@ -255,8 +187,8 @@ impl Work for FindBest<'_, '_> {
         let Self { pass, band } = self;
         let layer = &pass.layers[band.camera];
         let pruning = pass.settings.pruning.method != PruningMethod::Off;
-        let lanes = band.lanes(layer, pass.decide);
-        let mut rivals = if pruning { pass.rivals(band, &lanes) } else { Vec::new() };
+        let lanes = lanes_of_band(band, layer, pass.decide);
+        let mut rivals = if pruning { rivals_of(pass, band, &lanes) } else { Vec::new() };
         let mut entries = Vec::new();
         let mut ways: Vec<Way> = (0..layer.width.div_ceil(LANES)).map(|_| Way::NOWHERE).collect();
         let mut next = 0;
@@ -275,9 +207,9 @@ impl Work for FindBest<'_, '_> {
                 for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
                     let pixel = row * layer.width + at * LANES + lane;
                     let verdict = if pruning {
-                        pass.first_verdict(band.camera, pixel, contest, lane, &mut band.disputes)
+                        first_verdict(pass, band.camera, pixel, contest, lane, &mut band.disputes)
                     } else {
-                        pass.verdict_without_pruning(band.camera, pixel)
+                        verdict_without_pruning(pass, band.camera, pixel)
                     };
                     band.pixels[next] = pixel as u32;
                     band.verdicts[next] = verdict;
@@ -288,128 +220,60 @@ impl Work for FindBest<'_, '_> {
     }
 }
 
-impl Band<'_> {
-    /// For each row and each sixteen pixels of it, which of them hold a sample of the level.
-    #[inline(always)]
-    fn lanes(&self, layer: &Layer, level: Level) -> Vec<u32> {
-        let mut all = Vec::with_capacity(self.rows.len() * layer.width.div_ceil(LANES));
-        for row in self.rows.clone() {
-            for column in (0..layer.width).step_by(LANES) {
-                all.push(lanes_at(layer, (column, row), |found| found == level));
-            }
-        }
-        all
-    }
-}
-
-impl Pass<'_> {
-    pub(super) fn status(&self, camera: usize, pixel: u32) -> u8 {
-        self.statuses[camera][pixel as usize].load(Ordering::Relaxed)
-    }
-
-    pub(super) fn set_status(&self, camera: usize, pixel: u32, status: u8) {
-        self.statuses[camera][pixel as usize].store(status, Ordering::Relaxed);
-    }
-
-    /// The other cameras that may see something of the band.
-    #[inline(always)]
-    fn rivals(&self, band: &Band<'_>, lanes: &[u32]) -> Vec<Rival<'_>> {
-        rivals(self.rig, self.layers, (band.camera, band.rows.clone()), lanes, |other| {
-            self.limits
-                .between(&self.layers[band.camera], &self.layers[other])
-                .with_deeper(self.has_deeper[other])
-        })
-    }
-
-    /// Whether a sample may stand for others, as far as is known before anything of this level is decided.
-    #[inline(always)]
-    pub(super) fn may_stand(&self, camera: usize, pixel: u32) -> bool {
-        let status = self.status(camera, pixel);
-        let foreign = self.layers[camera].level[pixel as usize] != self.decide;
-        (status == UNDECIDED || status == KEPT) && (self.settings.pruning.across_spans || !foreign)
-    }
-
-    fn verdict_without_pruning(&self, camera: usize, pixel: usize) -> Verdict {
-        if self.status(camera, pixel as u32) == DROPPED {
-            return Verdict::without_witness(Rule::MixedDropped);
-        }
-        self.set_status(camera, pixel as u32, KEPT);
-        Verdict::without_witness(Rule::PruningOff)
-    }
-
-    /// The verdict on a sample if its best candidate is kept. Keeps the sample where there is none.
-    #[inline(always)]
-    fn first_verdict(
-        &self,
-        camera: usize,
-        pixel: usize,
-        contest: &Contest,
-        lane: usize,
-        disputes: &mut Vec<Dispute>,
-    ) -> Verdict {
-        if self.status(camera, pixel as u32) == DROPPED {
-            return Verdict::without_witness(Rule::MixedDropped);
-        }
-        let winners = contest.winners(lane);
-        if winners[0] != winners[1] {
-            disputes.push(Dispute { pixel: pixel as u32, camera: winners[0], other_camera: winners[1] });
-        }
-        if let Some(best) = contest.best(lane) {
-            let best =
-                Candidate { rank: best.rank, camera: best.camera, level: best.level, pixel: best.pixel };
-            return self.dropped_for(contest.own_rank(lane), best);
-        }
-        self.set_status(camera, pixel as u32, KEPT);
-        Verdict::without_witness(match (contest.passed_over_a_better(lane), contest.is_seen(lane)) {
-            (true, _) => Rule::Coverage,
-            (false, true) => Rule::BestRate,
-            (false, false) => Rule::OnlyWitness,
-        })
-    }
-
-    #[inline(always)]
-    pub(super) fn dropped_for(&self, rank: u32, witness: Candidate) -> Verdict {
-        Verdict {
-            rule: rule_between(self.settings.pruning.method, rank, witness.rank),
-            witness_level: witness.level,
-            witness_camera: witness.camera,
-            witness_pixel: witness.pixel,
-        }
-    }
-}
-
-/// By which rule a sample of `rank` is dropped for one of `witness_rank`.
+/// For each row and each sixteen pixels of it, which of them hold a sample of the level.
 #[inline(always)]
-pub(super) fn rule_between(method: PruningMethod, rank: u32, witness_rank: u32) -> Rule {
-    if method == PruningMethod::FirstCamera {
-        Rule::LaterCamera
-    } else if rank & MIXED != 0 && witness_rank & MIXED == 0 {
-        Rule::MixedYields
-    } else if rank & UNSURE != 0 && witness_rank & UNSURE == 0 {
-        Rule::UnsureYields
-    } else if witness_rank == rank {
-        Rule::Tie
-    } else {
-        Rule::LowerRate
+fn lanes_of_band(band: &Band<'_>, layer: &Layer, level: Level) -> Vec<u32> {
+    let mut all = Vec::with_capacity(band.rows.len() * layer.width.div_ceil(LANES));
+    for row in band.rows.clone() {
+        for column in (0..layer.width).step_by(LANES) {
+            all.push(lanes_at(layer, (column, row), |found| found == level));
+        }
     }
+    all
 }
 
-impl Decided {
-    fn of_size(count: usize) -> Self {
-        Self {
-            pixels: vec![0; count],
-            verdicts: vec![Verdict::without_witness(Rule::NoSample); count],
-            disputes: Vec::new(),
-            mixed: 0,
-            mixed_kept: 0,
-        }
-    }
+/// The other cameras that may see something of the band.
+#[inline(always)]
+fn rivals_of<'a>(pass: &Pass<'a>, band: &Band<'_>, lanes: &[u32]) -> Vec<Rival<'a>> {
+    rivals(pass.rig, pass.layers, (band.camera, band.rows.clone()), lanes, |other| {
+        pass.limits
+            .between(&pass.layers[band.camera], &pass.layers[other])
+            .with_deeper(pass.has_deeper[other])
+    })
+}
 
-    fn count_mixed(&mut self, layer: &Layer) {
-        for (pixel, verdict) in self.pixels.iter().zip(&self.verdicts) {
-            let is_mixed = layer.ranks[*pixel as usize].rank & MIXED != 0;
-            self.mixed += u64::from(is_mixed);
-            self.mixed_kept += u64::from(is_mixed & verdict.is_kept());
-        }
+fn verdict_without_pruning(pass: &Pass<'_>, camera: usize, pixel: usize) -> Verdict {
+    if pass.status(camera, pixel as u32) == DROPPED {
+        return Verdict::without_witness(Rule::MixedDropped);
     }
+    pass.set_status(camera, pixel as u32, KEPT);
+    Verdict::without_witness(Rule::PruningOff)
+}
+
+/// The verdict on a sample if its best candidate is kept. Keeps the sample where there is none.
+#[inline(always)]
+fn first_verdict(
+    pass: &Pass<'_>,
+    camera: usize,
+    pixel: usize,
+    contest: &Contest,
+    lane: usize,
+    disputes: &mut Vec<Dispute>,
+) -> Verdict {
+    if pass.status(camera, pixel as u32) == DROPPED {
+        return Verdict::without_witness(Rule::MixedDropped);
+    }
+    let winners = contest.winners(lane);
+    if winners[0] != winners[1] {
+        disputes.push(Dispute { pixel: pixel as u32, camera: winners[0], other_camera: winners[1] });
+    }
+    if let Some(best) = contest.best(lane) {
+        return pass.dropped_for(contest.own_rank(lane), best);
+    }
+    pass.set_status(camera, pixel as u32, KEPT);
+    Verdict::without_witness(match (contest.passed_over_a_better(lane), contest.is_seen(lane)) {
+        (true, _) => Rule::Coverage,
+        (false, true) => Rule::BestRate,
+        (false, false) => Rule::OnlyWitness,
+    })
 }

@@ -8,15 +8,11 @@
 
 use glam::{DVec2, Vec3};
 
+use super::answers::{IN_FRONT, IN_VIEW, LANES};
 use super::facet::{Facet, Look, Ranks};
-use super::layer::{Layer, Level};
-pub use super::same_surface::{Answers, Outcome, SameSurface};
-use super::same_surface::{IN_FRONT, IN_VIEW};
+use super::layer::Layer;
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
 use crate::simd::{self, whole};
-
-/// Pixels that are carried at once.
-pub const LANES: usize = 16;
 
 /// Carries samples of one camera into another.
 #[derive(Clone, Copy, Debug)]
@@ -217,40 +213,6 @@ impl Registration {
         }
         // Rounding moves a point by far less than a tenth of a pixel.
         largest.iter().all(|largest| *largest >= -0.1 * depth)
-    }
-
-    /// What the target camera says about the sample at pixel `(x, y)` of the source.
-    #[inline(always)]
-    #[must_use]
-    pub fn test(&self, source: &Layer, target: &Layer, x: usize, y: usize, limits: &SameSurface) -> Outcome {
-        let block = Block::<1>::new(source, x, y, 1);
-        let carried = self.carry(&block, target.width);
-        if carried.bits[0] & IN_VIEW == 0 {
-            return if carried.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
-        }
-        self.compare(source, target, &block, &carried, limits, [1]).outcome(0)
-    }
-
-    /// As [`Registration::test`], for the eye: where the target has samples that do not count because their spans are shorter, what
-    /// they would say.
-    #[must_use]
-    pub fn explain(
-        &self,
-        source: &Layer,
-        target: &Layer,
-        x: usize,
-        y: usize,
-        limits: &SameSurface,
-    ) -> Outcome {
-        let outcome = self.test(source, target, x, y, limits);
-        if !limits.hides_some() || !matches!(outcome, Outcome::NoDepth | Outcome::Seam) {
-            return outcome;
-        }
-        match self.test(source, target, x, y, &limits.at_level(Level::MAX)) {
-            Outcome::Same(_) => Outcome::ShorterSpan,
-            of_all if outcome == Outcome::NoDepth => of_all,
-            _ => outcome,
-        }
     }
 
     /// Carries the samples of a block.

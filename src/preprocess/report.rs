@@ -5,14 +5,16 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::normal_errors::{self, NormalErrors};
-use super::pruning::Decided;
+use super::decision::{Decided, Rule, Verdict};
+use super::normal_errors;
+use super::normal_errors::NormalErrors;
 use super::range_shares::RangeFacts;
-use super::residuals::{PairResiduals, doubts, shared_doubt};
+use super::residuals::PairResiduals;
+use super::residuals::doubts::{doubts, shared_doubt};
+use super::samples::Span;
 use super::sampling_rate::Rate;
 use super::spool::ImageFacts;
-use super::temporal::CameraScan;
-use super::{Rule, Span, TemporalScan, Verdict};
+use super::temporal::{CameraScan, TemporalScan};
 use crate::capture::Capture;
 use crate::settings::{NormalSource, Settings};
 

@@ -9,24 +9,24 @@
 //! where it sees something farther, it looks through the surface, and the distance counts however large it is. Samples lie on a
 //! lattice, and what most of them do not exceed is blind to silhouettes and to single wrong pixels.
 
-mod doubts;
+pub mod doubts;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::answers::{IN_VIEW, LANES, Needs, Outcome};
 use super::contest::lanes_at;
 use super::facet::MIXED;
-use super::layer::{Layer, ROOT};
-use super::pruning::Rig;
-use super::registration::{Block, LANES, Outcome, Registration, SameSurface, lanes_of};
-use super::same_surface::{IN_VIEW, Needs};
+use super::layer::Layer;
+use super::level::ROOT;
+use super::registration::{Block, Registration, lanes_of};
+use super::rig::Rig;
+use super::same_surface::SameSurface;
 use super::spread::Spread;
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::error::Result;
 use crate::job::Job;
 use crate::simd::{self, Work};
-
-pub use doubts::{Doubt, SharedDoubt, doubts, shared_doubt};
 
 /// What is nearer than a sample by more than this, in footprints, hides it. Much more, and what is hidden by something close by
 /// passes for disagreement.
@@ -266,9 +266,9 @@ impl Work for Compare<'_> {
                 wanted[lane] = u32::from(counts & (carried.bits[lane] & IN_VIEW != 0));
             }
             let mut needs = Needs::new(0.0);
-            let answers = registration.compare_telling::<LANES, true>(
-                source, target, &block, &carried, &limits, wanted, &mut needs,
-            );
+            let (source, target) = ((source, &block), (target, &carried));
+            let answers =
+                limits.compare_telling::<LANES, true>(registration, source, target, wanted, &mut needs);
             for lane in (0..LANES).filter(|lane| wanted[*lane] != 0) {
                 match answers.outcome(lane) {
                     Outcome::Occluded

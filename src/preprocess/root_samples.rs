@@ -4,6 +4,7 @@
 use glam::Vec3;
 use half::f16;
 
+use super::span_means::{mean_normal, write_means};
 use super::span_samples::SpanSamples;
 use super::span_sums::SpanSums;
 
@@ -84,9 +85,9 @@ impl RootBand<'_> {
         for (pixel, number) in self.pixels[at.clone()].iter_mut().zip(first as u32..) {
             *pixel = number;
         }
-        sums.write_means(&mut self.color[at.clone()], &mut self.inverse_depth[at.clone()]);
+        write_means(sums, &mut self.color[at.clone()], &mut self.inverse_depth[at.clone()]);
         for (pixel, normal) in self.normal.iter_mut().skip(at.start).take(at.len()).enumerate() {
-            *normal = sums.mean_normal(pixel).unwrap_or_default();
+            *normal = mean_normal(sums, pixel).unwrap_or_default();
         }
     }
 

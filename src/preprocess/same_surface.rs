@@ -12,40 +12,19 @@
 //!
 //! `step` is what depths are rounded by. Where depth is noisy, so many standard deviations of both samples' noise come to it.
 
+use super::answers::{
+    Answers, COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, Needs, ON_SURFACE, Outcome,
+    SAME, SURROUNDED,
+};
 use super::facet::{COLOR_STEPS, Facet, Look, MIXED};
-use super::layer::{Layer, Level};
+use super::layer::Layer;
+use super::level::Level;
 use super::noisy_colors::{allow_noise, tell_noise};
 use super::noisy_depths::{granted_around, granted_to_noise};
-use super::registration::{Block, Carried, LANES, Registration};
+use super::registration::{Block, Carried, Lens, Registration};
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::settings::Settings;
 use crate::simd::whole;
-
-/// What another camera says about a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Outcome {
-    /// The point lies behind the camera.
-    Behind,
-    /// The point lies outside the picture.
-    OutsideView,
-    /// The camera recorded no depth at that pixel.
-    NoDepth,
-    /// The camera saw the same surface point, but for a shorter span only: its sample is decided later, and stands for no longer
-    /// one.
-    ShorterSpan,
-    /// The camera sees something nearer at that pixel.
-    Occluded,
-    /// The camera sees something farther at that pixel: it looks past the point.
-    SeesPast,
-    /// Same depth, but the normals differ.
-    NormalDiffers,
-    /// Same depth, but the colors differ.
-    ColorDiffers,
-    /// The camera shows the surface only on one side of the point: there it cannot be interpolated.
-    Seam,
-    /// The camera saw the same surface point, at this pixel (`y * width + x`).
-    Same(u32),
-}
 
 /// Thresholds of the same-surface test, converted once.
 #[derive(Clone, Copy, Debug)]
@@ -99,11 +78,6 @@ impl SameSurface {
         }
     }
 
-    /// Whether samples of some levels do not exist to these thresholds.
-    pub(super) fn hides_some(&self) -> bool {
-        self.deepest < u32::from(Level::MAX)
-    }
-
     /// These thresholds for samples of `level`, to which those of deeper levels do not exist yet.
     #[must_use]
     pub fn at_level(self, level: Level) -> Self {
@@ -127,111 +101,70 @@ impl SameSurface {
     pub fn with_deeper(self, has_deeper: bool) -> Self {
         Self { has_deeper, ..self }
     }
-}
 
-/// What the target says about the samples of a block: for each a set of bits, and where in the target it was looked for.
-#[derive(Clone, Copy, Debug)]
-pub struct Answers<const N: usize = LANES> {
-    pub(super) bits: [u32; N],
-    /// Pixels of the target, `y * width + x`; 0 where the point lies outside.
-    pub pixel: [u32; N],
-    /// Levels of the samples found.
-    pub level: [u32; N],
-}
-
-pub(super) const IN_FRONT: u32 = 1;
-pub(super) const IN_VIEW: u32 = 1 << 1;
-const HAS_DEPTH: u32 = 1 << 2;
-const ON_SURFACE: u32 = 1 << 3;
-const NORMAL_AGREES: u32 = 1 << 4;
-pub(super) const COLOR_AGREES: u32 = 1 << 5;
-pub(super) const SURROUNDED: u32 = 1 << 6;
-pub(super) const SAME: u32 = (1 << 7) - 1;
-/// Not a condition: the target sees something nearer than the point.
-const NEARER: u32 = 1 << 7;
-
-/// For the samples of a block, the smallest tolerances at which each shows the same surface point as the target does, up to
-/// rounding; anything where no tolerance makes it so.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Needs<const N: usize = LANES> {
-    /// In footprints, of the point itself and where it is asked for of the pixels around it.
-    pub(super) depth: [f32; N],
-    /// One less the cosine between the normals.
-    pub(super) turn: [f32; N],
-    /// In 8-bit sRGB steps; where they are fewer than [`Needs::few_steps`], noise is not counted.
-    pub(super) color: [f32; N],
-    /// Colors that differ by no more than this agree at any tolerance that will ever be asked about.
-    pub(super) few_steps: f32,
-}
-
-impl<const N: usize> Needs<N> {
-    pub(super) fn new(few_steps: f32) -> Self {
-        Self { depth: [0.0; N], turn: [0.0; N], color: [0.0; N], few_steps }
-    }
-}
-
-/// The tolerance at which a distance is granted, where `footprint` is granted for each footprint of tolerance.
-#[inline(always)]
-fn needed(distance: f32, footprint: f32) -> f32 {
-    if distance <= 0.0 { 0.0 } else { distance / footprint }
-}
-
-impl<const N: usize> Answers<N> {
-    /// Whether the target shows the same surface point as the sample in `lane`.
+    /// What the target camera says about the sample of `source` at pixel `(x, y)`.
     #[inline(always)]
     #[must_use]
-    pub fn is_same(&self, lane: usize) -> bool {
-        self.bits[lane] & SAME == SAME
+    pub fn test(
+        &self,
+        registration: &Registration,
+        (source, x, y): (&Layer, usize, usize),
+        target: &Layer,
+    ) -> Outcome {
+        let block = Block::<1>::new(source, x, y, 1);
+        let carried = registration.carry(&block, target.width);
+        if carried.bits[0] & IN_VIEW == 0 {
+            return if carried.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
+        }
+        self.compare(registration, (source, &block), (target, &carried), [1]).outcome(0)
     }
 
-    /// In words.
+    /// As [`SameSurface::test`], for the eye: where the target has samples that do not count because their spans are shorter, what
+    /// they would say.
     #[must_use]
-    pub fn outcome(&self, lane: usize) -> Outcome {
-        let bits = self.bits[lane];
-        let first_missing = (!bits & SAME).trailing_zeros();
-        match 1_u32.checked_shl(first_missing).unwrap_or(0) {
-            IN_FRONT => Outcome::Behind,
-            IN_VIEW => Outcome::OutsideView,
-            HAS_DEPTH => Outcome::NoDepth,
-            ON_SURFACE if bits & NEARER != 0 => Outcome::Occluded,
-            ON_SURFACE => Outcome::SeesPast,
-            NORMAL_AGREES => Outcome::NormalDiffers,
-            COLOR_AGREES => Outcome::ColorDiffers,
-            SURROUNDED => Outcome::Seam,
-            _ => Outcome::Same(self.pixel[lane]),
+    pub fn explain(
+        &self,
+        registration: &Registration,
+        source: (&Layer, usize, usize),
+        target: &Layer,
+    ) -> Outcome {
+        let outcome = self.test(registration, source, target);
+        let hides_some = self.deepest < u32::from(Level::MAX);
+        if !hides_some || !matches!(outcome, Outcome::NoDepth | Outcome::Seam) {
+            return outcome;
+        }
+        match self.at_level(Level::MAX).test(registration, source, target) {
+            Outcome::Same(_) => Outcome::ShorterSpan,
+            of_all if outcome == Outcome::NoDepth => of_all,
+            _ => outcome,
         }
     }
-}
 
-impl Registration {
     /// Compares the samples of a block with what the target saw where they lie. Of samples that are not `wanted` it tells no
     /// more than is needed for the others.
     #[inline(always)]
     pub(super) fn compare<const N: usize>(
         &self,
-        source: &Layer,
-        target: &Layer,
-        block: &Block<N>,
-        carried: &Carried<N>,
-        limits: &SameSurface,
+        registration: &Registration,
+        source: (&Layer, &Block<N>),
+        target: (&Layer, &Carried<N>),
         wanted: [u32; N],
     ) -> Answers<N> {
-        self.compare_telling::<N, false>(source, target, block, carried, limits, wanted, &mut Needs::new(0.0))
+        self.compare_telling::<N, false>(registration, source, target, wanted, &mut Needs::new(0.0))
     }
 
-    /// [`Registration::compare`]; where `TELLING`, with what each sample needs to be the same, if anything within `limits` does.
-    #[expect(clippy::too_many_arguments, reason = "the two sides, the way between them, and what is asked")]
+    /// [`SameSurface::compare`]; where `TELLING`, with what each sample needs to be the same, if anything within these thresholds
+    /// does.
     #[inline(always)]
     pub(super) fn compare_telling<const N: usize, const TELLING: bool>(
         &self,
-        source: &Layer,
-        target: &Layer,
-        block: &Block<N>,
-        carried: &Carried<N>,
-        limits: &SameSurface,
+        registration: &Registration,
+        (source, block): (&Layer, &Block<N>),
+        (target, carried): (&Layer, &Carried<N>),
         wanted: [u32; N],
         needs: &mut Needs<N>,
     ) -> Answers<N> {
+        let limits = self;
         let mut found = [Facet::ABSENT; N];
         for i in 0..N {
             found[i] = target.facets[carried.pixel[i] as usize];
@@ -241,8 +174,8 @@ impl Registration {
             granted = granted_to_noise((source, block), (target, carried, &found), limits.depth_sigmas);
         }
         let mut answers = Answers { bits: carried.bits, pixel: carried.pixel, level: [0; N] };
-        let lens = &self.target;
-        let [ax, ay, az] = self.axes;
+        let lens = &registration.target;
+        let [ax, ay, az] = registration.axes;
         for i in 0..N {
             let facet = &found[i];
             let (w, there) = (block.inverse_depth[i], facet.inverse_depth);
@@ -251,7 +184,7 @@ impl Registration {
             let [qx, qy, qz] = [carried.point[0][i], carried.point[1][i], carried.point[2][i]];
             let [nx, ny, nz] = facet.normal_in_camera;
             let distance = nx * (qx * there - x * w) + ny * (qy * there - y * w) + nz * (qz * there - w);
-            let footprint = (self.source_side * there).max(lens.side * w);
+            let footprint = (registration.source_side * there).max(lens.side * w);
             let step = source.depth_step_relative * there + target.depth_step_relative * w + granted[i];
             let both_or_neither_finite = (w == 0.0) == (there == 0.0);
             let on_surface =
@@ -302,24 +235,28 @@ impl Registration {
         }
         if limits.noise_sigmas > 0.0 {
             if TELLING {
-                tell_noise(source, target, block, &looks, &answers, limits, needs);
+                tell_noise((source, block), (target, &looks), &answers, limits.noise_sigmas, needs);
             }
-            allow_noise(source, target, block, &looks, &mut answers, limits, wanted);
+            let thresholds = (limits.color_steps, limits.noise_sigmas);
+            allow_noise((source, block), (target, &looks), &mut answers, thresholds, wanted);
         }
-        self.surround::<N, TELLING>(target, carried, &found, &mut answers, limits, wanted, needs);
+        self.surround::<N, TELLING>(
+            &registration.target,
+            (target, carried, &found),
+            &mut answers,
+            wanted,
+            needs,
+        );
         answers
     }
 
     /// Whether the target shows the surface on all four pixels around each position, so that it can be interpolated there.
-    #[expect(clippy::too_many_arguments, reason = "as of the comparison that it is a part of")]
     #[inline(always)]
     fn surround<const N: usize, const TELLING: bool>(
         &self,
-        target: &Layer,
-        carried: &Carried<N>,
-        found: &[Facet; N],
+        lens: &Lens,
+        (target, carried, found): (&Layer, &Carried<N>, &[Facet; N]),
         answers: &mut Answers<N>,
-        limits: &SameSurface,
         mut wanted: [u32; N],
         needs: &mut Needs<N>,
     ) {
@@ -330,11 +267,11 @@ impl Registration {
             wanted[i] &= u32::from(so_far);
             candidates |= wanted[i];
         }
+        let limits = self;
         if candidates == 0 || !limits.overlap {
             answers.bits.iter_mut().for_each(|bits| *bits |= SURROUNDED);
             return;
         }
-        let lens = &self.target;
         let width = target.width as u32;
         // Along each axis: 0 where the position is the pixel's center, else ±1 toward the pixel on the other side of it.
         let mut toward = [[0.0_f32; N]; 2];
@@ -402,4 +339,10 @@ impl Registration {
             answers.bits[i] |= if all { SURROUNDED } else { 0 };
         }
     }
+}
+
+/// The tolerance at which a distance is granted, where `footprint` is granted for each footprint of tolerance.
+#[inline(always)]
+fn needed(distance: f32, footprint: f32) -> f32 {
+    if distance <= 0.0 { 0.0 } else { distance / footprint }
 }

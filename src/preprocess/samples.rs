@@ -15,11 +15,10 @@ use glam::DVec3;
 use half::f16;
 
 use super::depth_plane::DepthPlane;
+use super::octahedral::OctNormal;
+use super::tile::{SampleTile, TILE};
 use crate::capture::Camera;
 use crate::settings::Settings;
-
-/// Columns and rows of a tile.
-pub const TILE: usize = 16;
 
 /// A run of frames `[start, end)`, as frame indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
@@ -44,35 +43,6 @@ impl Span {
         (self.end - self.start) as usize
     }
 }
-
-/// A tile of a [`SampleImage`] that holds at least one sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct SampleTile {
-    /// Column of the tile, in tiles from the left.
-    pub tile_x: u16,
-    /// Row of the tile, in tiles from the top.
-    pub tile_y: u16,
-    /// Index of the tile's first sample in the planes of its image.
-    pub first: u32,
-    /// One mask per pixel row, bit `x` for column `x` of the tile.
-    pub rows: [u16; TILE],
-}
-
-impl SampleTile {
-    /// Samples in the tile.
-    #[must_use]
-    pub fn count(&self) -> usize {
-        self.rows.iter().map(|row| row.count_ones() as usize).sum()
-    }
-}
-
-/// A unit normal in octahedral coordinates, two signed bytes; about one degree of precision.
-///
-/// Source: Cigolle et al., *A Survey of Efficient Representations for Independent Unit Vectors*, JCGT 2014.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct OctNormal(pub [i8; 2]);
 
 /// The kept samples of one camera over one span.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,12 +3,13 @@
 use glam::Vec3;
 use half::f16;
 
-use super::Span;
+use super::batch::{BATCH, Batch};
+use super::samples::Span;
 use super::span_samples::SpanSamples;
-use super::span_sums::{FrameRun, direction, relative_range, summand, widened};
+use super::span_sums::{FrameRun, direction, relative_range, summand};
 use super::span_tree::halves;
-use super::split::{BATCH, Batch};
 use super::static_test::StaticTest;
+use crate::color::widened;
 use crate::simd::{self, Work};
 
 /// Pixels that go down together.

@@ -5,13 +5,11 @@ use super::span_sums::{HELD, SpanSums, larger, smaller};
 use super::static_test::{CHANNELS, StaticTest};
 use crate::simd::{self, Work};
 
-impl SpanSums {
-    /// Lists the pixels, ascending, whose ranges over both spans are in doubt: all that are not static there, and some that are.
-    /// Pixels that are closed in both are left out.
-    pub fn list_doubtful(&self, later: &Self, test: &StaticTest, doubtful: &mut Vec<u16>) {
-        doubtful.clear();
-        simd::run(Doubt { sums: [self, later], test, doubtful });
-    }
+/// Lists the pixels, ascending, whose ranges over both spans are in doubt: all that are not static there, and some that are.
+/// Pixels that are closed in both are left out.
+pub(super) fn list_doubtful(sums: [&SpanSums; 2], test: &StaticTest, doubtful: &mut Vec<u16>) {
+    doubtful.clear();
+    simd::run(Doubt { sums, test, doubtful });
 }
 
 struct Doubt<'a> {
@@ -125,7 +123,7 @@ mod tests {
         let (left, right) = (sums(1, pixels, &test), sums(2, pixels, &test));
         let (mut listed, mut doubts) = (Vec::new(), 0);
         for (a, b) in [(&left, &right), (&right, &left), (&left, &left)] {
-            a.list_doubtful(b, &test, &mut listed);
+            list_doubtful([a, b], &test, &mut listed);
             assert!(listed.is_sorted_by(|a, b| a < b));
             let is_listed = |pixel: usize| listed.binary_search(&(pixel as u16)).is_ok();
             for pixel in 0..pixels {

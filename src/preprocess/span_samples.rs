@@ -11,8 +11,8 @@ use std::sync::Arc;
 use glam::Vec3;
 use half::f16;
 
-use super::Span;
-use super::overflow::Overflow;
+use super::overflow::{Overflow, Place, Record};
+use super::samples::Span;
 use crate::error::Result;
 
 /// Samples with their pixels, in ascending order of the pixels.
@@ -66,28 +66,56 @@ impl SpanSamples {
         self.color.reserve_exact(count);
         self.inverse_depth.reserve_exact(count);
     }
-
-    fn bytes(&self) -> usize {
-        self.len() * SAMPLE_BYTES + size_of_val(self.normal.as_slice())
-    }
 }
 
 /// Bytes of a sample without its normal.
 const SAMPLE_BYTES: usize = size_of::<u32>() + size_of::<[f16; 3]>() + size_of::<f32>();
 
-#[derive(Debug)]
-enum Place {
-    Memory(Arc<SpanSamples>),
-    File { offset: u64, samples: usize, normals: bool },
+impl Record for SpanSamples {
+    /// Samples, and whether they have normals.
+    type Shape = (usize, bool);
+
+    fn bytes(&self) -> usize {
+        self.len() * SAMPLE_BYTES + size_of_val(self.normal.as_slice())
+    }
+
+    fn shape(&self) -> (usize, bool) {
+        (self.len(), !self.normal.is_empty())
+    }
+
+    fn planes(&self) -> Vec<&[u8]> {
+        vec![
+            bytemuck::cast_slice(&self.pixels),
+            bytemuck::cast_slice(&self.inverse_depth),
+            bytemuck::cast_slice(&self.normal),
+            bytemuck::cast_slice(&self.color),
+        ]
+    }
+
+    fn read(
+        &(samples, normals): &(usize, bool),
+        fill: impl FnOnce(&mut [&mut [u8]]) -> Result<()>,
+    ) -> Result<Self> {
+        let mut read = Self {
+            pixels: vec![0; samples],
+            color: vec![[f16::ZERO; 3]; samples],
+            inverse_depth: vec![0.0; samples],
+            normal: vec![Vec3::ZERO; if normals { samples } else { 0 }],
+        };
+        fill(&mut [
+            bytemuck::cast_slice_mut(&mut read.pixels),
+            bytemuck::cast_slice_mut(&mut read.inverse_depth),
+            bytemuck::cast_slice_mut(&mut read.normal),
+            bytemuck::cast_slice_mut(&mut read.color),
+        ])?;
+        Ok(read)
+    }
 }
 
 /// The samples of every camera and span.
 #[derive(Debug)]
 pub struct SpanStore {
-    places: BTreeMap<(usize, Span), Place>,
-    bytes: usize,
-    /// Bytes that are held in memory at most.
-    bound: usize,
+    places: BTreeMap<(usize, Span), Place<SpanSamples>>,
     overflow: Overflow,
 }
 
@@ -95,7 +123,7 @@ impl SpanStore {
     /// An empty store that holds at most `bound` bytes in memory.
     #[must_use]
     pub fn new(bound: usize) -> Self {
-        Self { places: BTreeMap::new(), bytes: 0, bound, overflow: Overflow::default() }
+        Self { places: BTreeMap::new(), overflow: Overflow::new(bound) }
     }
 
     /// Takes the samples of `camera` over `span`.
@@ -103,28 +131,10 @@ impl SpanStore {
     /// # Errors
     /// `Io` where the temporary file cannot be written.
     pub fn insert(&mut self, camera: usize, span: Span, samples: SpanSamples) -> Result<()> {
-        if samples.is_empty() {
-            return Ok(());
+        if !samples.is_empty() {
+            self.places.insert((camera, span), self.overflow.put(samples)?);
         }
-        let bytes = samples.bytes();
-        let place = if self.bytes + bytes <= self.bound {
-            self.bytes += bytes;
-            Place::Memory(Arc::new(samples))
-        } else {
-            self.write(&samples)?
-        };
-        self.places.insert((camera, span), place);
         Ok(())
-    }
-
-    fn write(&mut self, samples: &SpanSamples) -> Result<Place> {
-        let offset = self.overflow.append(&[
-            bytemuck::cast_slice(&samples.pixels),
-            bytemuck::cast_slice(&samples.inverse_depth),
-            bytemuck::cast_slice(&samples.normal),
-            bytemuck::cast_slice(&samples.color),
-        ])?;
-        Ok(Place::File { offset, samples: samples.len(), normals: !samples.normal.is_empty() })
     }
 
     /// The samples of `camera` over `span`; `None` where there is none.
@@ -132,30 +142,7 @@ impl SpanStore {
     /// # Errors
     /// `Io` where the temporary file cannot be read.
     pub fn get(&self, camera: usize, span: Span) -> Result<Option<Arc<SpanSamples>>> {
-        match self.places.get(&(camera, span)) {
-            None => Ok(None),
-            Some(Place::Memory(samples)) => Ok(Some(samples.clone())),
-            Some(&Place::File { offset, samples, normals }) => {
-                Ok(Some(Arc::new(self.read(offset, samples, normals)?)))
-            }
-        }
-    }
-
-    fn read(&self, offset: u64, samples: usize, normals: bool) -> Result<SpanSamples> {
-        let mut read = SpanSamples {
-            pixels: vec![0; samples],
-            color: vec![[f16::ZERO; 3]; samples],
-            inverse_depth: vec![0.0; samples],
-            normal: vec![Vec3::ZERO; if normals { samples } else { 0 }],
-        };
-        let mut planes = [
-            bytemuck::cast_slice_mut(&mut read.pixels),
-            bytemuck::cast_slice_mut(&mut read.inverse_depth),
-            bytemuck::cast_slice_mut(&mut read.normal),
-            bytemuck::cast_slice_mut(&mut read.color),
-        ];
-        self.overflow.read(offset, &mut planes)?;
-        Ok(read)
+        self.places.get(&(camera, span)).map(|place| self.overflow.get(place)).transpose()
     }
 
     /// How many samples each span of `camera` has, in no order of length; spans without any are left out.
@@ -163,7 +150,7 @@ impl SpanStore {
         let of_camera = (camera, Span { start: 0, end: 0 })..(camera + 1, Span { start: 0, end: 0 });
         self.places.range(of_camera).map(|((_, span), place)| match place {
             Place::Memory(samples) => (*span, samples.len()),
-            Place::File { samples, .. } => (*span, *samples),
+            Place::File(_, (samples, _)) => (*span, *samples),
         })
     }
 }

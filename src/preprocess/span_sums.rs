@@ -9,6 +9,7 @@ use glam::Vec3;
 
 use super::static_test::StaticTest;
 use crate::capture::INVALID_INVERSE_DEPTH;
+use crate::color::{WIDENING, widened_small};
 use crate::simd::{self, Work};
 
 /// A frame from some pixel on, flat: color three to a pixel, inverse depth one, normals (where given) three.
@@ -131,23 +132,6 @@ pub(super) fn relative_range(farthest: f32, nearest: f32) -> f32 {
     } else {
         0.0
     }
-}
-
-/// 2¹¹²: the difference between the exponents' biases of single floats and half floats.
-const LARGE: f32 = f32::from_bits(0x7780_0000);
-
-/// A half float widened by integer arithmetic alone, so that it is vectorized; colors are finite.
-#[inline(always)]
-#[must_use]
-pub fn widened(bits: i16) -> f32 {
-    widened_small(bits) * LARGE
-}
-
-/// The same times 2⁻¹¹²: sign, exponent and mantissa are in their place, and the exponent is the half float's. Sums of such numbers
-/// are those of the numbers themselves times 2⁻¹¹²: the least half float, 2⁻²⁴, is as exact as the largest.
-#[inline(always)]
-fn widened_small(bits: i16) -> f32 {
-    f32::from_bits((i32::from(bits) << 16 >> 3) as u32 & 0x8fff_ffff)
 }
 
 /// A component of a unit normal as a multiple of 2⁻⁴⁰: sums of up to 8192 of them are exact, whatever their order.
@@ -292,7 +276,7 @@ impl Held {
         sums.min_color[colors.clone()].copy_from_slice(&self.min_color[..3 * count]);
         sums.max_color[colors.clone()].copy_from_slice(&self.max_color[..3 * count]);
         for (sum, held) in sums.color[colors].iter_mut().zip(&self.color) {
-            *sum = held * LARGE;
+            *sum = held * WIDENING;
         }
         let pixels = first..first + count;
         sums.min_inverse_depth[pixels.clone()].copy_from_slice(&self.min_inverse_depth[..count]);
@@ -344,6 +328,8 @@ mod tests {
     use half::f16;
 
     use super::*;
+    use crate::color::widened;
+    use crate::preprocess::span_means::mean_color;
 
     #[test]
     fn sums_of_normals_are_the_same_in_any_order_and_those_of_equal_ones_point_where_they_do() {
@@ -380,7 +366,7 @@ mod tests {
         let sums = SpanSums::of(&[run; 4], pixels);
         for pixel in 0..pixels {
             assert_eq!(
-                sums.mean_color(pixel),
+                mean_color(&sums, pixel),
                 [0, 1, 2].map(|channel| halves[3 * pixel + channel]),
                 "{pixel}"
             );

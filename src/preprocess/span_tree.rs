@@ -13,8 +13,7 @@
 //! all spans but those that end with the last frame are whole powers of two long and begin at a multiple of their length,
 //! whatever the number of frames, and a stream of frames completes them like the digits of a binary counter.
 
-use super::Span;
-use super::layer::Level;
+use super::samples::Span;
 use crate::settings::SpanLevels;
 
 /// The spans over some frames.
@@ -68,13 +67,6 @@ impl SpanTree {
         let path = self.path(span.start as usize);
         path.into_iter().rev().find(|longer| longer.len() > span.len())
     }
-
-    /// The level of a sample whose span holds all frames but for one, and so on: how far from the root a span lies.
-    #[must_use]
-    pub fn level(&self, span: Span) -> Level {
-        let path = self.path(span.start as usize);
-        path.iter().position(|other| *other == span).unwrap_or(0) as Level
-    }
 }
 
 /// The halves of a span, the left one a power of two long and no shorter than the right; `None` for a single frame.
@@ -109,10 +101,9 @@ mod tests {
                 let path = tree.path(frame);
                 assert_eq!((path[0], path[path.len() - 1]), (all_frames(frames), one_frame(frame)));
                 assert!(path.iter().all(|span| span.contains(frame)));
-                for (level, pair) in path.windows(2).enumerate() {
+                for pair in path.windows(2) {
                     assert!(tree.children(pair[0]).contains(&pair[1]));
                     assert_eq!(tree.parent(pair[1]), Some(pair[0]));
-                    assert_eq!(usize::from(tree.level(pair[1])), level + 1);
                 }
                 assert!(path.len() <= 1 + frames.next_power_of_two().ilog2() as usize);
             }

@@ -20,19 +20,22 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::Span;
+use super::batch::Batch;
 use super::range_shares::RangeShares;
 use super::root_samples::{RootBand, RootSamples};
+use super::samples::Span;
 use super::short_spans::ShortSpans;
+use super::span_doubts::list_doubtful;
+use super::span_means::{
+    color_ranges_steps, depth_ranges_relative, granted_color_steps, mean_color, mean_inverse_depth,
+    mean_normal,
+};
 use super::span_samples::SpanSamples;
 use super::span_sums::{FrameRun, SpanSums};
 use super::span_tree::SpanTree;
 use super::static_test::StaticTest;
 use crate::capture::Frame;
 use crate::settings::SpanLevels;
-
-/// Frames that are looked at together, at most: a power of two, so that a batch is a span of the tree.
-pub const BATCH: usize = 16;
 
 /// Pixels whose sums are worked on together: they stay in the cache of one core.
 const CHUNK: usize = 2048;
@@ -91,7 +94,7 @@ impl Split {
         }
     }
 
-    /// Adds the frames that follow: [`BATCH`] of them, or a smaller power of two each time; at the end, what is left. Gives
+    /// Adds the frames that follow: [`BATCH`](super::batch::BATCH) of them, or a smaller power of two each time; at the end, what is left. Gives
     /// the samples of the spans that are settled now.
     pub fn add(&mut self, frames: &[Arc<Frame>]) -> Given {
         let span = Span { start: self.added, end: self.added + frames.len() as u32 };
@@ -199,14 +202,6 @@ fn join(found: Vec<Found>, batch: &Batch<'_>) -> Given {
     joined
 }
 
-pub(super) struct Batch<'a> {
-    frames: &'a [Arc<Frame>],
-    pub(super) span: Span,
-    pub(super) test: &'a StaticTest,
-    carry: &'a [[Span; 2]],
-    is_last: bool,
-}
-
 impl Band {
     /// `root` is there with the last frames.
     fn add(&mut self, batch: &Batch<'_>, mut root: Option<&mut RootBand<'_>>, found: &mut Found) {
@@ -218,7 +213,7 @@ impl Band {
             let count_invalid =
                 |run: &FrameRun<'_>| run.inverse_depth[..pixels].iter().filter(|w| **w < 0.0).count();
             let mut sums = SpanSums::of(&runs, pixels);
-            sums.list_doubtful(&sums, batch.test, doubtful);
+            list_doubtful([&sums, &sums], batch.test, doubtful);
             for &pixel in doubtful.iter() {
                 let pixel = pixel as usize;
                 if !sums.is_static(pixel, batch.test) {
@@ -232,12 +227,12 @@ impl Band {
             }
             for given in &mut *long {
                 let Some(left) = open.pop() else { break };
-                left.list_doubtful(&sums, batch.test, doubtful);
+                list_doubtful([&left, &sums], batch.test, doubtful);
                 sums = union(left, &sums, batch.test, (first, doubtful), given);
             }
             if let Some(root) = &mut root {
-                let (color, depth) = (sums.color_ranges_steps(), sums.depth_ranges_relative());
-                self.shares.count(&color, &depth, &sums.granted_color_steps(batch.test), batch.test);
+                let (color, depth) = (color_ranges_steps(&sums), depth_ranges_relative(&sums));
+                self.shares.count(&color, &depth, &granted_color_steps(&sums, batch.test), batch.test);
                 root.write(first, &sums);
                 root.take(&sums);
             } else {
@@ -283,9 +278,9 @@ fn union(
 
 fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums) {
     samples.pixels.push((first + pixel) as u32);
-    samples.color.push(sums.mean_color(pixel));
-    samples.inverse_depth.push(sums.mean_inverse_depth(pixel));
-    if let Some(normal) = sums.mean_normal(pixel) {
+    samples.color.push(mean_color(sums, pixel));
+    samples.inverse_depth.push(mean_inverse_depth(sums, pixel));
+    if let Some(normal) = mean_normal(sums, pixel) {
         samples.normal.push(normal);
     }
 }
@@ -294,6 +289,7 @@ fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums) 
 mod tests {
     use super::*;
     use crate::capture::demo::{Demo, DemoSpec};
+    use crate::preprocess::batch::BATCH;
     use crate::preprocess::noise::measure_pairs;
     use crate::settings::{CaptureSettings, SpanSettings};
     use crate::simd;

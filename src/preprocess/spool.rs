@@ -12,8 +12,10 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::depth_plane::{DepthPlane, DepthTile};
-use super::overflow::Overflow;
-use super::{OctNormal, SampleImage, SampleTile, Span};
+use super::octahedral::OctNormal;
+use super::overflow::{Overflow, Place, Record};
+use super::samples::{SampleImage, Span};
+use super::tile::SampleTile;
 use crate::error::Result;
 
 /// What is known of an image without its samples.
@@ -38,19 +40,67 @@ impl ImageFacts {
     }
 }
 
+/// What is kept in memory of an image in the file.
 #[derive(Debug)]
-enum Place {
-    Memory(Arc<SampleImage>),
-    File { offset: u64, high_bytes: usize, normals: bool },
+pub(super) struct ImageShape {
+    facts: ImageFacts,
+    high_bytes: usize,
+    normals: bool,
+}
+
+impl Record for SampleImage {
+    type Shape = ImageShape;
+
+    fn bytes(&self) -> usize {
+        self.bytes()
+    }
+
+    fn shape(&self) -> ImageShape {
+        ImageShape {
+            facts: ImageFacts::of(self),
+            high_bytes: self.depth.high().len(),
+            normals: self.normal.is_some(),
+        }
+    }
+
+    fn planes(&self) -> Vec<&[u8]> {
+        vec![
+            bytemuck::cast_slice(&self.tiles),
+            bytemuck::cast_slice(self.depth.tiles()),
+            bytemuck::cast_slice(&self.color),
+            bytemuck::cast_slice(self.depth.low()),
+            self.depth.high(),
+            bytemuck::cast_slice(self.normal.as_deref().unwrap_or_default()),
+        ]
+    }
+
+    fn read(
+        &ImageShape { facts, high_bytes, normals }: &ImageShape,
+        fill: impl FnOnce(&mut [&mut [u8]]) -> Result<()>,
+    ) -> Result<Self> {
+        let ImageFacts { camera, span, samples, tiles, .. } = facts;
+        let mut tiles = vec![<SampleTile as bytemuck::Zeroable>::zeroed(); tiles];
+        let mut depth_tiles = vec![<DepthTile as bytemuck::Zeroable>::zeroed(); tiles.len()];
+        let (mut color, mut low) = (vec![[f16::ZERO; 3]; samples], vec![0; samples]);
+        let (mut high, mut normal) =
+            (vec![0; high_bytes], vec![OctNormal::default(); if normals { samples } else { 0 }]);
+        fill(&mut [
+            bytemuck::cast_slice_mut(&mut tiles),
+            bytemuck::cast_slice_mut(&mut depth_tiles),
+            bytemuck::cast_slice_mut(&mut color),
+            bytemuck::cast_slice_mut(&mut low),
+            &mut high,
+            bytemuck::cast_slice_mut(&mut normal),
+        ])?;
+        let depth = DepthPlane::of_planes(depth_tiles, low, high);
+        Ok(Self { camera, span, tiles, color, depth, normal: normals.then_some(normal) })
+    }
 }
 
 /// Sample images, in the order they are painted once [`Spool::sort`] was called.
 #[derive(Debug)]
 pub struct Spool {
-    images: Vec<(ImageFacts, Place)>,
-    bytes: usize,
-    /// Bytes that are held in memory at most.
-    bound: usize,
+    images: Vec<(ImageFacts, Place<SampleImage>)>,
     overflow: Overflow,
 }
 
@@ -61,7 +111,7 @@ impl Spool {
     /// An empty spool that holds at most `bound` bytes in memory.
     #[must_use]
     pub fn new(bound: usize) -> Self {
-        Self { images: Vec::new(), bytes: 0, bound, overflow: Overflow::default() }
+        Self { images: Vec::new(), overflow: Overflow::new(bound) }
     }
 
     /// Images that are in memory already, in their order.
@@ -76,28 +126,11 @@ impl Spool {
     /// # Errors
     /// `Io` where the temporary file cannot be written.
     pub fn push(&mut self, image: SampleImage) -> Result<()> {
-        let facts = ImageFacts::of(&image);
-        let place = if self.bytes.saturating_add(facts.bytes) <= self.bound {
-            self.bytes += facts.bytes;
-            Place::Memory(Arc::new(image))
-        } else {
-            let SampleImage { tiles, color, depth, normal, .. } = &image;
-            let normals = normal.as_deref().unwrap_or_default();
-            let offset = self.overflow.append(&[
-                bytemuck::cast_slice(tiles),
-                bytemuck::cast_slice(depth.tiles()),
-                bytemuck::cast_slice(color),
-                bytemuck::cast_slice(depth.low()),
-                depth.high(),
-                bytemuck::cast_slice(normals),
-            ])?;
-            Place::File { offset, high_bytes: depth.high().len(), normals: normal.is_some() }
-        };
-        self.images.push((facts, place));
+        self.images.push((ImageFacts::of(&image), self.overflow.put(image)?));
         Ok(())
     }
 
-    /// Puts the images into the order of [`super::SampleSet::images`].
+    /// Puts the images into the order of [`SampleSet::images`](super::samples::SampleSet::images).
     pub fn sort(&mut self) {
         self.images.sort_by_key(|(image, _)| (Reverse(image.span.len()), image.span, image.camera));
     }
@@ -130,35 +163,7 @@ impl Spool {
     /// # Errors
     /// `Io` where the temporary file cannot be read.
     pub fn get(&self, index: usize) -> Result<Arc<SampleImage>> {
-        let (facts, place) = &self.images[index];
-        match place {
-            Place::Memory(image) => Ok(image.clone()),
-            Place::File { offset, high_bytes, normals } => {
-                self.read(facts, *offset, *high_bytes, *normals).map(Arc::new)
-            }
-        }
-    }
-
-    fn read(&self, facts: &ImageFacts, offset: u64, high_bytes: usize, normals: bool) -> Result<SampleImage> {
-        let ImageFacts { camera, span, samples, tiles, .. } = *facts;
-        let mut tiles = vec![<SampleTile as bytemuck::Zeroable>::zeroed(); tiles];
-        let mut depth_tiles = vec![<DepthTile as bytemuck::Zeroable>::zeroed(); tiles.len()];
-        let (mut color, mut low) = (vec![[f16::ZERO; 3]; samples], vec![0; samples]);
-        let (mut high, mut normal) =
-            (vec![0; high_bytes], vec![OctNormal::default(); if normals { samples } else { 0 }]);
-        self.overflow.read(
-            offset,
-            &mut [
-                bytemuck::cast_slice_mut(&mut tiles),
-                bytemuck::cast_slice_mut(&mut depth_tiles),
-                bytemuck::cast_slice_mut(&mut color),
-                bytemuck::cast_slice_mut(&mut low),
-                &mut high,
-                bytemuck::cast_slice_mut(&mut normal),
-            ],
-        )?;
-        let depth = DepthPlane::of_planes(depth_tiles, low, high);
-        Ok(SampleImage { camera, span, tiles, color, depth, normal: normals.then_some(normal) })
+        self.overflow.get(&self.images[index].1)
     }
 
     /// The images after `change`, in the same order and within the same bound.
@@ -166,7 +171,7 @@ impl Spool {
     /// # Errors
     /// Whatever `change` gives; `Io` as [`Spool::push`] and [`Spool::get`].
     pub fn map(&self, change: impl Fn(&SampleImage) -> Result<SampleImage> + Sync) -> Result<Self> {
-        let mut changed = Self::new(self.bound);
+        let mut changed = Self::new(self.overflow.bound);
         for first in (0..self.len()).step_by(BATCH) {
             let batch = (first..self.len().min(first + BATCH)).into_par_iter();
             let images: Result<Vec<_>> = batch.map(|index| change(&*self.get(index)?)).collect();

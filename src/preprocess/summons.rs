@@ -5,73 +5,74 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
+use super::answers::{IN_VIEW, LANES, Needs};
 use super::claimant::{BEHIND, Claimant, Codes, codes, codes_of};
 use super::contest::{Rival, lanes_at, rivals};
+use super::decision::{Rule, Verdict};
 use super::docket::{COUNT, DISPUTABLE, Docket, IS_MIXED, Lists, Reach, most_tolerant};
 use super::facet::{MIXED, Ranks};
-use super::inspection::{Rule, Verdict};
-use super::layer::{Layer, Level, NO_SAMPLE};
-use super::pruning::{BAND_ROWS, Rig, rule_between};
-use super::registration::{Block, Carried, LANES, SameSurface};
-use super::same_surface::{IN_VIEW, Needs};
+use super::layer::Layer;
+use super::level::{Level, NO_SAMPLE};
+use super::pass::{BAND_ROWS, rule_between};
+use super::registration::{Block, Carried};
+use super::rig::Rig;
+use super::same_surface::SameSurface;
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{MixedPixels, Settings};
 use crate::simd::{self, Work};
 
-impl Docket {
-    /// The docket of a frame of so many `levels`, for tolerances around those of `settings`; `None` where it would take more
-    /// than `bytes`.
-    ///
-    /// # Errors
-    /// `Cancelled`.
-    pub(super) fn new(
-        rig: &Rig<'_>,
-        layers: &[Layer],
-        levels: usize,
-        settings: &Settings,
-        bytes: usize,
-        job: &Job,
-    ) -> Result<Option<Self>> {
-        if layers.len() >= usize::from(BEHIND) {
-            return Ok(None);
-        }
-        let reach = Reach::around(&settings.pruning);
-        let least = codes(reach.least);
-        let settings = most_tolerant(settings);
-        let summons = Summons {
-            rig,
-            layers,
-            levels: levels as Level,
-            settings: &settings,
-            limits: SameSurface::new(&settings),
-            few_steps: reach.least[2] / 2.0,
-            beatable: layers
-                .iter()
-                .map(|layer| layer.level.iter().map(|_| AtomicBool::new(false)).collect())
-                .collect(),
-            room: AtomicUsize::new(bytes / size_of::<Claimant>()),
-        };
-        let bands = layers.iter().enumerate().flat_map(|(camera, layer)| {
-            let height = layer.height();
-            (0..height).step_by(BAND_ROWS).map(move |row| (camera, row..(row + BAND_ROWS).min(height)))
-        });
-        let bands: Vec<(usize, Range<usize>)> = bands.collect();
-        let summoned = bands.par_iter().map(|(camera, rows)| {
-            job.check()?;
-            Ok(simd::run(Call { summons: &summons, camera: *camera, rows: rows.clone() }))
-        });
-        let summoned: Vec<Option<Lists>> = summoned.collect::<Result<_>>()?;
-        let Some(mut all) = summoned.into_iter().collect::<Option<Vec<Lists>>>() else { return Ok(None) };
-        all.par_iter_mut().zip(&bands).for_each(|(lists, (camera, rows))| {
-            summons.leave_out(lists, &layers[*camera], rows.start, least);
-        });
-        let mut lists: Vec<Vec<Lists>> = layers.iter().map(|_| Vec::new()).collect();
-        for (of_band, (camera, _)) in all.into_iter().zip(bands) {
-            lists[camera].push(of_band);
-        }
-        Ok(Some(Self { reach, lists }))
+/// The docket of a frame of so many `levels`, for tolerances around those of `settings`; `None` where it would take more
+/// than `bytes`.
+///
+/// # Errors
+/// `Cancelled`.
+pub(super) fn make_docket(
+    rig: &Rig<'_>,
+    layers: &[Layer],
+    levels: usize,
+    settings: &Settings,
+    bytes: usize,
+    job: &Job,
+) -> Result<Option<Docket>> {
+    if layers.len() >= usize::from(BEHIND) {
+        return Ok(None);
     }
+    let reach = Reach::around(&settings.pruning);
+    let least = codes(reach.least);
+    let settings = most_tolerant(settings);
+    let summons = Summons {
+        rig,
+        layers,
+        levels: levels as Level,
+        settings: &settings,
+        limits: SameSurface::new(&settings),
+        few_steps: reach.least[2] / 2.0,
+        beatable: layers
+            .iter()
+            .map(|layer| layer.level.iter().map(|_| AtomicBool::new(false)).collect())
+            .collect(),
+        room: AtomicUsize::new(bytes / size_of::<Claimant>()),
+    };
+    let bands = layers.iter().enumerate().flat_map(|(camera, layer)| {
+        let height = layer.height();
+        (0..height).step_by(BAND_ROWS).map(move |row| (camera, row..(row + BAND_ROWS).min(height)))
+    });
+    let bands: Vec<(usize, Range<usize>)> = bands.collect();
+    let summoned = bands.par_iter().map(|(camera, rows)| {
+        job.check()?;
+        Ok(simd::run(Call { summons: &summons, camera: *camera, rows: rows.clone() }))
+    });
+    let summoned: Vec<Option<Lists>> = summoned.collect::<Result<_>>()?;
+    let Some(mut all) = summoned.into_iter().collect::<Option<Vec<Lists>>>() else { return Ok(None) };
+    all.par_iter_mut().zip(&bands).for_each(|(lists, (camera, rows))| {
+        summons.leave_out(lists, &layers[*camera], rows.start, least);
+    });
+    let mut lists: Vec<Vec<Lists>> = layers.iter().map(|_| Vec::new()).collect();
+    for (of_band, (camera, _)) in all.into_iter().zip(bands) {
+        lists[camera].push(of_band);
+    }
+    Ok(Some(Docket { reach, lists }))
 }
 
 /// What all bands share.
@@ -217,9 +218,13 @@ impl Summons<'_> {
             return;
         }
         let mut needs = Needs::new(self.few_steps);
-        let answers = rival
-            .registration
-            .compare_telling::<LANES, true>(source, target, block, way, limits, wanted, &mut needs);
+        let answers = limits.compare_telling::<LANES, true>(
+            rival.registration,
+            (source, block),
+            (target, way),
+            wanted,
+            &mut needs,
+        );
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1 && answers.is_same(*lane)) {
             let pixel = answers.pixel[lane];
             let ranks = target.ranks[pixel as usize];

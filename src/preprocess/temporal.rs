@@ -13,20 +13,21 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::background::{AllNormalErrors, Memo, remember, remembered};
+use super::batch::BATCH;
 use super::noise::{Noise, measure_pairs};
 use super::noise_frames::NoiseFrames;
 use super::normal_errors::{NormalErrors, compare_with_given};
+use super::overflow::samples_in_memory;
 use super::range_shares::RangeShares;
 use super::ranges::{CameraSum, Ranges};
 use super::span_samples::SpanStore;
 use super::span_tree::SpanTree;
-use super::split::{BATCH, Split};
+use super::split::Split;
 use super::static_test::StaticTest;
-use crate::capture::{Camera, Capture, Frame};
+use crate::capture::{Capture, Frame};
 use crate::error::Result;
 use crate::job::Job;
-use crate::settings::{NormalSettings, Settings, SpanLevels, SpanSettings};
+use crate::settings::{Settings, SpanLevels, SpanSettings};
 
 /// What a pass over all frames told of one camera.
 #[derive(Debug)]
@@ -46,7 +47,7 @@ pub struct CameraScan {
     pub normal_errors: Vec<NormalErrors>,
 }
 
-/// What a pass over all frames told, and what was last made of it.
+/// What a pass over all frames told.
 #[derive(Debug)]
 pub struct TemporalScan {
     /// Frames that were scanned.
@@ -57,8 +58,7 @@ pub struct TemporalScan {
     pub spans: Option<SpanStore>,
     made_with: SpanSettings,
     /// The edge threshold that [`CameraScan::normal_errors`] goes with.
-    edge: f32,
-    pub(super) memo: Memo,
+    pub(super) edge: f32,
 }
 
 impl TemporalScan {
@@ -77,31 +77,10 @@ impl TemporalScan {
         if self.serves(settings) { settings.clone() } else { self.made_with.clone() }
     }
 
-    /// Per camera, estimated against given normals on the first frame; empty where none are given. That frame is read again where
-    /// the edge threshold is another than that of the scan.
-    ///
-    /// # Errors
-    /// Whatever the capture gives (naming file and frame), and `Cancelled`.
-    pub(super) fn normal_errors(
-        &self,
-        capture: &Capture,
-        settings: &NormalSettings,
-        job: &Job,
-    ) -> Result<AllNormalErrors> {
-        if self.edge == settings.edge || !capture.has_normals {
-            return Ok(Arc::new(self.cameras.iter().map(|camera| camera.normal_errors.clone()).collect()));
-        }
-        if let Some(errors) = remembered(&self.memo.normal_errors, &settings.edge) {
-            return Ok(errors);
-        }
-        let of_camera = |(index, camera): (usize, &Camera)| {
-            job.check()?;
-            Ok(compare_with_given(&*capture.frame(index, 0)?, camera, settings))
-        };
-        let errors: Result<Vec<_>> = capture.cameras.par_iter().enumerate().map(of_camera).collect();
-        let errors = Arc::new(errors?);
-        remember(&self.memo.normal_errors, settings.edge, errors.clone());
-        Ok(errors)
+    /// The spans under `settings`.
+    #[must_use]
+    pub fn tree(&self, settings: &SpanSettings) -> SpanTree {
+        SpanTree::new(self.frames, settings.levels)
     }
 
     /// When a pixel of `camera` counts as static under `settings`.
@@ -120,14 +99,14 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Tempora
     let frames = capture.frame_count();
     job.start("Reading frames", frames * capture.cameras.len());
     let (cameras, spans) = if settings.spans.levels == SpanLevels::Tree {
-        let store = Mutex::new(SpanStore::new(super::samples_in_memory(settings)));
+        let store = Mutex::new(SpanStore::new(samples_in_memory(settings)));
         let cameras = scan_cameras(capture, |camera| scan_spans(capture, camera, settings, &store, job))?;
         (cameras, Some(store.into_inner().unwrap_or_else(PoisonError::into_inner)))
     } else {
         (scan_cameras(capture, |camera| scan_ranges(capture, camera, settings, job))?, None)
     };
     let (made_with, edge) = (settings.spans.clone(), settings.normals.edge);
-    Ok(TemporalScan { frames, cameras, spans, made_with, edge, memo: Memo::default() })
+    Ok(TemporalScan { frames, cameras, spans, made_with, edge })
 }
 
 /// Cameras that are scanned side by side: while one waits for the last frame of a batch, the other has work.
@@ -272,12 +251,4 @@ fn decode(
             decoded
         })
         .collect()
-}
-
-impl TemporalScan {
-    /// The spans under `settings`.
-    #[must_use]
-    pub fn tree(&self, settings: &SpanSettings) -> SpanTree {
-        SpanTree::new(self.frames, settings.levels)
-    }
 }

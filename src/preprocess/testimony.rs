@@ -2,8 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::registration::Outcome;
-use super::{PixelClass, Verdict};
+use super::answers::Outcome;
+use super::decision::Verdict;
+use super::inspection::PixelClass;
 
 /// What one camera says about a surface point. Lengths are in the capture's unit; what is not known is NaN.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,12 +4,16 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
+use super::answers::{LANES, Outcome};
 use super::claimant::{BEHIND, Claimant, Codes, Holds, codes, tolerances};
+use super::decision::{Dispute, Rule, Verdict};
 use super::docket::{COUNT, DISPUTABLE, Docket, IS_MIXED, Lists};
-use super::inspection::{Rule, Verdict};
-use super::layer::{Layer, Level};
-use super::pruning::{BAND_ROWS, DROPPED, Dispute, KEPT, Rig, Statuses, UNDECIDED};
-use super::registration::{LANES, Outcome, SameSurface};
+use super::layer::Layer;
+use super::level::Level;
+use super::pass::BAND_ROWS;
+use super::rig::Rig;
+use super::same_surface::SameSurface;
+use super::status::{DROPPED, KEPT, Statuses, UNDECIDED};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{MixedPixels, Settings};
@@ -207,7 +211,7 @@ impl Walk<'_> {
         let pixel = band.first + place;
         let (x, y) = (pixel % layer.width, pixel / layer.width);
         let registration = self.rig.registration(band.camera, other);
-        let outcome = registration.test(layer, &self.layers[other], x, y, &self.limits);
+        let outcome = self.limits.test(registration, (layer, x, y), &self.layers[other]);
         outcome == Outcome::Same(claimant.verdict.witness_pixel)
     }
 

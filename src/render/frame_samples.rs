@@ -12,6 +12,7 @@ use std::ops::Range;
 use half::f16;
 
 use super::keys::slot_of;
+use crate::color::widened;
 use crate::error::{Error, Result};
 use crate::preprocess::{SampleImage, SampleSet, TILE, TILE_SAMPLES, TileDepths};
 use crate::settings::PruningMethod;
@@ -67,7 +68,7 @@ impl<'a> FrameTile<'a> {
     /// The color of a sample, linear.
     #[inline(always)]
     pub(super) fn color(&self, nth: usize) -> [f32; 3] {
-        self.color[nth].map(f32_from_f16)
+        self.color[nth].map(|half| widened(half.to_bits().cast_signed()))
     }
 
     /// Asks for the memory of the tile's depths.
@@ -92,20 +93,6 @@ impl<'a> FrameTile<'a> {
         let [red, green, blue] = color.map(|half| u64::from(half.to_bits()));
         red | green << 16 | blue << 32
     }
-}
-
-/// A half float widened by integer arithmetic alone, so that it is inlined and vectorized; colors are finite.
-#[inline(always)]
-pub(super) fn f32_from_f16(value: f16) -> f32 {
-    f32_from_f16_bits(u32::from(value.to_bits()))
-}
-
-/// As [`f32_from_f16`], from the half float's sixteen bits.
-#[inline(always)]
-pub(super) fn f32_from_f16_bits(bits: u32) -> f32 {
-    // The exponent and mantissa in their place, times 2^112: the difference of the two exponent biases.
-    let magnitude = f32::from_bits((bits & 0x7fff) << 13) * f32::from_bits(0x7780_0000);
-    f32::from_bits(magnitude.to_bits() | (bits & 0x8000) << 16)
 }
 
 /// Where a color lies.
@@ -339,7 +326,7 @@ impl<'a> FrameSamples<'a> {
     #[inline(always)]
     pub(super) fn color_of(&self, slot: u32) -> [f32; 3] {
         let place = self.color_place(slot);
-        self.colors(place.image)[place.nth as usize].map(f32_from_f16)
+        self.colors(place.image)[place.nth as usize].map(|half| widened(half.to_bits().cast_signed()))
     }
 
     /// Where the color of the sample at a slot lies.
@@ -391,20 +378,5 @@ impl<'a> FrameSamples<'a> {
     /// Samples in some tiles that are to be painted.
     pub(super) fn sample_count(&self, tiles: Range<usize>) -> u64 {
         self.tiles(tiles).iter().map(|tile| tile.color.len() as u64).sum()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn widening_a_half_float_is_exact() {
-        for bits in 0..=u16::MAX {
-            let half = f16::from_bits(bits);
-            if half.is_finite() {
-                assert_eq!(f32_from_f16(half), half.to_f32(), "{bits:#06x}");
-            }
-        }
     }
 }

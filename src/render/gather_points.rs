@@ -2,11 +2,11 @@
 //! in vectors. Every point hears its cameras in the same order as if it asked alone, so that its color does not depend on its
 //! neighbors.
 
-use super::frame_samples::f32_from_f16_bits;
 use super::gather::{BESIDE_EDGE, EXACT, Gather, MAX_SUBPIXELS, SUBPIXEL_WIDTH, View};
 use super::places::{Places, agrees, bilinear, carried};
 use super::surface_points::{MOST, SurfacePoints};
 use super::window::{LANES, Lanes, Quads, Windows};
+use crate::color::widened;
 use crate::simd::{joined, mask};
 
 /// A camera that shows less of the surface than this share knows nothing of it.
@@ -52,9 +52,9 @@ fn colors(quads: &Quads) -> [[Lanes; 3]; 4] {
     let mut colors = [[[0.0; LANES]; 3]; 4];
     for (bits, colors) in quads.color.iter().zip(&mut colors) {
         for i in 0..LANES {
-            colors[0][i] = f32_from_f16_bits(bits[i] as u32 & 0xffff);
-            colors[1][i] = f32_from_f16_bits((bits[i] >> 16) as u32 & 0xffff);
-            colors[2][i] = f32_from_f16_bits((bits[i] >> 32) as u32 & 0xffff);
+            colors[0][i] = widened(bits[i] as i16);
+            colors[1][i] = widened((bits[i] >> 16) as i16);
+            colors[2][i] = widened((bits[i] >> 32) as i16);
         }
     }
     colors

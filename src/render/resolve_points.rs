@@ -2,11 +2,12 @@
 //! over a background that is there already.
 
 use super::blocks::Blocks;
-use super::frame_samples::{ColorPlace, f32_from_f16, f32_from_f16_bits};
+use super::frame_samples::ColorPlace;
 use super::gather::BLOCK;
 use super::keys::{inverse_depth_of, slot_of};
 use super::resolve::{Block, Layer, Strip};
 use super::vantage::NO_IMAGE;
+use crate::color::widened;
 use crate::settings::Kernel;
 use crate::simd;
 
@@ -79,7 +80,7 @@ impl Strip<'_> {
         }
         for &(at, key, place) in shown.iter() {
             let color = frame.colors(place.image)[place.nth as usize];
-            self.rows.set(frame, at, key, color.map(f32_from_f16));
+            self.rows.set(frame, at, key, color.map(|half| widened(half.to_bits().cast_signed())));
         }
     }
 
@@ -138,7 +139,7 @@ impl Strip<'_> {
             let (key, color) = (found.keys[row][column], found.colors[row][column]);
             let color = if key == 0 { 0 } else { color };
             for channel in 0..3 {
-                planes[channel][column] = f32_from_f16_bits((color >> (16 * channel)) as u32 & 0xffff);
+                planes[channel][column] = widened((color >> (16 * channel)) as i16);
             }
             depths[column] = inverse_depth_of(key);
         }

@@ -69,9 +69,6 @@ choice! {
         Yield = "yield",
         /// They are removed before anything else.
         Drop = "drop",
-        /// They take the color, and where it is mostly the other side's also the depth, of the surface that they show most of,
-        /// and lose against clean samples all the same.
-        Snap = "snap",
     }
 }
 

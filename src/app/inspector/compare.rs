@@ -12,7 +12,7 @@ use super::difference::{self, Comparison};
 use crate::capture::{Capture, Frame};
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::{self, SampleSet, TemporalScan};
+use crate::preprocess::{self, PreparedScan, SampleSet};
 use crate::render::{Renderer, Vantage};
 use crate::settings::{Backend, Kernel, Settings};
 
@@ -32,7 +32,7 @@ pub(crate) struct CompareKey {
     /// Whether those show every frame, and not only the one that the live view shows.
     pub whole: bool,
     /// The pass over all frames, where it is done.
-    pub scan: Option<Arc<TemporalScan>>,
+    pub scan: Option<Arc<PreparedScan>>,
     /// The settings on the sliders, A and B.
     pub settings: [Settings; 3],
     /// What the map of their difference shows.
@@ -80,7 +80,7 @@ pub(crate) struct Comparer {
     renderer: Renderer,
     made: Vec<(Made, Arc<SampleSet>)>,
     /// Passes over all frames of a scene, where the window's own does not serve the settings of a side.
-    scans: Vec<(u64, Arc<TemporalScan>)>,
+    scans: Vec<(u64, Arc<PreparedScan>)>,
     /// What these passes run on, as they take as long as the capture does.
     threads: Arc<rayon::ThreadPool>,
 }
@@ -183,7 +183,7 @@ impl Comparer {
         key: &CompareKey,
         settings: &Settings,
         job: &Job,
-    ) -> Result<Option<Arc<TemporalScan>>> {
+    ) -> Result<Option<Arc<PreparedScan>>> {
         let Some(scan) = &key.scan else { return Ok(None) };
         self.scans.retain(|(scene, _)| *scene == key.scene.id);
         let own = self.scans.iter().map(|(_, scan)| scan);
@@ -204,7 +204,7 @@ impl Comparer {
         key: &CompareKey,
         settings: &Settings,
         (frame, left_out): (usize, Option<usize>),
-        scan: Option<&TemporalScan>,
+        scan: Option<&PreparedScan>,
         job: &Job,
     ) -> Result<Arc<SampleSet>> {
         let capture = capture_of(&key.scene)?;

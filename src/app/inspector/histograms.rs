@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use crate::preprocess::Outcome;
 use crate::preprocess::noise_range::granted_range_sigmas;
 use crate::preprocess::ranges::Ranges;
-use crate::preprocess::registration::Outcome;
 use crate::preprocess::static_test::StaticTest;
-use crate::preprocess::{FrameInspection, PairQuantities, TemporalScan};
+use crate::preprocess::{FrameInspection, PairQuantities, PreparedScan, pair_quantities};
 use crate::settings::{Field, Kind, Settings};
 
 /// Bars of a histogram.
@@ -128,10 +128,10 @@ impl Histogram {
 /// All histograms of the frame shown.
 pub(crate) fn histograms(
     inspection: &FrameInspection,
-    scan: Option<&Arc<TemporalScan>>,
+    scan: Option<&Arc<PreparedScan>>,
     settings: &Settings,
 ) -> Vec<Histogram> {
-    let pairs = inspection.pair_quantities(AT_MOST);
+    let pairs = pair_quantities(inspection, AT_MOST);
     let pruning = &settings.pruning;
     let near = |pair: &PairQuantities| pair.plane_distance_footprints <= pruning.depth_tolerance;
     let facing = |pair: &PairQuantities| {
@@ -196,7 +196,7 @@ pub(crate) fn histograms(
 type Granted = (f32, bool);
 
 /// Ranges over all frames of color and of depth, each with whether it is granted, for pixels spread over all cameras.
-fn ranges(scan: &TemporalScan, settings: &Settings) -> [Vec<Granted>; 2] {
+fn ranges(scan: &PreparedScan, settings: &Settings) -> [Vec<Granted>; 2] {
     let [mut color, mut depth] = [Vec::new(), Vec::new()];
     let tests = (0..scan.cameras.len()).map(|index| scan.static_test(index, &settings.spans));
     for (camera, test) in scan.cameras.iter().zip(tests) {

@@ -28,7 +28,7 @@ use super::panels::Palette;
 use super::state::{NoticeKind, State};
 use super::worker::{Lane, Outbox, Supersede};
 use crate::error::{Error, Result};
-use crate::preprocess::{FrameInspection, SampleSet, TemporalScan};
+use crate::preprocess::{FrameInspection, PreparedScan, SampleSet};
 use crate::settings::Settings;
 use charts::Charts;
 use compare::{CompareKey, Compared, Comparer};
@@ -183,7 +183,7 @@ pub(crate) struct InspectorLanes {
 struct HistogramRequest {
     scene: u64,
     inspection: Arc<FrameInspection>,
-    scan: Option<Arc<TemporalScan>>,
+    scan: Option<Arc<PreparedScan>>,
     settings: Settings,
 }
 

@@ -5,7 +5,7 @@ use egui::{Color32, Painter, Pos2, Stroke, pos2, vec2};
 use super::super::inspector::probe::Probed;
 use super::super::state::State;
 use super::super::theme::Tokens;
-use crate::preprocess::registration::Outcome;
+use crate::preprocess::Outcome;
 
 /// Where a camera shows the point, in its pixels, and whether it sees it.
 pub(crate) fn in_camera(state: &State, probed: &Probed, camera: usize) -> Option<(Pos2, bool)> {

@@ -355,8 +355,8 @@ fn tiles(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Color32>, 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::preprocess::Dispute;
     use crate::preprocess::Rule;
-    use crate::preprocess::pruning::Dispute;
 
     fn camera() -> (CameraInspection, Grid<Color32>) {
         let (width, height) = (32, 16);

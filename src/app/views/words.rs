@@ -5,7 +5,7 @@ use super::super::scene::Scene;
 use super::super::state::State;
 use super::super::text;
 use crate::capture::Camera;
-use crate::preprocess::registration::Outcome;
+use crate::preprocess::Outcome;
 use crate::preprocess::{ChainLink, Rule, Testimony, Verdict};
 
 /// A verdict as a sentence that names the witness and where it is.

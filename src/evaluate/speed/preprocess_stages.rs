@@ -9,13 +9,17 @@ use super::measure::{Times, repeat};
 use super::report::{Bound, Measured};
 use crate::capture::Frame;
 use crate::error::{Error, Result};
+use crate::preprocess::batch::BATCH;
+use crate::preprocess::depth_view::DepthView;
 use crate::preprocess::descent::FRAME;
 use crate::preprocess::frame_layers::FrameLayers;
 use crate::preprocess::noise::measure_pairs;
-use crate::preprocess::normals::DepthView;
-use crate::preprocess::pruning::{self, Rig};
-use crate::preprocess::split::{BATCH, Split};
+use crate::preprocess::normals::estimate_all;
+use crate::preprocess::pruning::prune;
+use crate::preprocess::rig::Rig;
+use crate::preprocess::split::Split;
 use crate::preprocess::static_test::StaticTest;
+use crate::preprocess::status::no_statuses;
 use crate::preprocess::{Report, Span, Verdict, inspect_frame, pack, prepare_frame, scan};
 use crate::render::CpuRenderer;
 use crate::settings::{Backend, NormalEstimator, RenderSettings, Settings};
@@ -163,7 +167,7 @@ fn estimate_normals(bench: &Bench<'_>, estimator: NormalEstimator) -> Result<Tim
         let views = frames.iter().zip(&capture.cameras).map(|(frame, camera)| {
             bench.job.check()?;
             let view = DepthView::new(frame.inverse_depth.as_slice(), camera, &settings);
-            Ok(view.estimate_all(estimator))
+            Ok(estimate_all(&view, estimator))
         });
         views.collect::<Result<Vec<_>>>()
     })
@@ -173,15 +177,15 @@ fn prune_layers(bench: &Bench<'_>) -> Result<Times> {
     let capture = &bench.scene.capture;
     let mut settings = Settings::default();
     let rig = Rig::new(&capture.cameras);
-    let complete = FrameLayers::of(capture, None, &rig, &settings, 0, bench.job)?;
+    let complete = FrameLayers::unscanned(capture, &rig, &settings, 0, bench.job)?;
     let layers = &complete.layers;
     let tolerance = settings.pruning.color_tolerance;
     let mut turn = 0_u8;
     repeat(bench.budget, bench.job, || {
         turn = turn.wrapping_add(1);
         settings.pruning.color_tolerance = tolerance + 0.01 * f32::from(turn);
-        let statuses = pruning::no_statuses(layers);
-        pruning::prune(&rig, layers, &statuses, FRAME, &settings, bench.job)
+        let statuses = no_statuses(layers);
+        prune(&rig, layers, &statuses, FRAME, &settings, bench.job)
     })
 }
 
@@ -220,7 +224,7 @@ fn pack_frame(bench: &Bench<'_>) -> Result<Times> {
     let capture = &bench.scene.capture;
     let settings = Settings::default();
     let rig = Rig::new(&capture.cameras);
-    let complete = FrameLayers::of(capture, None, &rig, &settings, 0, bench.job)?;
+    let complete = FrameLayers::unscanned(capture, &rig, &settings, 0, bench.job)?;
     let all = complete.prune(&rig, &settings, bench.job)?;
     let span = Span { start: 0, end: 1 };
     repeat(bench.budget, bench.job, || {

@@ -6,7 +6,8 @@ use half::f16;
 use rayon::prelude::*;
 
 use crate::capture::{Camera, Capture, Frame};
-use crate::preprocess::normals::DepthView;
+use crate::preprocess::depth_view::DepthView;
+use crate::preprocess::normals::estimate_all;
 use crate::settings::{NormalEstimator, NormalSettings};
 
 /// How the scene is lit in addition.
@@ -72,9 +73,11 @@ pub(super) fn lit(lighting: &Lighting, camera: &Camera, frame_index: usize, mut 
     let settings = NormalSettings::default();
     let view = DepthView::new(frame.inverse_depth.as_slice(), camera, &settings);
     let rotation = camera.world_from_camera.matrix3.as_mat3();
-    let normal = |x: usize, y: usize| match &frame.normal_in_world {
-        Some(normals) => Vec3::from(normals[(x, y)]),
-        None => rotation * view.estimate(NormalEstimator::Plane, x, y).normal_in_camera,
+    let estimates = frame.normal_in_world.is_none().then(|| estimate_all(&view, NormalEstimator::Plane));
+    let normal = |x: usize, y: usize| match (&frame.normal_in_world, &estimates) {
+        (Some(normals), _) => Vec3::from(normals[(x, y)]),
+        (None, Some(estimates)) => rotation * estimates[(x, y)].normal_in_camera,
+        (None, None) => Vec3::ZERO,
     };
     let colors: Vec<[f16; 3]> = (0..frame.color.len())
         .into_par_iter()

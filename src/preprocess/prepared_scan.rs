@@ -1,0 +1,156 @@
+//! A scan with the last results that no tolerance touches: whoever looks at frame after frame, or turns one threshold, pays once
+//! for what stays.
+
+use std::ops::Deref;
+use std::sync::{Arc, Mutex};
+
+use rayon::prelude::*;
+
+use super::background::{Background, StaticLayer, rated, static_layers};
+use super::descent::Descent;
+use super::frame_layers::FrameLayers;
+use super::layer::Layer;
+use super::normal_errors::{NormalErrors, compare_with_given};
+use super::rig::Rig;
+use super::temporal::TemporalScan;
+use crate::capture::{Camera, Capture};
+use crate::error::Result;
+use crate::job::Job;
+use crate::settings::{MixedPixels, NormalSettings, PruningMethod, RateModel, Settings, SpanSettings};
+
+/// The pass over all frames of one capture, and what was last made of it.
+#[derive(Debug)]
+pub struct PreparedScan {
+    scan: TemporalScan,
+    static_layers: Last<StaticKey, Arc<Vec<StaticLayer>>>,
+    frame: Last<FrameKey, Arc<FrameLayers>>,
+    normal_errors: Last<f32, AllNormalErrors>,
+}
+
+impl From<TemporalScan> for PreparedScan {
+    fn from(scan: TemporalScan) -> Self {
+        Self { scan, static_layers: Last::default(), frame: Last::default(), normal_errors: Last::default() }
+    }
+}
+
+impl Deref for PreparedScan {
+    type Target = TemporalScan;
+
+    fn deref(&self) -> &TemporalScan {
+        &self.scan
+    }
+}
+
+type StaticKey = (NormalSettings, SpanSettings);
+
+/// Per camera.
+type AllNormalErrors = Arc<Vec<Vec<NormalErrors>>>;
+
+/// What the layers of a frame depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct FrameKey {
+    frame: usize,
+    normals: NormalSettings,
+    spans: SpanSettings,
+    rate: RateModel,
+    cosine_floor: f32,
+    first_camera: bool,
+    mixed_pixels: MixedPixels,
+}
+
+/// The last result, with what it was made with.
+#[derive(Debug)]
+struct Last<K, V>(Mutex<Option<(K, V)>>);
+
+impl<K, V> Default for Last<K, V> {
+    fn default() -> Self {
+        Self(Mutex::new(None))
+    }
+}
+
+impl<K: PartialEq, V: Clone> Last<K, V> {
+    fn get(&self, key: &K) -> Option<V> {
+        let last = self.0.lock().ok()?;
+        last.as_ref().filter(|(made_with, _)| made_with == key).map(|(_, value)| value.clone())
+    }
+
+    fn set(&self, key: K, value: V) {
+        if let Ok(mut last) = self.0.lock() {
+            *last = Some((key, value));
+        }
+    }
+}
+
+impl PreparedScan {
+    /// The layers of `frame` under `settings`, which the scan serves: made once for as long as the settings that touch them and
+    /// the frame stay.
+    ///
+    /// # Errors
+    /// As [`Descent::enter`].
+    pub fn frame_layers(
+        &self,
+        capture: &Capture,
+        rig: &Rig<'_>,
+        settings: &Settings,
+        frame: usize,
+        job: &Job,
+    ) -> Result<Arc<FrameLayers>> {
+        let key = FrameKey {
+            frame,
+            normals: settings.normals.clone(),
+            spans: settings.spans.clone(),
+            rate: settings.pruning.rate,
+            cosine_floor: settings.pruning.cosine_floor,
+            first_camera: settings.pruning.method == PruningMethod::FirstCamera,
+            mixed_pixels: settings.pruning.mixed_pixels,
+        };
+        if let Some(layers) = self.frame.get(&key) {
+            return Ok(layers);
+        }
+        let background = Background::undecided(self.rated_layers(capture, settings, job)?);
+        let descent = Descent::new(capture, Some(&self.scan), rig, settings, background);
+        let layers = Arc::new(FrameLayers::at(frame, descent, job)?);
+        self.frame.set(key, layers.clone());
+        Ok(layers)
+    }
+
+    /// Every camera's static pixels, ready to be pruned.
+    fn rated_layers(&self, capture: &Capture, settings: &Settings, job: &Job) -> Result<Vec<Layer>> {
+        let key = (settings.normals.clone(), settings.spans.clone());
+        let layers = if let Some(layers) = self.static_layers.get(&key) {
+            layers
+        } else {
+            let layers = Arc::new(static_layers(capture, &self.scan, settings, job)?);
+            self.static_layers.set(key, layers.clone());
+            layers
+        };
+        rated(capture, layers.as_ref().clone(), settings, job)
+    }
+
+    /// Per camera, estimated against given normals on the first frame; empty where none are given. That frame is read again where
+    /// the edge threshold is another than that of the scan.
+    ///
+    /// # Errors
+    /// Whatever the capture gives (naming file and frame), and `Cancelled`.
+    pub(super) fn normal_errors(
+        &self,
+        capture: &Capture,
+        settings: &NormalSettings,
+        job: &Job,
+    ) -> Result<AllNormalErrors> {
+        if self.edge == settings.edge || !capture.has_normals {
+            return Ok(Arc::new(self.cameras.iter().map(|camera| camera.normal_errors.clone()).collect()));
+        }
+        if let Some(errors) = self.normal_errors.get(&settings.edge) {
+            return Ok(errors);
+        }
+        let of_camera = |(index, camera): (usize, &Camera)| {
+            job.check()?;
+            Ok(compare_with_given(&*capture.frame(index, 0)?, camera, settings))
+        };
+        let errors: Result<Vec<_>> = capture.cameras.par_iter().enumerate().map(of_camera).collect();
+        let errors = Arc::new(errors?);
+        self.normal_errors.set(settings.edge, errors.clone());
+        Ok(errors)
+    }
+}
