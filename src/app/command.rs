@@ -150,8 +150,8 @@ pub(super) enum Command {
     Disturbance(String),
     /// Put these settings on.
     TakeSettings(Box<Settings>),
-    /// Count frame times anew.
-    ClearMeter,
+    /// Write frame times into the program's log, and count them anew.
+    LogFrameTimes,
     /// Close a message.
     Dismiss(u64),
 }

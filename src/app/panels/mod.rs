@@ -85,7 +85,6 @@ pub(super) fn view_ui(ui: &mut egui::Ui, view: View, state: &State, commands: &m
         View::Thresholds => settings_ui::settings_ui(ui, state, commands),
         View::Report => report::report_ui(ui, state),
         View::Log => log::log_ui(ui, state),
-        View::Meter => log::meter_ui(ui, state, commands),
     }
 }
 

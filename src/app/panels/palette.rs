@@ -145,7 +145,7 @@ fn entries(state: &State) -> Vec<Entry> {
         ("Rerun", "", Command::Rerun),
         ("Run a sweep", "", Command::Study(Study::Sweep)),
         ("Run a stress test", "", Command::Study(Study::Stress)),
-        ("Count frame times anew", "", Command::ClearMeter),
+        ("Log and reset frame times", "", Command::LogFrameTimes),
         ("Cancel", "Esc", Command::Cancel),
         ("Light theme", "", Command::Dark(false)),
         ("Dark theme", "", Command::Dark(true)),
