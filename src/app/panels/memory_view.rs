@@ -33,8 +33,7 @@ pub(super) fn memory_ui(ui: &mut Ui, state: &State) {
     stale_ui(ui, state);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         for (index, (memory, camera)) in cameras.iter().zip(&scene.cameras).enumerate() {
-            let figure =
-                format!("{}  {}", text::bytes(bytes(memory)), text::percent(bytes(memory), total));
+            let figure = format!("{}  {}", text::bytes(bytes(memory)), text::percent(bytes(memory), total));
             let share = bytes(memory) as f32 / total.max(1) as f32;
             share_ui(ui, &camera.name, &figure, share, colormap::camera(index)).on_hover_text(format!(
                 "{} samples. Stored for several frames: {}, for one: {}.",
