@@ -122,8 +122,8 @@ pub(super) enum Command {
     Palette(Option<Palette>),
     /// Open or close the sheet of keys.
     CheatSheet(bool),
-    /// Show this callout of the first run next.
-    Callout(usize),
+    /// The introduction of the first run was read.
+    Introduced,
     /// Neither close nor open something else.
     Stay,
     /// Close, or open something else, whatever is lost by it.

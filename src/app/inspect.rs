@@ -57,7 +57,7 @@ impl OverlookApp {
             }
             Command::Palette(palette) => state.inspector.palette = palette,
             Command::CheatSheet(open) => state.inspector.cheat_sheet = open,
-            Command::Callout(next) => state.inspector.callout = next,
+            Command::Introduced => state.inspector.introduced = true,
             Command::Stay => {
                 state.inspector.closing.asks = false;
                 state.asks_to_open = None;

@@ -124,7 +124,7 @@ impl OverlookApp {
         let dock = Memory::load(storage).restore(&mut state);
         if storage.is_none() {
             // Nothing can be remembered, so that it would be a first run every time.
-            state.inspector.callout = panels::CALLOUTS;
+            state.inspector.introduced = true;
         }
         let mut app = Self {
             state,

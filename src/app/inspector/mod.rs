@@ -108,8 +108,8 @@ pub(crate) struct Inspector {
     pub palette: Option<Palette>,
     /// Whether the sheet of keys is open.
     pub cheat_sheet: bool,
-    /// The callout of the first run that is next; beyond the last there is none.
-    pub callout: usize,
+    /// Whether the introduction of the first run was read.
+    pub introduced: bool,
     /// The settings of the store that was saved last of the open capture, at first those that it was opened with.
     pub saved: Option<Settings>,
     /// What stands between the person and closing the window.

@@ -151,7 +151,7 @@ fn entries(state: &State) -> Vec<Entry> {
         ("Dark theme", "", Command::Dark(true)),
         ("Reset layout", "", Command::ResetLayout),
         ("Show the keys", "?", Command::CheatSheet(true)),
-        ("Skip the introduction", "", Command::Callout(super::CALLOUTS)),
+        ("Skip the introduction", "", Command::Introduced),
     ] {
         let changes_thresholds =
             matches!(command, Command::Undo | Command::Redo | Command::ResetAll | Command::SwitchSettings);
