@@ -11,11 +11,11 @@
 
 pub mod limits;
 pub mod machine;
-pub mod measure;
+mod measure;
 mod preprocess_stages;
 mod render_stages;
-pub mod report;
-pub mod scene;
+mod report;
+mod scene;
 
 use rayon::ThreadPool;
 

@@ -53,7 +53,7 @@ impl Scene {
     /// # Errors
     /// `Cancelled`, and what recording and pruning give.
     pub fn new(size: (u32, u32), job: &Job) -> Result<Self> {
-        let (demo, capture) = recorded(SCENE, FRAMES, size, job)?;
+        let (demo, capture) = recorded(size, job)?;
         let mut settings = Settings::default();
         let pruned = one_span(&inspect_frame(&capture, None, &settings, 0, job)?.samples);
         settings.pruning.method = PruningMethod::Off;
@@ -126,23 +126,20 @@ impl Scene {
     }
 }
 
-/// A built-in scene all of whose frames are traced and stay in memory.
-///
-/// # Errors
-/// `Cancelled`, and `Invalid` where there is no such scene.
-pub fn recorded(scene: &str, frames: usize, size: (u32, u32), job: &Job) -> Result<(Demo, Capture)> {
+/// The built-in scene, all of whose frames are traced and stay in memory.
+fn recorded(size: (u32, u32), job: &Job) -> Result<(Demo, Capture)> {
     let spec = DemoSpec {
-        scene: scene.to_owned(),
+        scene: SCENE.to_owned(),
         cameras: None,
-        frames: Some(frames),
+        frames: Some(FRAMES),
         size: Some(size),
         noise: None,
     };
     let demo = Demo::new(&spec)?;
     let capture = demo.capture(&CaptureSettings { cache: 4096 });
     let cameras = capture.cameras.len();
-    job.start("Recording the scene", cameras * frames);
-    (0..cameras * frames).into_par_iter().try_for_each(|index| {
+    job.start("Recording the scene", cameras * FRAMES);
+    (0..cameras * FRAMES).into_par_iter().try_for_each(|index| {
         job.check()?;
         capture.frame(index % cameras, index / cameras)?;
         job.advance(1);
@@ -236,7 +233,7 @@ mod tests {
     use super::*;
     const SIZE: (u32, u32) = (96, 64);
 
-    static SCENE: LazyLock<Scene> = LazyLock::new(scene);
+    static SMALL: LazyLock<Scene> = LazyLock::new(scene);
 
     fn scene() -> Scene {
         Scene::new(SIZE, &Job::new()).unwrap()
@@ -244,7 +241,7 @@ mod tests {
 
     #[test]
     fn two_scenes_are_the_same() {
-        let (a, b) = (&*SCENE, scene());
+        let (a, b) = (&*SMALL, scene());
         for (a, b) in [(&a.unpruned, &b.unpruned), (&a.pruned, &b.pruned), (&a.split, &b.split)] {
             assert_eq!(a.images, b.images);
         }
@@ -253,7 +250,7 @@ mod tests {
 
     #[test]
     fn every_pixel_of_nine_cameras_is_a_sample_and_pruning_drops_some() {
-        let scene = &*SCENE;
+        let scene = &*SMALL;
         assert_eq!(scene.unpruned.sample_count(), 9 * 96 * 64);
         assert!(scene.unpruned.images.is_sorted_by_key(|image| image.camera));
         assert!(scene.pruned.sample_count() < scene.unpruned.sample_count());
@@ -263,7 +260,7 @@ mod tests {
 
     #[test]
     fn the_split_set_shows_the_same_samples_at_every_frame_and_moves_on_a_tenth_of_the_picture() {
-        let scene = &*SCENE;
+        let scene = &*SMALL;
         for frame in 0..FRAMES {
             let at_frame: Vec<_> = scene.split.images_at(frame).collect();
             let samples: usize = at_frame.iter().map(|image| image.len()).sum();
@@ -288,7 +285,7 @@ mod tests {
 
     #[test]
     fn the_scene_fills_the_picture() {
-        let scene = &*SCENE;
+        let scene = &*SMALL;
         for vantage in scene.vantages(SIZE, 0) {
             let settings = RenderSettings::default();
             let (picture, _) =
