@@ -18,6 +18,7 @@ const RECENT: usize = 8;
 /// taking everything else with it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
+#[expect(clippy::struct_excessive_bools, reason = "switches that the window has, each by its name")]
 pub(super) struct Memory {
     dark: bool,
     recent: Vec<PathBuf>,

@@ -84,10 +84,13 @@ struct Bench<'a> {
     job: &'a Job,
 }
 
+/// Does a piece of work over and over, with the threads of the current pool.
+type Measure<T> = Box<dyn Fn(&Bench<'_>) -> Result<T> + Send + Sync>;
+
 /// Something to measure, with the threads of the current pool; its stages are measured together.
 struct Case {
     names: Vec<String>,
-    measure: Box<dyn Fn(&Bench<'_>) -> Result<Vec<Measured>> + Send + Sync>,
+    measure: Measure<Vec<Measured>>,
 }
 
 /// Measures the stages and the machine's limits.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::measure::{Times, repeat};
 use super::report::Measured;
-use super::{Bench, Case};
+use super::{Bench, Case, Measure};
 use crate::capture::Frame;
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -35,7 +35,7 @@ type Stage = (Times, u64, u64);
 
 /// Every stage before painting.
 pub(super) fn cases() -> Vec<Case> {
-    let one = |name: &str, measure: Box<dyn Fn(&Bench<'_>) -> Result<Stage> + Send + Sync>| {
+    let one = |name: &str, measure: Measure<Stage>| {
         let stage = name.to_owned();
         let measured = move |bench: &Bench<'_>| {
             let (times, samples, bytes) = measure(bench)?;

@@ -20,10 +20,10 @@ use crate::render::{CpuRenderer, Vantage};
 use crate::settings::{CaptureSettings, PruningMethod, RenderSettings, Settings};
 
 /// The built-in scene that is measured.
-pub const SCENE: &str = "nine-cameras";
+pub(super) const SCENE: &str = "nine-cameras";
 
 /// Frames that are recorded; the spans of the sets run over all of them.
-pub const FRAMES: usize = 3;
+pub(super) const FRAMES: usize = 3;
 
 /// Share of the picture from [`Scene::vantages`] that shows foreground in [`Scene::split`].
 const FOREGROUND_SHARE: f64 = 0.1;
@@ -34,16 +34,16 @@ const SIDE_STEP_M: f64 = 1e-6;
 
 /// Seeded input for every stage.
 #[derive(Debug)]
-pub struct Scene {
+pub(super) struct Scene {
     /// All frames, traced and in memory.
-    pub capture: Capture,
+    pub(super) capture: Capture,
     /// Every pixel of every camera at one frame, in camera order.
-    pub unpruned: Arc<SampleSet>,
+    pub(super) unpruned: Arc<SampleSet>,
     /// What default settings keep of it.
-    pub pruned: Arc<SampleSet>,
+    pub(super) pruned: Arc<SampleSet>,
     /// The unpruned set with the samples of a part of the scene in spans of one frame; it covers a tenth of the picture from
     /// [`Scene::vantages`], and is seen by about a tenth of the samples.
-    pub split: Arc<SampleSet>,
+    pub(super) split: Arc<SampleSet>,
     home: Camera,
 }
 
@@ -52,7 +52,7 @@ impl Scene {
     ///
     /// # Errors
     /// `Cancelled`, and what recording and pruning give.
-    pub fn new(size: (u32, u32), job: &Job) -> Result<Self> {
+    pub(super) fn new(size: (u32, u32), job: &Job) -> Result<Self> {
         let (demo, capture) = recorded(size, job)?;
         let mut settings = Settings::default();
         let pruned = one_span(&inspect_frame(&capture, None, &settings, 0, job)?.samples);
@@ -114,7 +114,7 @@ impl Scene {
     /// A place between the cameras from which the scene fills the picture, as a picture of `size` at `frame`; and one so
     /// close beside it that it shows the same.
     #[must_use]
-    pub fn vantages(&self, size: (u32, u32), frame: usize) -> [Vantage; 2] {
+    pub(super) fn vantages(&self, size: (u32, u32), frame: usize) -> [Vantage; 2] {
         let home = self.home.intrinsics;
         let angle_x_rad = 2.0 * (f64::from(home.width) / (2.0 * home.fx)).atan();
         [0.0, SIDE_STEP_M].map(|step| {
