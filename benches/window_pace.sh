@@ -24,7 +24,7 @@ sleep 12
 say "skip the introduction"
 say "set render.backend to cpu"
 say "run a sweep"
-say "count frame times anew"
+say "log and reset frame times"
 end=$((SECONDS + seconds))
 while [ $SECONDS -lt $end ]; do
     say "rerun"
@@ -38,8 +38,8 @@ while [ $SECONDS -lt $end ]; do
 done
 say "open view: speed and accuracy"
 [ -z "${PICTURE:-}" ] || import -window root "$PICTURE"
-say "count frame times anew"
+say "log and reset frame times"
 sleep 1
 kill $program
 wait $program 2>/dev/null || true
-grep "own work" "$folder/log" | tail -n 1 | grep . || { echo "the window did not tell; its log:"; cat "$folder/log"; exit 1; }
+grep "frame times," "$folder/log" | tail -n 1 | grep . || { echo "the window did not tell; its log:"; cat "$folder/log"; exit 1; }

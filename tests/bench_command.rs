@@ -54,7 +54,6 @@ fn every_stage_is_measured_with_one_thread_and_with_all_and_held_against_a_limit
     assert_eq!(document["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(document["samples"], 9 * 160 * 120);
     assert!(document["machine"]["threads_available"].as_u64().unwrap() >= 1);
-    assert!(document["machine"]["simd"].is_array());
 
     let limits = document["limits"].as_array().unwrap();
     let threads: Vec<_> = limits.iter().map(|limit| limit["threads"].as_u64().unwrap()).collect();
@@ -103,14 +102,12 @@ fn painting_says_what_it_painted_and_a_still_vantage_keeps_its_background() {
         assert!(name(stage).ends_with(&size), "{stage}");
         assert!((0.9..=1.0).contains(&positive(stage, "coverage")), "{stage}");
         assert!((6.0..32.0).contains(&positive(stage, "bytes_per_sample")), "{stage}");
-        positive(stage, "fraction_of_same_size_limit");
         let still = name(stage).contains("still-vantage");
         assert_eq!(stage["background_reused"], still, "{stage}");
         assert_eq!(stage.get("speedup_over_full_repaint").is_some(), still);
         let share = positive(stage, "samples") / document["samples"].as_f64().unwrap();
         if still {
             positive(stage, "speedup_over_full_repaint");
-            assert!((0.01..0.5).contains(&positive(stage, "foreground_of_picture")), "{stage}");
             assert!((0.05..0.2).contains(&share), "{share} of the samples change");
         } else if !name(stage).contains("/pruned/") {
             assert_eq!(share, 1.0, "{stage}");

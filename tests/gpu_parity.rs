@@ -358,22 +358,6 @@ fn an_image_is_sent_to_the_adapter_once_and_ahead_of_its_frame() {
 }
 
 #[test]
-fn stages_are_timed_where_the_adapter_has_a_clock() {
-    let Some(mut gpu) = gpu() else { return };
-    let samples = samples(&moving_capture());
-    on_gpu(&mut gpu, &samples, &novel(), 0, Kernel::Block);
-    on_gpu(&mut gpu, &samples, &novel(), 1, Kernel::Block);
-    let times = gpu.stage_milliseconds();
-    if times.is_empty() {
-        skip(None, &format!("nothing was timed: {} has no clock", gpu.adapter_name()));
-        return;
-    }
-    let names: Vec<_> = times.iter().map(|(name, _)| *name).collect();
-    assert_eq!(names, ["surface", "blend", "resolve"]);
-    assert!(times.iter().all(|(_, milliseconds)| milliseconds.is_finite() && *milliseconds >= 0.0));
-}
-
-#[test]
 fn a_picture_that_cannot_be_painted_is_refused_and_the_next_one_is_painted() {
     let Some(mut gpu) = gpu() else { return };
     let samples = samples(&moving_capture());

@@ -122,8 +122,8 @@ pub(super) enum Command {
     Palette(Option<Palette>),
     /// Open or close the sheet of keys.
     CheatSheet(bool),
-    /// Show this callout of the first run next.
-    Callout(usize),
+    /// The introduction of the first run was read.
+    Introduced,
     /// Neither close nor open something else.
     Stay,
     /// Close, or open something else, whatever is lost by it.
@@ -150,8 +150,8 @@ pub(super) enum Command {
     Disturbance(String),
     /// Put these settings on.
     TakeSettings(Box<Settings>),
-    /// Count frame times anew.
-    ClearMeter,
+    /// Write frame times into the program's log, and count them anew.
+    LogFrameTimes,
     /// Close a message.
     Dismiss(u64),
 }

@@ -40,13 +40,11 @@ pub(super) enum View {
     Path,
     /// What happened.
     Log,
-    /// What the window itself costs.
-    Meter,
 }
 
 impl View {
     /// Every view, in the order of the menu.
-    pub(super) const ALL: [Self; 15] = [
+    pub(super) const ALL: [Self; 14] = [
         Self::Source,
         Self::Live,
         Self::Compare,
@@ -61,7 +59,6 @@ impl View {
         Self::Stability,
         Self::Path,
         Self::Log,
-        Self::Meter,
     ];
 
     /// Its name on its tab.
@@ -81,7 +78,6 @@ impl View {
             Self::Stability => "Stability",
             Self::Path => "Camera path",
             Self::Log => "Log",
-            Self::Meter => "Meter",
         }
     }
 
@@ -95,14 +91,13 @@ impl View {
             Self::Cameras => "Every camera with its kept share, and where it sees the pixel.",
             Self::Matrix => "Which camera's samples stand for whose.",
             Self::Time => "For how many frames samples are stored, and when.",
-            Self::Memory => "Which cameras and spans take the memory.",
+            Self::Memory => "How much memory the samples of each camera take.",
             Self::Thresholds => "What counts as redundant, and how what is left is painted.",
             Self::Report => "What was pruned, by which rule and for which camera.",
             Self::Tradeoff => "What each setting costs, and how close it comes to the truth.",
             Self::Stability => "When accuracy breaks under disturbances.",
             Self::Path => "A camera path: set keys, play it, export it as pictures.",
             Self::Log => "What happened, in order.",
-            Self::Meter => "What the window's own work takes of each frame.",
         }
     }
 
@@ -324,10 +319,10 @@ mod tests {
     #[test]
     fn a_layout_survives_being_saved_and_nonsense_gives_the_first_one() {
         let mut dock = Dock::new();
-        dock.open(View::Meter);
+        dock.open(View::Tradeoff);
         let again = Dock::from_json(&dock.to_json());
-        assert!(again.holds(View::Meter));
-        assert!(!Dock::from_json("{").holds(View::Meter) && Dock::from_json("{").holds(View::Live));
+        assert!(again.holds(View::Tradeoff));
+        assert!(!Dock::from_json("{").holds(View::Tradeoff) && Dock::from_json("{").holds(View::Live));
     }
 
     #[test]

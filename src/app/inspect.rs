@@ -43,11 +43,10 @@ impl OverlookApp {
                 }
             }
             Command::ShowPointIn(camera) => self.show_point_in(camera),
-            Command::ClearMeter => {
-                if let Some(times) = state.inspector.meter.times() {
-                    log::info!("the window's own work, {times}");
+            Command::LogFrameTimes => {
+                if let Some(times) = std::mem::take(&mut state.inspector.meter).summary() {
+                    log::info!("frame times, {times}");
                 }
-                state.inspector.meter.clear();
             }
             Command::Compare(look) => {
                 let before = &state.inspector.compare;
@@ -58,7 +57,7 @@ impl OverlookApp {
             }
             Command::Palette(palette) => state.inspector.palette = palette,
             Command::CheatSheet(open) => state.inspector.cheat_sheet = open,
-            Command::Callout(next) => state.inspector.callout = next,
+            Command::Introduced => state.inspector.introduced = true,
             Command::Stay => {
                 state.inspector.closing.asks = false;
                 state.asks_to_open = None;

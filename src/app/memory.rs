@@ -18,6 +18,7 @@ const RECENT: usize = 8;
 /// taking everything else with it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
+#[expect(clippy::struct_excessive_bools, reason = "switches that the window has, each by its name")]
 pub(super) struct Memory {
     dark: bool,
     recent: Vec<PathBuf>,
@@ -28,7 +29,7 @@ pub(super) struct Memory {
     frames_per_second: f32,
     show_cameras: bool,
     layout: String,
-    callout: usize,
+    introduced: bool,
     presets: Vec<(String, String)>,
 }
 
@@ -43,7 +44,7 @@ impl Default for Memory {
             frames_per_second: 24.0,
             show_cameras: true,
             layout: String::new(),
-            callout: 0,
+            introduced: false,
             presets: Vec::new(),
         }
     }
@@ -67,7 +68,7 @@ impl Memory {
             frames_per_second: state.timeline.frames_per_second,
             show_cameras: state.live.show_cameras,
             layout: dock.to_json(),
-            callout: state.inspector.callout,
+            introduced: state.inspector.introduced,
             presets: (state.inspector.presets.iter())
                 .map(|(name, settings)| (name.clone(), settings.to_toml()))
                 .collect(),
@@ -90,7 +91,7 @@ impl Memory {
         state.inspector.history.slot = if self.is_b_on { Slot::B } else { Slot::A };
         state.timeline.frames_per_second = self.frames_per_second.clamp(1.0, 120.0);
         state.live.show_cameras = self.show_cameras;
-        state.inspector.callout = self.callout;
+        state.inspector.introduced = self.introduced;
         state.inspector.presets = (self.presets.into_iter())
             .filter_map(|(name, text)| Some((name, Settings::from_toml(&text, "preset").ok()?)))
             .collect();

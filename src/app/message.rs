@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::inspector::compare::CompareKey;
 use super::inspector::difference::Comparison;
 use super::inspector::histograms::Histogram;
-use super::inspector::memory_map::Block;
+use super::inspector::memory_map::CameraMemory;
 use super::inspector::path::Exported;
 use super::inspector::probe::{Probed, Spot};
 use super::paths::Destination;
@@ -79,7 +79,7 @@ pub(super) enum Message {
     /// Two pictures of one place, or why there are none.
     Compared { key: Box<CompareKey>, outcome: Result<Comparison, String> },
     /// What takes the memory.
-    MemoryMapped { scene: u64, blocks: Vec<Block> },
+    MemoryMapped { scene: u64, cameras: Vec<CameraMemory> },
     /// A file is written; `bytes` where it is a store, `holds` where that holds what was pruned of a scene, by which settings.
     Saved { path: PathBuf, bytes: Option<u64>, holds: Option<(u64, Settings)> },
     /// A point of a sweep, and how many are known, of how many.

@@ -50,7 +50,6 @@ use crate::settings::Settings;
 use command::Command;
 use dock::Dock;
 use inspector::meter::Stopwatch;
-pub use inspector::meter::{Figures, FrameTimes};
 use lanes::Lanes;
 use memory::Memory;
 use message::Message;
@@ -125,7 +124,7 @@ impl OverlookApp {
         let dock = Memory::load(storage).restore(&mut state);
         if storage.is_none() {
             // Nothing can be remembered, so that it would be a first run every time.
-            state.inspector.callout = panels::CALLOUTS;
+            state.inspector.introduced = true;
         }
         let mut app = Self {
             state,
@@ -202,12 +201,6 @@ impl OverlookApp {
     #[must_use]
     pub fn live_position(&self) -> Option<[f64; 3]> {
         self.state.live.rig.as_ref().map(|rig| rig.world_from_camera.translation.to_array())
-    }
-
-    /// What the window's own work took of the last frames; `None` before the first.
-    #[must_use]
-    pub fn frame_times(&self) -> Option<FrameTimes> {
-        self.state.inspector.meter.times()
     }
 
     /// Index of the camera whose picture the source view shows.

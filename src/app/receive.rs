@@ -70,7 +70,7 @@ impl OverlookApp {
             }
             Message::Histograms { histograms, .. } => state.inspector.histograms = histograms,
             Message::Compared { key, outcome } => self.compared(&key, outcome, ctx),
-            Message::MemoryMapped { blocks, .. } => state.inspector.memory = Some(blocks),
+            Message::MemoryMapped { cameras, .. } => state.inspector.memory = Some(cameras),
             Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
             Message::Swept { point, known, .. } => state.inspector.charts.add(*point, known),
             Message::Stressed { point, known, .. } => state.inspector.charts.add_stressed(*point, known),

@@ -266,7 +266,7 @@ fn leaves_time_alone(command: &Command) -> bool {
             | Command::Home
             | Command::ColorBy(_)
             | Command::ShowCameras(_)
-            | Command::Callout(_)
+            | Command::Introduced
             | Command::Dark(_)
     )
 }

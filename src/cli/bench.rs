@@ -59,20 +59,18 @@ fn text(report: &SpeedReport) -> String {
     let mut text = machine_line(&report.machine);
     let _ = write!(
         text,
-        "\n{} samples of nine cameras, {} after pruning; {:.0} % fall in the picture",
+        "\n{} samples of nine cameras, {} after pruning",
         output::count(report.samples),
-        output::count(report.samples_pruned),
-        100.0 * report.samples_in_picture
+        output::count(report.samples_pruned)
     );
-    let _ = write!(
-        text,
-        "\n\n{:>7} {:>10} {:>11} {:>16} {:>16}",
-        "threads", "read GB/s", "picture", "scatter M/s", "in camera order"
-    );
+    let _ = write!(text, "\n\n{:>7} {:>10} {:>12}", "threads", "read GB/s", "scatter M/s");
     for limit in &report.limits {
-        limit_lines(&mut text, limit);
+        let Limit { threads, read_gb_per_s, scatter_mpts_per_s, .. } = limit;
+        let _ = write!(text, "\n{threads:>7} {read_gb_per_s:>10.1} {scatter_mpts_per_s:>12.0}");
     }
-    text.push_str(&gpu_line(&report.limits));
+    if let Some(copy) = report.limits.last().and_then(|limit| limit.gpu_copy_gb_per_s) {
+        let _ = write!(text, "\nthe graphics adapter copies {copy:.1} GB/s of its memory");
+    }
     let _ = write!(
         text,
         "\n\n{:<44} {:>7} {:>10} {:>8} {:>9} {:>18} {:>7} {:>7}",
@@ -86,44 +84,13 @@ fn text(report: &SpeedReport) -> String {
 
 fn machine_line(machine: &Machine) -> String {
     format!(
-        "{} ({} {}), {} threads, {}; stages use {}",
+        "{} ({} {}), {} threads; stages use {} instructions",
         machine.cpu.as_deref().unwrap_or("unknown processor"),
         machine.os,
         machine.arch,
         machine.threads_available,
-        if machine.simd.is_empty() {
-            "vector instructions unknown".to_owned()
-        } else {
-            machine.simd.join(" ")
-        },
         machine.instructions
     )
-}
-
-/// The adapter's own limit, where it was measured.
-fn gpu_line(limits: &[Limit]) -> String {
-    let copy = limits.last().and_then(|limit| limit.gpu_copy_gb_per_s);
-    copy.map_or_else(String::new, |copy| {
-        format!("\nthe graphics adapter copies {copy:.1} GB/s of its memory")
-    })
-}
-
-/// One line per size of picture; threads and reading on the first.
-fn limit_lines(text: &mut String, limit: &Limit) {
-    for (index, scatter) in limit.scatter.iter().enumerate() {
-        let (threads, read) = if index == 0 {
-            (limit.threads.to_string(), format!("{:.1}", limit.read_gb_per_s))
-        } else {
-            (String::new(), String::new())
-        };
-        let _ = write!(
-            text,
-            "\n{threads:>7} {read:>10} {:>11} {:>16.0} {:>16.0}",
-            format!("{}×{}", scatter.width, scatter.height),
-            scatter.random_mpts_per_s,
-            scatter.camera_order_mpts_per_s
-        );
-    }
 }
 
 fn stage_lines(text: &mut String, stage: &StageSpeed) {
@@ -147,14 +114,9 @@ fn stage_lines(text: &mut String, stage: &StageSpeed) {
         stage.repeats
     );
     if let Some(painting) = &stage.painting
-        && let (Some(speedup), Some(foreground)) =
-            (painting.speedup_over_full_repaint, painting.foreground_of_picture)
+        && let Some(speedup) = painting.speedup_over_full_repaint
     {
-        let _ = write!(
-            text,
-            "   {speedup:.1} × faster than painting all anew; foreground on {:.0} % of the picture",
-            100.0 * foreground
-        );
+        let _ = write!(text, "   {speedup:.1} × faster than painting all anew");
     }
 }
 

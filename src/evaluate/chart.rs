@@ -6,7 +6,7 @@
 //!
 //! Text is set in a typeface that the program brings along: no machine needs fonts.
 
-mod axis;
+pub(crate) mod axis;
 mod pareto;
 mod stress;
 mod svg;

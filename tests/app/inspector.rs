@@ -67,9 +67,9 @@ fn views_open_from_the_menu_and_the_layout_is_reset() {
     for (view, holds) in [
         ("Matrix", "Who stands for whom"),
         ("Time", "Span map"),
-        ("Memory", "Memory map"),
+        ("Memory", "of samples in memory"),
+        ("Stability", "No stress test yet"),
         ("Log", "Pruned the capture"),
-        ("Meter", "Frame times"),
         ("Report", "What was redundant, and why"),
     ] {
         open_view(&mut window, view);
@@ -78,7 +78,7 @@ fn views_open_from_the_menu_and_the_layout_is_reset() {
     click(&mut window, "Views");
     click(&mut window, "Reset layout");
     settle(&mut window);
-    assert!(shows(&window, "No pixel is looked at") && window.query_by_label("Meter").is_none());
+    assert!(shows(&window, "No pixel is looked at") && window.query_by_label("Stability").is_none());
 }
 
 #[test]
@@ -258,7 +258,7 @@ fn a_sweep_draws_its_points_as_they_come_and_is_cancelled() {
 }
 
 #[test]
-fn a_store_has_no_map_of_memory_and_says_why() {
+fn a_store_has_no_memory_by_camera_and_says_why() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);

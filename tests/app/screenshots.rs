@@ -5,7 +5,6 @@ use super::driver::{
     Window, choose, click, demo, drag, look_at, open, open_view, pick, save_store, settle, wait,
 };
 use egui_kittest::kittest::Queryable;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{GrayImage, RgbImage, RgbaImage};
 use std::collections::HashMap;
 
@@ -36,10 +35,7 @@ const LARGEST: usize = 250_000;
 /// Small files: 256 colors, the window's own among them.
 fn save(picture: RgbaImage, path: &std::path::Path) {
     let (indices, palette) = indexed(&image::DynamicImage::ImageRgba8(picture).to_rgb8());
-    let mut bytes = Vec::new();
-    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::NoFilter);
-    indices.write_with_encoder(encoder).unwrap();
-    let bytes = with_palette(&bytes, &palette);
+    let bytes = with_palette(&indices, &palette);
     assert!(bytes.len() <= LARGEST, "{} would have {} bytes", path.display(), bytes.len());
     std::fs::write(path, bytes).unwrap();
 }
@@ -95,17 +91,16 @@ fn indexed(picture: &RgbImage) -> (GrayImage, Vec<[u8; 3]>) {
     (indices, palette)
 }
 
-/// A gray PNG of eight bits with its values made indices into a palette: the same bytes but for the kind of color.
-fn with_palette(gray: &[u8], palette: &[[u8; 3]]) -> Vec<u8> {
-    let chunk = |kind: &[u8], body: &[u8]| {
-        let checked = [kind, body].concat();
-        let length = (body.len() as u32).to_be_bytes();
-        [&length[..], &checked, &crc32fast::hash(&checked).to_be_bytes()].concat()
-    };
-    // The signature has 8 bytes; the header after it 4 of length, 4 of kind, 13 of its own, 4 of checksum.
-    let mut header = gray[16..29].to_vec();
-    header[9] = 3;
-    [&gray[..8], &chunk(b"IHDR", &header), &chunk(b"PLTE", palette.as_flattened()), &gray[33..]].concat()
+/// A PNG of 8-bit indices into a palette.
+fn with_palette(indices: &GrayImage, palette: &[[u8; 3]]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, indices.width(), indices.height());
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_palette(palette.as_flattened());
+    encoder.set_compression(png::Compression::High);
+    encoder.set_filter(png::Filter::NoFilter);
+    encoder.write_header().unwrap().write_image_data(indices).unwrap();
+    bytes
 }
 
 /// A picture holds something where it has many colors and no single one covers it all.
@@ -226,9 +221,6 @@ fn the_window_shows_that_it_is_loading_and_what_went_wrong() {
 fn a_picture_of_few_colors_comes_back_from_its_palette_as_it_was() {
     let picture = RgbImage::from_fn(40, 30, |x, y| image::Rgb([x as u8 * 6, 7 * (y as u8 % 4), 200]));
     let (indices, palette) = indexed(&picture);
-    let mut bytes = Vec::new();
-    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::NoFilter);
-    indices.write_with_encoder(encoder).unwrap();
-    let read = image::load_from_memory(&with_palette(&bytes, &palette)).unwrap().to_rgb8();
+    let read = image::load_from_memory(&with_palette(&indices, &palette)).unwrap().to_rgb8();
     assert_eq!(read, picture);
 }

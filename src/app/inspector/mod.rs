@@ -35,7 +35,7 @@ use compare::{CompareKey, Compared, Comparer};
 use compare_look::{CompareLook, Place};
 use histograms::Histogram;
 use history::{History, Slot};
-use memory_map::Block;
+use memory_map::CameraMemory;
 use meter::Meter;
 use path::{CameraPath, ExportRequest};
 use presets::OwnPreset;
@@ -85,7 +85,7 @@ pub(crate) struct Inspector {
     /// Every camera small, in the capture's order; empty before the first.
     pub thumbs: Vec<TextureHandle>,
     /// What takes the memory, largest first; `None` before it was asked for.
-    pub memory: Option<Vec<Block>>,
+    pub memory: Option<Vec<CameraMemory>>,
     /// The quantities that thresholds cut; empty before the first.
     pub histograms: Vec<Histogram>,
     /// Settings as they were.
@@ -108,8 +108,8 @@ pub(crate) struct Inspector {
     pub palette: Option<Palette>,
     /// Whether the sheet of keys is open.
     pub cheat_sheet: bool,
-    /// The callout of the first run that is next; beyond the last there is none.
-    pub callout: usize,
+    /// Whether the introduction of the first run was read.
+    pub introduced: bool,
     /// The settings of the store that was saved last of the open capture, at first those that it was opened with.
     pub saved: Option<Settings>,
     /// What stands between the person and closing the window.
@@ -204,12 +204,12 @@ impl InspectorLanes {
                 Ok(Message::Probed { scene: key.scene.id, spot: key.spot, probed, is_hole })
             })?,
             memory: Lane::start(
-                "Memory map",
+                "Memory by camera",
                 Supersede::Never,
                 outbox.clone(),
                 |(scene, samples): (u64, Arc<SampleSet>), _| {
-                    let blocks = memory_map::blocks(&samples);
-                    Ok(Message::MemoryMapped { scene, blocks })
+                    let cameras = memory_map::by_camera(&samples);
+                    Ok(Message::MemoryMapped { scene, cameras })
                 },
             )?,
             histograms: Lane::start(

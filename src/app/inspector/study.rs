@@ -6,7 +6,6 @@ use super::super::message::Message;
 use super::super::scene::{Content, Scene};
 use super::super::worker::Outbox;
 use super::charts::Study;
-use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::evaluate::stress::{self, StressPoint};
 use crate::evaluate::sweep::{self, Point};
@@ -50,44 +49,25 @@ pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result
     }
     let truth = if known { Truth::Views(truth.clone()) } else { Truth::HoldOut };
     match request.study {
-        Study::Sweep => run_sweep(&scene, capture, &truth, request, outbox, job)?,
-        Study::Stress => run_stress(&scene, capture, &truth, request, outbox, job)?,
+        Study::Sweep => {
+            let mut plan = sweep::Plan::standard(&request.settings, capture);
+            plan.done = request.known;
+            let of = plan.trials.len();
+            sweep::run(capture, &plan, &truth, job, |point, known| {
+                let point = Box::new(point.clone());
+                outbox.send(Message::Swept { scene: scene.id, point, known: (known, of) });
+            })?;
+        }
+        Study::Stress => {
+            let mut plan = stress::Plan::standard(&request.settings);
+            plan.frames = Some(FRAMES);
+            plan.done = request.known_stress;
+            stress::run(capture, &plan, &truth, job, |point, known| {
+                outbox.send(Message::Stressed { scene: scene.id, point: Box::new(point.clone()), known });
+            })?;
+        }
     }
     Ok(Message::Studied)
-}
-
-fn run_sweep(
-    scene: &Scene,
-    capture: &Capture,
-    truth: &Truth,
-    request: StudyRequest,
-    outbox: &Outbox,
-    job: &Job,
-) -> Result<()> {
-    let mut plan = sweep::Plan::standard(&request.settings, capture);
-    plan.done = request.known;
-    let of = plan.trials.len();
-    sweep::run(capture, &plan, truth, job, |point, known| {
-        outbox.send(Message::Swept { scene: scene.id, point: Box::new(point.clone()), known: (known, of) });
-    })?;
-    Ok(())
-}
-
-fn run_stress(
-    scene: &Scene,
-    capture: &Capture,
-    truth: &Truth,
-    request: StudyRequest,
-    outbox: &Outbox,
-    job: &Job,
-) -> Result<()> {
-    let mut plan = stress::Plan::standard(&request.settings);
-    plan.frames = Some(FRAMES);
-    plan.done = request.known_stress;
-    stress::run(capture, &plan, truth, job, |point, known| {
-        outbox.send(Message::Stressed { scene: scene.id, point: Box::new(point.clone()), known });
-    })?;
-    Ok(())
 }
 
 /// Frames that a stress test in the window looks at: enough for what moves to move.

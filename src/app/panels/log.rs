@@ -1,10 +1,8 @@
-//! What happened, in order; and what the window's own work takes.
+//! What happened, in order.
 
-use egui::{Align2, Rect, RichText, ScrollArea, Sense, Ui, pos2};
+use egui::{RichText, ScrollArea, Ui};
 use egui_material_icons::icons::ICON_NOTES;
 
-use super::super::command::Command;
-use super::super::inspector::meter::{BUDGET_MS, Figures};
 use super::super::state::{NoticeKind, State};
 use super::super::theme::Tokens;
 use super::empty_ui;
@@ -38,67 +36,4 @@ pub(super) fn log_ui(ui: &mut Ui, state: &State) {
             });
         }
     });
-}
-
-/// The meter.
-pub(super) fn meter_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let tokens = Tokens::in_ui(ui);
-    let Some(times) = state.inspector.meter.times() else { return };
-    ui.horizontal(|ui| {
-        if ui.button("Start over").clicked() {
-            commands.push(Command::ClearMeter);
-        }
-        ui.vertical(|ui| {
-            ui.spacing_mut().item_spacing.y = 2.0;
-            let line = |ui: &mut Ui, what: &str, figures: &Figures, help: &str| {
-                let words = RichText::new(format!("{what}: {figures}")).small();
-                ui.add(egui::Label::new(words).truncate()).on_hover_text(help);
-            };
-            line(
-                ui,
-                "Time passed",
-                &times.wall,
-                "Time that passes in logic() and ui() on the thread that draws; painting by the graphics driver comes after \
-                 it.",
-            );
-            if let Some(cpu) = &times.cpu {
-                line(
-                    ui,
-                    "Processor time",
-                    cpu,
-                    "The part of it in which a processor worked for this thread; in the rest others held the processors.",
-                );
-            }
-        });
-    });
-    let size = ui.available_size();
-    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Frame times"));
-    let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 4.0, tokens.background);
-    let scale = rect.height() / (BUDGET_MS * 1.5);
-    let budget = rect.bottom() - BUDGET_MS * scale;
-    painter.hline(rect.x_range(), budget, egui::Stroke::new(1.0, tokens.warning));
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    painter.text(
-        pos2(rect.left() + 4.0, budget - 2.0),
-        Align2::LEFT_BOTTOM,
-        format!("{BUDGET_MS} ms"),
-        font,
-        tokens.warning,
-    );
-    // The latest frames, as many as bars of two points have room for.
-    let step = 2.0;
-    let bars = (rect.width() / step) as usize;
-    let first = times.wall.frames.saturating_sub(bars);
-    for (index, ms) in state.inspector.meter.wall_ms().skip(first).enumerate() {
-        let left = rect.left() + index as f32 * step;
-        let top = (rect.bottom() - ms * scale).max(rect.top());
-        let color = if ms > BUDGET_MS { tokens.error } else { tokens.accent };
-        painter.rect_filled(
-            Rect::from_min_max(pos2(left, top), pos2(left + step, rect.bottom())),
-            0.0,
-            color,
-        );
-    }
 }

@@ -61,7 +61,7 @@ pub(super) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
     notices::notices_ui(ui.ctx(), state, commands);
     path_field::path_field_ui(ui.ctx(), state, commands);
     presets::naming_ui(ui.ctx(), state, commands);
-    welcome::callouts_ui(ui.ctx(), state, commands);
+    welcome::introduction_ui(ui.ctx(), state, commands);
     palette::palette_ui(ui.ctx(), state, commands);
     palette::cheat_sheet_ui(ui.ctx(), state, commands);
     welcome::closing_ui(ui.ctx(), state, commands);
@@ -85,7 +85,6 @@ pub(super) fn view_ui(ui: &mut egui::Ui, view: View, state: &State, commands: &m
         View::Thresholds => settings_ui::settings_ui(ui, state, commands),
         View::Report => report::report_ui(ui, state),
         View::Log => log::log_ui(ui, state),
-        View::Meter => log::meter_ui(ui, state, commands),
     }
 }
 
@@ -118,9 +117,6 @@ fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>
         }
     });
 }
-
-/// Callouts of the first run.
-pub(super) const CALLOUTS: usize = welcome::COUNT;
 
 fn drop_hint_ui(ui: &egui::Ui) {
     if ui.ctx().input(|input| input.raw.hovered_files.is_empty()) {

@@ -145,13 +145,13 @@ fn entries(state: &State) -> Vec<Entry> {
         ("Rerun", "", Command::Rerun),
         ("Run a sweep", "", Command::Study(Study::Sweep)),
         ("Run a stress test", "", Command::Study(Study::Stress)),
-        ("Count frame times anew", "", Command::ClearMeter),
+        ("Log and reset frame times", "", Command::LogFrameTimes),
         ("Cancel", "Esc", Command::Cancel),
         ("Light theme", "", Command::Dark(false)),
         ("Dark theme", "", Command::Dark(true)),
         ("Reset layout", "", Command::ResetLayout),
         ("Show the keys", "?", Command::CheatSheet(true)),
-        ("Skip the introduction", "", Command::Callout(super::CALLOUTS)),
+        ("Skip the introduction", "", Command::Introduced),
     ] {
         let changes_thresholds =
             matches!(command, Command::Undo | Command::Redo | Command::ResetAll | Command::SwitchSettings);

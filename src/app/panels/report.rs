@@ -120,7 +120,13 @@ fn rules_ui(ui: &mut Ui, report: &Report) {
 }
 
 /// A name, a figure, and a bar of the share below them.
-fn share_ui(ui: &mut Ui, name: &str, figure: &str, share: f32, color: egui::Color32) -> egui::Response {
+pub(super) fn share_ui(
+    ui: &mut Ui,
+    name: &str,
+    figure: &str,
+    share: f32,
+    color: egui::Color32,
+) -> egui::Response {
     let tokens = Tokens::in_ui(ui);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 28.0), Sense::hover());
     let painter = ui.painter();

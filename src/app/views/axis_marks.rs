@@ -5,9 +5,10 @@ use std::ops::RangeInclusive;
 use egui_plot::GridMark;
 
 use super::super::text;
+use crate::evaluate::chart::axis::{multiples, round_steps};
 
 /// Marks that are aimed at.
-const MARKS: f64 = 6.0;
+const MARKS: usize = 6;
 
 /// Marks of a logarithmic axis are at least so far apart, in parts of what is aimed at.
 const ROOM: f64 = 0.9;
@@ -18,7 +19,7 @@ const WIDE: f64 = 8.0;
 /// Marks between `low` and `high`, which for a logarithmic axis are decimal logarithms.
 pub(super) fn marks((low, high): (f64, f64), log: bool) -> Vec<GridMark> {
     // All of them equally strong.
-    let step_size = (high - low) / MARKS;
+    let step_size = (high - low) / MARKS as f64;
     if !(step_size.is_finite() && step_size > 0.0) {
         return Vec::new();
     }
@@ -36,7 +37,7 @@ pub(super) fn marks((low, high): (f64, f64), log: bool) -> Vec<GridMark> {
         values.filter(|value| *value > 0.0).map(f64::log10).filter(has_room).collect()
     } else {
         let decades = low.floor() as i32..=high.ceil() as i32;
-        let whole = high - low > MARKS / 2.0;
+        let whole = high - low > MARKS as f64 / 2.0;
         let factors: &[f64] = if whole { &[1.0] } else { &[1.0, 2.0, 5.0] };
         decades
             .flat_map(|decade| factors.iter().map(move |factor| f64::from(decade) + factor.log10()))
@@ -55,24 +56,12 @@ pub(super) fn label(mark: GridMark, range: &RangeInclusive<f64>, log: bool) -> S
         return text::significant(value);
     }
     // A step of a power of ten may have come out a little smaller.
-    let decimals = -(round_step(low, high).log10() + 1e-9).floor();
+    let decimals = -(round_steps(low, high, MARKS)[0].log10() + 1e-9).floor();
     format!("{value:.*}", decimals.clamp(0.0, 9.0) as usize)
 }
 
-/// 1, 2 or 5 times a power of ten.
-fn round_step(low: f64, high: f64) -> f64 {
-    let raw = (high - low) / MARKS;
-    let power = 10_f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|step| *step >= raw);
-    step.unwrap_or(10.0 * power)
-}
-
-/// Multiples of 1, 2 or 5 times a power of ten.
 fn round_values(low: f64, high: f64) -> Vec<f64> {
-    let step = round_step(low, high);
-    let first = (low / step).ceil();
-    let values = (0..2 * MARKS as u32).map(|nth| (first + f64::from(nth)) * step);
-    values.take_while(|value| *value <= high).collect()
+    multiples(low, high, round_steps(low, high, MARKS)[0])
 }
 
 #[cfg(test)]

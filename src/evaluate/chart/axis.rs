@@ -64,21 +64,28 @@ impl Axis {
 }
 
 fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
-    let rough = (high - low) / count.max(1) as f64;
-    let power = 10_f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 5.0].into_iter().position(|step| step * power >= rough).unwrap_or(3) + 1;
-    let with = |step: f64| {
-        let first = (low / step).ceil() as i64;
-        let last = (high / step).floor() as i64;
-        (first..=last).map(|index| index as f64 * step).collect::<Vec<_>>()
-    };
-    let ticks = with(power * STEPS[step]);
+    let [step, finer] = round_steps(low, high, count);
+    let ticks = multiples(low, high, step);
     // A single tick gives no scale.
-    if ticks.len() < 2 { with(power * STEPS[step - 1]) } else { ticks }
+    if ticks.len() < 2 { multiples(low, high, finer) } else { ticks }
 }
 
-/// Round steps between two powers of ten, and the one below.
-const STEPS: [f64; 5] = [0.5, 1.0, 2.0, 5.0, 10.0];
+/// The smallest step of 1, 2 or 5 times a power of ten that divides the range into at most `count` parts, and the next
+/// finer one.
+pub(crate) fn round_steps(low: f64, high: f64, count: usize) -> [f64; 2] {
+    const STEPS: [f64; 5] = [0.5, 1.0, 2.0, 5.0, 10.0];
+    let rough = (high - low) / count.max(1) as f64;
+    let power = 10_f64.powf(rough.log10().floor());
+    let step = (1..4).find(|index| STEPS[*index] * power >= rough).unwrap_or(4);
+    [power * STEPS[step], power * STEPS[step - 1]]
+}
+
+/// The multiples of `step` from `low` to `high`, ascending.
+pub(crate) fn multiples(low: f64, high: f64, step: f64) -> Vec<f64> {
+    let first = (low / step).ceil() as i64;
+    let last = (high / step).floor() as i64;
+    (first..=last).map(|index| index as f64 * step).collect()
+}
 
 /// A number without zeros at its end.
 pub(super) fn short(value: f64) -> String {

@@ -63,17 +63,6 @@ pub struct Pair {
     near_silhouettes: Grid<bool>,
 }
 
-/// Errors pixel by pixel, for the eye. Row-major, of the picture's size; 0 where the truth knows nothing.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ErrorMaps {
-    /// Largest difference of the three channels, 8-bit steps.
-    pub absolute_steps: Grid<f32>,
-    /// FLIP difference, 0 to 1.
-    pub flip: Grid<f32>,
-    /// Which pixels lie within 3 px of a step in depth.
-    pub near_silhouettes: Grid<bool>,
-}
-
 impl Pair {
     /// Puts a picture beside its truth.
     ///
@@ -136,20 +125,6 @@ impl Pair {
             silhouette_steps: psnr::mean_squared_error(&self.painted, &self.truth, near)
                 .map(|error| 255.0 * error.sqrt()),
             coverage: if true_count == 0 { 1.0 } else { reached_count as f64 / true_count as f64 },
-        }
-    }
-
-    /// The errors, pixel by pixel.
-    #[must_use]
-    pub fn error_maps(&self) -> ErrorMaps {
-        let (width, height) = self.is_reached.size();
-        let steps = self.painted.iter().zip(&self.truth).map(|(painted, truth)| {
-            (0..3).map(|channel| 255.0 * (painted[channel] - truth[channel]).abs()).fold(0.0, f32::max)
-        });
-        ErrorMaps {
-            absolute_steps: Grid::from_vec(width, height, steps.collect()),
-            flip: self.flip(),
-            near_silhouettes: self.near_silhouettes.clone(),
         }
     }
 
@@ -235,8 +210,6 @@ mod tests {
         let mut other = picture.clone();
         other.color[(3, 0)] = [0.0, 0.5, 0.0];
         assert_eq!(score(&picture, &truth).unwrap(), score(&other, &truth).unwrap());
-        let maps = Pair::new(&other, &truth).unwrap().error_maps();
-        assert_eq!((maps.absolute_steps[(3, 0)], maps.flip[(3, 0)]), (0.0, 0.0));
     }
 
     #[test]

@@ -9,22 +9,22 @@ use crate::job::Job;
 
 /// How often a piece of work is repeated: until there are enough repeats and enough time has passed, or until too much has.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Budget {
+pub(super) struct Budget {
     /// Repeats before the first that counts: they fill caches and touch pages.
-    pub warm_ups: usize,
+    pub(super) warm_ups: usize,
     /// Repeats that are enough.
-    pub repeats: usize,
+    pub(super) repeats: usize,
     /// Repeats below which not even `at_most` ends the measurement.
-    pub fewest: usize,
+    pub(super) fewest: usize,
     /// Time that the repeats take together at least.
-    pub at_least: Duration,
+    pub(super) at_least: Duration,
     /// Time after which no further repeat begins.
-    pub at_most: Duration,
+    pub(super) at_most: Duration,
 }
 
 impl Budget {
     /// For figures that are to be relied on: five repeats and half a second, three seconds at most.
-    pub const FULL: Self = Self {
+    pub(super) const FULL: Self = Self {
         warm_ups: 2,
         repeats: 5,
         fewest: 3,
@@ -33,7 +33,7 @@ impl Budget {
     };
 
     /// To see that everything works: three repeats, however short.
-    pub const QUICK: Self = Self {
+    pub(super) const QUICK: Self = Self {
         warm_ups: 1,
         repeats: 3,
         fewest: 2,
@@ -49,52 +49,52 @@ impl Budget {
 
 /// Wall-clock times of repeats.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Times {
+pub(super) struct Times {
     sorted_ms: Vec<f64>,
 }
 
 impl Times {
     /// Of these milliseconds, in any order.
     #[must_use]
-    pub fn of(mut milliseconds: Vec<f64>) -> Self {
+    pub(super) fn of(mut milliseconds: Vec<f64>) -> Self {
         milliseconds.sort_by(f64::total_cmp);
         Self { sorted_ms: milliseconds }
     }
 
     /// These and the `other` repeats of the same work, as one.
     #[must_use]
-    pub fn and(mut self, other: Self) -> Self {
+    pub(super) fn and(mut self, other: Self) -> Self {
         self.sorted_ms.extend(other.sorted_ms);
         Self::of(self.sorted_ms)
     }
 
     /// How many there are.
     #[must_use]
-    pub fn repeats(&self) -> usize {
+    pub(super) fn repeats(&self) -> usize {
         self.sorted_ms.len()
     }
 
     /// The time that half of the repeats stay below, milliseconds; 0 where there is no repeat.
     #[must_use]
-    pub fn median_ms(&self) -> f64 {
+    pub(super) fn median_ms(&self) -> f64 {
         self.quantile_ms(0.5)
     }
 
     /// How far the middle half of the repeats lies apart (interquartile range), milliseconds.
     #[must_use]
-    pub fn spread_ms(&self) -> f64 {
+    pub(super) fn spread_ms(&self) -> f64 {
         self.quantile_ms(0.75) - self.quantile_ms(0.25)
     }
 
     /// Units a second in millions, at the median.
     #[must_use]
-    pub fn millions_per_s(&self, units: u64) -> f64 {
+    pub(super) fn millions_per_s(&self, units: u64) -> f64 {
         units as f64 / (self.median_ms() * 1e3)
     }
 
     /// Bytes a second in units of 10⁹, at the median.
     #[must_use]
-    pub fn gb_per_s(&self, bytes: u64) -> f64 {
+    pub(super) fn gb_per_s(&self, bytes: u64) -> f64 {
         bytes as f64 / (self.median_ms() * 1e6)
     }
 
@@ -113,7 +113,7 @@ impl Times {
 ///
 /// # Errors
 /// Whatever `work` gives, and `Cancelled` between two repeats.
-pub fn repeat<T>(budget: Budget, job: &Job, mut work: impl FnMut() -> Result<T>) -> Result<Times> {
+pub(super) fn repeat<T>(budget: Budget, job: &Job, mut work: impl FnMut() -> Result<T>) -> Result<Times> {
     for _ in 0..budget.warm_ups {
         job.check()?;
         black_box(work()?);

@@ -11,11 +11,11 @@
 
 pub mod limits;
 pub mod machine;
-pub mod measure;
+mod measure;
 mod preprocess_stages;
 mod render_stages;
-pub mod report;
-pub mod scene;
+mod report;
+mod scene;
 
 use rayon::ThreadPool;
 
@@ -27,8 +27,6 @@ use crate::simd;
 use limits::LimitMeter;
 use machine::Machine;
 use measure::Budget;
-use preprocess_stages::PreprocessCase;
-use render_stages::PaintCase;
 use report::Measured;
 use scene::Scene;
 
@@ -86,26 +84,13 @@ struct Bench<'a> {
     job: &'a Job,
 }
 
-/// Something to measure; its stages are measured together.
-enum Case {
-    Preprocess(PreprocessCase),
-    Paint(PaintCase),
-}
+/// Does a piece of work over and over, with the threads of the current pool.
+type Measure<T> = Box<dyn Fn(&Bench<'_>) -> Result<T> + Send + Sync>;
 
-impl Case {
-    fn names(&self) -> Vec<String> {
-        match self {
-            Self::Preprocess(case) => vec![case.name()],
-            Self::Paint(case) => case.names(),
-        }
-    }
-
-    fn measure(&self, bench: &Bench<'_>) -> Result<Vec<Measured>> {
-        match self {
-            Self::Preprocess(case) => Ok(vec![case.measure(bench)?]),
-            Self::Paint(case) => case.measure(bench),
-        }
-    }
+/// Something to measure, with the threads of the current pool; its stages are measured together.
+struct Case {
+    names: Vec<String>,
+    measure: Measure<Vec<Measured>>,
 }
 
 /// Measures the stages and the machine's limits.
@@ -123,7 +108,8 @@ fn measure_all(options: &Options, job: &Job) -> Result<SpeedReport> {
     let scene = Scene::new(options.camera_size(), job)?;
     let bench = Bench { scene: &scene, budget: options.budget(), job };
     let pools = pools(options.threads)?;
-    let mut limits = LimitMeter::new(&scene, &options.picture_sizes(), options.quick);
+    let pixels = scene.capture.cameras[0].intrinsics.pixel_count();
+    let mut limits = LimitMeter::new(scene.unpruned.sample_count(), pixels, options.quick);
     if backends.contains(&Backend::Gpu) {
         limits.include_gpu(options.quick)?;
     }
@@ -131,36 +117,33 @@ fn measure_all(options: &Options, job: &Job) -> Result<SpeedReport> {
     let mut measured = Vec::new();
     for (index, case) in cases.iter().enumerate() {
         for pool in &pools {
-            job.start(case.names().join(", "), cases.len());
+            job.start(case.names.join(", "), cases.len());
             job.advance(index);
-            measured.extend(pool.install(|| case.measure(&bench))?);
+            for stage in pool.install(|| (case.measure)(&bench))? {
+                measured.push((pool.current_num_threads(), stage));
+            }
         }
     }
     measure_limits(&mut limits, &pools, &bench)?;
-    let limit = |threads| limits.limit(threads);
-    let stages = measured.into_iter().map(|stage| {
-        let limit = limit(stage.threads);
-        stage.against(&limit)
-    });
+    let stages = measured.into_iter().map(|(threads, stage)| stage.against(&limits.limit(threads)));
     Ok(SpeedReport {
         version: env!("CARGO_PKG_VERSION"),
         quick: options.quick,
         machine: Machine::this(),
         samples: scene.unpruned.sample_count(),
         samples_pruned: scene.pruned.sample_count(),
-        samples_in_picture: limits.in_picture(),
-        limits: pools.iter().map(|pool| limit(pool.current_num_threads())).collect(),
+        limits: pools.iter().map(|pool| limits.limit(pool.current_num_threads())).collect(),
         stages: stages.filter(|stage| options.wants(&stage.name)).collect(),
     })
 }
 
 fn wanted_cases(options: &Options, backends: &[Backend]) -> Result<Vec<Case>> {
-    let before_painting = preprocess_stages::cases().into_iter().map(Case::Preprocess);
-    let painting = render_stages::cases(backends, options.picture_sizes()).into_iter().map(Case::Paint);
+    let mut cases = preprocess_stages::cases();
+    cases.extend(render_stages::cases(backends, options.picture_sizes()));
     let (wanted, others): (Vec<Case>, Vec<Case>) =
-        before_painting.chain(painting).partition(|case| case.names().iter().any(|name| options.wants(name)));
+        cases.into_iter().partition(|case| case.names.iter().any(|name| options.wants(name)));
     if wanted.is_empty() {
-        let names: Vec<_> = others.iter().flat_map(Case::names).collect();
+        let names: Vec<_> = others.into_iter().flat_map(|case| case.names).collect();
         return Err(Error::invalid(
             options.only.join(", "),
             format!("is in no stage's name; there are {}", names.join(", ")),
@@ -203,7 +186,7 @@ mod tests {
         let instructions = Instructions::Auto;
         let options = Options { threads: 1, quick: false, backend: Backend::Auto, instructions, only };
         let cases = wanted_cases(&options, &[Backend::Cpu, Backend::Gpu]);
-        cases.unwrap().iter().flat_map(Case::names).collect()
+        cases.unwrap().into_iter().flat_map(|case| case.names).collect()
     }
 
     #[test]

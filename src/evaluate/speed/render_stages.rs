@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use super::Bench;
 use super::measure::repeat;
-use super::report::{Bound, Measured, Painting};
+use super::report::{Measured, Painting};
 use super::scene::{FRAMES, Scene};
+use super::{Bench, Case};
 use crate::error::{Error, Result};
 use crate::preprocess::SampleSet;
 use crate::render::{Renderer, Vantage};
@@ -14,7 +14,7 @@ use crate::settings::{Backend, Kernel, RenderSettings};
 
 /// What is painted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum What {
+enum What {
     /// Every sample of the unpruned set, anew each time.
     Unpruned,
     /// Every sample of the pruned set, anew each time.
@@ -25,16 +25,16 @@ pub(super) enum What {
 
 /// One way to paint one set.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct PaintCase {
-    pub(super) backend: Backend,
-    pub(super) kernel: Kernel,
-    pub(super) what: What,
+struct PaintCase {
+    backend: Backend,
+    kernel: Kernel,
+    what: What,
     /// Columns and rows of the picture.
-    pub(super) size: (u32, u32),
+    size: (u32, u32),
 }
 
 /// Every backend with every kernel over the two sets at both sizes, and over the split set at the second.
-pub(super) fn cases(backends: &[Backend], sizes: [(u32, u32); 2]) -> Vec<PaintCase> {
+pub(super) fn cases(backends: &[Backend], sizes: [(u32, u32); 2]) -> Vec<Case> {
     let mut cases = Vec::new();
     for &backend in backends {
         for &kernel in Kernel::ALL {
@@ -44,7 +44,9 @@ pub(super) fn cases(backends: &[Backend], sizes: [(u32, u32); 2]) -> Vec<PaintCa
             cases.push(PaintCase { backend, kernel, what: What::Frames, size: sizes[1] });
         }
     }
-    cases
+    let case =
+        |case: PaintCase| Case { names: case.names(), measure: Box::new(move |bench| case.measure(bench)) };
+    cases.into_iter().map(case).collect()
 }
 
 /// What one stage paints over and over.
@@ -58,7 +60,7 @@ struct Round<'a> {
 
 impl PaintCase {
     /// The stages that come of it.
-    pub(super) fn names(&self) -> Vec<String> {
+    fn names(&self) -> Vec<String> {
         let whats: &[&str] = match self.what {
             What::Unpruned => &["unpruned"],
             What::Pruned => &["pruned"],
@@ -77,11 +79,11 @@ impl PaintCase {
     ///
     /// # Errors
     /// `Cancelled`, and what painting gives.
-    pub(super) fn measure(&self, bench: &Bench<'_>) -> Result<Vec<Measured>> {
+    fn measure(&self, bench: &Bench<'_>) -> Result<Vec<Measured>> {
         let rounds = self.rounds(bench.scene);
         let mut stages = rounds.map(|round| self.paint(bench, &round)).collect::<Result<Vec<_>>>()?;
         if let [full, still] = stages.as_mut_slice()
-            && let Bound::Scatter(painting) = &mut still.bound
+            && let Some(painting) = &mut still.painting
         {
             painting.speedup_over_full_repaint = Some(full.times.median_ms() / still.times.median_ms());
         }
@@ -129,30 +131,20 @@ impl PaintCase {
         })?;
         let (width, height) = self.size;
         let pixels = f64::from(width) * f64::from(height);
-        let mut foreground = None;
-        if background_reused && let Some(vantage) = round.vantages.first() {
-            let (picture, _) = renderer.render(round.set, vantage, &settings, bench.job)?;
-            let passes = |index: &&u32| {
-                round.set.images.get(**index as usize).is_some_and(|image| image.span.len() == 1)
-            };
-            foreground = Some(picture.image.as_slice().iter().filter(passes).count() as f64 / pixels);
-        }
         Ok(Measured {
             name: round.name.clone(),
             backend: self.backend,
-            threads: rayon::current_num_threads(),
             samples: round.samples,
             times,
-            bound: Bound::Scatter(Painting {
+            bytes: None,
+            painting: Some(Painting {
                 kernel: self.kernel,
                 width,
                 height,
                 coverage: 1.0 - holes as f64 / pixels,
                 bytes_per_sample: round.set.bytes() as f64 / round.set.sample_count().max(1) as f64,
                 background_reused,
-                fraction_of_same_size_limit: 0.0,
                 speedup_over_full_repaint: None,
-                foreground_of_picture: foreground,
             }),
         })
     }

@@ -20,8 +20,6 @@ pub struct SpeedReport {
     pub samples: u64,
     /// Samples of the pruned set.
     pub samples_pruned: u64,
-    /// Share of the unpruned samples that fall in the picture, 0 to 1.
-    pub samples_in_picture: f64,
     /// The machine's limits, by thread count.
     pub limits: Vec<Limit>,
     /// The stages, in the order in which they were measured; a name and a thread count occur once together.
@@ -88,65 +86,37 @@ pub struct Painting {
     pub bytes_per_sample: f64,
     /// Whether the samples that outlast the frame came from a cache.
     pub background_reused: bool,
-    /// Samples a second as a share of scattering random points into a picture of this very size.
-    pub fraction_of_same_size_limit: f64,
     /// How many times faster this is than painting all samples of the same set, with the same threads.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speedup_over_full_repaint: Option<f64>,
-    /// Share of the picture whose nearest sample belongs to the foreground, 0 to 1, where only that is painted: so many of the
-    /// pixels have to be painted again at least.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub foreground_of_picture: Option<f64>,
 }
 
 /// A stage that was measured, before the limits are known.
 pub(super) struct Measured {
     pub(super) name: String,
     pub(super) backend: Backend,
-    pub(super) threads: usize,
     pub(super) samples: u64,
     pub(super) times: Times,
-    pub(super) bound: Bound,
-}
-
-/// What a measured stage will be held against.
-pub(super) enum Bound {
-    /// Reading memory.
-    Read {
-        /// See [`StageSpeed::bytes`].
-        bytes: u64,
-    },
-    /// Scattering; the painting's own fraction is not known yet.
-    Scatter(Painting),
+    /// See [`StageSpeed::bytes`].
+    pub(super) bytes: Option<u64>,
+    pub(super) painting: Option<Painting>,
 }
 
 impl Measured {
     /// Holds the stage against the limits at its thread count.
     pub(super) fn against(self, limit: &Limit) -> StageSpeed {
         let mpts_per_s = self.times.millions_per_s(self.samples);
-        let (kind, limit_value, reached) = match &self.bound {
-            Bound::Scatter(painting)
-                if let (Backend::Gpu, Some(copy)) = (self.backend, limit.gpu_copy_gb_per_s) =>
-            {
-                let gb_per_s = mpts_per_s * painting.bytes_per_sample * 1e-3;
-                (LimitKind::Copy, copy, gb_per_s)
+        let (kind, limit_value, reached) = match (&self.painting, self.bytes, limit.gpu_copy_gb_per_s) {
+            (Some(painting), _, Some(copy)) if self.backend == Backend::Gpu => {
+                (LimitKind::Copy, copy, mpts_per_s * painting.bytes_per_sample * 1e-3)
             }
-            Bound::Read { bytes } => (LimitKind::Read, limit.read_gb_per_s, self.times.gb_per_s(*bytes)),
-            Bound::Scatter(_) => (LimitKind::Scatter, limit.scatter_mpts_per_s, mpts_per_s),
-        };
-        let (bytes, painting) = match self.bound {
-            Bound::Read { bytes } => (Some(bytes), None),
-            Bound::Scatter(painting) => {
-                let same_size =
-                    limit.scatter_at(painting.width, painting.height).unwrap_or(limit.scatter_mpts_per_s);
-                let fraction_of_same_size_limit = mpts_per_s / same_size;
-                (None, Some(Painting { fraction_of_same_size_limit, ..painting }))
-            }
+            (None, Some(bytes), _) => (LimitKind::Read, limit.read_gb_per_s, self.times.gb_per_s(bytes)),
+            _ => (LimitKind::Scatter, limit.scatter_mpts_per_s, mpts_per_s),
         };
         StageSpeed {
             name: self.name,
             backend: self.backend,
-            threads: self.threads,
+            threads: limit.threads,
             samples: self.samples,
             median_ms: self.times.median_ms(),
             spread_ms: self.times.spread_ms(),
@@ -155,67 +125,8 @@ impl Measured {
             limit: kind,
             limit_value,
             fraction_of_limit: reached / limit_value,
-            bytes,
-            painting,
+            bytes: self.bytes,
+            painting: self.painting,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::evaluate::speed::limits::ScatterLimit;
-
-    fn limit() -> Limit {
-        let of_size = |width, height, random_mpts_per_s| ScatterLimit {
-            width,
-            height,
-            random_mpts_per_s,
-            camera_order_mpts_per_s: 1000.0,
-        };
-        Limit {
-            threads: 2,
-            read_gb_per_s: 10.0,
-            scatter_mpts_per_s: 500.0,
-            scatter_camera_order_mpts_per_s: 1000.0,
-            gpu_copy_gb_per_s: None,
-            scatter: vec![of_size(640, 480, 500.0), of_size(1280, 720, 200.0)],
-        }
-    }
-
-    fn measured(bound: Bound) -> StageSpeed {
-        let measured = Measured {
-            name: "stage".to_owned(),
-            backend: Backend::Cpu,
-            threads: 2,
-            samples: 1_000_000,
-            times: Times::of(vec![10.0]),
-            bound,
-        };
-        measured.against(&limit())
-    }
-
-    #[test]
-    fn painting_is_a_share_of_scattering() {
-        let stage = measured(Bound::Scatter(Painting {
-            kernel: Kernel::Point,
-            width: 1280,
-            height: 720,
-            coverage: 1.0,
-            bytes_per_sample: 10.0,
-            background_reused: false,
-            fraction_of_same_size_limit: 0.0,
-            speedup_over_full_repaint: None,
-            foreground_of_picture: None,
-        }));
-        assert_eq!((stage.mpts_per_s, stage.limit_value, stage.fraction_of_limit), (100.0, 500.0, 0.2));
-        assert_eq!(stage.painting.unwrap().fraction_of_same_size_limit, 0.5);
-    }
-
-    #[test]
-    fn reading_is_a_share_of_the_memorys_bytes() {
-        let stage = measured(Bound::Read { bytes: 20_000_000 });
-        assert_eq!((stage.mpts_per_s, stage.limit_value, stage.fraction_of_limit), (100.0, 10.0, 0.2));
-        assert_eq!((stage.bytes, stage.painting), (Some(20_000_000), None));
     }
 }

@@ -20,10 +20,10 @@ use crate::render::{CpuRenderer, Vantage};
 use crate::settings::{CaptureSettings, PruningMethod, RenderSettings, Settings};
 
 /// The built-in scene that is measured.
-pub const SCENE: &str = "nine-cameras";
+pub(super) const SCENE: &str = "nine-cameras";
 
 /// Frames that are recorded; the spans of the sets run over all of them.
-pub const FRAMES: usize = 3;
+pub(super) const FRAMES: usize = 3;
 
 /// Share of the picture from [`Scene::vantages`] that shows foreground in [`Scene::split`].
 const FOREGROUND_SHARE: f64 = 0.1;
@@ -34,16 +34,16 @@ const SIDE_STEP_M: f64 = 1e-6;
 
 /// Seeded input for every stage.
 #[derive(Debug)]
-pub struct Scene {
+pub(super) struct Scene {
     /// All frames, traced and in memory.
-    pub capture: Capture,
+    pub(super) capture: Capture,
     /// Every pixel of every camera at one frame, in camera order.
-    pub unpruned: Arc<SampleSet>,
+    pub(super) unpruned: Arc<SampleSet>,
     /// What default settings keep of it.
-    pub pruned: Arc<SampleSet>,
+    pub(super) pruned: Arc<SampleSet>,
     /// The unpruned set with the samples of a part of the scene in spans of one frame; it covers a tenth of the picture from
     /// [`Scene::vantages`], and is seen by about a tenth of the samples.
-    pub split: Arc<SampleSet>,
+    pub(super) split: Arc<SampleSet>,
     home: Camera,
 }
 
@@ -52,8 +52,8 @@ impl Scene {
     ///
     /// # Errors
     /// `Cancelled`, and what recording and pruning give.
-    pub fn new(size: (u32, u32), job: &Job) -> Result<Self> {
-        let (demo, capture) = recorded(SCENE, FRAMES, size, job)?;
+    pub(super) fn new(size: (u32, u32), job: &Job) -> Result<Self> {
+        let (demo, capture) = recorded(size, job)?;
         let mut settings = Settings::default();
         let pruned = one_span(&inspect_frame(&capture, None, &settings, 0, job)?.samples);
         settings.pruning.method = PruningMethod::Off;
@@ -114,7 +114,7 @@ impl Scene {
     /// A place between the cameras from which the scene fills the picture, as a picture of `size` at `frame`; and one so
     /// close beside it that it shows the same.
     #[must_use]
-    pub fn vantages(&self, size: (u32, u32), frame: usize) -> [Vantage; 2] {
+    pub(super) fn vantages(&self, size: (u32, u32), frame: usize) -> [Vantage; 2] {
         let home = self.home.intrinsics;
         let angle_x_rad = 2.0 * (f64::from(home.width) / (2.0 * home.fx)).atan();
         [0.0, SIDE_STEP_M].map(|step| {
@@ -126,17 +126,14 @@ impl Scene {
     }
 }
 
-/// A built-in scene all of whose frames are traced and stay in memory.
-///
-/// # Errors
-/// `Cancelled`, and `Invalid` where there is no such scene.
-pub fn recorded(scene: &str, frames: usize, size: (u32, u32), job: &Job) -> Result<(Demo, Capture)> {
-    let spec = DemoSpec::new(scene).frames(frames).size(size);
+/// The built-in scene, all of whose frames are traced and stay in memory.
+fn recorded(size: (u32, u32), job: &Job) -> Result<(Demo, Capture)> {
+    let spec = DemoSpec::new(SCENE).frames(FRAMES).size(size);
     let demo = Demo::new(&spec)?;
     let capture = demo.capture(&CaptureSettings { cache: 4096 });
     let cameras = capture.cameras.len();
-    job.start("Recording the scene", cameras * frames);
-    (0..cameras * frames).into_par_iter().try_for_each(|index| {
+    job.start("Recording the scene", cameras * FRAMES);
+    (0..cameras * FRAMES).into_par_iter().try_for_each(|index| {
         job.check()?;
         capture.frame(index % cameras, index / cameras)?;
         job.advance(1);
@@ -230,7 +227,7 @@ mod tests {
     use super::*;
     const SIZE: (u32, u32) = (96, 64);
 
-    static SCENE: LazyLock<Scene> = LazyLock::new(scene);
+    static SMALL: LazyLock<Scene> = LazyLock::new(scene);
 
     fn scene() -> Scene {
         Scene::new(SIZE, &Job::new()).unwrap()
@@ -238,7 +235,7 @@ mod tests {
 
     #[test]
     fn two_scenes_are_the_same() {
-        let (a, b) = (&*SCENE, scene());
+        let (a, b) = (&*SMALL, scene());
         for (a, b) in [(&a.unpruned, &b.unpruned), (&a.pruned, &b.pruned), (&a.split, &b.split)] {
             assert_eq!(a.images, b.images);
         }
@@ -247,7 +244,7 @@ mod tests {
 
     #[test]
     fn every_pixel_of_nine_cameras_is_a_sample_and_pruning_drops_some() {
-        let scene = &*SCENE;
+        let scene = &*SMALL;
         assert_eq!(scene.unpruned.sample_count(), 9 * 96 * 64);
         assert!(scene.unpruned.images.is_sorted_by_key(|image| image.camera));
         assert!(scene.pruned.sample_count() < scene.unpruned.sample_count());
@@ -257,7 +254,7 @@ mod tests {
 
     #[test]
     fn the_split_set_shows_the_same_samples_at_every_frame_and_moves_on_a_tenth_of_the_picture() {
-        let scene = &*SCENE;
+        let scene = &*SMALL;
         for frame in 0..FRAMES {
             let at_frame: Vec<_> = scene.split.images_at(frame).collect();
             let samples: usize = at_frame.iter().map(|image| image.len()).sum();
@@ -282,7 +279,7 @@ mod tests {
 
     #[test]
     fn the_scene_fills_the_picture() {
-        let scene = &*SCENE;
+        let scene = &*SMALL;
         for vantage in scene.vantages(SIZE, 0) {
             let settings = RenderSettings::default();
             let (picture, _) =

@@ -35,7 +35,7 @@ pub struct SharedDevice {
 pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
     wgpu::DeviceDescriptor {
         label: Some("overlook"),
-        required_features: wanted_features() & adapter.features(),
+        required_features: wide_atomics() & adapter.features(),
         required_limits: adapter.limits(),
         ..Default::default()
     }
@@ -43,10 +43,6 @@ pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'sta
 
 fn wide_atomics() -> wgpu::Features {
     wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX
-}
-
-fn wanted_features() -> wgpu::Features {
-    wide_atomics() | wgpu::Features::TIMESTAMP_QUERY
 }
 
 /// Whether something with these limits can run all stages.
@@ -66,8 +62,6 @@ pub(super) struct Context {
     pub(super) adapter: wgpu::AdapterInfo,
     /// Whether keys can be raised by one 64-bit maximum.
     pub(super) has_wide_atomics: bool,
-    /// Nanoseconds of a tick, where stages can be timed.
-    pub(super) tick_ns: Option<f32>,
     /// Whether a window draws with the same device.
     pub(super) is_shared: bool,
     /// The first failure that no guard saw.
@@ -152,9 +146,7 @@ impl Context {
 
     fn around(adapter: wgpu::AdapterInfo, device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let features = device.features();
-        let timed = features.contains(wgpu::Features::TIMESTAMP_QUERY);
         let context = Self {
-            tick_ns: timed.then(|| queue.get_timestamp_period()),
             has_wide_atomics: features.contains(wide_atomics()),
             device,
             queue,

@@ -11,9 +11,9 @@ use bytemuck::{Pod, Zeroable};
 use wgpu::BufferUsages as Usage;
 use wgpu::util::DeviceExt;
 
-use super::clock::StageClock;
 use super::context::Context;
 use super::pipelines::pipeline;
+use super::recorder::compute_pass;
 use super::shaders;
 use super::target::{Target, read_words};
 use crate::error::Result;
@@ -94,7 +94,6 @@ impl Display {
         &mut self,
         context: &Context,
         target: &Target,
-        clock: &mut StageClock,
         mut encoder: wgpu::CommandEncoder,
         pattern: &HolePattern,
     ) -> Result<(ScreenTexture, u64)> {
@@ -132,14 +131,13 @@ impl Display {
             layout: &self.layout,
             entries: &entries,
         });
-        let mut pass = clock.pass(&mut encoder, "display");
+        let mut pass = compute_pass(&mut encoder, "display");
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
         let groups = |pixels: usize| pixels.div_ceil(GROUP) as u32;
         pass.dispatch_workgroups(groups(target.width), groups(target.height), 1);
         drop(pass);
         encoder.copy_buffer_to_buffer(&holes, 0, &readback, 0, 4);
-        clock.record_readback(&mut encoder);
         context.queue.submit([encoder.finish()]);
         let holes = read_words(context, &readback, |words| u64::from(words[0]))?;
         Ok((texture, holes))

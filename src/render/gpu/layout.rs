@@ -167,73 +167,32 @@ mod tests {
     #[test]
     fn structs_lie_in_memory_as_shaders_read_them() {
         let module = naga::front::wgsl::parse_str(&shaders::GATHER.source()).unwrap();
-        assert_same_layout!(
-            &module,
-            "Stage",
-            GpuStage,
-            width,
-            height,
-            kernel,
-            step,
-            first_tile,
-            tile_count,
-            piece_count,
-            surface_ratio,
-            first_ray,
-            lasting_tiles,
-            ray_across,
-            entries_at,
-            ray_down,
-            all_tiles,
-            pruned,
-            padding_0,
-            padding_1,
-            padding_2
-        );
-        assert_same_layout!(
-            &module,
-            "View",
-            GpuView,
-            source_from_target,
-            offset_in_world,
-            tolerance,
-            width,
-            height,
-            cells_across,
-            first_cell
-        );
-        assert_same_layout!(
-            &module, "Piece", GpuPiece, first_tile, camera, image, page, tiles_at, low_at, high_at, color_at
-        );
-        assert_same_layout!(
-            &module,
-            "Projector",
-            GpuProjector,
-            first_pixel,
-            focal_ratio,
-            per_column,
-            per_footprint,
-            per_row,
-            padding_0,
-            origin,
-            padding_1
-        );
+        assert_same_layout! {
+            &module, "Stage", GpuStage,
+            width, height, kernel, step, first_tile, tile_count, piece_count, surface_ratio, first_ray,
+            lasting_tiles, ray_across, entries_at, ray_down, all_tiles, pruned, padding_0, padding_1, padding_2
+        }
+        assert_same_layout! {
+            &module, "View", GpuView,
+            source_from_target, offset_in_world, tolerance, width, height, cells_across, first_cell
+        }
+        assert_same_layout! {
+            &module, "Piece", GpuPiece,
+            first_tile, camera, image, page, tiles_at, low_at, high_at, color_at
+        }
+        assert_same_layout! {
+            &module, "Projector", GpuProjector,
+            first_pixel, focal_ratio, per_column, per_footprint, per_row, padding_0, origin, padding_1
+        }
     }
 
     #[test]
     fn what_the_display_stage_reads_lies_as_it_expects() {
         let module = naga::front::wgsl::parse_str(&shaders::DISPLAY.source()).unwrap();
-        assert_same_layout!(
-            &module,
-            "Display",
-            GpuDisplay,
-            width,
-            height,
-            stripe,
-            padding,
-            hole,
-            hole_stripe
-        );
+        assert_same_layout! {
+            &module, "Display", GpuDisplay,
+            width, height, stripe, padding, hole, hole_stripe
+        }
         assert_eq!(constant(&module, "NO_IMAGE"), crate::render::NO_IMAGE);
     }
 

@@ -12,7 +12,6 @@
 //! sums and divide by other means than the CPU does: a sample's position and depth may differ in the last bits, and where it
 //! stood on the border of a pixel, so may the pixel. `tests/gpu_parity.rs` says how much of that is let pass.
 
-mod clock;
 mod context;
 mod copy;
 mod display;
@@ -42,7 +41,6 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::SampleSet;
 use crate::settings::{Fill, Kernel, RenderSettings};
-use clock::StageClock;
 use context::Context;
 use display::Display;
 use memory::SampleMemory;
@@ -76,7 +74,6 @@ pub struct GpuRenderer {
     memory: SampleMemory,
     target: Option<Target>,
     background: Option<Background>,
-    clock: StageClock,
     display: Option<Display>,
 }
 
@@ -126,10 +123,9 @@ impl GpuRenderer {
 
     fn on(context: Context, options: &GpuOptions) -> Result<Self> {
         let one_pass = options.wide_atomics && context.has_wide_atomics;
-        let (pipelines, clock) =
-            context.guarded(|| Ok((Pipelines::new(&context, one_pass), StageClock::new(&context)?)))?;
+        let pipelines = context.guarded(|| Ok(Pipelines::new(&context, one_pass)))?;
         let memory = SampleMemory::new(&context, options.sample_bytes);
-        Ok(Self { context, pipelines, memory, target: None, background: None, clock, display: None })
+        Ok(Self { context, pipelines, memory, target: None, background: None, display: None })
     }
 
     /// The adapter's name.
@@ -148,12 +144,6 @@ impl GpuRenderer {
     #[must_use]
     pub fn has_wide_atomics(&self) -> bool {
         self.pipelines.one_pass
-    }
-
-    /// Stages of the last picture, in order, with their milliseconds; empty where the adapter has no clock.
-    #[must_use]
-    pub fn stage_milliseconds(&self) -> &[(&'static str, f64)] {
-        self.clock.milliseconds()
     }
 
     /// Bytes of samples sent to the adapter so far.
@@ -213,9 +203,8 @@ impl GpuRenderer {
     ) -> Result<(Arc<Picture>, RenderStats)> {
         let started = Instant::now();
         let (mut picture, mut stats) =
-            self.paint(samples, vantage, settings, job, |context, target, clock, mut encoder| {
+            self.paint(samples, vantage, settings, job, |context, target, mut encoder| {
                 target.record_readback(&mut encoder);
-                clock.record_readback(&mut encoder);
                 context.queue.submit([encoder.finish()]);
                 target.read(context)
             })?;
@@ -246,8 +235,8 @@ impl GpuRenderer {
             Some(display) => display,
             None => self.context.guarded(|| Ok(Display::new(&self.context)))?,
         };
-        let shown = self.paint(samples, vantage, settings, job, |context, target, clock, encoder| {
-            display.show(context, target, clock, encoder, holes)
+        let shown = self.paint(samples, vantage, settings, job, |context, target, encoder| {
+            display.show(context, target, encoder, holes)
         });
         self.display = Some(display).filter(|_| !matches!(shown, Err(Error::Gpu { .. })));
         let ((texture, holes), stats) = shown?;
@@ -262,7 +251,7 @@ impl GpuRenderer {
         vantage: &Vantage,
         settings: &RenderSettings,
         job: &Job,
-        finish: impl FnOnce(&Context, &Target, &mut StageClock, wgpu::CommandEncoder) -> Result<T>,
+        finish: impl FnOnce(&Context, &Target, wgpu::CommandEncoder) -> Result<T>,
     ) -> Result<(T, RenderStats)> {
         check(samples, vantage)?;
         job.check()?;
@@ -274,24 +263,21 @@ impl GpuRenderer {
             settings: settings.clone(),
         };
         let reused = self.background.take().as_ref().is_some_and(|background| background.is(&wanted));
-        let Self { context, pipelines, memory, target, clock, .. } = self;
+        let Self { context, pipelines, memory, target, .. } = self;
         let context = &*context;
         let result = context.guarded(|| {
             let target = target_for(target, context, pipelines, &vantage.camera, settings)?;
             let scene = Scene::new(context, pipelines, memory, target, (&frame, &vantage.camera, settings))?;
             job.check()?;
-            clock.start();
             let mut encoder =
                 context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let mut recorder = Recorder { pipelines, scene: &scene, target, clock, encoder: &mut encoder };
+            let mut recorder = Recorder { pipelines, scene: &scene, target, encoder: &mut encoder };
             if !reused {
-                recorder.paint(0, &["background surface", "background blend"]);
+                recorder.paint(0);
             }
-            recorder.paint(1, &["surface", "blend"]);
+            recorder.paint(1);
             recorder.resolve();
-            let result = finish(context, target, clock, encoder)?;
-            clock.read(context)?;
-            Ok(result)
+            finish(context, target, encoder)
         });
         let result = result.inspect_err(|error| {
             // What was to be kept may be what failed: memory that ran out is an unusable buffer from then on.

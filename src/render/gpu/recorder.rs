@@ -1,6 +1,5 @@
 //! The stages of one picture, in the order in which they run.
 
-use super::clock::StageClock;
 use super::layout::GROUPS_ACROSS;
 use super::pipelines::Pipelines;
 use super::scene::Scene;
@@ -12,17 +11,16 @@ pub(super) struct Recorder<'a> {
     pub(super) pipelines: &'a Pipelines,
     pub(super) scene: &'a Scene,
     pub(super) target: &'a Target,
-    pub(super) clock: &'a mut StageClock,
     pub(super) encoder: &'a mut wgpu::CommandEncoder,
 }
 
 impl Recorder<'_> {
     /// Paints a layer: surface, then blend where the kernel blends.
-    pub(super) fn paint(&mut self, layer: usize, names: &[&'static str; 2]) {
+    pub(super) fn paint(&mut self, layer: usize) {
         let buffers = &self.target.layers[layer];
         self.encoder.clear_buffer(&buffers.keys, 0, None);
         let tiles = self.scene.tile_counts[layer];
-        let mut pass = self.clock.pass(self.encoder, names[0]);
+        let mut pass = compute_pass(self.encoder, "surface");
         pass.set_pipeline(&self.pipelines.surface);
         pass.set_bind_group(1, &buffers.group, &[]);
         for step in 0..if self.pipelines.one_pass { 1 } else { 2 } {
@@ -32,7 +30,7 @@ impl Recorder<'_> {
         drop(pass);
         if self.target.blends {
             self.encoder.clear_buffer(&buffers.sums, 0, None);
-            let mut pass = self.clock.pass(self.encoder, names[1]);
+            let mut pass = compute_pass(self.encoder, "blend");
             pass.set_pipeline(&self.pipelines.blend);
             pass.set_bind_group(0, &self.scene.group, &[Scene::stage_offset(layer, 0)]);
             pass.set_bind_group(1, &buffers.group, &[]);
@@ -47,20 +45,25 @@ impl Recorder<'_> {
             let blocks = |pixels: usize| pixels.div_ceil(BLOCK) as u32;
             let stages = [("silhouette", &self.pipelines.silhouette), ("gather", &self.pipelines.gather)];
             for (name, pipeline) in stages {
-                let mut pass = self.clock.pass(self.encoder, name);
+                let mut pass = compute_pass(self.encoder, name);
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(0, &self.scene.group, &stage);
                 pass.set_bind_group(1, gather_group, &[]);
                 pass.dispatch_workgroups(blocks(self.target.width), blocks(self.target.height), 1);
             }
         } else {
-            let mut pass = self.clock.pass(self.encoder, "resolve");
+            let mut pass = compute_pass(self.encoder, "resolve");
             pass.set_pipeline(&self.pipelines.resolve);
             pass.set_bind_group(0, &self.scene.group, &stage);
             pass.set_bind_group(1, &self.target.resolve_group, &[]);
             dispatch(&mut pass, self.target.pixels().div_ceil(256) as u32);
         }
     }
+}
+
+/// Begins the pass of the stage of this name.
+pub(super) fn compute_pass<'a>(encoder: &'a mut wgpu::CommandEncoder, name: &str) -> wgpu::ComputePass<'a> {
+    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes: None })
 }
 
 /// Starts so many workgroups, in rows that one dimension can hold.
