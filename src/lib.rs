@@ -36,19 +36,19 @@
 //! *Vantage*: a virtual camera at a frame.
 #![warn(clippy::unwrap_used, clippy::expect_used)]
 
+pub mod app;
+pub mod capture;
+pub mod cli;
 pub mod color;
+pub mod demo;
 pub mod error;
+pub mod evaluate;
 pub mod grid;
 pub mod job;
-pub mod settings;
-mod simd;
-mod whole_file;
-
-pub mod capture;
-pub mod evaluate;
 pub mod preprocess;
 pub mod render;
+pub mod samples;
+pub mod settings;
+mod simd;
 pub mod store;
-
-pub mod app;
-pub mod cli;
+mod whole_file;

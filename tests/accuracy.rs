@@ -6,8 +6,9 @@ use overlook::capture::transforms::{open, open_views};
 use overlook::capture::{Capture, View};
 use overlook::evaluate::{Compared, compare, evaluate};
 use overlook::job::Job;
-use overlook::preprocess::normal_errors::NormalErrors;
-use overlook::preprocess::{Report, preprocess, prune, scan};
+use overlook::preprocess::diagnostics::Report;
+use overlook::preprocess::normals::NormalErrors;
+use overlook::preprocess::{preprocess, prune, scan};
 use overlook::settings::{CaptureSettings, Kernel, RenderSettings, Settings};
 
 #[test]

@@ -6,7 +6,7 @@ mod skip;
 use std::collections::BTreeSet;
 use std::process::{Command, Output};
 
-use overlook::render::{AdapterChoice, GpuRenderer};
+use overlook::render::gpu::{AdapterChoice, GpuRenderer};
 use overlook::settings::Kernel;
 use serde_json::Value;
 use skip::skip;

@@ -8,8 +8,8 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
 use overlook::error::Result;
 use overlook::job::Job;
-use overlook::preprocess::residuals::doubts::{Doubt, doubts};
-use overlook::preprocess::{Report, inspect_frame, preprocess, scan};
+use overlook::preprocess::diagnostics::{Doubt, Report, doubts};
+use overlook::preprocess::{inspect_frame, preprocess, scan};
 use overlook::settings::{NormalSource, PruningMethod, Settings};
 use scene::{Scene, Sphere, arc};
 

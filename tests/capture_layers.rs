@@ -144,7 +144,7 @@ fn a_name_that_ends_in_a_number_may_lack_its_extension() {
     folder.put("front/frame.0001.exr", &common::plain(flat(2.0)));
     let capture = folder.open(json!({}), &[entry("front/frame.0001", "a", 0)]);
     assert_eq!(seen(capture).1, 0.5);
-    let places = transforms::picture_places(&folder.path("")).unwrap();
+    let places = overlook::capture::transforms::picture_places(&folder.path("")).unwrap();
     assert!(places.contains(&folder.path("front/frame.0001.exr")), "{places:?}");
     let missing = folder.open(json!({}), &[entry("front/frame.0002", "a", 0)]).map(drop).unwrap_err();
     assert!(missing.to_string().contains("frame.0002 is missing"), "{missing}");

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use half::f16;
-use overlook::capture::demo::{Demo, DemoSpec, MAX_CAMERAS, MAX_FRAMES, SCENES};
 use overlook::capture::{Camera, Capture, Frame};
 use overlook::color::steps_from_linear;
+use overlook::demo::{Demo, DemoSpec, MAX_CAMERAS, MAX_FRAMES, SCENES};
 use overlook::preprocess::noise::{Noise, measure_pairs};
 use overlook::settings::CaptureSettings;
 use rayon::ThreadPoolBuilder;

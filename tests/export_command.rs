@@ -26,7 +26,7 @@ fn scene() -> (tempfile::TempDir, String, String) {
     let [store, path] = ["scene.ovl", "path.json"].map(|name| folder.path().join(name).display().to_string());
     let mut set = moving_set();
     set.frame_numbers = (0..10).collect();
-    store::write(Path::new(&store), &set, &small_report(), &Job::new()).unwrap();
+    overlook::store::file::write(Path::new(&store), &set, &small_report(), &Job::new()).unwrap();
     let pose = |x: f64| format!("[[1,0,0,{x}],[0,-1,0,-2.0],[0,0,-1,0.3],[0,0,0,1]]");
     let views = [(1, 0.1), (3, 0.2)].map(|(time, x)| {
         format!(r#"{{"file_path":"{time}.exr","time":{time},"transform_matrix":{}}}"#, pose(x))
@@ -88,7 +88,7 @@ fn every_frame_gets_a_file_and_static_points_one() {
     assert!(header.contains(&format!("element vertex {}", moving_set().images[9].len())));
 
     let small = folder.path().join("small.ovl");
-    store::write(&small, &small_set(), &small_report(), &Job::new()).unwrap();
+    overlook::store::file::write(&small, &small_set(), &small_report(), &Job::new()).unwrap();
     let out = folder.path().join("static.ply");
     let output = overlook(&["points", small.to_str().unwrap(), "--static", "--out", out.to_str().unwrap()]);
     assert!(output.status.success(), "{}", said(&output));

@@ -12,9 +12,8 @@ use overlook::error::Result;
 use overlook::evaluate::metrics;
 use overlook::grid::Grid;
 use overlook::job::Job;
-use overlook::preprocess::SampleSet;
-use overlook::render::cpu::MAX_PIXELS;
-use overlook::render::{CpuRenderer, NO_IMAGE, Picture, RenderStats, Vantage};
+use overlook::render::{CpuRenderer, MAX_PIXELS, NO_IMAGE, Picture, RenderStats, Vantage};
+use overlook::samples::SampleSet;
 use overlook::settings::{Fill, Kernel, RenderSettings};
 use samples::{plain_camera, samples};
 

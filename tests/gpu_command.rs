@@ -8,7 +8,7 @@ mod skip;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use overlook::render::{AdapterChoice, GpuRenderer};
+use overlook::render::gpu::{AdapterChoice, GpuRenderer};
 use serde_json::Value;
 use skip::skip;
 

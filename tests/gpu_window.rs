@@ -13,11 +13,10 @@ use glam::DVec3;
 use overlook::capture::Camera;
 use overlook::color::srgb8_from_linear;
 use overlook::job::Job;
-use overlook::preprocess::{SampleSet, preprocess};
-use overlook::render::gpu::{GpuOptions, device_descriptor};
-use overlook::render::{
-    CpuRenderer, GpuRenderer, HolePattern, NO_IMAGE, Renderer, SharedDevice, Shown, Vantage,
-};
+use overlook::preprocess::preprocess;
+use overlook::render::gpu::{GpuOptions, GpuRenderer, HolePattern, SharedDevice, device_descriptor};
+use overlook::render::{CpuRenderer, NO_IMAGE, Renderer, Shown, Vantage};
+use overlook::samples::SampleSet;
 use overlook::settings::{Backend, Fill, Kernel, RenderSettings, Settings};
 use scene::{Scene, arc, camera};
 use skip::skip;

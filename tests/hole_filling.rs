@@ -11,7 +11,8 @@ use overlook::evaluate::evaluate;
 use overlook::grid::Grid;
 use overlook::job::Job;
 use overlook::preprocess::preprocess;
-use overlook::render::{CpuRenderer, NO_IMAGE, Picture, Vantage, fill};
+use overlook::render::fill::fill;
+use overlook::render::{CpuRenderer, NO_IMAGE, Picture, Vantage};
 use overlook::settings::{CaptureSettings, Fill, Kernel, RenderSettings, Settings};
 use samples::{plain_camera, samples};
 

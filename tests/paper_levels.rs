@@ -8,12 +8,14 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use half::f16;
-use overlook::capture::demo::{Demo, DemoSpec};
 use overlook::capture::{Capture, Frame};
 use overlook::color::steps_from_linear;
+use overlook::demo::{Demo, DemoSpec};
 use overlook::job::Job;
-use overlook::preprocess::noise_range::granted_range_sigmas;
-use overlook::preprocess::{Span, TemporalScan, preprocess, scan};
+use overlook::preprocess::noise::granted_range_sigmas;
+use overlook::preprocess::temporal::TemporalScan;
+use overlook::preprocess::{preprocess, scan};
+use overlook::samples::Span;
 use overlook::settings::{CaptureSettings, PruningMethod, Settings, SpanLevels};
 use scene::{Scene, Sphere, arc};
 

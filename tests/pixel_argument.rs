@@ -2,14 +2,16 @@
 
 use glam::DVec2;
 use overlook::capture::Capture;
-use overlook::capture::demo::{Demo, DemoSpec};
+use overlook::demo::{Demo, DemoSpec};
 use overlook::job::Job;
-use overlook::preprocess::Outcome;
-use overlook::preprocess::{
-    self, FrameInspection, PixelArgument, PreparedScan, Rule, Testimony, Verdict, pair_quantities,
-    pixel_argument,
+use overlook::preprocess::inspect::{
+    FrameInspection, PixelArgument, Testimony, pair_quantities, pixel_argument,
 };
-use overlook::render::{CpuRenderer, Vantage, pick};
+use overlook::preprocess::pruning::{Rule, Verdict};
+use overlook::preprocess::registration::Outcome;
+use overlook::preprocess::{self, PreparedScan};
+use overlook::render::output::pick;
+use overlook::render::{CpuRenderer, Vantage};
 use overlook::settings::{Kernel, RateModel, Settings};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -177,7 +179,12 @@ fn the_spans_of_a_pixel_hold_it_at_exactly_the_frames_where_it_was_kept() {
     let whole = preprocess::prune(&capture, &scan, &settings, &job).unwrap();
     let mut kept = 0;
     for argument in arguments(&inspection) {
-        let spans = preprocess::spans_of_pixel(&whole.samples, argument.camera, argument.x, argument.y);
+        let spans = overlook::preprocess::inspect::spans_of_pixel(
+            &whole.samples,
+            argument.camera,
+            argument.x,
+            argument.y,
+        );
         let stored_here = spans.iter().any(|span| span.contains(1));
         assert_eq!(stored_here, argument.verdict.is_kept(), "{argument:?}");
         kept += usize::from(stored_here);

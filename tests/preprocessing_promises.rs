@@ -10,9 +10,9 @@ use glam::{DVec2, DVec3};
 use overlook::capture::{Camera, Capture, Frame, Intrinsics};
 use overlook::error::Error;
 use overlook::job::Job;
-use overlook::preprocess::{
-    FrameInspection, PixelClass, Preprocessed, Rule, Verdict, inspect_frame, preprocess, scan,
-};
+use overlook::preprocess::inspect::{FrameInspection, PixelClass};
+use overlook::preprocess::pruning::{Rule, Verdict};
+use overlook::preprocess::{Preprocessed, inspect_frame, preprocess, scan};
 use overlook::settings::{MixedPixels, PruningMethod, RateModel, Settings};
 use scene::{Scene, Sphere, arc, camera};
 

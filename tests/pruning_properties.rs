@@ -10,7 +10,8 @@ use glam::DVec3;
 use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics};
 use overlook::error::Result;
 use overlook::job::Job;
-use overlook::preprocess::{FrameInspection, Preprocessed, inspect_frame, preprocess, scan};
+use overlook::preprocess::inspect::FrameInspection;
+use overlook::preprocess::{Preprocessed, inspect_frame, preprocess, scan};
 use overlook::settings::{MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
 use proptest::prelude::*;
 use scene::{Scene, Sphere, arc};
@@ -145,7 +146,7 @@ fn blended_silhouettes_yield_to_clean_samples_and_can_be_dropped() {
     assert!(kept > 40, "{kept}");
     assert!(yielded < kept, "{yielded} of {kept}");
     assert!(dropped < kept / 2, "{dropped} of {kept}");
-    let outcomes = |report: &overlook::preprocess::Report| {
+    let outcomes = |report: &overlook::preprocess::diagnostics::Report| {
         ["found", "yielded", "dropped", "outranked", "kept"].map(|outcome| report.mixed_pixels[outcome])
     };
     for result in [&yields, &drops] {

@@ -7,8 +7,9 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use overlook::capture::{Camera, Capture, Intrinsics};
 use overlook::job::Job;
-use overlook::preprocess::{SampleSet, preprocess};
+use overlook::preprocess::preprocess;
 use overlook::render::{CpuRenderer, Picture, Vantage};
+use overlook::samples::SampleSet;
 use overlook::settings::{Kernel, PruningMethod, RenderSettings, Settings};
 use scene::{SKY, Scene, Sphere, arc, camera};
 

@@ -9,7 +9,8 @@ use glam::DVec3;
 use overlook::capture::{Capture, CaptureParts, Frame, FrameSource};
 use overlook::error::Result;
 use overlook::job::Job;
-use overlook::preprocess::{Report, preprocess};
+use overlook::preprocess::diagnostics::Report;
+use overlook::preprocess::preprocess;
 use overlook::settings::{Settings, SpanLevels};
 use scene::{Scene, arc};
 

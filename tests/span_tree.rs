@@ -7,18 +7,16 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use half::f16;
 use overlook::capture::{Capture, Frame, INVALID_INVERSE_DEPTH};
-use overlook::color;
 use overlook::grid::Grid;
 use overlook::job::Job;
-use overlook::preprocess::batch::BATCH;
+use overlook::preprocess::inspect::PixelClass;
 use overlook::preprocess::noise::Noise;
-use overlook::preprocess::split::{Given, Split};
-use overlook::preprocess::static_test::StaticTest;
-use overlook::preprocess::{
-    PixelClass, Preprocessed, Span, Spooled, inspect_frame, preprocess, preprocess_spooled, scan,
-};
+use overlook::preprocess::temporal::{BATCH, Given, Split, StaticTest};
+use overlook::preprocess::{Preprocessed, Spooled, inspect_frame, preprocess, preprocess_spooled, scan};
+use overlook::samples::Span;
 use overlook::settings::{Precision, PruningMethod, Settings, SpanLevels};
-use overlook::store::{self, Extras};
+use overlook::store::file::Extras;
+use overlook::{color, store};
 use proptest::prelude::*;
 use scene::{Scene, arc, camera};
 
@@ -122,7 +120,7 @@ proptest! {
     #[test]
     fn a_sample_lives_in_the_longest_span_over_which_it_is_static(count in 2_usize..70, seed in any::<u64>()) {
         let frames = readings(20, count, seed);
-        let tree = overlook::preprocess::span_tree::SpanTree::new(count, SpanLevels::Tree);
+        let tree = overlook::preprocess::temporal::SpanTree::new(count, SpanLevels::Tree);
         for (span, samples) in split(&frames, BATCH, &Noise::default()) {
             for pixel in samples.pixels {
                 prop_assert!(is_static(&frames, span, pixel as usize));
@@ -410,12 +408,19 @@ fn kept_samples_that_do_not_fit_the_memory_are_stored_as_those_that_do() {
         settings.store.precision = precision;
         let Preprocessed { samples, report } = preprocess(&capture, &settings, &Job::new()).unwrap();
         assert!(samples.bytes() > 1 << 20, "{} bytes: more than a sixteenth of the setting", samples.bytes());
-        store::write(&from_memory, &samples, &report, &Job::new()).unwrap();
+        overlook::store::file::write(&from_memory, &samples, &report, &Job::new()).unwrap();
         let Spooled { outline, images, report } =
             preprocess_spooled(&capture, &settings, &Job::new()).unwrap();
         assert!(outline.images.is_empty());
-        store::write_spooled(&from_file, &outline, &images, &report, &Extras::default(), &Job::new())
-            .unwrap();
+        overlook::store::file::write_spooled(
+            &from_file,
+            &outline,
+            &images,
+            &report,
+            &Extras::default(),
+            &Job::new(),
+        )
+        .unwrap();
         assert_eq!(std::fs::read(&from_memory).unwrap(), std::fs::read(&from_file).unwrap());
     }
 }

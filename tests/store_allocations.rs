@@ -11,8 +11,10 @@ use std::sync::Arc;
 use cap::Cap;
 use half::f16;
 use overlook::job::Job;
-use overlook::preprocess::DepthPlane;
-use overlook::store::{self, Playback, Store};
+use overlook::samples::DepthPlane;
+use overlook::store;
+use overlook::store::file::Store;
+use overlook::store::playback::Playback;
 
 use builder::{moving_set, small_report, small_set};
 
@@ -73,10 +75,11 @@ fn mend(bytes: &mut [u8]) {
     }
 }
 
-fn written(set: &overlook::preprocess::SampleSet) -> Vec<u8> {
+fn written(set: &overlook::samples::SampleSet) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
-    let (report, extras) = (small_report(), store::Extras::default());
-    store::write_to(&mut bytes, Path::new("memory.ovl"), set, &report, &extras, &Job::new()).unwrap();
+    let (report, extras) = (small_report(), overlook::store::file::Extras::default());
+    overlook::store::file::write_to(&mut bytes, Path::new("memory.ovl"), set, &report, &extras, &Job::new())
+        .unwrap();
     bytes.into_inner()
 }
 
@@ -92,7 +95,7 @@ fn bomb() -> Vec<u8> {
     let mut first = 0;
     let tiles: Vec<_> = tiles
         .map(|(tile_x, tile_y, rows)| {
-            let tile = overlook::preprocess::SampleTile { tile_x, tile_y, first, rows };
+            let tile = overlook::samples::SampleTile { tile_x, tile_y, first, rows };
             first += tile.count() as u32;
             tile
         })
@@ -100,7 +103,7 @@ fn bomb() -> Vec<u8> {
     let depth = DepthPlane::pack(&tiles, &vec![0.5; first as usize]);
     for image in &mut set.images {
         let color = vec![[f16::ONE; 3]; first as usize];
-        *image = Arc::new(overlook::preprocess::SampleImage {
+        *image = Arc::new(overlook::samples::SampleImage {
             tiles: tiles.clone(),
             color,
             depth: depth.clone(),

@@ -4,13 +4,15 @@
 #[path = "store_contract/builder.rs"]
 mod builder;
 
-use overlook::capture::demo::{Demo, DemoSpec};
 use overlook::capture::{Camera, Intrinsics};
+use overlook::demo::{Demo, DemoSpec};
 use overlook::job::Job;
 use overlook::preprocess::preprocess;
 use overlook::render::{CpuRenderer, Vantage};
 use overlook::settings::{CaptureSettings, Fill, Kernel, RenderSettings, Settings};
-use overlook::store::{self, Playback, Store};
+use overlook::store;
+use overlook::store::file::Store;
+use overlook::store::playback::Playback;
 
 use builder::{moving_set, small_report};
 
@@ -20,7 +22,7 @@ fn recorded(folder: &std::path::Path, cameras: usize, size: (u32, u32)) -> (std:
     let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
     let preprocessed = preprocess(&capture, &Settings::default(), &Job::new()).unwrap();
     let path = folder.join("scene.ovl");
-    store::write(&path, &preprocessed.samples, &preprocessed.report, &Job::new()).unwrap();
+    overlook::store::file::write(&path, &preprocessed.samples, &preprocessed.report, &Job::new()).unwrap();
     (path, capture.cameras.clone())
 }
 
@@ -140,7 +142,7 @@ fn images_beyond_four_gibibytes_are_found_and_read() {
     use std::os::unix::fs::MetadataExt;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ovl");
-    store::write(&path, &moving_set(), &small_report(), &Job::new()).unwrap();
+    overlook::store::file::write(&path, &moving_set(), &small_report(), &Job::new()).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     stretched(&bytes, &path);
     let file = std::fs::metadata(&path).unwrap();
@@ -150,7 +152,7 @@ fn images_beyond_four_gibibytes_are_found_and_read() {
     assert!(store.info().images.iter().all(|image| image.offset > u64::from(u32::MAX)));
     let (read, _) = store.read_all(&Job::new()).unwrap();
     assert_eq!(read.images, moving_set().images);
-    let verified = store::verify(&path, &Job::new()).unwrap();
+    let verified = overlook::store::file::verify(&path, &Job::new()).unwrap();
     assert_eq!((verified.damage, verified.bytes), (Vec::new(), bytes.len() as u64 + GAP));
 
     // The last byte of the last image is checked there as anywhere.
@@ -159,6 +161,6 @@ fn images_beyond_four_gibibytes_are_found_and_read() {
     let mut byte = [0];
     std::os::unix::fs::FileExt::read_exact_at(&file, &mut byte, last).unwrap();
     std::os::unix::fs::FileExt::write_all_at(&file, &[byte[0] ^ 0x40], last).unwrap();
-    let damage = store::verify(&path, &Job::new()).unwrap().damage;
+    let damage = overlook::store::file::verify(&path, &Job::new()).unwrap().damage;
     assert!(damage.len() == 1 && damage[0].contains("IMAG"), "{damage:?}");
 }

@@ -6,9 +6,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use overlook::capture::demo::{Demo, DemoSpec};
 use overlook::capture::{Camera, Capture, Frame, Intrinsics};
 use overlook::color::srgb8_from_linear;
+use overlook::demo::{Demo, DemoSpec};
 use overlook::job::Job;
 use overlook::preprocess::preprocess;
 use overlook::render::{CpuRenderer, NO_IMAGE, Picture, Vantage};

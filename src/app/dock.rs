@@ -3,11 +3,9 @@
 use egui::{Color32, Frame, Margin, Stroke, Style, Ui, Visuals, WidgetText};
 use egui_tiles::{Behavior, Container, Linear, LinearDir, TabState, Tile, TileId, Tiles, Tree, UiResponse};
 
-use super::command::Command;
-use super::panels;
-use super::state::State;
+use super::model::{Command, State};
 use super::theme::{Tokens, space};
-use super::views::{live_view, source_view};
+use super::{views, window};
 
 /// Something to look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -223,7 +221,7 @@ impl Behavior<View> for Desk<'_> {
         let tokens = Tokens::in_ui(ui);
         Frame::new().fill(tokens.surface).inner_margin(Margin::same(space::MEDIUM as i8)).show(ui, |ui| {
             ui.set_min_size(ui.available_size());
-            panels::view_ui(ui, *view, self.state, self.commands);
+            window::view_ui(ui, *view, self.state, self.commands);
         });
         UiResponse::None
     }
@@ -254,8 +252,8 @@ impl Behavior<View> for Desk<'_> {
     ) {
         ui.add_space(space::MEDIUM);
         match tabs.active.and_then(|active| tiles.get_pane(&active)) {
-            Some(View::Source) => source_view::cameras_ui(ui, self.state, self.commands),
-            Some(View::Live) => live_view::places_ui(ui, self.state, self.commands),
+            Some(View::Source) => views::cameras_ui(ui, self.state, self.commands),
+            Some(View::Live) => views::places_ui(ui, self.state, self.commands),
             _ => {}
         }
     }

@@ -10,55 +10,38 @@
 //! The UI thread neither computes nor touches files: [`OverlookApp`]'s `logic` takes in answers, carries out commands and
 //! asks the lanes for what is missing; its `ui` only draws.
 
-mod accuracy;
-mod command;
+pub mod control;
 mod dock;
-mod inspect;
-mod inspector;
-mod keyboard;
-mod lanes;
-mod memory;
-mod message;
-mod names;
-mod own_thread;
-mod panels;
-mod paths;
-mod picture_file;
-mod plan;
-mod receive;
-mod scene;
+pub mod model;
+pub mod panels;
 mod start;
-mod state;
+mod theme;
+pub mod views;
+mod widgets;
+mod window;
+pub mod work;
+
+pub use start::run;
+
 #[cfg(test)]
 mod tests;
-mod text;
-mod texture;
-mod theme;
-mod update;
-mod views;
-mod worker;
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
-use crate::capture::demo::DemoSpec;
+use crate::demo::DemoSpec;
 use crate::error::Result;
-use crate::preprocess::Report;
-use crate::render::SharedDevice;
+use crate::preprocess::diagnostics::Report;
+use crate::render::gpu::SharedDevice;
 use crate::settings::Settings;
-use command::Command;
+use control::Memory;
 use dock::Dock;
-use inspector::meter::Stopwatch;
-use lanes::Lanes;
-use memory::Memory;
-use message::Message;
-use plan::Plan;
-use state::{Busy, FIRST_SIZE, LiveLook, NoticeKind, SourceLook, State, Timeline, TypedPath, Work};
-use texture::Texture;
-use worker::Outbox;
-
-pub use start::run;
+use model::{
+    Busy, Command, FIRST_SIZE, LiveLook, Message, NoticeKind, SourceLook, State, Stopwatch, Texture,
+    Timeline, TypedPath, Work,
+};
+use work::{Lanes, Outbox, Plan};
 
 /// Answers that may wait for the window at once: more than there are lanes, so that none of them waits.
 const MESSAGES: usize = 32;
@@ -334,8 +317,8 @@ impl eframe::App for OverlookApp {
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let watch = Stopwatch::start();
-        keyboard::commands(ui, &self.state, &mut self.commands);
-        panels::window_ui(ui, &self.state, &mut self.dock, &mut self.commands);
+        control::commands(ui, &self.state, &mut self.commands);
+        window::window_ui(ui, &self.state, &mut self.dock, &mut self.commands);
         if !self.commands.is_empty() {
             ui.ctx().request_repaint();
         }
@@ -375,7 +358,7 @@ fn fresh_state() -> State {
         },
         source: SourceLook {
             camera: 0,
-            overlay: views::source_image::Overlay::Color,
+            overlay: work::Overlay::Color,
             against: None,
             zoom: 1.0,
             center: egui::Vec2::splat(0.5),
@@ -383,14 +366,14 @@ fn fresh_state() -> State {
         source_shown: None,
         live: LiveLook {
             rig: None,
-            color_by: views::live_image::ColorBy::Picture,
+            color_by: work::ColorBy::Picture,
             show_cameras: true,
             size: FIRST_SIZE,
             shares_device: false,
         },
         live_shown: None,
         notices: Vec::new(),
-        inspector: inspector::Inspector::default(),
+        inspector: model::Inspector::default(),
         typed_path: None,
         asks_to_open: None,
         dark: true,

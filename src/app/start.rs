@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::{OverlookApp, Start};
-use crate::capture::demo::{DemoSpec, SCENES};
+use crate::demo::{DemoSpec, SCENES};
 use crate::error::{Error, Result};
 use crate::render::gpu::device_descriptor;
 

@@ -8,23 +8,22 @@
 //!
 //! Importers convert to the program's conventions (see the crate page); nothing behind this module does.
 
-pub mod camera;
-pub mod demo;
+mod camera;
 pub mod exr;
-pub mod exr_write;
-pub mod frame;
-pub mod sequence;
+mod frame;
+mod frame_cache;
 pub mod transforms;
+
+pub use camera::{Camera, Intrinsics, is_believable_size};
+pub use frame::{Frame, INVALID_INVERSE_DEPTH};
+pub(crate) use frame_cache::EXPECTED_IN_ONE_PIECE;
+pub use frame_cache::FrameCache;
 
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::error::{Error, Result};
-
-pub use camera::{Camera, Intrinsics};
-pub use frame::{Frame, INVALID_INVERSE_DEPTH};
-pub use sequence::FrameCache;
 
 /// Where the frames of a capture come from: files, or a scene that is rendered when asked.
 pub trait FrameSource: Send + Sync {

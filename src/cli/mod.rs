@@ -3,28 +3,9 @@
 //! Results go to stdout, as text or with `--json` as one document; progress and trouble go to stderr. The exit code is 0
 //! on success, 1 on bad input (with one line that says what, where, and what to do) and 2 on bad usage.
 
-mod bench;
-mod demo;
-mod evaluate;
-mod export;
-mod hold_out;
-mod info;
-mod inputs;
-mod machine;
-mod output;
-mod picture;
-mod preprocess;
-mod progress;
-mod render;
-mod results;
-mod settings;
-mod sizes;
-mod stress;
-mod sweep;
-mod targets;
-mod truth;
-mod tune;
-mod verify;
+pub mod commands;
+pub mod input;
+pub mod output;
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -76,29 +57,29 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Write a built-in scene as a capture: EXR, transforms.json, and truth vantages in DIR/novel.
-    Demo(demo::DemoArgs),
+    Demo(commands::DemoArgs),
     /// Say what a capture or a store holds.
-    Info(info::InfoArgs),
+    Info(commands::InfoArgs),
     /// Drop what is redundant in a capture and write the rest as a store.
-    Preprocess(preprocess::PreprocessArgs),
+    Preprocess(commands::PreprocessArgs),
     /// Paint a store from any vantages, and score the pictures where the truth is known.
-    Render(render::RenderArgs),
+    Render(commands::RenderArgs),
     /// Score settings: accuracy, speed and size, against no pruning and against first camera wins.
-    Evaluate(evaluate::EvaluateArgs),
+    Evaluate(commands::EvaluateArgs),
     /// Try many settings and all baselines: accuracy against time and bytes, with the Pareto front.
-    Sweep(sweep::SweepArgs),
+    Sweep(commands::SweepArgs),
     /// Disturb a capture more and more: where does each method fail, with and without its defenses?
-    Stress(stress::StressArgs),
+    Stress(commands::StressArgs),
     /// Find the simplest settings, and the fewest cameras, that are as accurate as the best.
-    Tune(tune::TuneArgs),
+    Tune(commands::TuneArgs),
     /// Write what a store holds in forms that other programs read: points, pictures, a film.
-    Export(export::ExportArgs),
+    Export(commands::export::ExportArgs),
     /// Read everything in a store and say what is damaged.
-    Verify(verify::VerifyArgs),
+    Verify(commands::VerifyArgs),
     /// Measure how fast each stage is, beside the limits of this machine.
-    Bench(bench::BenchArgs),
+    Bench(commands::BenchArgs),
     /// Print every setting with its meaning, unit, range and value, as TOML.
-    Settings(settings::SettingsCommandArgs),
+    Settings(commands::SettingsCommandArgs),
 }
 
 /// Settings: the defaults, then a file, then single values.
@@ -127,7 +108,7 @@ impl SettingsArgs {
 
     /// Refuses to write over the file that they are read from.
     fn apart_from(&self, out: &Path) -> Result<(), Error> {
-        self.settings.as_ref().map_or(Ok(()), |settings| targets::apart_from(settings, out))
+        self.settings.as_ref().map_or(Ok(()), |settings| output::apart_from(settings, out))
     }
 
     /// Refuses to --set what is not in the one section that a command uses: it would change nothing. A file of settings may say
@@ -191,7 +172,7 @@ pub fn run(open_window: OpenWindow) -> ExitCode {
         Err(Failure::Work(error)) => {
             output::tell(&error.to_string().replace('\n', " "));
             if matches!(error, Error::Cancelled) {
-                ExitCode::from(progress::STOPPED)
+                ExitCode::from(output::STOPPED)
             } else {
                 ExitCode::FAILURE
             }

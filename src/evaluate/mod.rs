@@ -9,15 +9,10 @@
 //! good enough; all hold [`trial`]s against a [`truth`]. [`speed`] measures the stages for themselves, beside the machine's own
 //! limits.
 
-pub mod baselines;
+pub mod bench;
 pub mod chart;
-mod estimate;
-pub mod hold_out;
 pub mod metrics;
-mod pace;
-pub mod speed;
 pub mod stress;
-pub mod subset;
 pub mod sweep;
 pub mod trial;
 pub mod truth;
@@ -30,8 +25,9 @@ use serde::Serialize;
 use crate::capture::{Camera, Capture, View};
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::{self, SampleSet};
+use crate::preprocess;
 use crate::render::{Painter, Picture, RenderStats, Renderer, Vantage};
+use crate::samples::SampleSet;
 use crate::settings::{PruningMethod, RenderSettings, Settings};
 use metrics::{FlickerMeter, Pair, Scores};
 
@@ -349,7 +345,7 @@ pub struct Comparison {
 /// the file, so that precision given up there shows in the scores.
 ///
 /// # Errors
-/// As [`preprocess::preprocess`], [`crate::store::write`] and [`evaluate`]; a view at a frame that the capture lacks is told before
+/// As [`preprocess::preprocess`], [`crate::store::file::write`] and [`evaluate`]; a view at a frame that the capture lacks is told before
 /// anything is scanned.
 pub fn compare(capture: &Capture, views: &[View], settings: &Settings, job: &Job) -> Result<Comparison> {
     let mut renderer = Renderer::strict(settings.render.backend)?;
@@ -377,7 +373,7 @@ pub fn compare(capture: &Capture, views: &[View], settings: &Settings, job: &Job
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::demo::{Demo, DemoSpec};
     use crate::settings::{Backend, CaptureSettings};
 
     #[test]

@@ -12,66 +12,18 @@
 //! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add. Where thresholds of one frame
 //! are turned again and again, [`prepare_frame`] lists who may stand for whom, so that nobody has to be searched for.
 
-pub mod answers;
-pub mod argument;
-pub mod background;
-pub mod batch;
-mod claimant;
-mod contest;
-pub mod decision;
-pub mod depth_plane;
-pub mod depth_view;
-pub mod descent;
-mod docket;
-pub mod facet;
-pub mod frame_layers;
-pub mod inspection;
-pub mod layer;
-pub mod layer_builder;
-pub mod level;
-pub mod mixed_pixels;
-mod moving_patterns;
+pub mod diagnostics;
+pub mod inspect;
+pub mod interactive;
+pub mod layers;
 pub mod noise;
-mod noise_frames;
-pub mod noise_range;
-mod noisy_colors;
-mod noisy_depths;
-pub mod normal_errors;
-mod normal_lanes;
 pub mod normals;
-mod octahedral;
-mod overflow;
-pub mod pack;
-mod pass;
 mod prepared_scan;
 pub mod pruning;
-pub mod range_shares;
-pub mod ranges;
 pub mod registration;
-pub mod report;
-pub mod residuals;
-pub mod rig;
-mod root_samples;
-pub mod same_surface;
-pub mod samples;
-pub mod sampling_rate;
-mod settle;
-mod short_spans;
-mod span_doubts;
-mod span_means;
-pub mod span_samples;
-pub mod span_sums;
-pub mod span_tree;
-pub mod split;
-pub mod spool;
-mod spread;
-pub mod static_test;
-pub mod status;
-mod summons;
 pub mod temporal;
-pub mod testimony;
-mod tile;
-mod walk;
+
+pub use prepared_scan::PreparedScan;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -84,32 +36,17 @@ use crate::grid::Grid;
 use crate::job::Job;
 use crate::settings::Settings;
 
-use background::Background;
-use decision::Decided;
-use descent::{Descent, load_frame};
-use frame_layers::{CameraPlanes, FrameLayers, FrameVerdicts};
-use layer::Layer;
-use level::{Level, ROOT};
-use overflow::samples_in_memory;
-use pack::Masks;
-use report::Tally;
-use residuals::Residuals;
-use rig::Rig;
-use span_tree::{SpanTree, all_frames};
-use spool::Spool;
+use crate::samples::{Spool, samples_in_memory};
+use diagnostics::{Residuals, Tally};
+use interactive::{CameraPlanes, FrameLayers, FrameVerdicts};
+use layers::Layer;
+use pruning::{Background, Decided, Descent, Masks, load_frame};
+use registration::Rig;
+use temporal::{Level, ROOT, SpanTree, all_frames};
 
-pub use answers::Outcome;
-pub use argument::{pair_quantities, pixel_argument, spans_of_pixel};
-pub use decision::{Dispute, Rule, Verdict};
-pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
-pub use inspection::{CameraInspection, FrameInspection, PixelClass};
-pub use octahedral::OctNormal;
-pub use prepared_scan::PreparedScan;
-pub use report::Report;
-pub use samples::{Sample, SampleImage, SampleSet, Span};
-pub use temporal::TemporalScan;
-pub use testimony::{ChainLink, PairQuantities, PixelArgument, Testimony};
-pub use tile::{SampleTile, TILE};
+use crate::samples::{SampleImage, SampleSet, Span};
+use diagnostics::Report;
+use inspect::{CameraInspection, FrameInspection};
 
 /// What preprocessing gives: the kept samples, and the account of what was dropped and why.
 #[derive(Clone, Debug)]
@@ -285,7 +222,7 @@ pub fn inspect_frame(
     let packed = levels.flat_map(|(&span, level)| {
         let cameras = complete.layers.par_iter().enumerate();
         let packed = cameras.filter_map(|(camera, layer)| {
-            pack::pack(camera, span, layer, all.masks(camera, layer, level), settings.store.normals)
+            pruning::pack(camera, span, layer, all.masks(camera, layer, level), settings.store.normals)
         });
         packed.collect::<Vec<_>>()
     });
@@ -340,7 +277,7 @@ fn pack_all(
     let cameras = layers.par_iter().zip(decided).enumerate();
     let packed = cameras.filter_map(|(camera, (layer, decided))| {
         let masks = Masks::decided(layer, decided);
-        pack::pack(camera, span, layer, masks, settings.store.normals)
+        pruning::pack(camera, span, layer, masks, settings.store.normals)
     });
     packed.collect::<Vec<_>>().into_iter().try_for_each(|image| images.push(image))
 }

@@ -6,12 +6,11 @@ use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
 
-use super::background::{Background, StaticLayer, rated, static_layers};
-use super::descent::Descent;
-use super::frame_layers::FrameLayers;
-use super::layer::Layer;
-use super::normal_errors::{NormalErrors, compare_with_given};
-use super::rig::Rig;
+use super::interactive::FrameLayers;
+use super::layers::Layer;
+use super::normals::{NormalErrors, compare_with_given};
+use super::pruning::{Background, Descent, StaticLayer, rated, static_layers};
+use super::registration::Rig;
 use super::temporal::TemporalScan;
 use crate::capture::{Camera, Capture};
 use crate::error::Result;
@@ -132,7 +131,7 @@ impl PreparedScan {
     ///
     /// # Errors
     /// Whatever the capture gives (naming file and frame), and `Cancelled`.
-    pub(super) fn normal_errors(
+    pub(crate) fn normal_errors(
         &self,
         capture: &Capture,
         settings: &NormalSettings,

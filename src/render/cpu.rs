@@ -9,24 +9,17 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::blend::{BLEND_REACH, blend};
-use super::blocks::Blocks;
-use super::cull::{Bounds, Reach, bands, bounds};
 use super::fill::fill;
-use super::footprint::MAX_STRETCH;
-use super::frame_samples::{FrameImages, FrameSamples, Numbers};
-use super::gather::Gather;
-use super::gather_block::Scratches;
-use super::lookup::CellTable;
-use super::project::{Projector, focal, rays_in_world};
-use super::resolve::{Layer, Resolve};
-use super::silhouette::RING;
-use super::surface::{Stage, surface};
+use super::gather::{Gather, RING, Scratches};
+use super::geometry::{Bounds, MAX_STRETCH, Projector, Reach, bands, bounds, focal, rays_in_world};
+use super::input::{CellTable, FrameImages, FrameSamples, Numbers};
+use super::resolve::{Blocks, Layer, Resolve};
+use super::splat::{BLEND_REACH, Stage, blend, surface};
 use super::vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::SampleSet;
+use crate::samples::SampleSet;
 use crate::settings::{Fill, Kernel, RenderSettings};
 
 /// Largest picture that is rendered, pixels: 16K by 8K.
@@ -364,7 +357,7 @@ fn repaint(painting: &Painting<'_>, mut still: Still) -> Result<Still> {
 }
 
 /// Whether the vantage can be painted.
-pub(super) fn check(samples: &SampleSet, vantage: &Vantage) -> Result<()> {
+pub(crate) fn check(samples: &SampleSet, vantage: &Vantage) -> Result<()> {
     vantage.validate()?;
     let place = format!("vantage '{}'", vantage.camera.name);
     let (width, height) = vantage.camera.intrinsics.size();

@@ -11,50 +11,34 @@
 //! The background depends on the vantage alone and is kept while the vantage is still; the foreground of each frame is
 //! painted over it by depth, as the paper does, where it is and where it was.
 
-pub mod backend;
-mod blend;
-mod blocks;
-pub mod cpu;
-mod cull;
-mod dense_tile;
-mod fill;
+mod cpu;
+pub mod fill;
 pub mod film;
-mod finer;
-mod footprint;
-mod frame_samples;
-mod gather;
-mod gather_block;
-mod gather_points;
+pub mod gather;
+pub mod geometry;
 pub mod gpu;
-mod keys;
-mod lookup;
-pub mod pick;
-mod places;
-pub mod png;
-mod project;
-mod resolve;
-mod resolve_points;
-mod silhouette;
-mod surface;
-mod surface_points;
-pub mod vantage;
-mod votes;
-mod window;
+pub mod input;
+pub mod output;
+mod renderer;
+pub mod resolve;
+pub mod splat;
+mod supersample;
+mod vantage;
 
-pub use backend::{Painter, Renderer, Shown};
-pub use cpu::CpuRenderer;
-pub use fill::fill;
-pub use gpu::{AdapterChoice, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
-pub use pick::{Picked, pick};
-pub use png::write_png;
+pub use cpu::{CpuRenderer, MAX_PIXELS};
+pub use renderer::{Painter, Renderer, Shown};
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
+
+use fill::fill;
+use output::pick;
 
 #[cfg(test)]
 mod tests {
-    use super::{CpuRenderer, Vantage};
-    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::demo::{Demo, DemoSpec};
     use crate::job::Job;
     use crate::preprocess::preprocess;
+    use crate::render::cpu::CpuRenderer;
+    use crate::render::vantage::Vantage;
     use crate::settings::{CaptureSettings, Kernel, RenderSettings, Settings};
     use crate::simd;
 
@@ -67,7 +51,7 @@ mod tests {
         let vantage = Vantage { camera: demo.home(), frame: 1 };
         for &kernel in Kernel::ALL {
             let settings = RenderSettings { kernel, ..RenderSettings::default() };
-            let pictures = simd::at_every_level(|| {
+            let pictures = crate::simd::at_every_level(|| {
                 CpuRenderer::new().render(&samples, &vantage, &settings, &Job::new()).unwrap().0
             });
             assert!(pictures[0].holes() < pictures[0].image.len() as u64 / 2);

@@ -61,7 +61,7 @@ pub struct Picture {
 impl Picture {
     /// A picture of holes.
     #[must_use]
-    pub(super) fn empty(width: usize, height: usize) -> Self {
+    pub(crate) fn empty(width: usize, height: usize) -> Self {
         Self {
             color: Grid::filled(width, height, [0.0; 3]),
             inverse_depth: Grid::filled(width, height, -1.0),

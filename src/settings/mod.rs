@@ -15,17 +15,18 @@ mod choice;
 mod choices;
 mod section;
 
+pub use choices::{
+    Backend, Coding, Fill, Instructions, Kernel, MixedPixels, NormalEstimator, NormalSource, Precision,
+    PruningMethod, RateModel, SpanLevels,
+};
+pub use section::{Field, Kind};
+
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-pub use choices::{
-    Backend, Coding, Fill, Instructions, Kernel, MixedPixels, NormalEstimator, NormalSource, Precision,
-    PruningMethod, RateModel, SpanLevels,
-};
 use section::section;
-pub use section::{Field, Kind};
 
 section! {
     /// Reading the capture.

@@ -8,41 +8,22 @@
 //! format". What differs: prediction and entropy coding in place of runs, of which half floats have few; checksums, a version,
 //! an index for random access. The file holds exactly what the set holds, unless a precision is asked for.
 
-mod blocks;
-mod bytes;
-mod chunks;
-pub mod coding;
-mod decoded;
-mod header;
-pub mod iff;
-mod images;
-mod palette;
-mod playback;
-mod precision;
-mod provenance;
-mod reader;
-mod sight;
-mod source;
-mod verify;
-mod whole;
-mod writer;
+pub mod codec;
+pub mod container;
+pub mod file;
+pub mod image;
+pub mod playback;
 
 use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::{Report, SampleImage, SampleSet};
+use crate::preprocess::diagnostics::Report;
+use crate::samples::{SampleImage, SampleSet};
 use crate::settings::StoreSettings;
 
-pub use header::{ImageEntry, MAX_REFERENCES, VERSION};
-pub use images::{BlockEntry, ImageHead};
-pub use playback::{DEFAULT_CACHE_BYTES, Playback};
-pub use provenance::{InputFiles, PlaneBytes, Provenance};
-pub use reader::{Store, StoreInfo};
-pub use source::ReadAt;
-pub use verify::{Verification, verify};
-pub use writer::{Extras, write, write_spooled, write_to, write_with};
+use file::{Extras, Store, verify, write_with};
 
 /// Writes an open store again, as this Overlook writes it, with what it carries beside the samples; `storage` says how, if it is
 /// not to be as before. Gives its size in bytes. `path` may be the store's own.

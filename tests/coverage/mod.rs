@@ -2,7 +2,8 @@
 
 use glam::{DVec2, DVec3};
 use overlook::capture::Capture;
-use overlook::preprocess::{FrameInspection, Rule};
+use overlook::preprocess::inspect::FrameInspection;
+use overlook::preprocess::pruning::Rule;
 use overlook::settings::Settings;
 
 use super::scene::Scene;

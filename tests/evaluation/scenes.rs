@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use overlook::capture::demo::{Demo, DemoSpec};
 use overlook::capture::{Capture, CaptureParts, Frame, FrameSource};
+use overlook::demo::{Demo, DemoSpec};
 use overlook::error::Result;
 use overlook::evaluate::truth::Truth;
 use overlook::settings::CaptureSettings;

@@ -14,7 +14,7 @@ fn every_disturbance_leaves_the_capture_alone_at_the_start_of_its_dial_and_not_a
         let dial = disturbance.dial(&scene.capture, &scene.truth);
         let under = |value| disturbance.apply(&scene.capture, value).unwrap();
         let (start, end) = (under(dial[0]), under(dial[dial.len() - 1]));
-        let differs = |recorded: &stress::Recorded| {
+        let differs = |recorded: &overlook::evaluate::truth::Recorded| {
             recorded.capture.cameras != scene.capture.cameras
                 || recorded.capture.cameras.iter().enumerate().any(|(camera, _)| {
                     (0..4).any(|frame| {

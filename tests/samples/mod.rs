@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 use half::f16;
 use overlook::capture::{Camera, Intrinsics};
-use overlook::preprocess::{DepthPlane, SampleImage, SampleSet, SampleTile, Span, TILE};
+use overlook::samples::{DepthPlane, SampleImage, SampleSet, SampleTile, Span, TILE};
 use overlook::settings::Settings;
 
 /// A camera at `eye` that looks along +z with y down, its focal length being its width: angles are simple ratios.

@@ -8,7 +8,8 @@ use glam::{DAffine3, DVec3};
 use half::f16;
 use overlook::capture::{Camera, Intrinsics};
 use overlook::job::Job;
-use overlook::preprocess::{DepthPlane, OctNormal, Report, SampleImage, SampleSet, SampleTile, Span, TILE};
+use overlook::preprocess::diagnostics::Report;
+use overlook::samples::{DepthPlane, OctNormal, SampleImage, SampleSet, SampleTile, Span, TILE};
 use overlook::settings::Settings;
 
 use reader::Store;
@@ -88,7 +89,7 @@ fn written(settings: &[&str]) -> (SampleSet, Vec<u8>) {
     for setting in settings {
         set.settings.set_text(setting).unwrap();
     }
-    overlook::store::write(&path, &set, &Report::default(), &Job::new()).unwrap();
+    overlook::store::file::write(&path, &set, &Report::default(), &Job::new()).unwrap();
     (set, std::fs::read(&path).unwrap())
 }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DQuat, DVec3};
 use half::f16;
 use overlook::capture::{Camera, Intrinsics};
-use overlook::preprocess::report::CameraReport;
-use overlook::preprocess::{DepthPlane, OctNormal, Report, SampleImage, SampleSet, SampleTile, Span, TILE};
+use overlook::preprocess::diagnostics::{CameraReport, Report};
+use overlook::samples::{DepthPlane, OctNormal, SampleImage, SampleSet, SampleTile, Span, TILE};
 use overlook::settings::Settings;
 use proptest::prelude::*;
 

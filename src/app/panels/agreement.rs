@@ -2,11 +2,10 @@
 
 use egui::{RichText, Ui};
 
-use super::super::text;
-use super::super::theme::{Tokens, space};
 use super::matrix::{self, Cell};
-use crate::preprocess::Report;
-use crate::preprocess::residuals::{PairResiduals, Residual};
+use crate::app::model;
+use crate::app::theme::{Tokens, space};
+use crate::preprocess::diagnostics::{PairResiduals, Report, Residual};
 
 /// Residuals from here on are as light as can be, in footprints: a tenth of a footprint can be told from none.
 const LIGHTEST_FOOTPRINTS: f32 = 2.0;
@@ -22,7 +21,7 @@ pub(super) fn ui(ui: &mut Ui, report: &Report) {
             .on_hover_text(help);
     }
     for doubt in doubts {
-        ui.label(RichText::new(text::sentence(&doubt)).color(tokens.warning)).on_hover_text(help);
+        ui.label(RichText::new(model::sentence(&doubt)).color(tokens.warning)).on_hover_text(help);
     }
     let title = "What never moves, 85 % within (a wrong pose shows here)";
     residuals_ui(ui, report, title, |pair| pair.lasting, |residual| residual.most_footprints);
@@ -52,7 +51,7 @@ fn residuals_ui(
                  {median_footprints:.3}; half of their colors within {median_color_steps:.1} steps",
                 names[row],
                 names[column],
-                text::count(samples),
+                model::count(samples),
             ),
         })
     });

@@ -2,11 +2,9 @@
 
 use egui::{Align2, Label, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
-use super::super::command::Command;
-use super::super::inspector::histograms::{Axis, BARS, Histogram};
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::Tokens;
+use crate::app::model::{self, Command, State};
+use crate::app::theme::Tokens;
+use crate::app::work::{Axis, BARS, Histogram};
 use crate::settings::Field;
 
 /// Height of the bars.
@@ -25,7 +23,7 @@ pub(super) fn histogram_ui(
 ) {
     let tokens = Tokens::in_ui(ui);
     let Some(axis) = Axis::of(field) else { return };
-    let width = ui.available_width() - super::super::theme::space::MEDIUM;
+    let width = ui.available_width() - crate::app::theme::space::MEDIUM;
     let (rect, response) =
         ui.allocate_exact_size(vec2(width, FIGURES + BARS_HEIGHT), Sense::click_and_drag());
     response
@@ -48,7 +46,7 @@ pub(super) fn histogram_ui(
     painter.add(egui::Shape::convex_polygon(handle.to_vec(), color, Stroke::NONE));
     let (within, beyond) = histogram.map_or((0, 0), |histogram| histogram.sides(value));
     let font = egui::FontId::proportional(10.5);
-    let share = |part: usize| text::percent(part as u64, (within + beyond) as u64);
+    let share = |part: usize| model::percent(part as u64, (within + beyond) as u64);
     let (left, right) = (format!("{} within", share(within)), format!("{} beyond", share(beyond)));
     painter.text(rect.left_top(), Align2::LEFT_TOP, left, font.clone(), tokens.text_weak);
     painter.text(rect.right_top(), Align2::RIGHT_TOP, right, font.clone(), tokens.text_weak);
@@ -71,7 +69,7 @@ pub(super) fn histogram_ui(
         None => "Nothing is counted here yet: the line can be dragged all the same.".to_owned(),
         Some(histogram) => format!(
             "{} {}{}: {within} within the line, {beyond} beyond. Blue passes all rules, orange does not{}. Drag the line.",
-            text::count((within + beyond) as u64),
+            model::count((within + beyond) as u64),
             histogram.of,
             frame.map_or_else(String::new, |frame| format!(", {}", at_frame(frame))),
             if histogram.noise.is_some() { "; the light band is what measured noise explains" } else { "" }

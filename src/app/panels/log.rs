@@ -3,12 +3,12 @@
 use egui::{RichText, ScrollArea, Ui};
 use egui_material_icons::icons::ICON_NOTES;
 
-use super::super::state::{NoticeKind, State};
-use super::super::theme::Tokens;
-use super::empty_ui;
+use crate::app::model::{NoticeKind, State};
+use crate::app::theme::Tokens;
+use crate::app::widgets::empty_ui;
 
 /// The log.
-pub(super) fn log_ui(ui: &mut Ui, state: &State) {
+pub(crate) fn log_ui(ui: &mut Ui, state: &State) {
     let tokens = Tokens::in_ui(ui);
     let log = &state.inspector.log;
     let Some(first) = log.front() else {

@@ -3,16 +3,14 @@
 use egui::{RichText, ScrollArea, Ui};
 use egui_material_icons::icons::ICON_MEMORY;
 
-use super::super::inspector::memory_map::CameraMemory;
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::Tokens;
-use super::super::views::colormap;
-use super::empty_ui;
 use super::report::{share_ui, stale_ui};
+use crate::app::model::{self, State};
+use crate::app::theme::Tokens;
+use crate::app::widgets::empty_ui;
+use crate::app::work::{self, CameraMemory};
 
 /// The view.
-pub(super) fn memory_ui(ui: &mut Ui, state: &State) {
+pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
     let tokens = Tokens::in_ui(ui);
     let (Some(scene), Some(cameras)) = (&state.scene, &state.inspector.memory) else {
         let (title, text) = if state.scene.is_none() || state.has_capture() {
@@ -28,18 +26,18 @@ pub(super) fn memory_ui(ui: &mut Ui, state: &State) {
     };
     let bytes = |camera: &CameraMemory| camera.lasting_bytes + camera.frame_bytes;
     let total: u64 = cameras.iter().map(bytes).sum();
-    let words = format!("{} of samples in memory, by camera.", text::bytes(total));
+    let words = format!("{} of samples in memory, by camera.", model::bytes(total));
     ui.label(RichText::new(words).small().color(tokens.text_weak));
     stale_ui(ui, state);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         for (index, (memory, camera)) in cameras.iter().zip(&scene.cameras).enumerate() {
-            let figure = format!("{}  {}", text::bytes(bytes(memory)), text::percent(bytes(memory), total));
+            let figure = format!("{}  {}", model::bytes(bytes(memory)), model::percent(bytes(memory), total));
             let share = bytes(memory) as f32 / total.max(1) as f32;
-            share_ui(ui, &camera.name, &figure, share, colormap::camera(index)).on_hover_text(format!(
+            share_ui(ui, &camera.name, &figure, share, work::camera(index)).on_hover_text(format!(
                 "{} samples. Stored for several frames: {}, for one: {}.",
-                text::count(memory.samples),
-                text::bytes(memory.lasting_bytes),
-                text::bytes(memory.frame_bytes)
+                model::count(memory.samples),
+                model::bytes(memory.lasting_bytes),
+                model::bytes(memory.frame_bytes)
             ));
         }
     });

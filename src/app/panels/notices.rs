@@ -3,10 +3,9 @@
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Stroke};
 use egui_material_icons::icons::{ICON_CHECK_CIRCLE, ICON_CLOSE, ICON_ERROR, ICON_WARNING};
 
-use super::super::command::Command;
-use super::super::state::{Notice, NoticeKind, State};
-use super::super::theme::{Tokens, space};
-use super::icon_button;
+use crate::app::model::{Command, Notice, NoticeKind, State};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::icon_button;
 
 /// Messages shown at once; older ones wait.
 const SHOWN: usize = 3;
@@ -14,7 +13,7 @@ const SHOWN: usize = 3;
 const WIDTH: f32 = 430.0;
 
 /// The messages.
-pub(super) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
     if state.notices.is_empty() {
         return;
     }

@@ -2,10 +2,8 @@
 
 use egui::{Id, Key, Modal, RichText, TextEdit};
 
-use super::super::command::Command;
-use super::super::message::Purpose;
-use super::super::state::{State, TypedPath};
-use super::super::theme::{Tokens, space};
+use crate::app::model::{Command, Purpose, State, TypedPath};
+use crate::app::theme::{Tokens, space};
 
 /// The question before something is replaced.
 fn replaced_words(typed: &TypedPath) -> String {
@@ -21,7 +19,7 @@ fn replaced_words(typed: &TypedPath) -> String {
 }
 
 /// The field, while one is asked for.
-pub(super) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
     let Some(typed) = &state.typed_path else { return };
     let (title, action, hint) = match typed.purpose {
         Purpose::OpenFile | Purpose::OpenFolder => {

@@ -3,11 +3,9 @@
 use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
 use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
 
-use super::super::command::Command;
-use super::super::message::Purpose;
-use super::super::state::{SIDES, State};
-use super::super::theme::{Tokens, space};
-use super::{empty_ui, icon_button};
+use crate::app::model::{Command, Purpose, SIDES, State};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{empty_ui, icon_button};
 
 /// What the path can become.
 fn export_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -47,7 +45,7 @@ fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Vec<Command>) {
 const SIZE: &str = "Columns and rows of exported pictures, at first those of the largest camera. What the lens sees fits inside.";
 
 /// The view.
-pub(super) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let path = &state.inspector.path;
     if path.keys.is_empty() {
         let text = "Fly to where the path should begin and add a key; fly on and add the next. The path runs smoothly \

@@ -3,14 +3,12 @@
 use egui::{Button, Id, Key, Modal, RichText, TextEdit, Ui};
 use egui_material_icons::icons::ICON_DELETE;
 
-use super::super::command::Command;
-use super::super::inspector::presets::PRESETS;
-use super::super::state::State;
-use super::super::theme::{Tokens, space};
-use super::icon_button;
+use crate::app::model::{Command, PRESETS, State};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::icon_button;
 
 /// The menu, as wide as there is room.
-pub(super) fn menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let button = Button::new("Presets…").min_size(egui::vec2(ui.available_width() - space::MEDIUM, 0.0));
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
         ui.set_min_width(220.0);
@@ -42,7 +40,7 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 /// The field for a name, while a new preset is named.
-pub(super) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
     let Some(name) = &state.inspector.naming else { return };
     let modal = Modal::new(Id::unique("naming a preset")).show(ctx, |ui| {
         ui.set_width(360.0);

@@ -4,17 +4,15 @@ use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2, vec2};
 
 use egui_material_icons::icons::ICON_GRID_ON;
 
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::{Tokens, space};
-use super::super::views::colormap;
 use super::agreement;
 use super::matrix::{self, Cell};
-use crate::preprocess::Report;
-use crate::preprocess::report::CameraReport;
+use crate::app::model::{self, State};
+use crate::app::theme::{Tokens, space};
+use crate::app::work;
+use crate::preprocess::diagnostics::{CameraReport, Report};
 
 /// The panel.
-pub(super) fn report_ui(ui: &mut Ui, state: &State) {
+pub(crate) fn report_ui(ui: &mut Ui, state: &State) {
     let Some(report) = state.report() else {
         let tokens = Tokens::in_ui(ui);
         ui.add_space(space::MEDIUM);
@@ -39,7 +37,7 @@ pub(super) fn report_ui(ui: &mut Ui, state: &State) {
 }
 
 /// Says that the numbers were made with other settings, where they were.
-pub(super) fn stale_ui(ui: &mut Ui, state: &State) {
+pub(crate) fn stale_ui(ui: &mut Ui, state: &State) {
     if let Some(words) = state.stale_words() {
         ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
     }
@@ -49,11 +47,11 @@ pub(super) fn stale_ui(ui: &mut Ui, state: &State) {
 const TWO_COLUMNS: f32 = 720.0;
 
 /// The matrices alone.
-pub(super) fn matrix_view_ui(ui: &mut Ui, state: &State) {
+pub(crate) fn matrix_view_ui(ui: &mut Ui, state: &State) {
     let Some(report) = state.report() else {
         let text =
             "Who stands for whom, and how well cameras agree, is known once the whole capture is pruned.";
-        super::empty_ui(ui, ICON_GRID_ON, "No matrix yet", text, |_| {});
+        crate::app::widgets::empty_ui(ui, ICON_GRID_ON, "No matrix yet", text, |_| {});
         return;
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -85,7 +83,7 @@ fn rule_words(rule: &str) -> (String, &'static str) {
         }
         "mixed_dropped" => ("Blended, dropped", "The color is blended and the settings drop such samples."),
         "no_sample" => ("Without depth", "The pixel has no depth and takes part in nothing."),
-        other => return (text::words(other), ""),
+        other => return (model::words(other), ""),
     };
     (words.to_owned(), help)
 }
@@ -100,7 +98,7 @@ fn rules_ui(ui: &mut Ui, report: &Report) {
     }
     for (rule, &count) in rules {
         let (words, help) = rule_words(rule);
-        let figure = format!("{}  {}", text::count(count), text::percent(count, report.samples_in));
+        let figure = format!("{}  {}", model::count(count), model::percent(count, report.samples_in));
         share_ui(
             ui,
             &words,
@@ -112,15 +110,15 @@ fn rules_ui(ui: &mut Ui, report: &Report) {
     }
     let kept = format!(
         "{}  {}",
-        text::count(report.samples_kept),
-        text::percent(report.samples_kept, report.samples_in)
+        model::count(report.samples_kept),
+        model::percent(report.samples_kept, report.samples_in)
     );
     let share = report.samples_kept as f32 / report.samples_in.max(1) as f32;
     share_ui(ui, "Kept", &kept, share, tokens.moving).on_hover_text("Samples that stay.");
 }
 
 /// A name, a figure, and a bar of the share below them.
-pub(super) fn share_ui(
+pub(crate) fn share_ui(
     ui: &mut Ui,
     name: &str,
     figure: &str,
@@ -155,8 +153,8 @@ fn matrix_ui(ui: &mut Ui, report: &Report) {
         Some(Cell {
             // The square root lets small counts be told from none.
             strength: (count > 0).then(|| (count as f32 / most).sqrt()),
-            text: text::count(count),
-            help: format!("{}: {} samples dropped for {}", names[loser], text::count(count), names[winner]),
+            text: model::count(count),
+            help: format!("{}: {} samples dropped for {}", names[loser], model::count(count), names[winner]),
         })
     });
 }
@@ -198,11 +196,11 @@ fn cameras_ui(ui: &mut Ui, report: &Report) {
             for (index, camera) in report.cameras.iter().enumerate() {
                 ui.horizontal(|ui| {
                     let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
-                    ui.painter().circle_filled(dot.center(), 4.0, colormap::camera(index));
+                    ui.painter().circle_filled(dot.center(), 4.0, work::camera(index));
                     ui.label(matrix::short(&camera.name, 12)).on_hover_text(&camera.name);
                 });
-                ui.label(text::count(camera.background_kept + camera.foreground_kept));
-                ui.label(text::percent(camera.background_pixels, camera.pixels / frames));
+                ui.label(model::count(camera.background_kept + camera.foreground_kept));
+                ui.label(model::percent(camera.background_pixels, camera.pixels / frames));
                 ui.label(format!("{:.2}", camera.color_noise_steps)).on_hover_text(measured(camera));
                 ui.end_row();
             }

@@ -3,22 +3,20 @@
 use egui::{Align, Button, CollapsingHeader, DragValue, Layout, RichText, ScrollArea, Slider, Ui};
 use egui_material_icons::icons::{ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 
-use super::super::command::Command;
-use super::super::inspector::histograms::CUT;
-use super::super::inspector::history::Slot;
-use super::super::keyboard::gave_up_number;
-use super::super::names::SECTIONS;
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::{Tokens, space};
-use super::{choice_ui, histogram, icon_button, presets};
+use super::{histogram, presets};
+use crate::app::control::gave_up_number;
+use crate::app::model::setting_names::SECTIONS;
+use crate::app::model::{self, Command, Slot, State};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{choice_ui, icon_button};
+use crate::app::work::CUT;
 use crate::settings::{Field, Kind, Settings};
 
 /// Width of the number beside a slider: as much as `65536` needs.
 const NUMBER_BOX: f32 = 58.0;
 
 /// The panel.
-pub(super) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let settings = state.shown_settings();
     let values = Values::of(&settings);
     let editable = state.has_thresholds();
@@ -124,8 +122,8 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
     let Some((value, default)) = values.of_field(field) else { return };
     let tokens = Tokens::in_ui(ui);
     let (section, name) = field.path.split_once('.').unwrap_or(("", field.path));
-    let full_name = text::words(&format!("{section} {name}"));
-    let name = text::words(name);
+    let full_name = model::words(&format!("{section} {name}"));
+    let name = model::words(name);
     let changed = value != default;
     // The line on the histogram takes the place of a slider.
     let cuts = state.has_capture() && CUT.contains(&field.path);
@@ -214,7 +212,7 @@ fn value_ui(ui: &mut Ui, field: &'static Field, name: &str, value: &toml::Value)
             let choices: Vec<_> = names
                 .iter()
                 .enumerate()
-                .map(|(index, (choice, help))| (index, text::words(choice), help.trim().to_owned()))
+                .map(|(index, (choice, help))| (index, model::words(choice), help.trim().to_owned()))
                 .collect();
             choice_ui(ui, name, current, &choices, width).map(|index| names[index].0.into())
         }

@@ -3,13 +3,11 @@
 use egui::{Align, Button, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons::{ICON_CANCEL, ICON_REPLAY};
 
-use super::super::command::Command;
-use super::super::state::{Busy, State, Work};
-use super::super::text;
-use super::super::theme::{Tokens, space};
+use crate::app::model::{self, Busy, Command, State, Work};
+use crate::app::theme::{Tokens, space};
 
 /// The line at the bottom.
-pub(super) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let tokens = Tokens::in_ui(ui);
     ui.horizontal_centered(|ui| {
         if let Some(busy) = state.busy.first() {
@@ -68,7 +66,7 @@ fn busy_ui(ui: &mut Ui, state: &State, busy: &Busy) {
     ui.add(bar).accessible_name("Progress");
     ui.label(RichText::new(count).color(tokens.text_weak));
     if let Some(secs) = busy.secs_left {
-        ui.label(RichText::new(text::time_left(secs)).color(tokens.text_weak));
+        ui.label(RichText::new(model::time_left(secs)).color(tokens.text_weak));
     }
 }
 
@@ -80,7 +78,7 @@ fn frame_facts_ui(ui: &mut Ui, state: &State) {
     let samples = inspected.inspection.samples.sample_count();
     let pixels: u64 = inspected.inspection.cameras.iter().map(|camera| camera.verdict.len() as u64).sum();
     let mut facts =
-        format!("This frame: {} pixels, {} samples show it", text::count(pixels), text::count(samples));
+        format!("This frame: {} pixels, {} samples show it", model::count(pixels), model::count(samples));
     if !inspected.with_scan {
         facts.push_str(" (time not looked at yet)");
     }

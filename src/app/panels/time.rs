@@ -3,19 +3,17 @@
 use egui::{Align2, Rect, RichText, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_TIMELINE;
 
-use super::super::command::Command;
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::{Tokens, space};
-use super::super::views::colormap::sequential;
-use super::empty_ui;
-use crate::preprocess::report::SpanReport;
+use crate::app::model::{self, Command, State};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::empty_ui;
+use crate::app::work::sequential;
+use crate::preprocess::diagnostics::SpanReport;
 
 /// Room for the names of the rows.
 const NAMES: f32 = 128.0;
 
 /// The view.
-pub(super) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let tokens = Tokens::in_ui(ui);
     let frames = state.frame_count();
     let Some(report) = state.report().filter(|report| !report.spans.is_empty() && frames > 0) else {
@@ -50,10 +48,10 @@ pub(super) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let total: u64 = spans.iter().map(|span| span.samples).sum();
         let name = if *length == 1 { "1 frame".to_owned() } else { format!("{length} frames") };
         let row_rect = Rect::from_min_max(pos2(rect.left(), top), pos2(rect.right(), top + height));
-        let words = format!("Samples stored for {name}: {}", text::count(total));
+        let words = format!("Samples stored for {name}: {}", model::count(total));
         ui.interact(row_rect, response.id.with(length), Sense::hover())
             .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
-        let text = format!("{name}  {}", text::count(total));
+        let text = format!("{name}  {}", model::count(total));
         painter.text(
             pos2(rect.left(), top + height / 2.0),
             Align2::LEFT_CENTER,
@@ -81,7 +79,7 @@ pub(super) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         }
     }
     if let Some(SpanReport { span, samples }) = hovered {
-        let words = format!("Frames {} to {}: {} samples", span.start + 1, span.end, text::count(samples));
+        let words = format!("Frames {} to {}: {} samples", span.start + 1, span.end, model::count(samples));
         response.on_hover_text_at_pointer(words);
     }
 }

@@ -3,14 +3,12 @@
 use egui::{Align, DragValue, Layout, Rect, RichText, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::{ICON_PAUSE, ICON_PLAY_ARROW, ICON_SKIP_NEXT, ICON_SKIP_PREVIOUS};
 
-use super::super::command::Command;
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::{Tokens, space};
-use super::icon_button;
+use crate::app::model::{self, Command, State};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::icon_button;
 
 /// The area.
-pub(super) fn timeline_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn timeline_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.add_enabled_ui(state.scene.is_some(), |ui| {
         ui.horizontal(|ui| controls_ui(ui, state, commands));
         strip_ui(ui, state, commands);
@@ -49,7 +47,7 @@ fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let caption = match foreground(state) {
             Some(counts) => {
                 let here = counts.get(timeline.frame).copied().unwrap_or(0);
-                format!("{} samples that do not hold for all frames", text::count(here))
+                format!("{} samples that do not hold for all frames", model::count(here))
             }
             None => "bars show what does not hold for all frames, once the capture is pruned".to_owned(),
         };
@@ -104,7 +102,7 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let frame = ((pointer.x - rect.left()) / step).clamp(0.0, frames as f32 - 1.0) as usize;
         let count = foreground(state).and_then(|counts| counts.get(frame));
         let kept = count.map_or(String::new(), |count| {
-            format!(": {} samples that do not hold for all frames", text::count(*count))
+            format!(": {} samples that do not hold for all frames", model::count(*count))
         });
         response.on_hover_text_at_pointer(format!("Frame {}{kept}", frame + 1));
     }

@@ -6,18 +6,15 @@ use egui_material_icons::icons::{
     ICON_SCIENCE, ICON_TERMINAL,
 };
 
-use super::super::command::Command;
-use super::super::dock::View;
-use super::super::message::Purpose;
-use super::super::scene::Origin;
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::{Tokens, space};
-use super::{Palette, icon_button};
-use crate::capture::demo::SCENES;
+use super::command_palette::Palette;
+use crate::app::dock::View;
+use crate::app::model::{self, Command, Origin, Purpose, State};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::icon_button;
+use crate::demo::SCENES;
 
 /// The bar at the top.
-pub(super) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let tokens = Tokens::in_ui(ui);
     ui.horizontal_centered(|ui| {
         ui.label(RichText::new("Overlook").heading().color(tokens.text));
@@ -130,7 +127,7 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 fn demo_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
     menu_ui(ui, ICON_SCIENCE, "Demo", |ui| {
         for (name, help) in SCENES {
-            if ui.button(text::words(name)).on_hover_text(*help).clicked() {
+            if ui.button(model::words(name)).on_hover_text(*help).clicked() {
                 commands.push(Command::OpenDemo((*name).to_owned()));
             }
         }

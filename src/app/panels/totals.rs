@@ -2,10 +2,8 @@
 
 use egui::{Align, Layout, RichText, Ui};
 
-use super::super::scene::Content;
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::{Tokens, figure_style};
+use crate::app::model::{self, Content, State};
+use crate::app::theme::{Tokens, figure_style};
 
 /// Height of a figure with its name.
 const FIGURE: f32 = 38.0;
@@ -26,7 +24,7 @@ struct Figure {
 }
 
 /// The strip.
-pub(super) fn totals_ui(ui: &mut Ui, state: &State) {
+pub(crate) fn totals_ui(ui: &mut Ui, state: &State) {
     let figures = figures(state);
     let widths = widths(ui, &figures);
     ui.horizontal_centered(|ui| {
@@ -90,8 +88,9 @@ fn figure_ui(ui: &mut Ui, figure: &Figure, stale: bool) {
 
 fn figures(state: &State) -> Vec<Figure> {
     let report = state.report();
-    let of_report =
-        |value: &dyn Fn(&crate::preprocess::Report) -> String| report.map_or_else(|| "–".to_owned(), value);
+    let of_report = |value: &dyn Fn(&crate::preprocess::diagnostics::Report) -> String| {
+        report.map_or_else(|| "–".to_owned(), value)
+    };
     let figure = |name, value: String, note: String, help: &str| Figure {
         name,
         value,
@@ -100,25 +99,25 @@ fn figures(state: &State) -> Vec<Figure> {
         of_whole: true,
     };
     let memory_note = match state.scene.as_ref().map(|scene| &scene.content) {
-        Some(Content::Store { bytes, .. }) => format!("file {}", text::bytes(*bytes)),
-        _ => report.map_or(String::new(), |r| format!("of {}", text::bytes(r.bytes_raw))),
+        Some(Content::Store { bytes, .. }) => format!("file {}", model::bytes(*bytes)),
+        _ => report.map_or(String::new(), |r| format!("of {}", model::bytes(r.bytes_raw))),
     };
     vec![
         figure(
             "Samples kept",
-            of_report(&|r| text::count(r.samples_kept)),
-            report.map_or(String::new(), |r| format!("of {}", text::count(r.samples_in))),
+            of_report(&|r| model::count(r.samples_kept)),
+            report.map_or(String::new(), |r| format!("of {}", model::count(r.samples_in))),
             "The samples kept, of all pixels of all frames of all cameras.",
         ),
         figure(
             "Redundant",
-            of_report(&|r| text::percent(r.samples_in.saturating_sub(r.samples_kept), r.samples_in)),
+            of_report(&|r| model::percent(r.samples_in.saturating_sub(r.samples_kept), r.samples_in)),
             if report.is_some() { "pruned".to_owned() } else { String::new() },
             "Share of all pixels that another kept sample says at least as well.",
         ),
         figure(
             "Memory",
-            of_report(&|r| text::bytes(r.bytes_memory)),
+            of_report(&|r| model::bytes(r.bytes_memory)),
             memory_note,
             "The kept samples in memory, of all pixels as 8-bit color and 32-bit depth; a saved store is smaller.",
         ),
@@ -126,7 +125,7 @@ fn figures(state: &State) -> Vec<Figure> {
         figure(
             "Preprocessing",
             match report.map(|r| r.seconds).filter(|seconds| *seconds > 0.0) {
-                Some(seconds) => format!("{} s", text::significant(seconds)),
+                Some(seconds) => format!("{} s", model::significant(seconds)),
                 None => "–".to_owned(),
             },
             String::new(),
@@ -168,8 +167,8 @@ fn render_figure(state: &State) -> Figure {
             let stats = &shown.picture.stats;
             let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
             (
-                format!("{} ms", text::significant(stats.milliseconds)),
-                format!("{} covered", text::percent(pixels.saturating_sub(stats.holes), pixels)),
+                format!("{} ms", model::significant(stats.milliseconds)),
+                format!("{} covered", model::percent(pixels.saturating_sub(stats.holes), pixels)),
             )
         }
         None => ("–".to_owned(), String::new()),

@@ -2,10 +2,8 @@
 
 use egui::{Align2, Area, Frame, Id, Margin, Modal, Order, RichText, Stroke, vec2};
 
-use super::super::command::Command;
-use super::super::message::Purpose;
-use super::super::state::State;
-use super::super::theme::{Tokens, space};
+use crate::app::model::{Command, Purpose, State};
+use crate::app::theme::{Tokens, space};
 
 /// What a first run explains: title and text.
 const HINTS: [(&str, &str); 3] = [
@@ -25,7 +23,7 @@ const HINTS: [(&str, &str); 3] = [
 ];
 
 /// The introduction, until it is dismissed.
-pub(super) fn introduction_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn introduction_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
     // It speaks of what cameras recorded and of thresholds, which a store does not have: it waits for a capture.
     if state.inspector.introduced || !state.has_capture() {
         return;
@@ -54,7 +52,7 @@ const WRITING: &str = "A file, pictures or a film are still being written. Closi
 const WRITTEN: &str = "What was being written is done.";
 
 /// The question before closing or before opening something else, while it is asked.
-pub(super) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
     let closes = state.inspector.closing.asks;
     if !closes && state.asks_to_open.is_none() {
         return;

@@ -3,14 +3,11 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use super::super::OverlookApp;
-use super::super::command::Command;
-use super::super::dock::View;
-use super::super::inspector::charts::Study;
-use super::super::inspector::probe::Spot;
-use super::super::message::{Message, Purpose};
-use super::super::views::live_image::ColorBy;
 use super::{set_method, settle, start, step, wait};
+use crate::app::OverlookApp;
+use crate::app::dock::View;
+use crate::app::model::{Command, Message, Purpose, Study};
+use crate::app::work::{ColorBy, Spot};
 use crate::settings::{PruningMethod, Settings};
 
 fn type_path(app: &mut OverlookApp, purpose: Purpose, path: &Path) {

@@ -3,13 +3,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::super::command::Command;
-use super::super::inspector::charts::Study;
-use super::super::inspector::probe::Spot;
-use super::super::message::Purpose;
-use super::super::state::Work;
-use super::super::{OverlookApp, Start};
 use super::{orrery, set_method, settle, start, step, wait};
+use crate::app::model::{Command, Purpose, Study, Work};
+use crate::app::work::Spot;
+use crate::app::{OverlookApp, Start};
 use crate::settings::{PruningMethod, Settings};
 
 /// Looks at what is going on, as the line at the bottom does.

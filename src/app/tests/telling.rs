@@ -5,13 +5,10 @@ use std::time::Duration;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use super::super::command::Command;
-use super::super::dock::{Dock, View};
-use super::super::inspector::charts::Study;
-use super::super::state::{Busy, State, Work};
-use super::super::views::words;
-use super::super::{OverlookApp, fresh_state, panels, secs_left, text, theme};
 use super::{settle, start, wait};
+use crate::app::dock::{Dock, View};
+use crate::app::model::{self, Busy, Command, State, Study, Work};
+use crate::app::{OverlookApp, fresh_state, secs_left, theme, views, window};
 use crate::job::Progress;
 use crate::settings::{Kernel, Settings};
 
@@ -31,7 +28,7 @@ fn says(text: &str, mut contents: impl FnMut(&mut egui::Ui)) -> bool {
 }
 
 fn view_says(state: &State, view: View, text: &str) -> bool {
-    says(text, |ui| panels::view_ui(ui, view, state, &mut Vec::new()))
+    says(text, |ui| window::view_ui(ui, view, state, &mut Vec::new()))
 }
 
 fn scoring() -> Progress {
@@ -60,7 +57,7 @@ fn the_line_at_the_bottom_names_what_is_measured_and_how_long_all_of_it_takes() 
         state.busy =
             vec![Busy { work: Work::Study, progress: scoring(), cancellable: true, secs_left: None }];
         let mut dock = Dock::new();
-        assert!(says(line, |ui| panels::window_ui(ui, &state, &mut dock, &mut Vec::new())));
+        assert!(says(line, |ui| window::window_ui(ui, &state, &mut dock, &mut Vec::new())));
     }
 }
 
@@ -111,8 +108,8 @@ fn histograms_of_another_frame_than_the_one_shown_say_so() {
 fn of_a_pixel_that_is_kept_in_motion_nobody_is_asked_to_click_it() {
     let mut state = fresh_state();
     state.timeline.playing = true;
-    assert!(words::pending_verdict(&state, false).contains("click"));
-    assert_eq!(words::pending_verdict(&state, true), "In motion: pause to read its verdict.");
+    assert!(views::pending_verdict(&state, false).contains("click"));
+    assert_eq!(views::pending_verdict(&state, true), "In motion: pause to read its verdict.");
 }
 
 #[test]
@@ -120,8 +117,8 @@ fn samples_of_shorter_spans_are_not_said_to_be_of_one_frame() {
     let mut app = start(2, 4);
     settle(&mut app);
     let counted = app.state.report().unwrap().foreground_per_frame[0];
-    let words = format!("{} samples that do not hold for all frames", text::count(counted));
+    let words = format!("{} samples that do not hold for all frames", model::count(counted));
     let mut dock = Dock::new();
-    assert!(says(&words, |ui| panels::window_ui(ui, &app.state, &mut dock, &mut Vec::new())));
+    assert!(says(&words, |ui| window::window_ui(ui, &app.state, &mut dock, &mut Vec::new())));
     assert!(view_says(&app.state, View::Report, "Repeated over time"));
 }

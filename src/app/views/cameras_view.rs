@@ -3,13 +3,11 @@
 use egui::{Align2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
 
-use super::super::command::Command;
-use super::super::panels::empty_ui;
-use super::super::scene::Scene;
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::{Tokens, space};
-use super::{colormap, marks, words};
+use super::{marks, words};
+use crate::app::model::{self, Command, Scene, State};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::empty_ui;
+use crate::app::work;
 
 /// Height of the two lines below a thumbnail.
 const CAPTION: f32 = 34.0;
@@ -73,7 +71,7 @@ fn card_ui(
         marks::mark(&clipped, picture.min + at.to_vec2() * scale, sees, state.inspector.probe.pinned, tokens);
     }
     let left = picture.left();
-    painter.circle_filled(pos2(left + 5.0, picture.bottom() + 11.0), 4.0, colormap::camera(index));
+    painter.circle_filled(pos2(left + 5.0, picture.bottom() + 11.0), 4.0, work::camera(index));
     let font = egui::TextStyle::Small.resolve(ui.style());
     let line = |row: f32, x: f32, text: String, color| {
         painter.text(pos2(left + x, picture.bottom() + row), Align2::LEFT_CENTER, text, font.clone(), color);
@@ -111,5 +109,5 @@ fn kept_words(state: &State, index: usize) -> String {
     let inspected = state.inspected.as_ref().filter(|_| state.inspection_here().is_some());
     let Some(inspected) = inspected else { return "…".to_owned() };
     let pixels = inspected.inspection.cameras[index].verdict.len() as u64;
-    format!("{} kept", text::percent(inspected.kept[index], pixels))
+    format!("{} kept", model::percent(inspected.kept[index], pixels))
 }

@@ -4,11 +4,9 @@ use egui::{Color32, Pos2, RichText, Sense, Shape, Stroke, Ui, vec2};
 use egui_material_icons::MaterialIcon;
 use egui_plot::{MarkerShape, PlotPoint, PlotUi};
 
-use super::super::command::Command;
-use super::super::inspector::charts::Study;
-use super::super::panels::empty_ui;
-use super::super::state::State;
-use super::super::theme::Tokens;
+use crate::app::model::{Command, State, Study};
+use crate::app::theme::Tokens;
+use crate::app::widgets::empty_ui;
 
 /// A point this near to the pointer is meant, points on the screen.
 const NEAR: f32 = 12.0;

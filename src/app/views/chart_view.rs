@@ -6,16 +6,13 @@ use egui::{RichText, Ui};
 use egui_material_icons::icons::ICON_SCATTER_PLOT;
 use egui_plot::{Line, Plot, Points};
 
-use super::super::command::Command;
-use super::super::inspector::charts::{Study, point_name, series_name, settings_alone};
-use super::super::inspector::quantity::Quantity;
-use super::super::names;
-use super::super::panels::choice_ui;
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::Tokens;
 use super::chart_parts::{HINT, Mark, hint_ui, legend_ui, nearest, no_points_ui, shape, study_button};
-use super::{axis_marks, colormap};
+use crate::app::model::{
+    self, Command, Quantity, State, Study, point_name, series_name, setting_names, settings_alone,
+};
+use crate::app::theme::Tokens;
+use crate::app::widgets::choice_ui;
+use crate::app::work;
 use crate::evaluate::sweep::{Point, Series};
 
 /// Names of the line and of the ring in the chart.
@@ -41,9 +38,10 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
         places.push(place(point));
     }
     let current = charts.of(&state.settings).map(place);
-    let names = series.values().enumerate().map(|(index, (series, _))| {
-        (Mark::Points(shape(index)), colormap::camera(index), series_name(*series))
-    });
+    let names = series
+        .values()
+        .enumerate()
+        .map(|(index, (series, _))| (Mark::Points(shape(index)), work::camera(index), series_name(*series)));
     let lines = [(Mark::Line, tokens.text_weak, FRONT), (Mark::Ring, tokens.mark, ON_NOW)];
     let lines = &lines[..=usize::from(current.is_some())];
     legend_ui(ui, names.chain(lines.iter().copied()));
@@ -53,7 +51,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
     let shown = plot.show(ui, |plot_ui| {
         plot_ui.line(Line::new(FRONT, charts.front()).color(tokens.text_weak).width(1.0));
         for (index, (series, places)) in series.into_values().enumerate() {
-            let color = colormap::camera(index);
+            let color = work::camera(index);
             plot_ui.points(
                 Points::new(series_name(series), places).color(color).radius(4.0).shape(shape(index)),
             );
@@ -95,7 +93,7 @@ fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 /// What a point is and costs, first by the axes that are shown.
 fn words(point: &Point, axes: [Quantity; 2]) -> String {
-    let mut lines = vec![names::label(&point_name(point))];
+    let mut lines = vec![crate::app::model::setting_names::label(&point_name(point))];
     lines.extend(axes.map(|quantity| format!("{}: {}", quantity.name(), quantity.words(point))));
     lines.push(format!(
         "{:.2} ± {:.2} dB with holes filled, SSIM {:.3}, coverage {:.1} %",
@@ -106,10 +104,10 @@ fn words(point: &Point, axes: [Quantity; 2]) -> String {
     ));
     lines.push(format!(
         "{} store of {} samples, {} in memory, {} ms a view",
-        text::bytes(point.bytes),
-        text::count(point.samples),
-        text::bytes(point.bytes_memory),
-        text::significant(point.milliseconds)
+        model::bytes(point.bytes),
+        model::count(point.samples),
+        model::bytes(point.bytes_memory),
+        model::significant(point.milliseconds)
     ));
     if settings_alone(point).is_none() {
         lines.push("Only for comparison: no settings give it".to_owned());
@@ -123,9 +121,9 @@ fn plot<'a>(id: &'static str, axes: [Quantity; 2], places: &[[f64; 2]], tokens: 
         move |mark: egui_plot::GridMark, range: &std::ops::RangeInclusive<f64>| {
             let whole = |mark: egui_plot::GridMark| 10_f64.powf(mark.value) as u64;
             match quantity {
-                Quantity::Bytes => text::bytes(whole(mark)),
-                Quantity::Samples => text::count(whole(mark)),
-                _ => axis_marks::label(mark, range, quantity.is_log()),
+                Quantity::Bytes => model::bytes(whole(mark)),
+                Quantity::Samples => model::count(whole(mark)),
+                _ => model::label(mark, range, quantity.is_log()),
             }
         }
     };
@@ -134,8 +132,8 @@ fn plot<'a>(id: &'static str, axes: [Quantity; 2], places: &[[f64; 2]], tokens: 
         .y_axis_label(up.axis_name())
         .x_axis_formatter(axis(along))
         .y_axis_formatter(axis(up))
-        .x_grid_spacer(move |grid| axis_marks::marks(grid.bounds, along.is_log()))
-        .y_grid_spacer(move |grid| axis_marks::marks(grid.bounds, up.is_log()))
+        .x_grid_spacer(move |grid| model::marks(grid.bounds, along.is_log()))
+        .y_grid_spacer(move |grid| model::marks(grid.bounds, up.is_log()))
         .grid_color(tokens.border)
         .allow_scroll(false)
         .set_margin_fraction(egui::vec2(0.06, 0.08));

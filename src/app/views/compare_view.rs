@@ -3,17 +3,11 @@
 use egui::{Align2, Key, Rect, RichText, Sense, Stroke, Ui, Vec2, pos2, vec2};
 use egui_material_icons::icons::{ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
-use super::super::command::Command;
-use super::super::inspector::compare::Compared;
-use super::super::inspector::compare_look::{CompareLook, Measure, Mode, Place, Side};
-use super::super::inspector::difference::Comparison;
-use super::super::panels::{choice_ui, empty_ui, icon_button, segments_ui};
-use super::super::scene::Content;
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::{Tokens, space};
-use super::colormap::{diverging, sequential};
 use super::legend;
+use crate::app::model::{self, Command, CompareLook, Content, Measure, Mode, Place, Side, State};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{choice_ui, empty_ui, icon_button, segments_ui};
+use crate::app::work::{Compared, Comparison, diverging, sequential};
 
 /// Height of the lines below the picture.
 const FOOTER: f32 = 48.0;
@@ -254,7 +248,7 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
 
 /// What the colors of the map stand for.
 fn bar_ui(ui: &mut Ui, comparison: &Comparison) {
-    let range = text::significant(f64::from(comparison.range));
+    let range = model::significant(f64::from(comparison.range));
     match comparison.measure {
         Measure::Steps => legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR, sequential),
         Measure::Brightness => legend::bar(
@@ -291,7 +285,7 @@ fn figures(comparison: &Comparison) -> String {
         format!(
             "{:.1} dB apart, {} {}on average",
             comparison.psnr_db,
-            text::significant(comparison.mean),
+            model::significant(comparison.mean),
             if comparison.measure == Measure::Flip { "FLIP " } else { "steps " }
         )
     };

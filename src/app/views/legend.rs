@@ -2,14 +2,13 @@
 
 use egui::{Align2, Color32, Painter, Rect, RichText, Sense, Ui, pos2, vec2};
 
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::Tokens;
-use super::colormap::{camera as camera_color, diverging, sequential};
-use super::live_image::ColorBy;
-use super::source_image::{Legend, Overlay, RATIO_RANGE, SourceKey};
+use crate::app::model::{self, State};
+use crate::app::theme::Tokens;
+use crate::app::work::{
+    ColorBy, Legend, Overlay, RATIO_RANGE, SourceKey, camera as camera_color, diverging, sequential,
+};
 use crate::grid::Grid;
-use crate::preprocess::TILE;
+use crate::samples::TILE;
 
 /// Height of a line of legend.
 const LINE: f32 = 22.0;
@@ -32,7 +31,7 @@ pub(super) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, lege
         }
         Legend::Plain => note_ui(ui, "As recorded. Choose an overlay above to see what is redundant."),
         Legend::Depth { near, far } => {
-            let figure = |value: f32| text::significant(f64::from(value));
+            let figure = |value: f32| model::significant(f64::from(value));
             bar_ui(ui, &format!("far {}", figure(*far)), &format!("near {}", figure(*near)), sequential);
         }
         Legend::Ratio => ratio_ui(ui, "this camera denser", "other denser"),
@@ -41,21 +40,21 @@ pub(super) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, lege
             let total = background + lasting + foreground + invalid;
             let counts = [*background, *lasting, *foreground];
             for ((color, name), count) in spans(tokens).into_iter().zip(counts) {
-                swatch_ui(ui, color, &format!("{name} {}", text::percent(count, total)));
+                swatch_ui(ui, color, &format!("{name} {}", model::percent(count, total)));
             }
             if *invalid > 0 {
-                swatch_ui(ui, tokens.invalid, &format!("no depth {}", text::percent(*invalid, total)));
+                swatch_ui(ui, tokens.invalid, &format!("no depth {}", model::percent(*invalid, total)));
             }
         }
         Legend::Winners { kept, lost_to, dropped } => {
             let total = kept + dropped + lost_to.iter().sum::<u64>();
-            let label = RichText::new(format!("kept {}", text::percent(*kept, total)));
+            let label = RichText::new(format!("kept {}", model::percent(*kept, total)));
             ui.label(label.small()).on_hover_text("Kept pixels show their own picture.");
             winners_ui(ui, state, lost_to, total);
         }
         Legend::RateDisputes { agreed, won_by } => {
             let total = agreed + won_by.iter().sum::<u64>();
-            let label = RichText::new(format!("rates agree {}", text::percent(*agreed, total)));
+            let label = RichText::new(format!("rates agree {}", model::percent(*agreed, total)));
             ui.label(label.small()).on_hover_text("Both rate models name the same camera; shown dimmed.");
             winners_ui(ui, state, won_by, total);
         }
@@ -76,7 +75,7 @@ fn winners_ui(ui: &mut Ui, state: &State, won_by: &[u64], total: u64) {
         .into_iter()
         .filter_map(|(winner, count)| {
             let name = &cameras.get(winner)?.name;
-            Some((camera_color(winner), format!("{name} {}", text::percent(*count, total))))
+            Some((camera_color(winner), format!("{name} {}", model::percent(*count, total))))
         })
         .collect();
     swatches_ui(ui, &entries, 0.0);

@@ -4,16 +4,13 @@ use egui::{PointerButton, Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
-use super::super::command::Command;
-use super::super::inspector::probe::Spot;
-use super::super::panels::{choice_ui, icon_button, segments_ui};
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::{Tokens, space};
 use super::frusta::frustum;
-use super::live_image::ColorBy;
-use super::source_view::{CAMERA_LIST, FOOTER};
-use super::{colormap, legend, marks, source_view, words};
+use super::source_view::{self, CAMERA_LIST, FOOTER};
+use super::{legend, marks, words};
+use crate::app::model::{self, Command, State};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{choice_ui, icon_button, segments_ui};
+use crate::app::work::{self, ColorBy, Spot};
 
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
@@ -150,7 +147,7 @@ fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State
         }
         let shape = frustum(camera, &vantage, length);
         let selected = index == state.source.camera && state.has_capture();
-        let color = colormap::camera(index).gamma_multiply(presence);
+        let color = work::camera(index).gamma_multiply(presence);
         let stroke = egui::Stroke::new(if selected { 2.5 } else { 1.5 }, color);
         for line in shape.lines {
             painter.line_segment(line.map(|point| canvas.min + point.to_vec2()), stroke);
@@ -246,10 +243,10 @@ fn facts_ui(ui: &mut Ui, state: &State) {
             let reused = if stats.background_reused { ", background kept" } else { "" };
             format!(
                 "{} holes ({}) · {} samples at {width}×{height} in {} ms by the {}{reused}",
-                text::count(stats.holes),
-                text::percent(stats.holes, (width * height).max(1) as u64),
-                text::count(stats.samples),
-                text::significant(stats.milliseconds),
+                model::count(stats.holes),
+                model::percent(stats.holes, (width * height).max(1) as u64),
+                model::count(stats.samples),
+                model::significant(stats.milliseconds),
                 shown.picture.painter
             )
         }

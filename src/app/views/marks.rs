@@ -2,10 +2,10 @@
 
 use egui::{Color32, Painter, Pos2, Stroke, pos2, vec2};
 
-use super::super::inspector::probe::Probed;
-use super::super::state::State;
-use super::super::theme::Tokens;
-use crate::preprocess::Outcome;
+use crate::app::model::State;
+use crate::app::theme::Tokens;
+use crate::app::work::Probed;
+use crate::preprocess::registration::Outcome;
 
 /// Where a camera shows the point, in its pixels, and whether it sees it.
 pub(crate) fn in_camera(state: &State, probed: &Probed, camera: usize) -> Option<(Pos2, bool)> {
@@ -22,7 +22,7 @@ pub(crate) fn in_camera(state: &State, probed: &Probed, camera: usize) -> Option
 }
 
 /// A ring with a cross through it where the point is seen, an empty ring where it is not.
-pub(super) fn mark(painter: &Painter, at: Pos2, sees: bool, pinned: bool, tokens: &Tokens) {
+pub(crate) fn mark(painter: &Painter, at: Pos2, sees: bool, pinned: bool, tokens: &Tokens) {
     if !painter.clip_rect().contains(at) {
         return;
     }

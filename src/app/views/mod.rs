@@ -1,20 +1,25 @@
 //! The pictures, and what is drawn over them and said about them.
 
-mod axis_marks;
-pub(super) mod cameras_view;
+mod cameras_view;
 mod chart_parts;
-pub(super) mod chart_view;
-pub(super) mod colormap;
-pub(super) mod compare_view;
-pub(super) mod frusta;
-pub(super) mod legend;
-pub(super) mod live_image;
-pub(super) mod live_view;
-pub(super) mod marks;
-pub(super) mod pixel_view;
-pub(super) mod readout;
-pub(super) mod rig;
-pub(super) mod source_image;
-pub(super) mod source_view;
-pub(super) mod stability_view;
-pub(super) mod words;
+mod chart_view;
+mod compare_view;
+mod frusta;
+mod legend;
+mod live_view;
+mod marks;
+mod pixel_view;
+mod readout;
+mod source_view;
+mod stability_view;
+mod words;
+
+pub(crate) use cameras_view::cameras_view_ui;
+pub(crate) use chart_view::tradeoff_ui;
+pub(crate) use compare_view::compare_view_ui;
+pub(crate) use live_view::{live_view_ui, places_ui};
+pub(crate) use marks::in_camera;
+pub(crate) use pixel_view::pixel_view_ui;
+pub(crate) use source_view::{cameras_ui, source_view_ui};
+pub(crate) use stability_view::stability_ui;
+pub(crate) use words::{argument, pending_verdict};

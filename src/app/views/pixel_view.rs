@@ -3,14 +3,12 @@
 use egui::{Align, Button, Grid, Label, Layout, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING};
 
-use super::super::command::Command;
-use super::super::inspector::probe::Probed;
-use super::super::panels::{empty_ui, icon_button};
-use super::super::scene::Scene;
-use super::super::state::State;
-use super::super::theme::{Tokens, space};
-use super::{colormap, words};
-use crate::preprocess::Testimony;
+use super::words;
+use crate::app::model::{Command, Scene, State};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{empty_ui, icon_button};
+use crate::app::work::{self, Probed};
+use crate::preprocess::inspect::Testimony;
 
 /// Width of the summary beside the table.
 const SUMMARY: f32 = 292.0;
@@ -162,7 +160,7 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
 
 fn dot_ui(ui: &mut Ui, camera: usize) {
     let (dot, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-    ui.painter().circle_filled(dot.center(), 4.5, colormap::camera(camera));
+    ui.painter().circle_filled(dot.center(), 4.5, work::camera(camera));
 }
 
 fn table_ui(ui: &mut Ui, state: &State, scene: &Scene, probed: &Probed, commands: &mut Vec<Command>) {

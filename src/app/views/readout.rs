@@ -2,12 +2,11 @@
 
 use egui::{Label, RichText, Ui};
 
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::Tokens;
 use super::words;
+use crate::app::model::{self, State};
+use crate::app::theme::Tokens;
 use crate::color::srgb8_from_linear;
-use crate::preprocess::CameraInspection;
+use crate::preprocess::inspect::CameraInspection;
 
 const MOUSE: &str = "Point at a pixel to see what became of it, and why. Wheel to zoom, drag to shift, double-click to \
                      fit, click to keep the pixel.";
@@ -44,9 +43,9 @@ fn camera_facts(state: &State) -> String {
     let kept = inspected.kept[state.source.camera];
     format!(
         "{} of {} pixels are kept ({}). Point at one to see why.",
-        text::count(kept),
-        text::count(pixels),
-        text::percent(kept, pixels)
+        model::count(kept),
+        model::count(pixels),
+        model::percent(kept, pixels)
     )
 }
 
@@ -64,7 +63,7 @@ fn recorded(camera: &CameraInspection, x: usize, y: usize) -> String {
     let depth = match camera.frame.inverse_depth[(x, y)] {
         w if w < 0.0 => "no depth".to_owned(),
         0.0 => "infinitely far".to_owned(),
-        w => format!("depth {}", text::significant(1.0 / f64::from(w))),
+        w => format!("depth {}", model::significant(1.0 / f64::from(w))),
     };
     let [r, g, b] = camera.frame.color[(x, y)].map(|c| srgb8_from_linear(c.to_f32()));
     format!("Pixel {x}, {y} · {depth} · color {r} {g} {b}")

@@ -3,22 +3,19 @@
 use egui::{Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
 
-use super::super::command::Command;
-use super::super::inspector::probe::Spot;
-use super::super::message::Purpose;
-use super::super::panels::{choice_ui, empty_ui, segments_ui};
-use super::super::state::State;
-use super::super::theme::{Tokens, space};
-use super::source_image::{Legend, Overlay};
 use super::{legend, marks, readout};
+use crate::app::model::{Command, Purpose, State};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{choice_ui, empty_ui, segments_ui};
+use crate::app::work::{Legend, Overlay, Spot};
 use crate::grid::Grid;
-use crate::preprocess::TILE;
+use crate::samples::TILE;
 
 /// Height of the legend and the read-out below a picture.
 pub(crate) const FOOTER: f32 = 46.0;
 
 /// Width of a list of cameras.
-pub(super) const CAMERA_LIST: f32 = 104.0;
+pub(crate) const CAMERA_LIST: f32 = 104.0;
 
 /// The view.
 pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -151,7 +148,7 @@ fn tile_tooltip(
 }
 
 /// Looks at the spot under the pointer; a click keeps it.
-pub(super) fn point_at(response: &egui::Response, spot: Spot, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn point_at(response: &egui::Response, spot: Spot, state: &State, commands: &mut Vec<Command>) {
     let probe = &state.inspector.probe;
     if response.clicked() {
         commands.push(Command::Probe(Some(spot)));

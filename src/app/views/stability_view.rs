@@ -6,15 +6,11 @@ use egui::{RichText, Ui};
 use egui_material_icons::icons::ICON_MONITORING;
 use egui_plot::{Line, Plot, PlotPoints, Points};
 
-use super::super::command::Command;
-use super::super::inspector::charts::{Study, method_name};
-use super::super::inspector::quantity::Quantity;
-use super::super::panels::choice_ui;
-use super::super::state::State;
-use super::super::text;
-use super::super::theme::Tokens;
 use super::chart_parts::{Mark, legend_ui, nearest, no_points_ui, shape, study_button};
-use super::{axis_marks, colormap};
+use crate::app::model::{self, Command, Quantity, State, Study, method_name};
+use crate::app::theme::Tokens;
+use crate::app::widgets::choice_ui;
+use crate::app::work;
 use crate::evaluate::stress::StressPoint;
 
 /// The view.
@@ -35,8 +31,11 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comman
     let chosen =
         if names.contains(&charts.disturbance.as_str()) { charts.disturbance.as_str() } else { first };
     ui.horizontal_wrapped(|ui| {
-        let choices: Vec<_> =
-            names.iter().enumerate().map(|(index, name)| (index, text::words(name), String::new())).collect();
+        let choices: Vec<_> = names
+            .iter()
+            .enumerate()
+            .map(|(index, name)| (index, model::words(name), String::new()))
+            .collect();
         let now = names.iter().position(|name| *name == chosen).unwrap_or(0);
         if let Some(index) = choice_ui(ui, "Disturbance", now, &choices, 150.0) {
             commands.push(Command::Disturbance(names[index].to_owned()));
@@ -57,15 +56,15 @@ fn plot_ui(ui: &mut Ui, disturbance: &str, here: &[&StressPoint]) {
     }
     let methods = methods.into_iter().enumerate();
     let curves: Vec<_> = methods
-        .map(|(index, (method, places))| (shape(index), colormap::camera(index), method_name(method), places))
+        .map(|(index, (method, places))| (shape(index), work::camera(index), method_name(method), places))
         .collect();
     legend_ui(ui, curves.iter().map(|(shape, color, name, _)| (Mark::Points(*shape), *color, *name)));
     let unit = here.first().map_or("", |point| point.unit.as_str());
     let plot = Plot::new("stability")
-        .x_axis_label(format!("{} ({unit})", text::words(disturbance)))
+        .x_axis_label(format!("{} ({unit})", model::words(disturbance)))
         .y_axis_label(Quantity::Psnr.axis_name())
-        .x_grid_spacer(|grid| axis_marks::marks(grid.bounds, false))
-        .y_grid_spacer(|grid| axis_marks::marks(grid.bounds, false))
+        .x_grid_spacer(|grid| model::marks(grid.bounds, false))
+        .y_grid_spacer(|grid| model::marks(grid.bounds, false))
         .grid_color(Tokens::in_ui(ui).border)
         .allow_scroll(false);
     let shown = plot.show(ui, |plot_ui| {
@@ -79,8 +78,8 @@ fn plot_ui(ui: &mut Ui, disturbance: &str, here: &[&StressPoint]) {
     if let Some(point) = shown.inner.and_then(|index| here.get(index)) {
         let words = format!(
             "{} at {} {}: {:.2} dB, {:+.2} dB lost",
-            text::sentence(method_name(&point.method)),
-            text::significant(point.dial),
+            model::sentence(method_name(&point.method)),
+            model::significant(point.dial),
             point.unit,
             point.point.psnr_filled_db,
             point.loss_db

@@ -1,15 +1,14 @@
 //! Verdicts and testimonies in words: for the read-out, the table and the clipboard.
 
-use super::super::inspector::probe::Probed;
-use super::super::scene::Scene;
-use super::super::state::State;
-use super::super::text;
+use crate::app::model::{self, Scene, State};
+use crate::app::work::Probed;
 use crate::capture::Camera;
-use crate::preprocess::Outcome;
-use crate::preprocess::{ChainLink, Rule, Testimony, Verdict};
+use crate::preprocess::inspect::{ChainLink, Testimony};
+use crate::preprocess::pruning::{Rule, Verdict};
+use crate::preprocess::registration::Outcome;
 
 /// A verdict as a sentence that names the witness and where it is.
-pub(super) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
+pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
     let Some(witness) = cameras.get(verdict.witness_camera as usize).filter(|_| !verdict.is_kept()) else {
         return verdict.rule.sentence().to_owned();
     };
@@ -26,7 +25,7 @@ pub(super) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
 }
 
 /// What stands where a frame could not be worked out.
-pub(super) const FAILED_FRAME: &str = "This frame could not be worked out: the Log view says why.";
+pub(crate) const FAILED_FRAME: &str = "This frame could not be worked out: the Log view says why.";
 
 /// What stands for a verdict that is not known yet, of the pixel that is kept or of one under the pointer.
 pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {
@@ -42,13 +41,13 @@ pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {
 }
 
 /// Column and row of a pixel index.
-pub(super) fn column_and_row(camera: &Camera, pixel: u32) -> (u32, u32) {
+pub(crate) fn column_and_row(camera: &Camera, pixel: u32) -> (u32, u32) {
     let width = camera.intrinsics.width.max(1);
     (pixel % width, pixel / width)
 }
 
 /// Whether a camera sees the point, in a few words; `None` for the camera whose pixel it is.
-pub(super) fn sees(outcome: Option<Outcome>) -> &'static str {
+pub(crate) fn sees(outcome: Option<Outcome>) -> &'static str {
     match outcome {
         None => "its own pixel",
         Some(Outcome::Same(_)) => "sees it",
@@ -65,7 +64,7 @@ pub(super) fn sees(outcome: Option<Outcome>) -> &'static str {
 }
 
 /// The rule behind [`sees`], as a sentence.
-pub(super) fn why(outcome: Option<Outcome>) -> &'static str {
+pub(crate) fn why(outcome: Option<Outcome>) -> &'static str {
     match outcome {
         None => "The pixel that is argued about.",
         Some(Outcome::Same(_)) => {
@@ -88,7 +87,7 @@ pub(super) fn why(outcome: Option<Outcome>) -> &'static str {
 }
 
 /// What became of a pixel, in a word or two.
-pub(super) fn fate(cameras: &[Camera], verdict: Verdict) -> String {
+pub(crate) fn fate(cameras: &[Camera], verdict: Verdict) -> String {
     let witness = cameras.get(verdict.witness_camera as usize).filter(|_| !verdict.is_kept());
     match (verdict.rule, witness) {
         (Rule::NoSample, _) => "no sample".to_owned(),
@@ -99,7 +98,7 @@ pub(super) fn fate(cameras: &[Camera], verdict: Verdict) -> String {
 }
 
 /// What became of a camera's own pixel, and for what it yields to others however dense it is; `None` outside its picture.
-pub(super) fn there(cameras: &[Camera], row: &Testimony) -> Option<String> {
+pub(crate) fn there(cameras: &[Camera], row: &Testimony) -> Option<String> {
     let mut words = fate(cameras, row.verdict?);
     for (yields, why) in [(row.is_blended, ", blended"), (row.is_unsure, ", no normal")] {
         if yields {
@@ -110,33 +109,33 @@ pub(super) fn there(cameras: &[Camera], row: &Testimony) -> Option<String> {
 }
 
 /// Whether a row speaks of the surface point that is argued about.
-pub(super) fn is_same_point(row: &Testimony) -> bool {
+pub(crate) fn is_same_point(row: &Testimony) -> bool {
     matches!(row.outcome, None | Some(Outcome::Same(_)))
 }
 
 /// The paper's rate and the footprint's, in the table and on the clipboard: of two different surface points none can be compared.
-pub(super) fn rates(row: &Testimony) -> [String; 2] {
+pub(crate) fn rates(row: &Testimony) -> [String; 2] {
     [row.paper_r, row.footprint_r].map(|rate| number(if is_same_point(row) { rate } else { f64::NAN }))
 }
 
 /// A number that is held against a tolerance of about one: of what is far below it, nothing but hundredths is told.
-pub(super) fn distance(value: f64) -> String {
+pub(crate) fn distance(value: f64) -> String {
     if value.abs() < 0.1 { format!("{:.2}", value.abs()) } else { number(value) }
 }
 
 /// A number with three digits; `–` where it is not known, `infinite` where it has no end.
-pub(super) fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if value.is_nan() {
         "–".to_owned()
     } else if value.is_infinite() {
         "infinite".to_owned()
     } else {
-        text::significant(value)
+        model::significant(value)
     }
 }
 
 /// A chain as `front 210, 143 (dropped) » high 96, 40 (kept)`.
-pub(super) fn chain(cameras: &[Camera], links: &[ChainLink]) -> String {
+pub(crate) fn chain(cameras: &[Camera], links: &[ChainLink]) -> String {
     let link = |link: &ChainLink| {
         let Some(camera) = cameras.get(link.camera) else { return String::new() };
         let (x, y) = column_and_row(camera, link.pixel);

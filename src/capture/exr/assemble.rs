@@ -7,7 +7,8 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::color_planes::ColorPlanes;
-use crate::capture::{Camera, Frame, INVALID_INVERSE_DEPTH, Intrinsics};
+use crate::capture::camera::{Camera, Intrinsics};
+use crate::capture::frame::{Frame, INVALID_INVERSE_DEPTH};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::simd::{self, Work};

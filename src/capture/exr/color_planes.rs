@@ -4,7 +4,7 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 
 use super::plane::Plane;
-use crate::capture::INVALID_INVERSE_DEPTH;
+use crate::capture::frame::INVALID_INVERSE_DEPTH;
 use crate::simd::{self, Work};
 
 /// Linear red, green and blue, row-major, not yet checked.

@@ -9,7 +9,8 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::capture::{Camera, INVALID_INVERSE_DEPTH, Intrinsics};
+use crate::capture::camera::{Camera, Intrinsics};
+use crate::capture::frame::INVALID_INVERSE_DEPTH;
 use crate::simd::{self, Work};
 
 /// Depth at or beyond this was not hit where it is written in floats: Blender writes 1e10, others `f32::MAX` or infinity.

@@ -15,7 +15,7 @@ use exr::meta::MetaData;
 use exr::meta::attribute::{Chromaticities, SampleType, Text};
 use exr::meta::header::Header;
 
-use super::guard::{self, guarded};
+use super::decoder_guard::{self, guarded};
 use super::plane::Plane;
 use super::zip::Inflater;
 use crate::capture::camera::{MAX_SIDE, is_believable_size};
@@ -237,7 +237,7 @@ impl ExrFile {
         let mut inflater = Inflater::new();
         for chunk in chunks {
             let chunk = chunk?;
-            guard::check_chunk(&chunk, &meta)?;
+            decoder_guard::check_chunk(&chunk, &meta)?;
             let block = inflater.pixels(chunk, &meta)?;
             seen.insert((block.index.layer, block.index.pixel_position));
             self.copy_block(&meta.headers[block.index.layer], &block, wanted, window, planes);

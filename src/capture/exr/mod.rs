@@ -9,14 +9,15 @@
 //! `channel_finder` looks for the channels that `channels` describes. Nothing is decoded before the header has been checked,
 //! and only the parts that hold a wanted channel are.
 
-pub mod assemble;
+mod assemble;
 mod channel_finder;
-pub mod channels;
-pub mod color_planes;
-pub mod depth;
-pub mod file;
-mod guard;
-pub mod plane;
+mod channels;
+mod color_planes;
+mod decoder_guard;
+mod depth;
+mod file;
+mod plane;
+mod write;
 mod zip;
 
 pub use assemble::{DepthTrouble, Layers, NormalSpace};
@@ -25,3 +26,4 @@ pub use color_planes::ColorPlanes;
 pub use depth::{DepthKind, DepthRules, HALF_MAX, MISS_DEPTH};
 pub use file::{ChannelInfo, ExrFile, Window};
 pub use plane::Plane;
+pub use write::{write_frame, write_picture};

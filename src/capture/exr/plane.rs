@@ -17,7 +17,7 @@ pub enum Plane {
 
 impl Plane {
     /// A plane of which nothing is known yet.
-    pub(super) fn unknown(is_half: bool, pixels: usize) -> Self {
+    pub(crate) fn unknown(is_half: bool, pixels: usize) -> Self {
         if is_half { Self::Half(vec![f16::NAN; pixels]) } else { Self::Single(vec![f32::NAN; pixels]) }
     }
 
@@ -31,7 +31,7 @@ impl Plane {
     }
 
     /// Sets some numbers to those of a line of the file.
-    pub(super) fn set(&mut self, range: Range<usize>, line: &[u8], kind: SampleType) {
+    pub(crate) fn set(&mut self, range: Range<usize>, line: &[u8], kind: SampleType) {
         match (self, kind) {
             (Self::Half(values), _) => read(line, &mut values[range], f16::from_ne_bytes),
             (Self::Single(values), SampleType::U32) => {

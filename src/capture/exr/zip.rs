@@ -13,7 +13,7 @@ use exr::meta::MetaData;
 use exr::meta::header::Header;
 use libdeflater::Decompressor;
 
-use super::guard::packed_bytes;
+use super::decoder_guard::packed_bytes;
 use crate::simd::{self, Work};
 
 /// Makes pixels of the blocks of one file.

@@ -7,10 +7,8 @@ use glam::DAffine3;
 
 use super::files::{PictureFiles, picture_path};
 use super::manifest::{Entry, Keys, Manifest};
-use super::numbers;
-use super::pose;
-use super::probe;
-use crate::capture::{Camera, Intrinsics};
+use super::{frame_numbers, header_probe, pose};
+use crate::capture::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
 
 /// How far two places may lie apart and be the same camera's, relative to the distance from the origin up to [`NEAR`]: matrices
@@ -47,7 +45,10 @@ impl PlacedEntry {
     /// The camera of this entry alone, reading the picture's header where the manifest lacks its size.
     pub(super) fn camera(&self) -> Result<Camera> {
         let picture = &self.files.color;
-        self.camera_of_size(|| probe::picture_size(picture, &self.place), || probe::pixel_aspect(picture))
+        self.camera_of_size(
+            || header_probe::picture_size(picture, &self.place),
+            || header_probe::pixel_aspect(picture),
+        )
     }
 
     /// What the manifest says of it: the entry's own keys before those of the whole.
@@ -85,7 +86,7 @@ pub(super) fn entries(manifest: &Manifest, path: &Path) -> Result<Vec<PlacedEntr
         })
         .collect::<Result<_>>()?;
     let names = camera_names(&keys, &poses, path)?;
-    let numbers = numbers::frame_numbers(&keys, &manifest.frames, &names, path)?;
+    let numbers = frame_numbers::frame_numbers(&keys, &manifest.frames, &names, path)?;
     let mut placed = Vec::with_capacity(keys.len());
     for (index, (keys, entry)) in keys.into_iter().zip(&manifest.frames).enumerate() {
         let (camera_name, number) = (names[index].clone(), numbers[index]);
@@ -164,7 +165,7 @@ impl Recording {
     /// `Invalid` for a camera without one of the frames, or with one twice; `Unsupported` for one that moves.
     pub(super) fn group(manifest: &Manifest, path: &Path) -> Result<Self> {
         let mut warnings = Vec::new();
-        let is_ranked = numbers::are_ranked(manifest);
+        let is_ranked = frame_numbers::are_ranked(manifest);
         if is_ranked {
             warnings.push(format!(
                 "{}: times are fractions; frames are numbered by their order instead, and views name these numbers as \"frame\"",
@@ -176,7 +177,7 @@ impl Recording {
         let entries = entries(manifest, path)?;
         if entries.iter().all(|entry| entry.keys.frame.or(entry.keys.time).is_none()) {
             let names: Vec<String> = entries.iter().map(|entry| entry.camera_name.clone()).collect();
-            numbers::refuse_gaps(&manifest.frames, &names, path)?;
+            frame_numbers::refuse_gaps(&manifest.frames, &names, path)?;
         }
         let times =
             entries.iter().filter(|_| is_ranked).filter_map(|entry| Some((entry.number, entry.keys.time?)));

@@ -14,7 +14,7 @@ const PNG_UNIT_SCALE: f64 = 1e-3;
 
 /// What pictures may be.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Format {
+pub(crate) enum Format {
     /// OpenEXR.
     Exr,
     /// PNG.
@@ -23,7 +23,7 @@ pub(super) enum Format {
 
 /// The files of one frame, and how they are read.
 #[derive(Clone, Debug)]
-pub(super) struct PictureFiles {
+pub(crate) struct PictureFiles {
     /// Color, and whatever is not elsewhere.
     pub color: PathBuf,
     /// A file of its own.
@@ -49,7 +49,7 @@ impl PictureFiles {
     ///
     /// # Errors
     /// `Invalid` for an unknown depth kind or normal space, and numbers that are no distances.
-    pub(super) fn new(
+    pub(crate) fn new(
         color: PathBuf,
         depth: Option<PathBuf>,
         normal: Option<PathBuf>,
@@ -114,7 +114,7 @@ impl PictureFiles {
     ///
     /// # Errors
     /// `Invalid` naming the first that is missing.
-    pub(super) fn check_exist(&self, place: &str) -> Result<()> {
+    pub(crate) fn check_exist(&self, place: &str) -> Result<()> {
         for (what, path) in
             [("picture", Some(&self.color)), ("depth", self.depth.as_ref()), ("normal", self.normal.as_ref())]
         {
@@ -134,17 +134,17 @@ impl PictureFiles {
     }
 
     /// Whether the manifest leaves open which channel depth is, what it measures and in which unit.
-    pub(super) fn leaves_depth_open(&self) -> bool {
+    pub(crate) fn leaves_depth_open(&self) -> bool {
         self.depth_kind.is_none() && self.unit_scale.is_none() && !self.names_depth_channel()
     }
 
     /// Whether the manifest says which channel depth is.
-    pub(super) fn names_depth_channel(&self) -> bool {
+    pub(crate) fn names_depth_channel(&self) -> bool {
         self.wishes.depth_channel.is_some()
     }
 
     /// What to look for in the color file: channels that lie in files of their own are not there.
-    pub(super) fn wishes_of_color_file(&self) -> ChannelWishes {
+    pub(crate) fn wishes_of_color_file(&self) -> ChannelWishes {
         ChannelWishes {
             is_apart: false,
             layer: self.wishes.layer.clone(),
@@ -155,12 +155,12 @@ impl PictureFiles {
     }
 
     /// What to look for in a depth file, which need not have the picture's layers.
-    pub(super) fn wishes_of_depth_file(&self) -> ChannelWishes {
+    pub(crate) fn wishes_of_depth_file(&self) -> ChannelWishes {
         ChannelWishes { is_apart: true, normal_channel: None, ..self.wishes.clone() }
     }
 
     /// What to look for in a normal file.
-    pub(super) fn wishes_of_normal_file(&self) -> ChannelWishes {
+    pub(crate) fn wishes_of_normal_file(&self) -> ChannelWishes {
         ChannelWishes { is_apart: true, depth_channel: None, position_channel: None, ..self.wishes.clone() }
     }
 
@@ -168,7 +168,7 @@ impl PictureFiles {
     ///
     /// # Errors
     /// `Invalid` for positions, which take three channels.
-    pub(super) fn png_depth_rules(&self, place: &str) -> Result<DepthRules> {
+    pub(crate) fn png_depth_rules(&self, place: &str) -> Result<DepthRules> {
         let kind = self.depth_kind.unwrap_or_default();
         if kind == DepthKind::WorldPosition {
             return Err(Error::invalid(
@@ -186,7 +186,7 @@ impl PictureFiles {
     }
 
     /// The rules for a depth channel of an EXR file.
-    pub(super) fn depth_rules(&self, kind: DepthKind, channel: &ChannelInfo) -> DepthRules {
+    pub(crate) fn depth_rules(&self, kind: DepthKind, channel: &ChannelInfo) -> DepthRules {
         let misses_from = if channel.is_half {
             HALF_MAX
         } else if channel.is_whole {
@@ -204,7 +204,7 @@ fn is_linear(color_space: &str) -> bool {
 
 /// The path of a picture that a manifest names; manifests from Windows may have `\\` where others have `/`. Of several that a name
 /// without extension may mean, those that are known to be `others` come last.
-pub(super) fn picture_path(folder: &Path, name: &str, others: &[&Path]) -> PathBuf {
+pub(crate) fn picture_path(folder: &Path, name: &str, others: &[&Path]) -> PathBuf {
     let path = with_extension(folder.join(name), others);
     if path.is_file() || !name.contains('\\') {
         return path;
@@ -227,7 +227,7 @@ fn with_extension(path: PathBuf, others: &[&Path]) -> PathBuf {
 const PICTURE_EXTENSIONS: [&str; 4] = ["exr", "png", "EXR", "PNG"];
 
 /// The last part of a picture's name without the extension of a picture.
-pub(super) fn without_extension(name: &str) -> &str {
+pub(crate) fn without_extension(name: &str) -> &str {
     let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
     let known =
         |extension: &str| PICTURE_EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known));
@@ -274,7 +274,7 @@ pub fn picture_places(path: &Path) -> Result<Vec<PathBuf>> {
 ///
 /// # Errors
 /// `Unsupported` for any other.
-pub(super) fn format_of(path: &Path, place: &str) -> Result<Format> {
+pub(crate) fn format_of(path: &Path, place: &str) -> Result<Format> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
         "exr" => Ok(Format::Exr),

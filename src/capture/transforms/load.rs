@@ -4,11 +4,12 @@ use std::path::Path;
 
 use super::files::{Format, PictureFiles, format_of};
 use super::png;
+use crate::capture::camera::Camera;
 use crate::capture::exr::{
     ChannelNames, ChannelWishes, ColorPlanes, DepthKind, DepthRules, DepthTrouble, ExrFile, Layers, Plane,
     Window,
 };
-use crate::capture::{Camera, Frame};
+use crate::capture::frame::Frame;
 use crate::color::linear_from_srgb;
 use crate::error::{Error, Result};
 use crate::grid::Grid;

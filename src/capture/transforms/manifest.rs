@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-pub use super::lens::LensKeys;
+use super::lens::LensKeys;
 use crate::error::{Error, Result};
 
 /// Largest manifest that is read: some 100,000 entries.

@@ -12,16 +12,19 @@
 
 mod cameras;
 mod files;
+mod frame_numbers;
+mod header_probe;
 mod lens;
 mod load;
-pub mod manifest;
-mod numbers;
+mod manifest;
 mod png;
 mod pose;
-mod positions;
-mod probe;
+mod position_depth;
 mod source;
 mod write;
+
+pub use files::picture_places;
+pub use write::{ManifestEntry, ManifestFacts, write_capture, write_manifest};
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -29,16 +32,14 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Camera, Capture, CaptureParts, View};
+use super::camera::Camera;
+use super::{Capture, CaptureParts, View};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 use cameras::{PlacedEntry, Recording};
 use load::Need;
 use manifest::{Keys, Manifest};
 use source::FileSource;
-
-pub use files::picture_places;
-pub use write::{ManifestEntry, ManifestFacts, write_capture, write_manifest};
 
 /// Name of the manifest in a capture's folder.
 pub const MANIFEST_NAME: &str = "transforms.json";
@@ -63,7 +64,7 @@ pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     recording.check_files_exist()?;
     let mut warnings = std::mem::take(&mut recording.warnings);
     let has_normals = source::normals_in_all_cameras(&recording, &mut warnings)?;
-    positions::prefer_to_contradicting_depth(&mut recording, &mut warnings);
+    position_depth::prefer_to_contradicting_depth(&mut recording, &mut warnings);
     let keys = || recording.entries.iter().flatten().map(PlacedEntry::keys);
     warnings.extend(unknown_color_spaces(keys()));
     warnings.extend(scaled_poses(keys()));
@@ -112,7 +113,7 @@ pub fn open_views(path: &Path) -> Result<Vec<View>> {
 pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<View>> {
     let path = manifest_path(path);
     let manifest = Manifest::read(&path)?;
-    numbers::refuse_times(&manifest, &path, frames_are_ranked)?;
+    frame_numbers::refuse_times(&manifest, &path, frames_are_ranked)?;
     let places = cameras::entries(&manifest, &path)?;
     let mut known = Vec::new();
     places

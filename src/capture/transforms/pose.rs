@@ -8,8 +8,7 @@ use std::f64::consts::PI;
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::manifest::Keys;
-use crate::capture::Intrinsics;
-use crate::capture::camera::{MAX_PIXELS, MAX_SIDE, is_believable_size};
+use crate::capture::camera::{Intrinsics, MAX_PIXELS, MAX_SIDE, is_believable_size};
 use crate::error::{Error, Result};
 
 /// How far the axes of a pose may be from orthonormal: matrices are often written with six digits, or were `f32`.
@@ -197,8 +196,8 @@ fn refuse_distortion(keys: &Keys, place: &str) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::Camera;
-    use crate::capture::transforms::manifest::LensKeys;
+    use crate::capture::camera::Camera;
+    use crate::capture::transforms::lens::LensKeys;
     use glam::DVec2;
 
     const SIZE: (usize, usize) = (640, 480);

@@ -1,9 +1,10 @@
 //! The files of a capture as a source of frames.
 
 use super::cameras::Recording;
+use super::header_probe::probe;
 use super::load::{self, Need};
-use super::probe::probe;
-use crate::capture::{Frame, FrameSource};
+use crate::capture::FrameSource;
+use crate::capture::frame::Frame;
 use crate::error::Result;
 
 /// Decodes a frame from its files whenever it is asked for.

@@ -13,10 +13,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::manifest::{CameraName, Entry, Keys, Manifest, NormalSpaceName};
-use super::pose;
-use super::{MANIFEST_NAME, picture_name};
-use crate::capture::exr_write::write_frame;
-use crate::capture::{Camera, Capture, Frame, View};
+use super::{MANIFEST_NAME, picture_name, pose};
+use crate::capture::camera::Camera;
+use crate::capture::exr::write_frame;
+use crate::capture::frame::Frame;
+use crate::capture::{Capture, View};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::whole_file;

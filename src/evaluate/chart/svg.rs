@@ -5,15 +5,15 @@ use std::fmt::Write;
 /// Colors of charts: ink, grid lines, and series that the color-blind can tell apart (Masataka Okabe and Kei Ito, *Color
 /// Universal Design*, 2008).
 pub(super) mod color {
-    pub(in super::super) const INK: &str = "#22262b";
-    pub(in super::super) const FAINT: &str = "#6b7480";
-    pub(in super::super) const GRID: &str = "#e4e7eb";
-    pub(in super::super) const PAPER: &str = "#ffffff";
-    pub(in super::super) const BLUE: &str = "#0072b2";
-    pub(in super::super) const ORANGE: &str = "#e69f00";
-    pub(in super::super) const GREEN: &str = "#009e73";
-    pub(in super::super) const PINK: &str = "#cc79a7";
-    pub(in super::super) const RED: &str = "#d55e00";
+    pub(in crate::evaluate::chart) const INK: &str = "#22262b";
+    pub(in crate::evaluate::chart) const FAINT: &str = "#6b7480";
+    pub(in crate::evaluate::chart) const GRID: &str = "#e4e7eb";
+    pub(in crate::evaluate::chart) const PAPER: &str = "#ffffff";
+    pub(in crate::evaluate::chart) const BLUE: &str = "#0072b2";
+    pub(in crate::evaluate::chart) const ORANGE: &str = "#e69f00";
+    pub(in crate::evaluate::chart) const GREEN: &str = "#009e73";
+    pub(in crate::evaluate::chart) const PINK: &str = "#cc79a7";
+    pub(in crate::evaluate::chart) const RED: &str = "#d55e00";
 }
 
 /// Where text stands relative to its place.

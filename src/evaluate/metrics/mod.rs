@@ -6,12 +6,18 @@
 //! A pixel whose truth has no depth (never recorded, or masked out because no camera could see it) takes part in nothing:
 //! before anything is measured, the picture shows the truth there.
 
-pub mod flicker;
-pub mod flip;
-pub mod ms_ssim;
-pub mod psnr;
-pub mod silhouette;
-pub mod ssim;
+mod flicker;
+mod flip;
+mod ms_ssim;
+mod psnr;
+mod silhouette;
+mod ssim;
+
+pub use flicker::FlickerMeter;
+pub use flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
+pub use ms_ssim::ms_ssim;
+pub use psnr::{MAX_PSNR_DB, psnr_db};
+pub use ssim::ssim;
 
 use rayon::prelude::*;
 
@@ -20,9 +26,6 @@ use crate::color::srgb_from_linear;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::render::{NO_IMAGE, Picture};
-
-pub use flicker::FlickerMeter;
-pub use psnr::{MAX_PSNR_DB, psnr_db};
 
 /// How close one picture is to the truth.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

@@ -12,7 +12,7 @@ pub fn psnr_db(a: &[[f32; 3]], b: &[[f32; 3]], pixels: impl Iterator<Item = usiz
 }
 
 /// Mean of the squared differences of all channels of the pixels named; `None` where none is.
-pub(super) fn mean_squared_error(
+pub(crate) fn mean_squared_error(
     a: &[[f32; 3]],
     b: &[[f32; 3]],
     pixels: impl Iterator<Item = usize>,

@@ -4,14 +4,13 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::frames::{Edit, Edited};
 use super::light::{Lighting, lit};
+use super::recording_edits::{Edit, Edited};
 use super::shapes::Inserted;
-use crate::capture::demo::mix;
 use crate::capture::{Camera, Capture, CaptureParts, Frame};
+use crate::demo::tracer::mix;
 use crate::error::Result;
-use crate::evaluate::subset::{DERIVED_CACHE_BYTES, parts_of};
-use crate::evaluate::truth::{Recorded, Truth, TruthEdit};
+use crate::evaluate::truth::{DERIVED_CACHE_BYTES, Recorded, Truth, TruthEdit, parts_of};
 
 /// Something that goes wrong, or a scene that is difficult.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -53,7 +52,7 @@ pub enum Disturbance {
 }
 
 /// Frames of the same picture are told apart by this, so that noise is the same in every run.
-pub(super) fn seed(camera: usize, frame: usize) -> u64 {
+pub(crate) fn seed(camera: usize, frame: usize) -> u64 {
     mix(mix(camera as u64) ^ frame as u64)
 }
 

@@ -6,8 +6,7 @@ use half::f16;
 use rayon::prelude::*;
 
 use crate::capture::{Camera, Capture, Frame};
-use crate::preprocess::depth_view::DepthView;
-use crate::preprocess::normals::estimate_all;
+use crate::preprocess::normals::{DepthView, estimate_all};
 use crate::settings::{NormalEstimator, NormalSettings};
 
 /// How the scene is lit in addition.

@@ -9,11 +9,10 @@ use super::search::Search;
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::evaluate::evaluate;
-use crate::evaluate::hold_out;
 use crate::evaluate::metrics::{MAX_PSNR_DB, Scores};
 use crate::evaluate::sweep::Point;
 use crate::evaluate::trial::{Estimate, Trial, stored};
-use crate::evaluate::truth::Truth;
+use crate::evaluate::truth::{self, Truth};
 use crate::preprocess;
 use crate::settings::{Fill, RenderSettings, Settings};
 
@@ -78,7 +77,7 @@ fn at_its_own_place(
     name: &str,
     settings: &Settings,
 ) -> Result<f64> {
-    let (_, views) = hold_out::split(capture, &[name.to_owned()])?;
+    let (_, views) = truth::split(capture, &[name.to_owned()])?;
     let rest = capture.with_cameras(|_, camera| without.contains(&camera.name));
     let pruned = preprocess::preprocess(&rest, settings, search.job)?;
     let samples = stored(&pruned.samples, &pruned.report, search.job)?.samples;

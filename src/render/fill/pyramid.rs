@@ -10,8 +10,8 @@
 
 use rayon::prelude::*;
 
-use super::super::vantage::{NO_IMAGE, Picture};
 use super::{Surface, Tolerance};
+use crate::render::vantage::{NO_IMAGE, Picture};
 
 /// A mean with its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,7 +11,7 @@
 
 use rayon::prelude::*;
 
-use super::super::vantage::NO_IMAGE;
+use crate::render::vantage::NO_IMAGE;
 
 /// Rows of a band.
 const BAND: usize = 64;

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::time::Duration;
 
-use super::super::Picture;
 use crate::color::srgb8_from_linear;
 use crate::error::{Error, Result};
 use crate::job::Job;
+use crate::render::vantage::Picture;
 use crate::whole_file;
 
 /// Players want 4:2:0, which wants even sides. Left to itself, ffmpeg would use the matrix of standard definition, whatever

@@ -3,17 +3,18 @@
 mod encoder;
 mod path;
 
-use std::sync::Arc;
-
-use super::{Picture, Renderer, Vantage};
-use crate::error::Result;
-use crate::job::Job;
-use crate::preprocess::SampleSet;
-use crate::settings::RenderSettings;
-use crate::store::Playback;
-
 pub use encoder::Encoder;
 pub use path::{PathKey, pose_at};
+
+use std::sync::Arc;
+
+use super::renderer::Renderer;
+use super::vantage::{Picture, Vantage};
+use crate::error::Result;
+use crate::job::Job;
+use crate::samples::SampleSet;
+use crate::settings::RenderSettings;
+use crate::store::playback::Playback;
 
 /// Where the samples of a film come from.
 #[derive(Clone)]

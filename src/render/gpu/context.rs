@@ -56,14 +56,14 @@ fn is_able(limits: &wgpu::Limits, adapter: &wgpu::Adapter) -> bool {
 }
 
 /// An adapter that has been opened.
-pub(super) struct Context {
-    pub(super) device: wgpu::Device,
-    pub(super) queue: wgpu::Queue,
-    pub(super) adapter: wgpu::AdapterInfo,
+pub(crate) struct Context {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    pub(crate) adapter: wgpu::AdapterInfo,
     /// Whether keys can be raised by one 64-bit maximum.
-    pub(super) has_wide_atomics: bool,
+    pub(crate) has_wide_atomics: bool,
     /// Whether a window draws with the same device.
-    pub(super) is_shared: bool,
+    pub(crate) is_shared: bool,
     /// The first failure that no guard saw.
     failure: Arc<Mutex<Option<String>>>,
 }
@@ -94,7 +94,7 @@ impl Context {
     ///
     /// # Errors
     /// `Gpu` where there is none, or it can do too little.
-    pub(super) fn new(choice: AdapterChoice) -> Result<Self> {
+    pub(crate) fn new(choice: AdapterChoice) -> Result<Self> {
         let none =
             || gpu_error("there is no adapter that can compute; use the CPU instead (render.backend = cpu)");
         if choice == AdapterChoice::Hardware && !may_have_card() {
@@ -133,7 +133,7 @@ impl Context {
     ///
     /// # Errors
     /// `Gpu` where `choice` excludes the adapter, or the device was opened with less than the stages need.
-    pub(super) fn share(shared: &SharedDevice, choice: AdapterChoice) -> Result<Self> {
+    pub(crate) fn share(shared: &SharedDevice, choice: AdapterChoice) -> Result<Self> {
         let info = shared.adapter.get_info();
         if preference(&info, choice).is_none() {
             return Err(gpu_error(format!("{} is no graphics card", info.name)));
@@ -172,12 +172,12 @@ impl Context {
     }
 
     /// Whether the adapter is a program that runs on the processor.
-    pub(super) fn is_software(&self) -> bool {
+    pub(crate) fn is_software(&self) -> bool {
         matches!(self.adapter.device_type, wgpu::DeviceType::Cpu | wgpu::DeviceType::Other)
     }
 
     /// Does some work, and gives whatever failed on the way as an error.
-    pub(super) fn guarded<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
+    pub(crate) fn guarded<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
         self.check()?;
         let filters =
             [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal];
@@ -196,7 +196,7 @@ impl Context {
     }
 
     /// Whether something failed that no guard saw: nothing can be painted any more.
-    pub(super) fn is_lost(&self) -> bool {
+    pub(crate) fn is_lost(&self) -> bool {
         self.check().is_err()
     }
 
@@ -206,13 +206,13 @@ impl Context {
     }
 
     /// Waits until everything submitted is done.
-    pub(super) fn wait(&self) -> Result<()> {
+    pub(crate) fn wait(&self) -> Result<()> {
         let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
         waited.map(drop).map_err(|error| gpu_error(format!("{}: {error}", self.adapter.name)))
     }
 
     /// The longest buffer that a shader can see, bytes.
-    pub(super) fn max_binding(&self) -> u64 {
+    pub(crate) fn max_binding(&self) -> u64 {
         let limits = self.device.limits();
         limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) & !255
     }
@@ -221,7 +221,7 @@ impl Context {
     ///
     /// # Errors
     /// `Gpu` where it is longer than shaders can see.
-    pub(super) fn buffer(&self, label: &str, bytes: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
+    pub(crate) fn buffer(&self, label: &str, bytes: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
         if bytes > self.max_binding() {
             return Err(gpu_error(format!(
                 "{} takes buffers of at most {} MiB, and {label} needs {} MiB; choose a smaller picture or use the CPU",

@@ -3,7 +3,7 @@
 //! What differs from reading the picture back and coloring it on the CPU: the window must draw with the very device that
 //! painted, see [`SharedDevice`]; and only colors are shown, as what tells of samples needs the picture itself.
 //!
-//! [`SharedDevice`]: super::SharedDevice
+//! [`SharedDevice`]: super::context::SharedDevice
 
 use std::sync::Arc;
 
@@ -33,13 +33,13 @@ pub type ScreenTexture = Arc<wgpu::Texture>;
 /// `Display` in `display.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct GpuDisplay {
-    pub(super) width: u32,
-    pub(super) height: u32,
-    pub(super) stripe: u32,
-    pub(super) padding: u32,
-    pub(super) hole: [f32; 4],
-    pub(super) hole_stripe: [f32; 4],
+pub(crate) struct GpuDisplay {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) stripe: u32,
+    pub(crate) padding: u32,
+    pub(crate) hole: [f32; 4],
+    pub(crate) hole_stripe: [f32; 4],
 }
 
 /// Threads of a workgroup along each side, as in `display.wgsl`.
@@ -50,7 +50,7 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// The compiled stage, and the textures that it has written.
 #[derive(Debug)]
-pub(super) struct Display {
+pub(crate) struct Display {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
     /// Those that nobody shows any more are written again.
@@ -59,7 +59,7 @@ pub(super) struct Display {
 
 impl Display {
     /// Compiles the stage.
-    pub(super) fn new(context: &Context) -> Self {
+    pub(crate) fn new(context: &Context) -> Self {
         let device = &context.device;
         let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
             binding,
@@ -90,7 +90,7 @@ impl Display {
     ///
     /// # Errors
     /// `Gpu` where the adapter fails.
-    pub(super) fn show(
+    pub(crate) fn show(
         &mut self,
         context: &Context,
         target: &Target,

@@ -2,8 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::super::project::{Projector, focal};
 use crate::capture::Camera;
+use crate::render::geometry::{Projector, focal};
 use crate::settings::Kernel;
 
 /// `Stage` in `stage.wgsl`.
@@ -132,9 +132,9 @@ pub(super) fn kernel_number(kernel: Kernel) -> u32 {
 mod tests {
     use std::mem::offset_of;
 
-    use super::super::display::GpuDisplay;
-    use super::super::shaders;
     use super::*;
+    use crate::render::gpu::display::GpuDisplay;
+    use crate::render::gpu::shaders;
     use wgpu::naga;
 
     /// Size of a struct of the shaders, and the offset of each of its fields.
@@ -193,7 +193,7 @@ mod tests {
             &module, "Display", GpuDisplay,
             width, height, stripe, padding, hole, hole_stripe
         }
-        assert_eq!(constant(&module, "NO_IMAGE"), crate::render::NO_IMAGE);
+        assert_eq!(constant(&module, "NO_IMAGE"), crate::render::vantage::NO_IMAGE);
     }
 
     #[test]
@@ -210,6 +210,6 @@ mod tests {
         }
         let module = naga::front::wgsl::parse_str(&shaders::GATHER.source()).unwrap();
         assert_eq!(constant(&module, "CAMERA_WORDS") as usize * 32, MAX_CAMERAS);
-        assert_eq!(constant(&module, "NO_IMAGE"), crate::render::NO_IMAGE);
+        assert_eq!(constant(&module, "NO_IMAGE"), crate::render::vantage::NO_IMAGE);
     }
 }

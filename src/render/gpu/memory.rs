@@ -10,7 +10,7 @@ use std::sync::{Arc, Weak};
 use super::context::Context;
 use super::upload::{Piece, PlacedPiece};
 use crate::error::{Error, Result};
-use crate::preprocess::SampleImage;
+use crate::samples::SampleImage;
 
 /// Pages that shaders can see at once.
 pub(super) const MAX_PAGES: usize = 4;
@@ -239,10 +239,10 @@ impl std::fmt::Debug for SampleMemory {
 
 #[cfg(test)]
 mod tests {
-    use super::super::context::AdapterChoice;
-    use super::super::opened;
     use super::*;
-    use crate::preprocess::{DepthPlane, SampleTile, Span, TILE, TILE_SAMPLES};
+    use crate::render::gpu::context::AdapterChoice;
+    use crate::render::gpu::opened;
+    use crate::samples::{DepthPlane, SampleTile, Span, TILE, TILE_SAMPLES};
     use half::f16;
 
     /// An image of full tiles.

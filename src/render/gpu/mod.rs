@@ -24,22 +24,22 @@ mod shaders;
 mod target;
 mod upload;
 
-use std::ops::Range;
-use std::sync::Arc;
-use std::time::Instant;
-
 pub use context::{AdapterChoice, SharedDevice, device_descriptor};
 pub use copy::GpuCopy;
 pub use display::{HolePattern, ScreenTexture};
 
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::Instant;
+
 use super::cpu::check;
 use super::fill::fill;
-use super::frame_samples::FrameSamples;
+use super::input::FrameSamples;
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::SampleSet;
+use crate::samples::SampleSet;
 use crate::settings::{Fill, Kernel, RenderSettings};
 use context::Context;
 use display::Display;
@@ -323,7 +323,7 @@ pub(super) fn opened<T>(adapter: Result<T>) -> Option<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::demo::{Demo, DemoSpec};
+    use crate::demo::{Demo, DemoSpec};
     use crate::preprocess::preprocess;
     use crate::settings::Settings;
 

@@ -13,9 +13,9 @@ use super::target::Target;
 use super::upload::PlacedPiece;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
-use crate::preprocess::{SampleImage, TILE};
-use crate::render::frame_samples::FrameSamples;
-use crate::render::project::focal;
+use crate::render::geometry::focal;
+use crate::render::input::FrameSamples;
+use crate::samples::{SampleImage, TILE};
 use crate::settings::{Kernel, RenderSettings};
 
 /// Distance between the stages in their buffer, bytes: the alignment that every adapter takes.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::layout::GpuTile;
-use crate::preprocess::{SampleImage, TILE};
+use crate::samples::{SampleImage, TILE};
 
 const TILE_WORDS: u32 = (size_of::<GpuTile>() / 4) as u32;
 
@@ -152,7 +152,7 @@ fn write_words(queue: &wgpu::Queue, buffer: &wgpu::Buffer, at: u64, bytes: &[u8]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preprocess::{DepthPlane, SampleTile, Span};
+    use crate::samples::{DepthPlane, SampleTile, Span};
     use half::f16;
 
     /// `count` tiles, the `nth` with `nth + 1` samples.

@@ -1,0 +1,282 @@
+//! Carries out the commands of the inspector: the pixel, settings as they were, the camera path.
+
+use crate::app::dock::View;
+use crate::app::model::{
+    self, Command, ExportRequest, NoticeKind, PRESETS, PathKey, Purpose, Study, Target, setting_names,
+};
+use crate::app::work::{Spot, StudyRequest};
+use crate::app::{OverlookApp, views};
+use crate::render::film::Reel;
+use crate::settings::Settings;
+
+/// Changes of settings that a message tells one by one.
+const CHANGES: usize = 5;
+
+impl OverlookApp {
+    /// Carries out what belongs to the inspector; gives back what does not.
+    pub(crate) fn apply_to_inspector(&mut self, command: Command) -> Option<Command> {
+        let state = &mut self.state;
+        let probe = &mut state.inspector.probe;
+        match command {
+            Command::Probe(spot) => probe.spot = spot,
+            Command::Pin(pinned) => {
+                probe.pinned = pinned && probe.spot.is_some();
+                // A pixel that is kept while frames pass is meant at this one, and its verdict takes longer than a frame.
+                state.timeline.playing &= !probe.pinned;
+                if !pinned {
+                    (probe.spot, probe.shown) = (None, None);
+                } else if let Some(probed) =
+                    probe.shown.as_ref().filter(|probed| Some(probed.spot) == probe.spot)
+                {
+                    // The surface point is kept, not the place in a picture that will turn.
+                    let (camera, x, y) = (probed.camera, probed.x, probed.y);
+                    probe.spot = Some(Spot::Source { camera, x, y });
+                } else {
+                    // That it is a hole may have been answered before it was to be kept.
+                    self.plan.forget_probe();
+                }
+            }
+            Command::ShowPointIn(camera) => self.show_point_in(camera),
+            Command::LogFrameTimes => {
+                if let Some(times) = std::mem::take(&mut state.inspector.meter).summary() {
+                    log::info!("frame times, {times}");
+                }
+            }
+            Command::Compare(look) => {
+                let before = &state.inspector.compare;
+                if (look.sides, look.place) != (before.sides, before.place) {
+                    state.inspector.compare_trouble = None;
+                }
+                state.inspector.compare = *look;
+            }
+            Command::Palette(palette) => state.inspector.palette = palette,
+            Command::CheatSheet(open) => state.inspector.cheat_sheet = open,
+            Command::Introduced => state.inspector.introduced = true,
+            Command::Stay => {
+                state.inspector.closing.asks = false;
+                state.asks_to_open = None;
+            }
+            Command::GoOnAnyway => self.go_on_anyway(),
+            Command::Study(study) => self.study(study),
+            Command::ChartAxes(axes) => state.inspector.charts.set_axes(axes),
+            Command::Disturbance(name) => state.inspector.charts.disturbance = name,
+            Command::TakeSettings(settings) => self.take_point(*settings),
+            Command::CopyArgument => self.copy_argument(),
+            Command::CopyPicture => self.copy_picture(),
+            Command::FramePoint => self.frame_point(),
+            other => return self.apply_to_path(other),
+        }
+        None
+    }
+
+    /// Shows the point that is looked at in the middle of a camera's picture.
+    fn show_point_in(&mut self, camera: usize) {
+        let Some(scene) = &self.state.scene else { return };
+        let Some(intrinsics) = scene.cameras.get(camera).map(|camera| camera.intrinsics) else { return };
+        let probed = self.state.inspector.probe.shown.clone();
+        self.apply(Command::SourceCamera(camera));
+        let probe = &mut self.state.inspector.probe;
+        if let Some(probed) = &probed {
+            probe.pinned = true;
+            probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
+        }
+        let place = probed.and_then(|probed| views::in_camera(&self.state, &probed, camera));
+        if let Some((at, _)) = place {
+            let center = egui::vec2(at.x / intrinsics.width as f32, at.y / intrinsics.height as f32);
+            let zoom = self.state.source.zoom.max(4.0);
+            self.apply(Command::SourceZoom { zoom, center });
+        }
+    }
+
+    /// Measures with the settings on the sliders; goes on from what is known.
+    fn study(&mut self, study: Study) {
+        let Some(scene) = self.state.scene.clone() else { return };
+        if self.state.inspector.charts.studying {
+            let text = "A sweep or a stress test is under way; let it finish, or stop it (Esc) first.";
+            self.state.warn_of_scene("Already measuring", text);
+            return;
+        }
+        let settings = self.state.settings.clone();
+        let charts = &mut self.state.inspector.charts;
+        if !charts.begin(study, &settings) {
+            let text =
+                "All that starts from these settings is measured; change one to measure around others.";
+            self.state.notify(NoticeKind::Done, "Nothing left to measure", text);
+            return;
+        }
+        let (known, known_stress) = (charts.sweep.clone(), charts.known_stress());
+        let request = StudyRequest { scene, study, settings, known, known_stress };
+        self.lanes.inspector.study.submit(request);
+    }
+
+    /// Puts the settings of a chart's point on, and says which that changes.
+    fn take_point(&mut self, settings: Settings) {
+        let changes = crate::app::model::setting_names::changes(&self.state.settings, &settings);
+        if changes.is_empty() {
+            self.state.notify(NoticeKind::Done, "On already", "The sliders stand at these settings.");
+            return;
+        }
+        let (told, others) = changes.split_at(changes.len().min(CHANGES));
+        let more = if others.is_empty() { String::new() } else { format!("; and {} more", others.len()) };
+        let text = format!("{}{more} (Ctrl+Z undoes)", told.join("; "));
+        self.change_settings("chart", settings);
+        self.state.notify(NoticeKind::Done, "Settings put on", text);
+    }
+
+    /// Says how far a sweep or a stress test came that was stopped.
+    pub(crate) fn tell_stopped_study(&mut self) {
+        if let Some((title, text)) = self.state.inspector.charts.stopped() {
+            self.state.notify(NoticeKind::Done, title, text);
+        }
+    }
+
+    fn copy_argument(&mut self) {
+        let shown = self.state.scene.as_ref().zip(self.state.inspector.probe.shown.as_ref());
+        let Some((scene, probed)) = shown else { return };
+        self.ctx.copy_text(views::argument(scene, probed));
+        self.state.notify(NoticeKind::Done, "Copied", "The argument for the pixel is on the clipboard.");
+    }
+
+    fn copy_picture(&mut self) {
+        if self.state.live_shown.is_none() {
+            return;
+        }
+        let Some(image) = self.state.shown_picture() else { return self.tell_of_motion() };
+        self.ctx.copy_image(image.as_ref().clone());
+        self.state.notify(NoticeKind::Done, "Copied", "The picture of the live view is on the clipboard.");
+    }
+
+    /// Pictures in motion may stay on the graphics card, out of reach.
+    pub(crate) fn tell_of_motion(&mut self) {
+        let text = "The live view is in motion; pause it first, and try again.";
+        self.state.warn_of_scene("No picture yet", text);
+    }
+
+    /// Puts the point that is looked at in the middle of the live view.
+    fn frame_point(&mut self) {
+        let probed = self.state.inspector.probe.shown.clone();
+        let point = probed.as_ref().and_then(|probed| probed.point_in_world);
+        if let (Some(point), Some(rig)) = (point, &mut self.state.live.rig) {
+            rig.look_at(point);
+            return;
+        }
+        let (title, text) = match probed {
+            Some(_) => ("No point here", "This pixel lies infinitely far away; point at another one."),
+            None => ("Point at a pixel first", "F then puts what it shows into the middle of the live view."),
+        };
+        self.state.warn_of_scene(title, text);
+    }
+
+    fn add_key(&mut self, key: PathKey) {
+        let keys = &mut self.state.inspector.path.keys;
+        keys.push(key);
+        let added = format!("Key {} added", keys.len());
+        if !self.dock.visible().contains(&View::Path) {
+            self.state.notify(NoticeKind::Done, added, "The Camera path view plays and exports the path.");
+        }
+    }
+
+    fn apply_to_path(&mut self, command: Command) -> Option<Command> {
+        let here = self.state.live.rig.clone().map(|rig| PathKey { rig, frame: self.state.timeline.frame });
+        let path = &mut self.state.inspector.path;
+        match command {
+            Command::AddKey => {
+                if let Some(key) = here {
+                    self.add_key(key);
+                }
+            }
+            Command::RemoveKey(index) if index < path.keys.len() => {
+                path.keys.remove(index);
+                path.playing = None;
+            }
+            Command::ReplaceKey(index) => {
+                if let (Some(key), Some(here)) = (path.keys.get_mut(index), here) {
+                    *key = here;
+                }
+            }
+            Command::GoToKey(index) => {
+                if let Some(key) = path.keys.get(index).cloned() {
+                    self.stand_at(key);
+                }
+            }
+            Command::PicturesPerLeg(pictures) => path.pictures_per_leg = pictures.clamp(1, 2000),
+            Command::PictureSize(size) => path.size = Some(size),
+            Command::PlayPath(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
+            Command::RemoveKey(_) => {}
+            other => return Some(other),
+        }
+        None
+    }
+
+    /// Stands where a key of the path does.
+    pub(crate) fn stand_at(&mut self, key: PathKey) {
+        self.state.live.rig = Some(key.rig);
+        self.state.timeline.frame = key.frame.min(self.state.frame_count().saturating_sub(1));
+    }
+
+    /// Exports the camera path.
+    pub(crate) fn export_path(&mut self, target: Target) {
+        // Thresholds may have been changed while a path was chosen.
+        if self.refuses(Purpose::ExportPictures) {
+            return;
+        }
+        let Some(samples) = self.state.whole_samples().cloned() else { return };
+        let path = self.state.inspector.path.clone();
+        let size = self.state.export_size();
+        let settings = self.state.settings.render.clone();
+        let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
+        let reel = playback.map_or(Reel::Memory(samples), Reel::Disk);
+        let request = ExportRequest { path, reel, settings, size, target };
+        self.lanes.inspector.export.submit(request);
+    }
+
+    /// Takes, names, saves and removes presets.
+    pub(crate) fn apply_to_presets(&mut self, command: Command) {
+        let own = &mut self.state.inspector.presets;
+        match command {
+            Command::Preset(index) => {
+                let mut settings = Settings::default();
+                let Some((_, _, change)) = PRESETS.get(index) else { return };
+                change(&mut settings);
+                self.take_preset(settings);
+            }
+            Command::OwnPreset(index) => {
+                if let Some((_, settings)) = own.get(index).cloned() {
+                    self.take_preset(settings);
+                }
+            }
+            Command::NamePreset(name) => self.state.inspector.naming = name,
+            Command::SavePreset(name) => {
+                self.state.inspector.naming = None;
+                let shown = self.state.shown_settings();
+                model::keep(&mut self.state.inspector.presets, name.trim(), &shown);
+            }
+            Command::RemovePreset(index) if index < own.len() => {
+                own.remove(index);
+            }
+            _ => {}
+        }
+    }
+
+    /// Puts the settings of a preset on. How frames are read and what paints are matters of the machine.
+    fn take_preset(&mut self, preset: Settings) {
+        let now = &self.state.settings;
+        let mut settings = Settings { capture: now.capture.clone(), ..preset };
+        settings.render.backend = now.render.backend;
+        self.change_settings("preset", settings);
+    }
+
+    /// Undoes, redoes, or switches between two settings.
+    pub(crate) fn apply_to_history(&mut self, command: &Command) {
+        let now = self.state.settings.clone();
+        let history = &mut self.state.inspector.history;
+        let settings = match command {
+            Command::Undo => history.undo(&now),
+            Command::Redo => history.redo(&now),
+            _ => Some(history.switch(&now)),
+        };
+        if let Some(settings) = settings {
+            self.put_settings(settings);
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! Keys that work anywhere in the window, except while text is typed.
+
+use std::collections::HashSet;
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+use glam::DVec3;
+
+use crate::app::model::{Command, Purpose, State};
+use crate::app::panels::Palette;
+
+/// Keys and what they do, for the help.
+pub(crate) const HELP: &[(&str, &str)] = &[
+    ("Space", "play or pause"),
+    (", and .", "step back and forward"),
+    ("1 – 9", "show a camera"),
+    ("Shift + 1 – 9", "stand where a camera stood"),
+    ("W A S D, Q E", "fly, down and up"),
+    ("P", "keep the pixel, or let go of it"),
+    ("F", "the pixel that is looked at into the middle"),
+    ("Home", "back to the first vantage"),
+    ("X", "the other side of a comparison"),
+    ("K", "add a key to the camera path"),
+    ("Esc", "close a message, cancel, or let go of the pixel"),
+    ("Ctrl + O", "open a file"),
+    ("Ctrl + S", "save the store"),
+    ("Ctrl + Z, Ctrl + Y", "take back a change, do it again"),
+    ("Ctrl + Shift + C", "copy the argument for the pixel"),
+    ("Ctrl + P", "do anything by its name"),
+    ("?", "this sheet"),
+    ("Ctrl + Q", "quit"),
+];
+
+/// Distance flown per second, in pivot distances.
+const FLY_PER_SECOND: f64 = 0.6;
+
+const NUMBERS: [Key; 9] =
+    [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
+
+/// Turns keys into commands.
+pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>) {
+    let ctx = ui.ctx();
+    let inspector = &state.inspector;
+    let typing = state.typed_path.is_some() || inspector.palette.is_some() || inspector.naming.is_some();
+    let edits = edits_text(ctx);
+    let asks = typing || inspector.cheat_sheet || inspector.closing.asks || state.asks_to_open.is_some();
+    // An open menu takes the key for itself, and so does a number that is typed: it goes back to what it was.
+    if !egui::Popup::is_any_open(ctx)
+        && (asks || !edits)
+        && ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
+    {
+        commands.push(Command::Escape);
+    }
+    let shortcut = |key| KeyboardShortcut::new(Modifiers::COMMAND, key);
+    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::O))) {
+        commands.push(Command::AskPath(Purpose::OpenFile));
+    }
+    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::S))) {
+        commands.push(Command::AskPath(Purpose::SaveStore));
+    }
+    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::Q))) {
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+    }
+    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::P))) {
+        let open = state.inspector.palette.is_none().then(Palette::default);
+        commands.push(Command::Palette(open));
+    }
+    if edits && ctx.input(|input| input.key_pressed(Key::Escape)) {
+        let frame = ctx.cumulative_frame_nr();
+        ctx.data_mut(|data| data.insert_temp(given_up_id(), frame));
+    }
+    // What is typed is undone by the field it is typed into.
+    if state.has_capture() && !typing && !edits {
+        let shift = Modifiers::COMMAND | Modifiers::SHIFT;
+        let redo = [shortcut(Key::Y), KeyboardShortcut::new(shift, Key::Z)];
+        if redo.iter().any(|keys| ctx.input_mut(|input| input.consume_shortcut(keys))) {
+            commands.push(Command::Redo);
+        } else if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::Z))) {
+            commands.push(Command::Undo);
+        }
+    }
+    let copy = KeyboardShortcut::new(Modifiers::COMMAND | Modifiers::SHIFT, Key::C);
+    if ctx.input_mut(|input| input.consume_shortcut(&copy)) {
+        commands.push(Command::CopyArgument);
+    }
+    let held = held_keys(ctx);
+    if ctx.egui_wants_keyboard_input() || typing || state.scene.is_none() {
+        return;
+    }
+    ctx.input_mut(|input| {
+        for (key, command) in [
+            (Key::Space, Command::TogglePlay),
+            (Key::Comma, Command::Step(-1)),
+            (Key::Period, Command::Step(1)),
+            (Key::P, Command::Pin(!state.inspector.probe.pinned)),
+            (Key::F, Command::FramePoint),
+            (Key::K, Command::AddKey),
+            (Key::Home, Command::Home),
+        ] {
+            if input.consume_key(Modifiers::NONE, key) {
+                commands.push(command);
+            }
+        }
+        if input.consume_key(Modifiers::NONE, Key::Questionmark)
+            || input.consume_key(Modifiers::SHIFT, Key::Questionmark)
+        {
+            commands.push(Command::CheatSheet(!state.inspector.cheat_sheet));
+        }
+        // With Shift, number keys type something else on every layout: their place on the keyboard counts.
+        commands.extend(input.events.iter().filter_map(number_key));
+    });
+    if let Some(steps) = ctx.input(|input| flight(input, &held)) {
+        commands.push(Command::Fly(steps));
+        ctx.request_repaint();
+    }
+}
+
+fn given_up_id() -> egui::Id {
+    egui::Id::unique("number given up")
+}
+
+/// Whether Escape ended the typing of a number in this frame or the one before. egui takes the number in one frame after the
+/// key was pressed, where nothing says any more that it was this one.
+pub(crate) fn gave_up_number(ctx: &egui::Context) -> bool {
+    let now = ctx.cumulative_frame_nr();
+    ctx.data(|data| data.get_temp::<u64>(given_up_id())).is_some_and(|frame| now <= frame + 1)
+}
+
+/// Whether text is typed, or was until this frame: Escape ends that before anything is drawn.
+fn edits_text(ctx: &egui::Context) -> bool {
+    let (frame, now) = (ctx.cumulative_frame_nr(), ctx.text_edit_focused());
+    ctx.data_mut(|data| {
+        let id = egui::Id::unique("text is edited");
+        let (known, at_known, before_known) = data.get_temp(id).unwrap_or((frame, now, now));
+        // A frame that is drawn twice has the same frame before it both times.
+        let before = if known == frame { before_known } else { at_known };
+        data.insert_temp(id, (frame, now, before));
+        now || before
+    })
+}
+
+fn number_key(event: &egui::Event) -> Option<Command> {
+    let egui::Event::Key { key, physical_key, pressed: true, modifiers, .. } = event else { return None };
+    let place = physical_key.unwrap_or(*key);
+    let index = NUMBERS.iter().position(|number| *number == place)?;
+    if modifiers.is_none() {
+        Some(Command::SourceCamera(index))
+    } else if modifiers.shift_only() {
+        Some(Command::JumpTo(index))
+    } else {
+        None
+    }
+}
+
+/// The keys held down, by their place on the keyboard: W A S D lie side by side on every layout.
+fn held_keys(ctx: &egui::Context) -> HashSet<Key> {
+    let events = ctx.input(|input| input.events.clone());
+    ctx.data_mut(|data| {
+        let held: &mut HashSet<Key> = data.get_temp_mut_or_default(egui::Id::unique("held keys"));
+        for event in events {
+            match event {
+                egui::Event::Key { key, physical_key, pressed, .. } => {
+                    let place = physical_key.unwrap_or(key);
+                    if pressed {
+                        held.insert(place);
+                    } else {
+                        held.remove(&place);
+                    }
+                }
+                egui::Event::WindowFocused(false) => held.clear(),
+                _ => {}
+            }
+        }
+        held.clone()
+    })
+}
+
+fn flight(input: &egui::InputState, held: &HashSet<Key>) -> Option<DVec3> {
+    if input.modifiers.any() && !input.modifiers.shift_only() {
+        return None;
+    }
+    let pressed = |positive, negative| {
+        f64::from(u8::from(held.contains(&positive))) - f64::from(u8::from(held.contains(&negative)))
+    };
+    let direction = DVec3::new(pressed(Key::D, Key::A), pressed(Key::Q, Key::E), pressed(Key::W, Key::S));
+    let pace = if input.modifiers.shift { 4.0 } else { 1.0 };
+    let seconds = f64::from(input.stable_dt.min(0.1));
+    (direction != DVec3::ZERO).then(|| direction * FLY_PER_SECOND * pace * seconds)
+}

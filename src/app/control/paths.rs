@@ -1,0 +1,283 @@
+//! Paths that are chosen in a dialog or typed: what for, whether there is anything to write, and what stands there already.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::picture_file::with_ending;
+use crate::app::OverlookApp;
+use crate::app::model::{Command, Content, Message, NO_KEYS, NoticeKind, Purpose, State, Target, TypedPath};
+use crate::app::work::FileRequest;
+use crate::error::Error;
+
+/// A dialog that is answered faster than this was hardly seen by a person: where there is none, a busy machine takes a while to
+/// find that out.
+const NO_DIALOG: Duration = Duration::from_secs(2);
+
+const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it here instead.";
+
+const OTHER_ENDING: &str = "A picture is written as PNG; name it .png.";
+
+/// Somewhere to write, before anything is written there.
+#[derive(Clone, Debug)]
+pub(crate) struct Destination {
+    /// What is written.
+    pub purpose: Purpose,
+    /// Where.
+    pub path: PathBuf,
+}
+
+impl Destination {
+    /// Looks whether something stands there that would be replaced.
+    pub(crate) fn look(self) -> Message {
+        let taken = match self.purpose {
+            Purpose::ExportPictures => {
+                std::fs::read_dir(&self.path).is_ok_and(|mut entries| entries.next().is_some())
+            }
+            _ => self.path.is_file(),
+        };
+        Message::Looked { destination: self, taken }
+    }
+}
+
+impl Purpose {
+    /// Whether something is written to the path.
+    pub(crate) fn writes(self) -> bool {
+        !matches!(self, Self::OpenFile | Self::OpenFolder | Self::LoadSettings)
+    }
+
+    /// The lane that reads or writes there.
+    fn lane(self) -> &'static str {
+        match self {
+            Self::OpenFile | Self::OpenFolder => "Open",
+            Self::ExportPictures | Self::ExportFilm => "Export",
+            _ => "File",
+        }
+    }
+
+    /// The entry of a menu by which the path is typed.
+    fn typed_entry(self) -> &'static str {
+        match self {
+            Self::OpenFile | Self::OpenFolder => "Open path…",
+            Self::SaveStore => "Save store to path…",
+            Self::SaveSettings => "Save settings to path…",
+            Self::LoadSettings => "Load settings from path…",
+            Self::SavePicture => "Save picture to path…",
+            Self::ExportPictures => "Pictures to path…",
+            Self::ExportFilm => "Film to path…",
+        }
+    }
+}
+
+impl OverlookApp {
+    /// Carries out what concerns a path that is asked for or typed.
+    pub(crate) fn apply_to_typed_path(&mut self, command: Command) {
+        match command {
+            // Before a path is chosen for nothing.
+            Command::AskPath(purpose) | Command::TypePath(purpose) if self.refuses(purpose) => {}
+            Command::AskPath(purpose) => {
+                self.asked_at = Some(Instant::now());
+                self.lanes.dialog.submit((purpose, suggested_name(&self.state, purpose)));
+            }
+            Command::TypePath(purpose) => self.type_path(purpose, None),
+            Command::TypedPath(text) => {
+                if let Some(typed) = &mut self.state.typed_path {
+                    (typed.text, typed.replaces) = (text, false);
+                }
+            }
+            Command::TakeTypedPath => self.take_typed_path(),
+            _ => self.state.typed_path = None,
+        }
+    }
+
+    fn type_path(&mut self, purpose: Purpose, reason: Option<String>) {
+        let text = suggested_name(&self.state, purpose);
+        self.state.typed_path = Some(TypedPath { purpose, text, reason, replaces: false });
+    }
+
+    /// Takes the path in the field; one to be written to once it is known that nothing stands there, or that it may be replaced.
+    fn take_typed_path(&mut self) {
+        let Some(typed) = &mut self.state.typed_path else { return };
+        let (purpose, Some(path)) = (typed.purpose, place(&typed.text)) else { return };
+        let Some(path) = named(purpose, path) else {
+            typed.reason = Some(OTHER_ENDING.to_owned());
+            return;
+        };
+        if purpose.writes() && !typed.replaces {
+            self.lanes.look.submit(Destination { purpose, path });
+        } else {
+            self.last_typed = self.state.typed_path.take();
+            self.take_path(purpose, path);
+        }
+    }
+
+    /// Takes in whether something stands where the path in the field leads to.
+    pub(crate) fn looked(&mut self, destination: &Destination, taken: bool) {
+        let Destination { purpose, path } = destination;
+        let typed = self.state.typed_path.as_mut();
+        let Some(typed) =
+            typed.filter(|typed| typed.purpose == *purpose && typed_place(typed).as_ref() == Some(path))
+        else {
+            return;
+        };
+        if taken {
+            typed.replaces = true;
+        } else {
+            self.last_typed = self.state.typed_path.take();
+            self.take_path(*purpose, path.clone());
+        }
+    }
+
+    /// Takes in what the system's dialog was answered.
+    pub(crate) fn path_chosen(&mut self, purpose: Purpose, path: Option<PathBuf>) {
+        let asked_at = self.asked_at.take();
+        match path {
+            // The dialog asks before a file is replaced, not before pictures are put beside others, and it knows the name that
+            // was chosen alone.
+            Some(path)
+                if (purpose == Purpose::ExportPictures
+                    || named(purpose, path.clone()).as_ref() != Some(&path))
+                    && path.to_str().is_some() =>
+            {
+                self.type_path(purpose, None);
+                self.apply(Command::TypedPath(path.display().to_string()));
+                self.take_typed_path();
+            }
+            Some(path) => self.take_path(purpose, path),
+            None if asked_at.is_some_and(|at| at.elapsed() < NO_DIALOG) => {
+                self.type_path(purpose, Some(NO_DIALOG_WORDS.to_owned()));
+            }
+            None => {
+                let entry = purpose.typed_entry();
+                let text = format!("Where no file dialog appears, \"{entry}\" takes a path that is typed.");
+                self.state.notify(NoticeKind::Done, "No path was chosen", text);
+            }
+        }
+    }
+
+    /// Shows a path again that was typed and could not be read or written.
+    pub(crate) fn type_again(&mut self, what: &str, error: &Error) {
+        let Error::Io { path, .. } = error else { return };
+        let last = self.last_typed.take_if(|last| {
+            last.purpose.lane() == what && typed_place(last).is_some_and(|place| path.starts_with(place))
+        });
+        if let (Some(last), None) = (last, &self.state.typed_path) {
+            self.state.typed_path =
+                Some(TypedPath { reason: Some(error.to_string()), replaces: false, ..last });
+        }
+    }
+
+    pub(crate) fn take_path(&mut self, purpose: Purpose, path: PathBuf) {
+        let path = lasting(path);
+        match purpose {
+            Purpose::OpenFile | Purpose::OpenFolder => self.apply(Command::OpenPath(path)),
+            Purpose::SaveStore => self.save_store(path),
+            Purpose::SaveSettings => {
+                let settings = self.state.shown_settings();
+                self.lanes.file.submit(FileRequest::SaveSettings { path, settings });
+            }
+            Purpose::LoadSettings => self.lanes.file.submit(FileRequest::LoadSettings { path }),
+            Purpose::SavePicture => match self.state.shown_picture().cloned() {
+                Some(picture) => self.lanes.file.submit(FileRequest::SavePicture { path, picture }),
+                None => self.tell_of_motion(),
+            },
+            Purpose::ExportPictures => self.export_path(Target::Pictures(path)),
+            Purpose::ExportFilm => {
+                let rate = f64::from(self.state.timeline.frames_per_second);
+                self.export_path(Target::Film(path, rate));
+            }
+        }
+    }
+
+    fn save_store(&mut self, path: PathBuf) {
+        if self.refuses(Purpose::SaveStore) {
+            return;
+        }
+        let Some(scene) = &self.state.scene else { return };
+        if let Content::Store { playback, .. } = &scene.content {
+            self.lanes.file.submit(FileRequest::SaveAgain { path, playback: playback.clone() });
+        } else if let Some(whole) = &self.state.whole {
+            // How it is painted may have changed since; whoever opens it paints it as it was seen here.
+            let mut samples = (*whole.samples).clone();
+            samples.settings.render = self.state.settings.render.clone();
+            let (scene, samples, report) = (scene.clone(), Arc::new(samples), whole.report.clone());
+            self.lanes.file.submit(FileRequest::SaveStore { path, scene, samples, report });
+        }
+    }
+
+    /// Whether there is nothing yet that a file of this purpose could hold; says so.
+    pub(crate) fn refuses(&mut self, purpose: Purpose) -> bool {
+        let title = match purpose {
+            Purpose::SaveStore => "Nothing to save yet",
+            Purpose::ExportPictures | Purpose::ExportFilm => "Nothing to export yet",
+            _ => return false,
+        };
+        let exports = matches!(purpose, Purpose::ExportPictures | Purpose::ExportFilm);
+        let text = if self.state.scene.is_none() {
+            "Open a capture or a store first."
+        } else if !self.state.is_whole_ready() && self.state.stopped {
+            "The whole capture is not pruned with these settings; rerun it (below), then try again."
+        } else if !self.state.is_whole_ready() {
+            "The whole capture is not pruned with these settings yet; try again once the line at the bottom is done."
+        } else if exports && self.state.inspector.path.pictures() == 0 {
+            NO_KEYS
+        } else {
+            return false;
+        };
+        self.state.warn_of_scene(title, text);
+        true
+    }
+}
+
+/// What a path is likely to be named; empty where it has to be there already.
+fn suggested_name(state: &State, purpose: Purpose) -> String {
+    match purpose {
+        Purpose::SaveStore => format!("{}.ovl", state.scene.as_ref().map_or("capture", |scene| &scene.name)),
+        Purpose::SaveSettings => "settings.toml".to_owned(),
+        Purpose::SavePicture => "picture.png".to_owned(),
+        Purpose::ExportPictures => "pictures".to_owned(),
+        Purpose::ExportFilm => "film.mp4".to_owned(),
+        Purpose::OpenFile | Purpose::OpenFolder | Purpose::LoadSettings => String::new(),
+    }
+}
+
+/// Where a typed text leads to, `~` being the person's own folder; `None` where there is none.
+fn place(text: &str) -> Option<PathBuf> {
+    let text = text.trim();
+    let at_home = text.strip_prefix('~').filter(|rest| rest.is_empty() || rest.starts_with('/'));
+    let path = match (at_home, std::env::home_dir()) {
+        (Some(rest), Some(home)) => home.join(rest.trim_start_matches('/')),
+        _ => PathBuf::from(text),
+    };
+    (!text.is_empty()).then(|| lasting(path))
+}
+
+/// The path with the ending that a file of this purpose needs; `None` where it has one of another kind of file.
+fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
+    if purpose == Purpose::SavePicture { with_ending(path) } else { Some(path) }
+}
+
+/// Where the path in the field leads to; `None` where it cannot be taken.
+fn typed_place(typed: &TypedPath) -> Option<PathBuf> {
+    named(typed.purpose, place(&typed.text)?)
+}
+
+/// A path that means the same from whatever folder the window is started next time.
+pub(crate) fn lasting(path: PathBuf) -> PathBuf {
+    std::path::absolute(&path).unwrap_or(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tilde_that_is_typed_is_the_own_folder() {
+        let home = std::env::home_dir().unwrap();
+        assert_eq!(place(" ~/films/a.mp4 "), Some(home.join("films/a.mp4")));
+        assert_eq!(place("~"), Some(home.join("")));
+        assert_eq!(place("/data/~x/~"), Some(PathBuf::from("/data/~x/~")));
+        assert_eq!(place("~x"), Some(lasting("~x".into())));
+        assert_eq!(place("  "), None);
+    }
+}

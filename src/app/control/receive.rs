@@ -1,0 +1,288 @@
+//! Takes in the answers of the lanes.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use egui::{TextureFilter, TextureOptions};
+
+use super::remembered::remember_recent;
+use crate::app::OverlookApp;
+use crate::app::model::{
+    self, Accuracy, Exported, Message, NoticeKind, Origin, Rig, Scene, Shown, Texture, Whole, and_others,
+    method_of,
+};
+use crate::app::work::{CompareKey, Compared, Comparison, LivePicture, Pixels, Probed, Spot};
+use crate::error::Error;
+use crate::preprocess::{PreparedScan, Preprocessed};
+use crate::settings::Settings;
+
+/// Pixels of the recording are looked at one by one; those of the live view are only as fine as there are samples.
+const SOURCE: (&str, TextureFilter) = ("source", TextureFilter::Nearest);
+const LIVE: (&str, TextureFilter) = ("live", TextureFilter::Linear);
+
+impl OverlookApp {
+    /// The texture that shows a picture of the live view; `None` where nothing draws the window that could.
+    fn texture_of(&mut self, ctx: &egui::Context, picture: &LivePicture) -> Option<Texture> {
+        let replaced = self.state.live_shown.take().map(|shown| shown.texture);
+        match &picture.pixels {
+            Pixels::InMemory { image, .. } => Some(Texture::send(ctx, LIVE, image, replaced)),
+            Pixels::OnAdapter(painted) => Some(Texture::painted(self.window.as_ref()?, painted, replaced)),
+        }
+    }
+
+    /// Takes in one answer, unless it is about a scene that is no longer open.
+    pub(crate) fn receive(&mut self, message: Message, ctx: &egui::Context) {
+        let current = self.state.scene.as_ref().map(|scene| scene.id);
+        if message.scene().is_some_and(|scene| Some(scene) != current) {
+            return;
+        }
+        let Self { state, .. } = self;
+        match message {
+            Message::Opened(scene) => self.opened(&scene),
+            Message::Scanned { scan, .. } => self.scanned(scan),
+            Message::Pruned { settings, result, .. } => self.pruned(settings, &result),
+            Message::Inspected { inspected, .. } => {
+                state.inspected = Some(inspected);
+                state.failed_frame = None;
+            }
+            Message::SourcePainted { key, picture } => {
+                let replaced = state.source_shown.take().map(|shown| shown.texture);
+                let texture = Texture::send(ctx, SOURCE, &picture.image, replaced);
+                state.source_shown = Some(Shown { key, picture, texture });
+            }
+            Message::LivePainted { key, picture } => {
+                state.tell_damage(&picture.damage);
+                let texture = self.texture_of(ctx, &picture);
+                self.state.live_shown = texture.map(|texture| Shown { key, picture, texture });
+            }
+            Message::Measured { settings, accuracy, .. } => self.measured(&settings, accuracy),
+            Message::Probed { spot, probed, is_hole, .. } => self.probed(spot, probed, is_hole),
+            Message::Thumbnails { pictures, .. } => {
+                let textures =
+                    pictures.into_iter().map(|it| ctx.load_texture("thumbnail", it, TextureOptions::LINEAR));
+                state.inspector.thumbs = textures.collect();
+            }
+            Message::Histograms { histograms, .. } => state.inspector.histograms = histograms,
+            Message::Compared { key, outcome } => self.compared(&key, outcome, ctx),
+            Message::MemoryMapped { cameras, .. } => state.inspector.memory = Some(cameras),
+            Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
+            Message::Swept { point, known, .. } => state.inspector.charts.add(*point, known),
+            Message::Stressed { point, known, .. } => state.inspector.charts.add_stressed(*point, known),
+            Message::Studied => {
+                state.inspector.charts.complete();
+                self.take_stock();
+            }
+            Message::Exported { path, exported } => self.exported(&path, &exported),
+            Message::SettingsLoaded { path, settings } => self.settings_loaded(&path, settings),
+            Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
+            Message::Looked { destination, taken } => self.looked(&destination, taken),
+            Message::Stopped { title, text } => state.notify(NoticeKind::Warning, title, text),
+            Message::Failed { what, error } => self.failed(what, &error),
+            // Nobody sees it.
+            Message::Prepared => {}
+        }
+    }
+
+    fn scanned(&mut self, scan: Arc<PreparedScan>) {
+        let spans = &self.state.settings.spans;
+        // Of settings that were taken back; what serves those on the sliders is here.
+        let late = !scan.serves(spans) && self.state.scan.as_ref().is_some_and(|scan| scan.serves(spans));
+        if !late {
+            self.state.scan = Some(scan);
+        }
+    }
+
+    fn pruned(&mut self, settings: Settings, result: &Preprocessed) {
+        let state = &mut self.state;
+        // As above.
+        if state.is_whole_ready() && method_of(&settings) != method_of(&state.settings) {
+            return;
+        }
+        let report = &result.report;
+        for doubt in report.doubts() {
+            state.warn_of_scene("Check the capture", model::sentence(&doubt));
+        }
+        let line = format!(
+            "Pruned the capture: {} of {} samples kept in {} s",
+            model::count(report.samples_kept),
+            model::count(report.samples_in),
+            model::significant(report.seconds)
+        );
+        state.inspector.log(NoticeKind::Done, line);
+        state.accuracy = None;
+        let (samples, report) = (result.samples.clone(), Arc::new(report.clone()));
+        state.whole = Some(Whole { samples, report, settings });
+    }
+
+    fn measured(&mut self, settings: &Settings, accuracy: Option<Accuracy>) {
+        if *settings != self.state.settings {
+            return;
+        }
+        self.state.accuracy = accuracy;
+        let will_play = std::mem::take(&mut self.state.timeline.will_play);
+        self.state.timeline.playing |= will_play && self.state.frame_count() > 1;
+    }
+
+    fn settings_loaded(&mut self, path: &Path, settings: Settings) {
+        self.change_settings("file", settings);
+        let text = if self.state.has_thresholds() {
+            path.display().to_string()
+        } else {
+            "Painting was taken; thresholds apply to captures opened from now on.".to_owned()
+        };
+        self.state.notify(NoticeKind::Done, "Settings loaded", text);
+    }
+
+    fn probed(&mut self, spot: Spot, probed: Option<Arc<Probed>>, is_hole: bool) {
+        let probe = &mut self.state.inspector.probe;
+        // An answer about a spot that the pointer has left is better than none while the next is on its way.
+        if probe.spot.is_none() {
+            return;
+        }
+        let is_kept = probe.pinned && probe.spot == Some(spot) && matches!(spot, Spot::Live { .. });
+        match &probed {
+            Some(probed) if is_kept => {
+                probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
+            }
+            // There is no pixel to keep: what appears here later, nobody meant.
+            None if is_kept && is_hole => (probe.pinned, probe.spot) = (false, None),
+            _ => {}
+        }
+        probe.shown = probed;
+    }
+
+    fn compared(&mut self, key: &CompareKey, outcome: Result<Comparison, String>, ctx: &egui::Context) {
+        let inspector = &mut self.state.inspector;
+        match outcome {
+            Ok(comparison) => {
+                let [left, right] = comparison.images.clone();
+                let textures = [left, right, comparison.difference.clone()]
+                    .map(|image| ctx.load_texture("comparison", image, TextureOptions::NEAREST));
+                inspector.compared =
+                    Some(Compared { sides: key.sides, place: key.place, comparison, textures });
+                inspector.compare_trouble = None;
+            }
+            Err(trouble) => inspector.compare_trouble = Some(trouble),
+        }
+    }
+
+    fn opened(&mut self, scene: &Arc<Scene>) {
+        let state = &mut self.state;
+        if let Origin::Path(path) = &scene.origin {
+            remember_recent(&mut state.recent, path);
+        }
+        if self.lanes.open.is_idle() {
+            state.opening = None;
+        }
+        state.scan = None;
+        state.whole = None;
+        state.stopped = false;
+        state.failed_frame = None;
+        state.inspected = None;
+        state.accuracy = None;
+        state.inspector.close_scene();
+        state.source_shown = None;
+        state.live_shown = None;
+        state.timeline.frame = 0;
+        state.timeline.playing = false;
+        state.source.camera = 0;
+        state.source.against = None;
+        state.source.zoom = 1.0;
+        state.source.center = egui::Vec2::splat(0.5);
+        state.live.rig = Rig::home(scene);
+        state.inspector.saved = scene.capture().map(|_| state.settings.clone());
+        state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
+        state.scene = Some(scene.clone());
+        for warning in scene.capture().iter().flat_map(|capture| &capture.warnings) {
+            state.warn_of_scene("While opening", warning.clone());
+        }
+        if let Some(playback) = scene.playback() {
+            for warning in &playback.store().info().warnings {
+                state.warn_of_scene("While opening", warning.clone());
+            }
+            state.tell_damage(&playback.store().damage());
+        }
+        state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
+        // What is closed needs no more work. Files of it that are being written were asked for, and are finished.
+        self.lanes.whole.cancel();
+        self.lanes.measure.cancel();
+        self.lanes.inspector.study.cancel();
+        self.lanes.inspector.compare.cancel();
+        self.plan = crate::app::work::Plan::default();
+    }
+
+    /// Whether something is being opened or measured: what gave way to newer work of its kind says nothing of that.
+    pub(crate) fn take_stock(&mut self) {
+        if self.lanes.open.is_idle() {
+            self.state.opening = None;
+        }
+        self.state.inspector.charts.studying = !self.lanes.inspector.study.is_idle();
+    }
+
+    fn saved(&mut self, path: &Path, bytes: Option<u64>, holds: Option<(u64, Settings)>) {
+        let place = path.display();
+        // Thresholds may have been changed while it was written, and another capture opened.
+        let scene = self.state.scene.as_ref().map(|scene| scene.id);
+        if let Some((_, settings)) = holds.filter(|(of, _)| Some(*of) == scene) {
+            self.state.inspector.saved = Some(settings);
+        }
+        let text = match bytes {
+            Some(bytes) => {
+                remember_recent(&mut self.state.recent, path);
+                format!("{place} ({})", model::bytes(bytes))
+            }
+            None => place.to_string(),
+        };
+        self.state.notify(NoticeKind::Done, "Saved", text);
+    }
+
+    fn exported(&mut self, path: &Path, exported: &Exported) {
+        let Exported { pictures, notice, damage } = exported;
+        let place = path.display();
+        self.state.notify(NoticeKind::Done, "Exported", format!("{pictures} pictures in {place}"));
+        if let Some(notice) = notice {
+            let text = format!("Of {place}: {notice}");
+            self.state.notify(NoticeKind::Warning, "Exported without the GPU", text);
+        }
+        if let Some((first, others)) = damage.split_first() {
+            let text = format!(
+                "Pictures in {place} that needed it have holes there: {}",
+                and_others(first, others.len())
+            );
+            self.state.notify(NoticeKind::Warning, "Exported from a damaged store", text);
+        }
+    }
+
+    fn failed(&mut self, what: &'static str, error: &Error) {
+        if matches!(what, "Open" | "Study") {
+            self.take_stock();
+        }
+        if matches!(error, Error::Cancelled) {
+            if what == "Study" {
+                self.tell_stopped_study();
+            }
+            return;
+        }
+        if what == "Prune" && self.lanes.whole.is_idle() {
+            self.state.stopped = true;
+        }
+        if what == "Inspect frame" && self.lanes.inspect.is_idle() {
+            self.state.failed_frame = self.plan.inspected_frame();
+            // Nothing goes on from here by itself.
+            self.state.stopped |= self.state.inspected.is_none();
+        }
+        let title = match what {
+            "Open" => "Could not open",
+            "Prune" => "Could not prune the capture",
+            "Inspect frame" => "Could not read this frame",
+            "Source picture" => "Could not show this frame",
+            "Live view" => "Could not render this view",
+            "File" => "Could not save or load",
+            "Study" => "Could not measure",
+            "Export" => "Could not export the camera path",
+            other => other,
+        };
+        self.state.notify(NoticeKind::Error, title, error.to_string());
+        self.type_again(what, error);
+    }
+}

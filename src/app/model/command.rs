@@ -1,0 +1,155 @@
+//! Everything a person can ask for. Panels send these; `update` carries them out.
+
+use std::path::PathBuf;
+
+use glam::{DVec2, DVec3};
+
+use super::chart_axis::Quantity;
+use super::charts::Study;
+use super::compare_options::CompareLook;
+use super::message::Purpose;
+use crate::app::dock::View;
+use crate::app::panels::Palette;
+use crate::app::work::{ColorBy, Overlay, Spot};
+use crate::settings::Settings;
+
+/// One wish of the person at the window.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Command {
+    /// Open a built-in scene by name.
+    OpenDemo(String),
+    /// Open a capture or a store.
+    OpenPath(PathBuf),
+    /// Ask for a path by the system's dialog.
+    AskPath(Purpose),
+    /// Show the field for typing a path.
+    TypePath(Purpose),
+    /// What is in the field now.
+    TypedPath(String),
+    /// Take the path in the field.
+    TakeTypedPath,
+    /// Close the field.
+    CloseTypedPath,
+    /// Forget the recent files.
+    ForgetRecent,
+    /// Change a setting.
+    Set { path: &'static str, value: toml::Value },
+    /// Give a setting its default.
+    Reset(&'static str),
+    /// Give all settings their defaults.
+    ResetAll,
+    /// Take the settings of a preset, by its place in the list.
+    Preset(usize),
+    /// Take the settings of a preset of one's own, by its place in the list.
+    OwnPreset(usize),
+    /// What a new preset is named so far; `None` closes the field.
+    NamePreset(Option<String>),
+    /// Keep the settings that are shown as a preset of this name.
+    SavePreset(String),
+    /// Forget a preset of one's own.
+    RemovePreset(usize),
+    /// Take back the last change of a setting.
+    Undo,
+    /// Do again what was taken back.
+    Redo,
+    /// Put the other of two settings on.
+    SwitchSettings,
+    /// Prune the whole capture again.
+    Rerun,
+    /// Stop the work that the line at the bottom names.
+    Cancel,
+    /// Close the topmost thing: a field, a message; else as `Cancel`.
+    Escape,
+    /// Go to a frame.
+    Frame(usize),
+    /// Go some frames on or back, around the ends.
+    Step(i64),
+    /// Play or pause.
+    TogglePlay,
+    /// Frames per second of playback.
+    FramesPerSecond(f32),
+    /// Show another camera on the left.
+    SourceCamera(usize),
+    /// Show something else on the left.
+    Overlay(Overlay),
+    /// Compare sampling rates with this camera, or the best other.
+    Against(Option<usize>),
+    /// Zoom and shift of the left picture.
+    SourceZoom { zoom: f32, center: egui::Vec2 },
+    /// Orbit by angles in radians.
+    Orbit(DVec2),
+    /// Shift the right view by shares of its height.
+    Pan(DVec2),
+    /// Nearer (below 1) or farther.
+    Dolly(f64),
+    /// Nearer to a point (below 1) or farther from it, which stays where it is on the screen.
+    DollyTo { factor: f64, point_in_world: DVec3 },
+    /// Fly right, down, forward, in pivot distances.
+    Fly(DVec3),
+    /// Look from where a camera stood.
+    JumpTo(usize),
+    /// Back to the first vantage, and the left picture back to fit.
+    Home,
+    /// What colors on the right tell.
+    ColorBy(ColorBy),
+    /// Whether the cameras are drawn on the right.
+    ShowCameras(bool),
+    /// Size of the right view in pixels.
+    LiveSize([u32; 2]),
+    /// Dark or light.
+    Dark(bool),
+    /// Bring a view to the front.
+    OpenView(View),
+    /// Put all views where they were at first.
+    ResetLayout,
+    /// Point at a pixel, or at nothing.
+    Probe(Option<Spot>),
+    /// Keep the pixel that is looked at, or let go of it.
+    Pin(bool),
+    /// Show the point that is looked at in a camera's picture.
+    ShowPointIn(usize),
+    /// Change how the comparison looks.
+    Compare(Box<CompareLook>),
+    /// Copy the argument for the pixel as text.
+    CopyArgument,
+    /// Copy the picture of the live view.
+    CopyPicture,
+    /// Put the pixel that is looked at in the middle of the live view.
+    FramePoint,
+    /// Open, change or close the command palette.
+    Palette(Option<Palette>),
+    /// Open or close the sheet of keys.
+    CheatSheet(bool),
+    /// The introduction of the first run was read.
+    Introduced,
+    /// Neither close nor open something else.
+    Stay,
+    /// Close, or open something else, whatever is lost by it.
+    GoOnAnyway,
+    /// Add a key to the camera path where the view stands.
+    AddKey,
+    /// Take a key out of the camera path.
+    RemoveKey(usize),
+    /// Put a key of the camera path where the view stands.
+    ReplaceKey(usize),
+    /// Stand where a key of the camera path is.
+    GoToKey(usize),
+    /// Pictures from one key of the camera path to the next.
+    PicturesPerLeg(usize),
+    /// Columns and rows of exported pictures.
+    PictureSize([u32; 2]),
+    /// Play the camera path from its beginning, or stop.
+    PlayPath(bool),
+    /// Measure: a sweep or a stress test.
+    Study(Study),
+    /// What the chart's axes show.
+    ChartAxes([Quantity; 2]),
+    /// The disturbance that is shown.
+    Disturbance(String),
+    /// Put these settings on.
+    TakeSettings(Box<Settings>),
+    /// Write frame times into the program's log, and count them anew.
+    LogFrameTimes,
+    /// Close a message.
+    Dismiss(u64),
+}

@@ -1,0 +1,383 @@
+//! What the window knows. Panels borrow it and only read.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::command::Command;
+use super::inspector::Inspector;
+use super::message::{Accuracy, Purpose};
+use super::orbit_camera::Rig;
+use super::scene::{Content, Scene};
+use super::texture::Texture;
+use crate::app::work::{ColorBy, LiveKey, LivePicture, Overlay, Pixels, SourceKey, SourcePicture};
+use crate::job::Progress;
+use crate::preprocess::PreparedScan;
+use crate::preprocess::diagnostics::Report;
+use crate::preprocess::inspect::FrameInspection;
+use crate::samples::SampleSet;
+use crate::settings::{CaptureSettings, RenderSettings, Settings};
+
+/// How loud a message is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NoticeKind {
+    /// Something failed.
+    Error,
+    /// Something is odd.
+    Warning,
+    /// Something worked.
+    Done,
+}
+
+/// A message to the person.
+#[derive(Clone, Debug)]
+pub(crate) struct Notice {
+    /// Identity.
+    pub id: u64,
+    /// How loud.
+    pub kind: NoticeKind,
+    /// What was tried.
+    pub title: String,
+    /// What happened, and what to do.
+    pub text: String,
+    /// When it came up.
+    pub since: Instant,
+    /// The scene it speaks of, with which it ends; `None` where it holds whatever is open.
+    pub scene: Option<u64>,
+}
+
+/// The whole capture, pruned.
+pub(crate) struct Whole {
+    /// The kept samples.
+    pub samples: Arc<SampleSet>,
+    /// The account.
+    pub report: Arc<Report>,
+    /// The settings they came from.
+    pub settings: Settings,
+}
+
+/// One frame, pruned, with reasons.
+pub(crate) struct Inspected {
+    /// The verdicts.
+    pub inspection: Arc<FrameInspection>,
+    /// The settings they came from.
+    pub settings: Settings,
+    /// Whether it was known what is the same over all frames.
+    pub with_scan: bool,
+    /// Pixels of each camera that represent themselves.
+    pub kept: Vec<u64>,
+}
+
+/// Where in time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Timeline {
+    /// Index of the frame shown.
+    pub frame: usize,
+    /// Whether it advances.
+    pub playing: bool,
+    /// Whether it will by itself, once all is known of what is open.
+    pub will_play: bool,
+    /// How fast.
+    pub frames_per_second: f32,
+    /// Seconds since the last advance.
+    pub elapsed_secs: f32,
+}
+
+/// How the left view looks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SourceLook {
+    /// The camera shown.
+    pub camera: usize,
+    /// What is shown.
+    pub overlay: Overlay,
+    /// Sampling ratio against which camera.
+    pub against: Option<usize>,
+    /// Magnification beyond fitting the view.
+    pub zoom: f32,
+    /// The picture's point in the middle of the view, as shares of its size.
+    pub center: egui::Vec2,
+}
+
+/// How the right view looks.
+#[derive(Clone, Debug)]
+pub(crate) struct LiveLook {
+    /// The virtual camera; `None` while nothing is open.
+    pub rig: Option<Rig>,
+    /// What colors tell.
+    pub color_by: ColorBy,
+    /// Whether cameras are drawn.
+    pub show_cameras: bool,
+    /// Size of the view in pixels.
+    pub size: [u32; 2],
+    /// Whether the GPU may paint on the device that draws the window.
+    pub shares_device: bool,
+}
+
+/// Size of the right view before it was first laid out, in pixels: other views want its picture while it lies behind them.
+pub(crate) const FIRST_SIZE: [u32; 2] = [960, 720];
+
+/// Columns or rows that exported pictures can have.
+pub(crate) const SIDES: std::ops::RangeInclusive<u32> = 2..=16_384;
+
+/// A path that is being typed.
+#[derive(Clone, Debug)]
+pub(crate) struct TypedPath {
+    /// What it is for.
+    pub purpose: Purpose,
+    /// The text so far.
+    pub text: String,
+    /// Why the field is shown in place of the system's dialog, if it is.
+    pub reason: Option<String>,
+    /// Whether something stands there already, and the question is whether to replace it.
+    pub replaces: bool,
+}
+
+/// Work that can be stopped, by the lane that does it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Work {
+    /// Opening a capture or a store.
+    Open,
+    /// Pruning the whole capture.
+    Whole,
+    /// Reading or writing a file.
+    File,
+    /// Writing pictures or a film.
+    Export,
+    /// A sweep or a stress test.
+    Study,
+    /// A comparison.
+    Compare,
+    /// Measuring accuracy.
+    Measure,
+}
+
+/// Work that takes long enough to be watched.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Busy {
+    /// Which.
+    pub work: Work,
+    /// How far it has come.
+    pub progress: Progress,
+    /// Whether cancelling it leaves something to be rerun.
+    pub cancellable: bool,
+    /// How long the rest takes at the pace so far; `None` while too little is done to tell.
+    pub secs_left: Option<f32>,
+}
+
+/// A picture that is shown, and what it was made from.
+pub(crate) struct Shown<K, P> {
+    /// What it was made from.
+    pub key: K,
+    /// The picture.
+    pub picture: Arc<P>,
+    /// The picture on the graphics card.
+    pub texture: Texture,
+}
+
+/// What the window knows.
+pub(crate) struct State {
+    /// What is open.
+    pub scene: Option<Arc<Scene>>,
+    /// What is being opened, in words.
+    pub opening: Option<String>,
+    /// The settings on the sliders.
+    pub settings: Settings,
+    /// The pass over all frames of the open capture.
+    pub scan: Option<Arc<PreparedScan>>,
+    /// The whole capture, pruned; perhaps by older settings.
+    pub whole: Option<Whole>,
+    /// Whether the whole-capture work was stopped, by the person or as something could not be read.
+    pub stopped: bool,
+    /// The frame whose inspection failed last.
+    pub failed_frame: Option<usize>,
+    /// The frame last pruned with reasons.
+    pub inspected: Option<Inspected>,
+    /// Accuracy of `whole`.
+    pub accuracy: Option<Accuracy>,
+    /// Where in time.
+    pub timeline: Timeline,
+    /// The left view.
+    pub source: SourceLook,
+    /// The left picture.
+    pub source_shown: Option<Shown<SourceKey, SourcePicture>>,
+    /// The right view.
+    pub live: LiveLook,
+    /// The right picture.
+    pub live_shown: Option<Shown<LiveKey, LivePicture>>,
+    /// Messages.
+    pub notices: Vec<Notice>,
+    /// What the inspector knows.
+    pub inspector: Inspector,
+    /// A path being typed.
+    pub typed_path: Option<TypedPath>,
+    /// What is to be opened, while the question is whether what is lost by it may be.
+    pub asks_to_open: Option<Command>,
+    /// Dark or light.
+    pub dark: bool,
+    /// What was open lately, the latest first.
+    pub recent: Vec<PathBuf>,
+    /// Long work under way; the line at the bottom names the first, which is what can be cancelled.
+    pub busy: Vec<Busy>,
+}
+
+/// The settings that decide which samples stay: those of painting and caching set to their defaults.
+pub(crate) fn method_of(settings: &Settings) -> Settings {
+    Settings { capture: CaptureSettings::default(), render: RenderSettings::default(), ..settings.clone() }
+}
+
+impl State {
+    /// Frames of what is open.
+    pub(crate) fn frame_count(&self) -> usize {
+        self.scene.as_ref().map_or(0, |scene| scene.frame_count())
+    }
+
+    /// Whether a capture (not a store) is open.
+    pub(crate) fn has_capture(&self) -> bool {
+        self.scene.as_ref().is_some_and(|scene| scene.capture().is_some())
+    }
+
+    /// Whether the whole-capture numbers were made with other settings than those on the sliders.
+    pub(crate) fn is_stale(&self) -> bool {
+        self.whole.as_ref().is_some_and(|whole| method_of(&whole.settings) != method_of(&self.settings))
+    }
+
+    /// The whole capture's samples, where they were made with the settings on the sliders.
+    pub(crate) fn current_whole(&self) -> Option<&Arc<SampleSet>> {
+        self.whole.as_ref().filter(|_| !self.is_stale()).map(|whole| &whole.samples)
+    }
+
+    /// What to say of numbers of the whole capture that were made with other settings; `None` where they hold.
+    pub(crate) fn stale_words(&self) -> Option<&'static str> {
+        self.is_stale().then_some(if self.stopped {
+            "Made with other thresholds; Rerun (below) brings it up to date."
+        } else {
+            "Made with other thresholds; being brought up to date."
+        })
+    }
+
+    /// Whether there are thresholds to be turned: a store keeps those that it was made with.
+    pub(crate) fn has_thresholds(&self) -> bool {
+        self.scene.is_none() || self.has_capture()
+    }
+
+    /// Whether frames pass without verdicts: in motion the whole capture's samples feed the right view, and the bare picture on
+    /// the left needs none.
+    pub(crate) fn skips_verdicts(&self) -> bool {
+        self.timeline.playing && self.current_whole().is_some() && !self.source.overlay.needs_verdicts()
+    }
+
+    /// The account of the open capture or store.
+    pub(crate) fn report(&self) -> Option<&Report> {
+        match self.scene.as_ref().map(|scene| &scene.content) {
+            Some(Content::Store { report, .. }) => Some(report),
+            _ => self.whole.as_ref().map(|whole| whole.report.as_ref()),
+        }
+    }
+
+    /// Whether thresholds differ from those that the store saved last was made with, or that the capture was opened with.
+    pub(crate) fn is_unsaved(&self) -> bool {
+        let saved = self.inspector.saved.as_ref().filter(|_| self.has_capture());
+        saved.is_some_and(|saved| method_of(saved) != method_of(&self.settings))
+    }
+
+    /// The settings that the panel shows: a store's own where one is open, with the painting that is on now.
+    pub(crate) fn shown_settings(&self) -> Settings {
+        match self.scene.as_ref().map(|scene| &scene.content) {
+            Some(Content::Store { samples, .. }) => {
+                Settings { render: self.settings.render.clone(), ..samples.settings.clone() }
+            }
+            _ => self.settings.clone(),
+        }
+    }
+
+    /// The verdicts at the frame shown, by whatever settings.
+    pub(crate) fn inspection_here(&self) -> Option<&Arc<FrameInspection>> {
+        let inspected = self.inspected.as_ref()?;
+        (inspected.inspection.frame == self.timeline.frame).then_some(&inspected.inspection)
+    }
+
+    /// Whether there are no verdicts at the frame shown, nor will be, as they could not be worked out.
+    pub(crate) fn is_frame_failed(&self) -> bool {
+        self.failed_frame == Some(self.timeline.frame) && self.inspection_here().is_none()
+    }
+
+    /// The best account of the frame shown: the whole capture's samples, or while those are stale this frame's.
+    pub(crate) fn samples_here(&self) -> Option<&Arc<SampleSet>> {
+        if let Some(Content::Store { samples, .. }) = self.scene.as_ref().map(|scene| &scene.content) {
+            return Some(samples);
+        }
+        let own = || self.inspection_here().map(|inspection| &inspection.samples);
+        self.current_whole().or_else(own).or(self.whole.as_ref().map(|whole| &whole.samples))
+    }
+
+    /// The picture of the live view as it is shown; `None` while it stays on the graphics card.
+    pub(crate) fn shown_picture(&self) -> Option<&Arc<egui::ColorImage>> {
+        match &self.live_shown.as_ref()?.picture.pixels {
+            Pixels::InMemory { image, .. } => Some(image),
+            Pixels::OnAdapter(_) => None,
+        }
+    }
+
+    /// Whether the samples of all frames are there, made with the settings on the sliders or played from a store.
+    pub(crate) fn is_whole_ready(&self) -> bool {
+        match self.scene.as_ref().map(|scene| &scene.content) {
+            Some(Content::Store { .. }) => true,
+            Some(Content::Capture { .. }) => self.current_whole().is_some(),
+            None => false,
+        }
+    }
+
+    /// The samples of the whole capture or store, perhaps by older settings.
+    pub(crate) fn whole_samples(&self) -> Option<&Arc<SampleSet>> {
+        match self.scene.as_ref().map(|scene| &scene.content) {
+            Some(Content::Store { samples, .. }) => Some(samples),
+            _ => self.whole.as_ref().map(|whole| &whole.samples),
+        }
+    }
+
+    /// Columns and rows of exported pictures: as chosen, else those of the largest camera; even, as films want them.
+    pub(crate) fn export_size(&self) -> [u32; 2] {
+        let cameras = self.scene.iter().flat_map(|scene| &scene.cameras);
+        let sizes = cameras.map(|camera| [camera.intrinsics.width, camera.intrinsics.height]);
+        let largest = sizes.max_by_key(|[width, height]| u64::from(*width) * u64::from(*height));
+        let size = self.inspector.path.size.or(largest).unwrap_or(FIRST_SIZE);
+        size.map(|side| (side & !1).clamp(*SIDES.start(), *SIDES.end()))
+    }
+
+    /// Adds a message.
+    pub(crate) fn notify(&mut self, kind: NoticeKind, title: impl Into<String>, text: impl Into<String>) {
+        self.add_notice(kind, title.into(), text.into(), None);
+    }
+
+    /// Adds a warning about what is open.
+    pub(crate) fn warn_of_scene(&mut self, title: impl Into<String>, text: impl Into<String>) {
+        let scene = self.scene.as_ref().map(|scene| scene.id);
+        self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene);
+    }
+
+    fn add_notice(&mut self, kind: NoticeKind, title: String, text: String, scene: Option<u64>) {
+        self.inspector.log(kind, format!("{title}: {text}"));
+        self.notices.retain(|notice| notice.title != title || notice.text != text);
+        let id = self.notices.iter().map(|notice| notice.id).max().unwrap_or(0) + 1;
+        self.notices.push(Notice { id, kind, title, text, since: Instant::now(), scene });
+    }
+
+    /// Says what could not be read of the open store, once: the first of many lines, and all of them in the log.
+    pub(crate) fn tell_damage(&mut self, lines: &[String]) {
+        let told = &mut self.inspector.told_damage;
+        let new: Vec<&String> = lines.iter().filter(|line| told.insert((*line).clone())).collect();
+        let Some((first, others)) = new.split_first() else { return };
+        for line in others {
+            self.inspector.log(NoticeKind::Warning, (*line).clone());
+        }
+        self.warn_of_scene("The store is damaged", and_others(first, others.len()));
+    }
+}
+
+/// One line for many.
+pub(crate) fn and_others(first: &str, others: usize) -> String {
+    match others {
+        0 => first.to_owned(),
+        others => format!("{first} (and {others} more places: see the Log view)"),
+    }
+}

@@ -1,0 +1,111 @@
+//! Small widgets that several areas share.
+
+use egui::{Button, ComboBox, Response, RichText, ScrollArea, Sense, Ui, Vec2};
+use egui_material_icons::MaterialIcon;
+
+use super::theme::{Tokens, space};
+
+/// Size of a button with an icon.
+pub(crate) const ICON_BUTTON: Vec2 = Vec2::new(34.0, space::CONTROL);
+
+/// A small button with an icon; `name` names it for screen readers, `help` explains it.
+pub(crate) fn icon_button(ui: &mut Ui, icon: MaterialIcon, name: &str, help: &str) -> Response {
+    ui.scope(|ui| {
+        ui.spacing_mut().button_padding = Vec2::new(8.0, 2.0);
+        let button = Button::new(icon.rich_text().size(16.0)).min_size(ICON_BUTTON);
+        ui.add(button).on_hover_text(help).accessible_name(name)
+    })
+    .inner
+}
+
+/// A drop-down list of named choices with their explanations; gives the one that was picked.
+pub(crate) fn choice_ui<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    current: T,
+    choices: &[(T, String, String)],
+    width: f32,
+) -> Option<T> {
+    let shown = choices.iter().find(|(value, ..)| *value == current);
+    let mut picked = None;
+    let response = ComboBox::from_id_salt(name)
+        .width(width)
+        .height(340.0)
+        .truncate()
+        .selected_text(shown.map_or("–", |(_, text, _)| text))
+        .show_ui(ui, |ui| {
+            for (value, text, help) in choices {
+                let option = ui.selectable_label(*value == current, text);
+                let option = if help.is_empty() { option } else { option.on_hover_text(help) };
+                if option.clicked() {
+                    picked = Some(*value);
+                }
+            }
+        })
+        .response
+        .accessible_name(name);
+    if let Some((_, text, help)) = shown {
+        let hover = if help.is_empty() { format!("{name}: {text}") } else { format!("{name}: {help}") };
+        response.on_hover_text(hover);
+    }
+    picked
+}
+
+/// A row of choices of which one is on; gives the one that was clicked. `name` names the row for screen readers.
+pub(crate) fn segments_ui<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    current: T,
+    choices: impl IntoIterator<Item = (T, &'static str, &'static str)>,
+) -> Option<T> {
+    let mut clicked = None;
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = Vec2::new(2.0, 3.0);
+        ui.spacing_mut().button_padding = Vec2::new(5.0, 2.0);
+        for (value, text, help) in choices {
+            let button = Button::selectable(value == current, RichText::new(text).size(12.5));
+            let button = ui.add(button).on_hover_text(help).accessible_name(format!("{name}: {text}"));
+            if button.clicked() {
+                clicked = Some(value);
+            }
+        }
+    });
+    clicked
+}
+
+/// Height from which on an empty area has room for its icon.
+const ROOMY: f32 = 210.0;
+
+/// What an area shows in place of contents: an icon, a title, a sentence, and ways out.
+pub(crate) fn empty_ui(
+    ui: &mut Ui,
+    icon: MaterialIcon,
+    title: &str,
+    text: &str,
+    ways_out: impl FnOnce(&mut Ui),
+) {
+    let tokens = Tokens::in_ui(ui);
+    let area = ui.available_rect_before_wrap();
+    let width = area.width().min(380.0);
+    let is_low = area.height() < ROOMY;
+    // Known from the picture before.
+    let id = ui.scope_id().with(title);
+    let height = ui.data(|data| data.get_temp(id)).unwrap_or(ROOMY);
+    let column = egui::Rect::from_center_size(area.center(), Vec2::new(width, height.min(area.height())));
+    ui.scope_builder(egui::UiBuilder::new().max_rect(column), |ui| {
+        let shown = ScrollArea::vertical().id_salt(title).auto_shrink(false).show(ui, |ui| {
+            ui.vertical_centered(|ui| {
+                if !is_low {
+                    ui.label(icon.rich_text().size(34.0).color(tokens.text_weak));
+                    ui.add_space(space::SMALL);
+                }
+                ui.heading(title);
+                ui.label(RichText::new(text).color(tokens.text_weak));
+                ui.add_space(space::MEDIUM);
+                ui.vertical_centered(ways_out);
+            });
+        });
+        ui.data_mut(|data| data.insert_temp(id, shown.content_size.y));
+    });
+    ui.allocate_rect(area, Sense::hover());
+}

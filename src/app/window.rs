@@ -1,0 +1,111 @@
+//! The areas of the window. Each borrows the state and sends commands; none changes anything itself.
+
+use egui::{CentralPanel, Frame, Margin, Panel};
+
+use super::dock::{Dock, View};
+use super::model::{Command, State};
+use super::theme::{Tokens, space};
+use super::views;
+use super::widgets::empty_ui;
+
+/// The whole window.
+pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, commands: &mut Vec<Command>) {
+    let tokens = Tokens::in_ui(ui);
+    let bar = Frame::new().fill(tokens.surface).inner_margin(Margin::symmetric(space::PANEL, 0));
+    Panel::top("top bar")
+        .exact_size(space::TOP_BAR)
+        .frame(bar)
+        .show(ui, |ui| super::panels::top_bar_ui(ui, state, commands));
+    Panel::top("totals")
+        .exact_size(space::TOTALS)
+        .frame(bar)
+        .show(ui, |ui| super::panels::totals_ui(ui, state));
+    Panel::bottom("status")
+        .exact_size(space::STATUS)
+        .frame(bar)
+        .show(ui, |ui| super::panels::status_ui(ui, state, commands));
+    Panel::bottom("timeline")
+        .exact_size(space::TIMELINE)
+        .frame(bar.inner_margin(Margin::symmetric(space::PANEL, 4)))
+        .show(ui, |ui| super::panels::timeline_ui(ui, state, commands));
+    CentralPanel::no_frame()
+        .frame(Frame::new().fill(tokens.background).inner_margin(Margin { top: 4, ..Margin::ZERO }))
+        .show(ui, |ui| {
+            if state.scene.is_none() {
+                nothing_open_ui(ui, state, commands);
+            } else {
+                dock.ui(ui, state, commands);
+            }
+        });
+    super::panels::notices_ui(ui.ctx(), state, commands);
+    super::panels::path_field_ui(ui.ctx(), state, commands);
+    super::panels::naming_ui(ui.ctx(), state, commands);
+    super::panels::introduction_ui(ui.ctx(), state, commands);
+    super::panels::palette_ui(ui.ctx(), state, commands);
+    super::panels::cheat_sheet_ui(ui.ctx(), state, commands);
+    super::panels::closing_ui(ui.ctx(), state, commands);
+    drop_hint_ui(ui);
+}
+
+/// One view.
+pub(crate) fn view_ui(ui: &mut egui::Ui, view: View, state: &State, commands: &mut Vec<Command>) {
+    match view {
+        View::Source => views::source_view_ui(ui, state, commands),
+        View::Live => views::live_view_ui(ui, state, commands),
+        View::Compare => views::compare_view_ui(ui, state, commands),
+        View::Path => super::panels::path_ui(ui, state, commands),
+        View::Tradeoff => views::tradeoff_ui(ui, state, commands),
+        View::Stability => views::stability_ui(ui, state, commands),
+        View::Pixel => views::pixel_view_ui(ui, state, commands),
+        View::Cameras => views::cameras_view_ui(ui, state, commands),
+        View::Matrix => super::panels::matrix_view_ui(ui, state),
+        View::Time => super::panels::time_ui(ui, state, commands),
+        View::Memory => super::panels::memory_ui(ui, state),
+        View::Thresholds => super::panels::settings_ui(ui, state, commands),
+        View::Report => super::panels::report_ui(ui, state),
+        View::Log => super::panels::log_ui(ui, state),
+    }
+}
+
+fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>) {
+    use super::model::Purpose;
+    use egui_material_icons::icons::{ICON_FOLDER_OPEN, ICON_HOURGLASS_TOP};
+    if let Some(opening) = &state.opening {
+        empty_ui(
+            ui,
+            ICON_HOURGLASS_TOP,
+            &format!("Opening {opening}"),
+            "The first picture is on its way.",
+            |ui| {
+                ui.add(egui::Spinner::new().size(22.0));
+            },
+        );
+        return;
+    }
+    let text = "Open a folder of EXR frames with its transforms.json, or a store that was saved before. \
+                You can also drop it on this window.";
+    empty_ui(ui, ICON_FOLDER_OPEN, "Nothing is open", text, |ui| {
+        for (name, command) in [
+            ("Open folder…", Command::AskPath(Purpose::OpenFolder)),
+            ("Open file…", Command::AskPath(Purpose::OpenFile)),
+            ("Show the orrery", Command::OpenDemo("orrery".to_owned())),
+        ] {
+            if ui.button(name).clicked() {
+                commands.push(command);
+            }
+        }
+    });
+}
+
+fn drop_hint_ui(ui: &egui::Ui) {
+    if ui.ctx().input(|input| input.raw.hovered_files.is_empty()) {
+        return;
+    }
+    let tokens = Tokens::in_ui(ui);
+    let painter =
+        ui.ctx().layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop hint")));
+    let area = ui.ctx().content_rect();
+    painter.rect_filled(area, 0.0, tokens.scrim);
+    let font = egui::TextStyle::Heading.resolve(ui.style());
+    painter.text(area.center(), egui::Align2::CENTER_CENTER, "Drop to open", font, tokens.on_scrim);
+}

@@ -1,0 +1,93 @@
+//! What pruning cost: PSNR of the kept samples at vantages whose truth is known, beside that of all samples.
+
+use std::sync::Arc;
+
+use super::workers::MeasureRequest;
+use crate::app::model::{Accuracy, Content};
+use crate::capture::{Frame, View};
+use crate::error::Result;
+use crate::evaluate::metrics;
+use crate::job::Job;
+use crate::preprocess;
+use crate::render::{CpuRenderer, Vantage};
+use crate::samples::SampleSet;
+use crate::settings::{MixedPixels, PruningMethod, Settings, SpanLevels};
+
+/// Vantages that are compared: enough for a figure in passing, few enough to take seconds.
+const VIEWS: usize = 3;
+
+/// Compares at up to [`VIEWS`] vantages spread over those with truth; `None` where there is no truth.
+///
+/// # Errors
+/// Whatever loading the truth and rendering give, and `Cancelled`.
+pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accuracy>> {
+    let Content::Capture { capture, truth, .. } = &request.scene.content else { return Ok(None) };
+    let known: Vec<(&View, usize)> = truth
+        .iter()
+        .filter(|view| view.truth.is_some())
+        .filter_map(|view| Some((view, capture.frame_index(view.frame_number)?)))
+        .collect();
+    let step = known.len().div_ceil(VIEWS).max(1);
+    let all_settings = with_nothing_pruned(&request.settings);
+    let (mut pruned_db, mut unpruned_db, mut views) = (0.0, 0.0, 0);
+    job.start("Measuring accuracy", known.len().div_ceil(step));
+    for (view, frame) in known.into_iter().step_by(step) {
+        job.check()?;
+        let Some(load) = &view.truth else { continue };
+        let truth = load()?;
+        let unpruned = preprocess::inspect_frame(capture, None, &all_settings, frame, job)?.samples;
+        let vantage = Vantage { camera: view.camera.clone(), frame };
+        pruned_db += psnr_at(&request.samples, &vantage, &truth, &request.settings, job)?;
+        unpruned_db += psnr_at(&unpruned, &vantage, &truth, &request.settings, job)?;
+        views += 1;
+        job.advance(1);
+    }
+    if views == 0 {
+        return Ok(None);
+    }
+    let mean = |sum: f64| sum / views as f64;
+    Ok(Some(Accuracy { psnr_db: mean(pruned_db), unpruned_psnr_db: mean(unpruned_db), views }))
+}
+
+/// Settings by which every pixel of a frame is kept as it was recorded.
+pub(crate) fn with_nothing_pruned(settings: &Settings) -> Settings {
+    let mut settings = settings.clone();
+    settings.pruning.method = PruningMethod::Off;
+    settings.pruning.mixed_pixels = MixedPixels::Keep;
+    settings.spans.levels = SpanLevels::Off;
+    settings
+}
+
+fn psnr_at(
+    samples: &Arc<SampleSet>,
+    vantage: &Vantage,
+    truth: &Frame,
+    settings: &Settings,
+    job: &Job,
+) -> Result<f64> {
+    let (picture, _) = CpuRenderer::new().render(samples, vantage, &settings.render, job)?;
+    Ok(metrics::score(&picture, truth)?.psnr_db)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{Demo, DemoSpec};
+
+    #[test]
+    fn with_nothing_pruned_every_pixel_is_the_one_that_was_recorded() {
+        let spec = DemoSpec::new("nine-cameras").cameras(2).frames(4).size((48, 36));
+        let mut settings = Settings::default();
+        settings.pruning.mixed_pixels = MixedPixels::Drop;
+        let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
+        let unpruned = with_nothing_pruned(&settings);
+        let samples = preprocess::inspect_frame(&capture, None, &unpruned, 1, &Job::new()).unwrap().samples;
+        assert_eq!(samples.sample_count(), 2 * 48 * 36);
+        let scan = preprocess::scan(&capture, &unpruned, &Job::new()).unwrap();
+        let whole = preprocess::prune(&capture, &scan, &unpruned, &Job::new()).unwrap();
+        assert_eq!(
+            whole.report.samples_kept, whole.report.samples_in,
+            "nothing is stored for several frames"
+        );
+    }
+}

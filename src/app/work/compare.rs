@@ -1,0 +1,365 @@
+//! Two pictures of one place, side by side: before and after pruning, two settings, the truth, kernels, painters.
+//!
+//! Works on a lane of its own with a renderer of its own, so that neither view waits.
+
+use std::sync::Arc;
+
+use super::accuracy::with_nothing_pruned;
+use super::difference::{self, Comparison};
+use crate::app::model::{Content, Measure, Place, Scene, Side, method_of};
+use crate::capture::{Capture, Frame};
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::preprocess::{self, PreparedScan};
+use crate::render::{Renderer, Vantage};
+use crate::samples::SampleSet;
+use crate::settings::{Backend, Kernel, Settings};
+
+/// What a comparison is made from; an equal key gives an equal comparison.
+#[derive(Clone)]
+pub(crate) struct CompareKey {
+    /// What is open.
+    pub scene: Arc<Scene>,
+    /// The sides.
+    pub sides: [Side; 2],
+    /// From where.
+    pub place: Place,
+    /// Where the live view stands, and when.
+    pub vantage: Vantage,
+    /// The kept samples that the live view shows.
+    pub samples: Arc<SampleSet>,
+    /// Whether those show every frame, and not only the one that the live view shows.
+    pub whole: bool,
+    /// The pass over all frames, where it is done.
+    pub scan: Option<Arc<PreparedScan>>,
+    /// The settings on the sliders, A and B.
+    pub settings: [Settings; 3],
+    /// What the map of their difference shows.
+    pub measure: Measure,
+    /// The difference that the map's upper end stands for, in the unit of the measure; `None` to fit it.
+    pub range: Option<f32>,
+    /// Dark or light, as holes use a color of the theme.
+    pub dark: bool,
+}
+
+impl PartialEq for CompareKey {
+    fn eq(&self, other: &Self) -> bool {
+        let uses = |side: Side| self.sides.contains(&side);
+        self.scene.id == other.scene.id
+            && self.sides == other.sides
+            && self.place == other.place
+            && Arc::ptr_eq(&self.samples, &other.samples)
+            && self.whole == other.whole
+            && self.scan.as_ref().map(Arc::as_ptr) == other.scan.as_ref().map(Arc::as_ptr)
+            && self.settings[0] == other.settings[0]
+            && (!uses(Side::A) || self.settings[1] == other.settings[1])
+            && (!uses(Side::B) || self.settings[2] == other.settings[2])
+            && self.measure == other.measure
+            && self.range == other.range
+            && self.dark == other.dark
+            && self.vantage.frame == other.vantage.frame
+            && (self.place != Place::Live || self.vantage == other.vantage)
+    }
+}
+
+/// A comparison that is shown.
+pub(crate) struct Compared {
+    /// Whose pictures these are.
+    pub sides: [Side; 2],
+    /// From where.
+    pub place: Place,
+    /// What came of it.
+    pub comparison: Comparison,
+    /// Left, right and difference on the graphics card.
+    pub textures: [egui::TextureHandle; 3],
+}
+
+/// Samples made for comparisons: the last few are kept.
+pub(crate) struct Comparer {
+    renderer: Renderer,
+    made: Vec<(Made, Arc<SampleSet>)>,
+    /// Passes over all frames of a scene, where the window's own does not serve the settings of a side.
+    scans: Vec<(u64, Arc<PreparedScan>)>,
+    /// What these passes run on, as they take as long as the capture does.
+    threads: Arc<rayon::ThreadPool>,
+}
+
+/// What samples were made from.
+#[derive(Clone, PartialEq)]
+struct Made {
+    scene: u64,
+    frame: usize,
+    method: Settings,
+    left_out: Option<usize>,
+    /// Whether it was known what is the same over all frames: by a scan that serves the method.
+    with_scan: bool,
+}
+
+/// Sample sets that are kept.
+const KEPT: usize = 4;
+
+/// Passes over all frames that are kept: one for each side.
+const KEPT_SCANS: usize = 2;
+
+impl Comparer {
+    /// One that has made nothing yet, and reads whole captures on `threads`.
+    pub(crate) fn new(threads: Arc<rayon::ThreadPool>) -> Self {
+        Self { renderer: Renderer::new(), made: Vec::new(), scans: Vec::new(), threads }
+    }
+
+    /// Makes the comparison.
+    ///
+    /// # Errors
+    /// `Invalid` where a side cannot be shown there; whatever loading, pruning and rendering give; `Cancelled`.
+    pub(crate) fn compare(&mut self, key: &CompareKey, job: &Job) -> Result<Comparison> {
+        let (vantage, truth) = place(key)?;
+        let left = self.side(key, key.sides[0], &vantage, truth.as_deref(), job)?;
+        job.check()?;
+        let right = self.side(key, key.sides[1], &vantage, truth.as_deref(), job)?;
+        Comparison::new([left, right], key.measure, key.range, key.dark)
+    }
+
+    fn side(
+        &mut self,
+        key: &CompareKey,
+        side: Side,
+        vantage: &Vantage,
+        truth: Option<&Frame>,
+        job: &Job,
+    ) -> Result<difference::Side> {
+        if side == Side::Truth {
+            let frame = truth.ok_or_else(|| {
+                Error::invalid(
+                    "comparison",
+                    "The truth is known at truth vantages and hold-out cameras only: choose one in the last list above.",
+                )
+            })?;
+            return Ok(difference::of_frame(frame));
+        }
+        let mut settings = match side {
+            Side::A => key.settings[1].clone(),
+            Side::B => key.settings[2].clone(),
+            _ => key.settings[0].clone(),
+        };
+        let mut render = settings.render.clone();
+        match side {
+            Side::Point => render.kernel = Kernel::Point,
+            Side::Block => render.kernel = Kernel::Block,
+            Side::Surfel => render.kernel = Kernel::Surfel,
+            Side::Gather => render.kernel = Kernel::Gather,
+            Side::Cpu => render.backend = Backend::Cpu,
+            Side::Gpu => render.backend = Backend::Gpu,
+            Side::Everything => settings = with_nothing_pruned(&settings),
+            _ => {}
+        }
+        let as_shown = method_of(&settings) == method_of(&key.settings[0]);
+        let left_out = match key.place {
+            Place::HoldOut(camera) => Some(camera),
+            _ => None,
+        };
+        let shown_there = key.whole || vantage.frame == key.vantage.frame;
+        let samples = if as_shown && shown_there && left_out.is_none() {
+            key.samples.clone()
+        } else {
+            // What is known about time counts all cameras, and where every pixel is one of this frame it says nothing.
+            let frame_alone = left_out.is_some() || side == Side::Everything;
+            let scan = if frame_alone { None } else { self.scan(key, &settings, job)? };
+            self.samples(key, &settings, (vantage.frame, left_out), scan.as_deref(), job)?
+        };
+        self.renderer.forget_background();
+        let (picture, _) = self.renderer.render(&samples, vantage, &render, job)?;
+        if side == Side::Gpu
+            && let Some(notice) = self.renderer.notice()
+        {
+            return Err(Error::invalid("comparison", notice));
+        }
+        Ok(difference::of_picture(&picture))
+    }
+
+    /// What is the same over all frames by these settings; `None` while the window looks for the first time.
+    fn scan(
+        &mut self,
+        key: &CompareKey,
+        settings: &Settings,
+        job: &Job,
+    ) -> Result<Option<Arc<PreparedScan>>> {
+        let Some(scan) = &key.scan else { return Ok(None) };
+        self.scans.retain(|(scene, _)| *scene == key.scene.id);
+        let own = self.scans.iter().map(|(_, scan)| scan);
+        if let Some(scan) = own.chain([scan]).find(|scan| scan.serves(&settings.spans)) {
+            return Ok(Some(scan.clone()));
+        }
+        let capture = capture_of(&key.scene)?;
+        let scan = self.threads.install(|| preprocess::scan(capture, settings, job))?;
+        if self.scans.len() == KEPT_SCANS {
+            self.scans.remove(0);
+        }
+        self.scans.push((key.scene.id, scan.clone()));
+        Ok(Some(scan))
+    }
+
+    fn samples(
+        &mut self,
+        key: &CompareKey,
+        settings: &Settings,
+        (frame, left_out): (usize, Option<usize>),
+        scan: Option<&PreparedScan>,
+        job: &Job,
+    ) -> Result<Arc<SampleSet>> {
+        let capture = capture_of(&key.scene)?;
+        let made = Made {
+            scene: key.scene.id,
+            frame,
+            method: method_of(settings),
+            left_out,
+            with_scan: scan.is_some(),
+        };
+        if let Some((_, samples)) = self.made.iter().find(|(known, _)| *known == made) {
+            return Ok(samples.clone());
+        }
+        let others = left_out.map(|left_out| capture.with_cameras(|index, _| index != left_out));
+        let capture = others.as_ref().unwrap_or(capture);
+        let samples = preprocess::inspect_frame(capture, scan, settings, frame, job)?.samples;
+        if self.made.len() == KEPT {
+            self.made.remove(0);
+        }
+        self.made.push((made, samples.clone()));
+        Ok(samples)
+    }
+}
+
+fn capture_of(scene: &Scene) -> Result<&Capture> {
+    scene.capture().ok_or_else(|| {
+        Error::invalid(
+            "comparison",
+            "A store holds no source frames to compare with: open the capture it was made from.",
+        )
+    })
+}
+
+/// The vantage, and what was recorded there.
+fn place(key: &CompareKey) -> Result<(Vantage, Option<Arc<Frame>>)> {
+    match key.place {
+        Place::Live => Ok((key.vantage.clone(), None)),
+        Place::HoldOut(camera) => {
+            let capture = capture_of(&key.scene)?;
+            let there = capture
+                .cameras
+                .get(camera)
+                .ok_or_else(|| Error::invalid("comparison", "there is no such camera"))?;
+            let vantage = Vantage { camera: there.clone(), frame: key.vantage.frame };
+            Ok((vantage, Some(capture.frame(camera, key.vantage.frame)?)))
+        }
+        Place::Truth(index) => {
+            let capture = capture_of(&key.scene)?;
+            let Content::Capture { truth, .. } = &key.scene.content else {
+                return Err(Error::invalid("comparison", "a store comes without truth vantages"));
+            };
+            let view = truth
+                .iter()
+                .filter(|view| view.truth.is_some())
+                .nth(index)
+                .ok_or_else(|| Error::invalid("comparison", "there is no such truth vantage"))?;
+            let frame = capture.frame_index(view.frame_number).ok_or_else(|| {
+                Error::invalid(&view.file_path, format!("there is no frame {}", view.frame_number))
+            })?;
+            let load = view.truth.as_ref().map(|load| load()).transpose()?;
+            Ok((Vantage { camera: view.camera.clone(), frame }, load.map(Arc::new)))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::settings::{MixedPixels, SpanLevels};
+
+    use super::*;
+    use crate::app::model::Origin;
+    use crate::app::work::workers::pool;
+    use crate::demo::{Demo, DemoSpec};
+
+    /// A comparison of settings A, the defaults, with settings B, by a scan that serves A.
+    fn key(b: Settings) -> CompareKey {
+        let spec = DemoSpec::new("orrery").cameras(2).frames(8).size((48, 36));
+        let demo = Demo::new(&spec).unwrap();
+        let a = Settings::default();
+        let capture = demo.capture(&a.capture);
+        let scan = preprocess::scan(&capture, &a, &Job::new()).unwrap();
+        let samples = preprocess::prune(&capture, &scan, &a, &Job::new()).unwrap().samples;
+        CompareKey {
+            scene: Arc::new(Scene::of_capture(
+                Origin::Demo("orrery".into()),
+                capture,
+                demo.truth_views(),
+                1.0,
+            )),
+            sides: [Side::A, Side::B],
+            place: Place::Live,
+            vantage: Vantage { camera: demo.home(), frame: 3 },
+            samples,
+            whole: true,
+            scan: Some(scan),
+            settings: [a.clone(), a, b],
+            measure: Measure::Steps,
+            range: None,
+            dark: true,
+        }
+    }
+
+    fn comparer() -> Comparer {
+        Comparer::new(pool("test", 2, false).unwrap())
+    }
+
+    /// Lengths of the spans of what was made last.
+    fn lengths(comparer: &Comparer) -> Vec<usize> {
+        let (_, samples) = comparer.made.last().unwrap();
+        let mut lengths: Vec<usize> = samples.images.iter().map(|image| image.span.len()).collect();
+        lengths.sort_unstable();
+        lengths.dedup();
+        lengths
+    }
+
+    #[test]
+    fn each_side_is_made_with_the_spans_of_its_own_settings() {
+        let mut paper = Settings::default();
+        paper.spans.levels = SpanLevels::Paper;
+        let (mut comparer, key) = (comparer(), key(paper));
+        comparer.compare(&key, &Job::new()).unwrap();
+        assert_eq!(lengths(&comparer), [1, 8], "of the frames around it, the paper knows all or one");
+        let scanned = comparer.scans.len();
+        comparer.compare(&CompareKey { dark: false, ..key }, &Job::new()).unwrap();
+        assert_eq!((scanned, comparer.scans.len()), (1, 1), "the frames are read again once");
+    }
+
+    #[test]
+    fn at_a_truth_vantage_the_samples_of_its_frame_are_compared_and_not_those_of_the_frame_shown() {
+        let key = CompareKey {
+            sides: [Side::Kept, Side::Truth],
+            place: Place::Truth(0),
+            ..key(Settings::default())
+        };
+        let (vantage, _) = place(&key).unwrap();
+        assert_ne!(vantage.frame, key.vantage.frame);
+        let expected = comparer().compare(&key, &Job::new()).unwrap();
+        let capture = capture_of(&key.scene).unwrap();
+        let scan = key.scan.as_deref();
+        let shown =
+            preprocess::inspect_frame(capture, scan, &key.settings[0], key.vantage.frame, &Job::new())
+                .unwrap();
+        let key = CompareKey { samples: shown.samples, whole: false, ..key };
+        let compared = comparer().compare(&key, &Job::new()).unwrap();
+        assert!((compared.psnr_db - expected.psnr_db).abs() < 1e-9, "{} dB", compared.psnr_db);
+        assert_eq!(compared.one_sided, expected.one_sided);
+    }
+
+    #[test]
+    fn all_samples_are_every_pixel_of_the_frame() {
+        let (mut comparer, mut key) = (comparer(), key(Settings::default()));
+        key.settings[0].pruning.mixed_pixels = MixedPixels::Drop;
+        let key = CompareKey { sides: [Side::Everything, Side::Kept], ..key };
+        comparer.compare(&key, &Job::new()).unwrap();
+        assert_eq!(lengths(&comparer), [1]);
+        let (_, samples) = comparer.made.last().unwrap();
+        assert_eq!(samples.sample_count(), 2 * 48 * 36);
+    }
+}

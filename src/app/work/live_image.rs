@@ -1,0 +1,316 @@
+//! From a vantage to the pixels of the right view. Runs on a lane, not on the UI thread.
+
+use std::sync::Arc;
+
+use egui::{Color32, ColorImage};
+use glam::DVec2;
+
+use super::colormap::{camera as camera_color, dimmed, diverging, mix};
+use super::source_image::{MOTION, RATIO_RANGE};
+use crate::app::theme::Tokens;
+use crate::color::srgb8_from_linear;
+use crate::error::Result;
+use crate::grid::Grid;
+use crate::job::Job;
+use crate::render::gpu::{HolePattern, ScreenTexture};
+use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, Shown, Vantage};
+use crate::samples::SampleSet;
+use crate::settings::RenderSettings;
+use crate::store::playback::Playback;
+
+/// What the colors of the right view tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+pub(crate) enum ColorBy {
+    /// The colors of the samples.
+    #[default]
+    Picture,
+    /// Which camera's sample is shown.
+    Camera,
+    /// For how long the sample is stored.
+    Span,
+    /// How densely samples lie beside the pixels of this view.
+    SamplingRate,
+}
+
+impl ColorBy {
+    /// Every choice, in the order of the menu.
+    pub(crate) const ALL: [Self; 4] = [Self::Picture, Self::Camera, Self::Span, Self::SamplingRate];
+
+    /// Its name in the menu.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Picture => "Picture",
+            Self::Camera => "Camera",
+            Self::Span => "Motion",
+            Self::SamplingRate => "Sampling",
+        }
+    }
+
+    /// What it shows, in a sentence.
+    pub(crate) fn help(self) -> &'static str {
+        match self {
+            Self::Picture => "The scene as the kept samples show it.",
+            Self::Camera => "Each pixel in the color of the camera whose sample it shows.",
+            Self::Span => MOTION,
+            Self::SamplingRate => {
+                "Distance between samples beside distance between pixels here: purple where samples are denser than \
+                 pixels, orange where the view is closer than the camera was."
+            }
+        }
+    }
+}
+
+/// What a right picture was made from; a picture with an equal key is the same picture.
+#[derive(Clone)]
+pub(crate) struct LiveKey {
+    /// The scene.
+    pub scene: u64,
+    /// The samples.
+    pub samples: Arc<SampleSet>,
+    /// What reads the frame's samples from a file, where they are not all in memory.
+    pub playback: Option<Arc<Playback>>,
+    /// Where from, and when.
+    pub vantage: Vantage,
+    /// How.
+    pub settings: RenderSettings,
+    /// What colors tell.
+    pub color_by: ColorBy,
+    /// Dark or light, as holes use a color of the theme.
+    pub dark: bool,
+    /// Whether the next one follows at once: then nobody asks what its pixels show, and they may stay where they are.
+    pub in_motion: bool,
+    /// How many of its pixels lie along one of a picture in motion.
+    pub per_coarse_pixel: f64,
+}
+
+impl LiveKey {
+    /// Width of the stripes over holes, pixels: on the screen as wide in motion as at rest.
+    fn stripe(&self) -> usize {
+        (STRIPE * self.per_coarse_pixel).round().max(1.0) as usize
+    }
+}
+
+impl PartialEq for LiveKey {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.samples, &other.samples)
+            && self.scene == other.scene
+            && self.vantage == other.vantage
+            && self.settings == other.settings
+            && self.color_by == other.color_by
+            && self.dark == other.dark
+            && self.in_motion == other.in_motion
+    }
+}
+
+/// Frames whose samples are sent to a GPU before they are asked for.
+const FRAMES_AHEAD: usize = 2;
+
+/// Width of the stripes over holes, pixels of a picture in motion.
+const STRIPE: f64 = 6.0;
+
+/// The right picture.
+pub(crate) struct LivePicture {
+    /// What was painted: of a store played from disk, the samples of this frame alone, and of these what the vantage needs.
+    pub samples: Arc<SampleSet>,
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Its pixels.
+    pub pixels: Pixels,
+    /// What it took.
+    pub stats: RenderStats,
+    /// What painted.
+    pub painter: Painter,
+    /// Why something else painted than was asked for.
+    pub notice: Option<String>,
+    /// What could not be read of a store played from disk so far, one line each.
+    pub damage: Vec<String>,
+}
+
+/// Where the pixels of a picture are.
+pub(crate) enum Pixels {
+    /// On the device that draws the window.
+    OnAdapter(ScreenTexture),
+    /// In memory.
+    InMemory {
+        /// As shown.
+        image: Arc<ColorImage>,
+        /// What the renderer gave: depths, and whose samples are shown.
+        rendered: Arc<Picture>,
+    },
+}
+
+impl LivePicture {
+    /// What the renderer gave; `None` while pictures in motion stay on the graphics card.
+    pub(crate) fn rendered(&self) -> Option<&Arc<Picture>> {
+        match &self.pixels {
+            Pixels::InMemory { rendered, .. } => Some(rendered),
+            Pixels::OnAdapter(_) => None,
+        }
+    }
+}
+
+/// Renders and colors the picture that `key` asks for.
+///
+/// # Errors
+/// As [`Renderer::render`].
+pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
+    let next = key.vantage.frame + 1;
+    let samples = match &key.playback {
+        None => key.samples.clone(),
+        Some(playback) => playback.seen_from(&key.vantage.camera, key.vantage.frame, job)?,
+    };
+    let (shown, _) = rayon::join(
+        || shown(renderer, &samples, key, job),
+        // What cannot be read ahead says so when it is shown.
+        || {
+            let ahead = next..next + FRAMES_AHEAD;
+            key.playback.as_ref().map(|playback| playback.read_ahead_from(&key.vantage.camera, ahead, job))
+        },
+    );
+    let (size, pixels, stats) = match shown? {
+        (Shown::OnAdapter(texture), stats) => {
+            ([texture.width() as usize, texture.height() as usize], Pixels::OnAdapter(texture), stats)
+        }
+        (Shown::InMemory(rendered), stats) => {
+            let pixels = colored(&rendered, key);
+            let size = [pixels.width(), pixels.height()];
+            let image = Arc::new(ColorImage::new(size, pixels.into_vec()));
+            (size, Pixels::InMemory { image, rendered }, stats)
+        }
+    };
+    renderer.prefetch(&samples, next..next + FRAMES_AHEAD);
+    Ok(LivePicture {
+        samples,
+        size,
+        pixels,
+        stats,
+        painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
+        notice: renderer.notice().map(str::to_owned),
+        damage: key.playback.as_ref().map_or_else(Vec::new, |playback| playback.store().damage()),
+    })
+}
+
+/// Has the picture painted: into memory once the view is at rest or its colors tell of samples, else wherever that is fastest.
+fn shown(
+    renderer: &mut Renderer,
+    samples: &Arc<SampleSet>,
+    key: &LiveKey,
+    job: &Job,
+) -> Result<(Shown, RenderStats)> {
+    if key.in_motion && key.color_by == ColorBy::Picture {
+        let tokens = Tokens::of(key.dark);
+        let colors = [tokens.hole, tokens.hole_stripe].map(|color| [color.r(), color.g(), color.b()]);
+        let holes = HolePattern { colors, stripe: key.stripe() as u32 };
+        return renderer.show(samples, &key.vantage, &key.settings, &holes, job);
+    }
+    let settings =
+        RenderSettings { antialias: key.settings.antialias && !key.in_motion, ..key.settings.clone() };
+    let (picture, stats) = renderer.render(samples, &key.vantage, &settings, job)?;
+    Ok((Shown::InMemory(picture), stats))
+}
+
+fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
+    let tokens = Tokens::of(key.dark);
+    let stripe = key.stripe();
+    Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
+        let image = picture.image[(x, y)];
+        if image == NO_IMAGE {
+            let filled = picture.inverse_depth[(x, y)] >= 0.0;
+            if filled && key.color_by == ColorBy::Picture {
+                let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
+                return Color32::from_rgb(r, g, b);
+            }
+            return if ((x + y) / stripe).is_multiple_of(2) { tokens.hole } else { tokens.hole_stripe };
+        }
+        let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
+        let own = Color32::from_rgb(r, g, b);
+        let source = &key.samples.images[image as usize];
+        match key.color_by {
+            ColorBy::Picture => own,
+            ColorBy::Camera => mix(dimmed(own, 0.9), camera_color(source.camera as usize), 0.7),
+            ColorBy::Span => {
+                let frames = key.samples.frame_numbers.len();
+                let share = if source.span.len() >= frames { 0.55 } else { 0.7 };
+                mix(dimmed(own, 0.9), tokens.of_span(source.span.len(), frames), share)
+            }
+            ColorBy::SamplingRate => {
+                let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                let inverse_depth = f64::from(picture.inverse_depth[(x, y)]);
+                diverging(log2_spacing(key, source.camera as usize, pixel, inverse_depth) / RATIO_RANGE)
+            }
+        }
+    })
+}
+
+/// log₂ of the distance between samples over the distance between the view's pixels, both across the line of sight.
+fn log2_spacing(key: &LiveKey, camera: usize, pixel: DVec2, inverse_depth: f64) -> f32 {
+    let vantage = &key.vantage.camera;
+    let source = &key.samples.cameras[camera];
+    let focal = source.intrinsics.fx / vantage.intrinsics.fx;
+    if inverse_depth <= 0.0 {
+        return -(focal.log2() as f32);
+    }
+    let point = vantage.unproject(pixel, 1.0 / inverse_depth);
+    let source_depth = (point - source.position_in_world()).dot(source.forward_in_world()).max(1e-9);
+    (source_depth * inverse_depth / focal).log2() as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::{Camera, Intrinsics};
+    use crate::settings::Settings;
+    use glam::DVec3;
+
+    /// A camera four units from the origin, and a vantage at `distance`.
+    fn key(distance: f64) -> LiveKey {
+        let intrinsics = Intrinsics::from_horizontal_angle(64, 48, 1.0);
+        let camera = |distance: f64| {
+            Camera::look_at("c", intrinsics, DVec3::new(0.0, -distance, 0.0), DVec3::ZERO, DVec3::Z)
+        };
+        let samples = SampleSet {
+            name: "test".into(),
+            cameras: vec![camera(4.0)],
+            frame_numbers: vec![0],
+            up_in_world: DVec3::Z,
+            settings: Settings::default(),
+            images: Vec::new(),
+        };
+        LiveKey {
+            scene: 1,
+            samples: Arc::new(samples),
+            playback: None,
+            vantage: Vantage { camera: camera(distance), frame: 0 },
+            settings: RenderSettings::default(),
+            color_by: ColorBy::Picture,
+            dark: true,
+            in_motion: false,
+            per_coarse_pixel: 1.0,
+        }
+    }
+
+    #[test]
+    fn filled_holes_are_shown_in_the_picture_and_hatched_where_colors_tell_of_samples() {
+        let mut key = key(1.0);
+        let mut picture = Picture {
+            color: Grid::filled(1, 1, [1.0, 0.0, 0.0]),
+            inverse_depth: Grid::filled(1, 1, 0.5),
+            image: Grid::filled(1, 1, NO_IMAGE),
+        };
+        let hatched = Tokens::of(true).hole;
+        assert_eq!(colored(&picture, &key)[(0, 0)], Color32::from_rgb(255, 0, 0));
+        key.color_by = ColorBy::Camera;
+        assert_eq!(colored(&picture, &key)[(0, 0)], hatched);
+        key.color_by = ColorBy::Picture;
+        picture.inverse_depth[(0, 0)] = -1.0;
+        assert_eq!(colored(&picture, &key)[(0, 0)], hatched);
+    }
+
+    #[test]
+    fn standing_twice_as_close_as_the_camera_halves_the_density_of_samples() {
+        let key = LiveKey { color_by: ColorBy::SamplingRate, ..key(2.0) };
+        let intrinsics = key.vantage.camera.intrinsics;
+        let value = log2_spacing(&key, 0, DVec2::new(intrinsics.cx, intrinsics.cy), 0.5);
+        assert!((value - 1.0).abs() < 1e-6, "{value}");
+    }
+}

@@ -1,0 +1,26 @@
+//! What takes the memory: bytes of the kept samples by camera.
+
+use crate::samples::SampleSet;
+
+/// Memory of one camera's samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct CameraMemory {
+    /// Samples.
+    pub samples: u64,
+    /// Bytes of samples that are stored for several frames.
+    pub lasting_bytes: u64,
+    /// Bytes of samples that are stored for one frame.
+    pub frame_bytes: u64,
+}
+
+/// The memory of each camera's samples, in the order of the cameras.
+pub(crate) fn by_camera(samples: &SampleSet) -> Vec<CameraMemory> {
+    let mut cameras = vec![CameraMemory::default(); samples.cameras.len()];
+    for image in &samples.images {
+        let Some(camera) = cameras.get_mut(image.camera as usize) else { continue };
+        camera.samples += image.len() as u64;
+        let bytes = if image.span.len() > 1 { &mut camera.lasting_bytes } else { &mut camera.frame_bytes };
+        *bytes += image.bytes() as u64;
+    }
+    cameras
+}

@@ -1,0 +1,32 @@
+//! What worker threads compute for the window.
+
+mod accuracy;
+mod colormap;
+mod compare;
+mod difference;
+mod histograms;
+mod live_image;
+mod memory_map;
+mod probe;
+mod scheduler;
+mod source_image;
+mod study;
+mod thread_priority;
+mod thumbnails;
+mod worker;
+mod workers;
+
+pub(crate) use colormap::{camera, diverging, sequential};
+pub(crate) use compare::{CompareKey, Compared, Comparer};
+pub(crate) use difference::Comparison;
+pub(crate) use histograms::{Axis, BARS, CUT, Histogram, histograms};
+pub(crate) use live_image::{ColorBy, LiveKey, LivePicture, Pixels};
+pub(crate) use memory_map::{CameraMemory, by_camera};
+pub(crate) use probe::{ProbeKey, Probed, Spot, probe};
+pub(crate) use scheduler::Plan;
+pub(crate) use source_image::{Legend, Overlay, RATIO_RANGE, SourceKey, SourcePicture};
+pub(crate) use study::{StudyRequest, study};
+pub(crate) use thread_priority::cpu_time;
+pub(crate) use thumbnails::paint;
+pub(crate) use worker::{Lane, Outbox, Supersede};
+pub(crate) use workers::{FileRequest, Lanes, OpenRequest, or_stopped, pool};

@@ -1,0 +1,87 @@
+//! What the headers of a frame's files tell before a picture is decoded.
+
+use std::path::Path;
+
+use super::files::{Format, PictureFiles, format_of};
+use super::load::{Picture, no_depth, normals_of_own, open_normal_file, place_of_depth, place_of_normals};
+use super::png;
+use crate::capture::camera::Camera;
+use crate::capture::exr::{DepthKind, ExrFile};
+use crate::error::{Error, Result};
+
+/// Columns and rows of a picture, from its header.
+pub(crate) fn picture_size(path: &Path, place: &str) -> Result<(usize, usize)> {
+    let format = format_of(path, place)?;
+    if !path.is_file() {
+        let what = "the picture is not there, nor does the manifest say how large it is; give w and h, or put the picture there";
+        return Err(Error::invalid(place, what));
+    }
+    match format {
+        Format::Png => png::size(path, place),
+        Format::Exr => {
+            let window = ExrFile::open(path, place)?.window(None)?;
+            Ok((window.width, window.height))
+        }
+    }
+}
+
+/// How many times as wide as high the pixels of a picture are, by its header; 1 where it says nothing.
+pub(crate) fn pixel_aspect(path: &Path) -> f64 {
+    let is_exr = format_of(path, "").is_ok_and(|format| format == Format::Exr);
+    is_exr.then(|| ExrFile::pixel_aspect(path)).flatten().unwrap_or(1.0)
+}
+
+/// What the headers of a frame's files tell.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Probe {
+    /// Whether there are normals, and they are to be read.
+    pub has_normals: bool,
+    /// Whether depth is measured from a near plane that the manifest does not give.
+    pub lacks_near_clip: bool,
+    /// Whether colors are of other primaries than Rec.709's.
+    pub has_other_primaries: bool,
+}
+
+/// Checks the headers of a frame's files.
+///
+/// # Errors
+/// As [`super::load::frame`], but for damage behind the headers.
+pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Probe> {
+    let size = camera.intrinsics.size();
+    let mut probe = Probe { has_normals: files.normal.is_some(), ..Probe::default() };
+    let mut kind = None;
+    match format_of(&files.color, place)? {
+        Format::Png if files.depth.is_none() => return Err(no_depth(place)),
+        Format::Png => png::check(&files.color, place, size)?,
+        Format::Exr => {
+            let picture = Picture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
+            picture.color()?;
+            if files.depth.is_none() {
+                kind = Some(picture.depth()?.kind());
+            }
+            probe.has_normals |= picture.names.normal.is_some();
+            probe.has_other_primaries = picture.file.has_other_primaries();
+        }
+    }
+    if let Some(path) = &files.depth {
+        kind = Some(probe_depth_file(path, files, camera, place)?);
+    }
+    probe.lacks_near_clip = kind == Some(DepthKind::RayDistanceFromNearClip) && !files.has_near_clip;
+    probe.has_normals &= files.normal_space.is_some();
+    if let (Some(path), true) = (&files.normal, probe.has_normals) {
+        let place = &place_of_normals(path, place);
+        normals_of_own(&open_normal_file(path, files, camera, place)?)?;
+    }
+    Ok(probe)
+}
+
+/// Checks the header of a file of depth, and tells what it measures.
+fn probe_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthKind> {
+    let place = &place_of_depth(path, place);
+    if format_of(path, place)? == Format::Exr {
+        let picture = Picture::open(path, files, files.wishes_of_depth_file(), camera, place)?;
+        return Ok(picture.depth()?.kind());
+    }
+    png::check_depth(path, place, camera.intrinsics.size())?;
+    Ok(files.png_depth_rules(place)?.kind)
+}

@@ -1,0 +1,129 @@
+//! `overlook bench`: speed of each stage, and the limits of the machine.
+
+use std::fmt::Write;
+
+use clap::Args;
+
+use super::render::choice;
+use crate::cli::{Failure, output};
+use crate::evaluate::bench::{self, Limit, LimitKind, Machine, Options, SpeedReport, StageSpeed};
+use crate::settings::{Backend, Instructions};
+
+/// The names of [`Backend`], which for measuring do not exclude each other.
+const BACKENDS: &[(&str, &str)] = &[
+    ("auto", "The processor, and a graphics card where there is one."),
+    ("cpu", "The processor alone."),
+    ("gpu", "The processor and the graphics adapter, be it a program that stands in for one."),
+];
+
+/// Arguments of `overlook bench`.
+#[derive(Debug, Args)]
+pub(crate) struct BenchArgs {
+    /// Measure only stages with PART in their name, as in render/point; may be given several times.
+    #[arg(long, value_name = "PART")]
+    only: Vec<String>,
+    /// What is measured painting.
+    #[arg(long, default_value = "auto", value_parser = choice::<Backend>(BACKENDS))]
+    backend: Backend,
+    /// The widest vector instructions that the stages may use; narrower ones give the same bits.
+    #[arg(long, default_value = "auto", value_parser = choice::<Instructions>(Instructions::NAMES))]
+    instructions: Instructions,
+    /// Few repeats on a small scene: shows that everything works, not how fast it is.
+    #[arg(long)]
+    quick: bool,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+impl BenchArgs {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let options = Options {
+            threads: rayon::current_num_threads(),
+            quick: self.quick,
+            backend: self.backend,
+            instructions: self.instructions,
+            only: self.only.clone(),
+        };
+        let report = output::watched(|job| bench::measure(&options, job))?;
+        if !report.machine.optimized {
+            output::warn(&["this is no release build; its times say nothing".to_owned()]);
+        }
+        if self.json { output::print_json(&report) } else { output::print(&text(&report)) }
+    }
+}
+
+fn text(report: &SpeedReport) -> String {
+    let mut text = machine_line(&report.machine);
+    let _ = write!(
+        text,
+        "\n{} samples of nine cameras, {} after pruning",
+        output::count(report.samples),
+        output::count(report.samples_pruned)
+    );
+    let _ = write!(text, "\n\n{:>7} {:>10} {:>12}", "threads", "read GB/s", "scatter M/s");
+    for limit in &report.limits {
+        let Limit { threads, read_gb_per_s, scatter_mpts_per_s, .. } = limit;
+        let _ = write!(text, "\n{threads:>7} {read_gb_per_s:>10.1} {scatter_mpts_per_s:>12.0}");
+    }
+    if let Some(copy) = report.limits.last().and_then(|limit| limit.gpu_copy_gb_per_s) {
+        let _ = write!(text, "\nthe graphics adapter copies {copy:.1} GB/s of its memory");
+    }
+    let _ = write!(
+        text,
+        "\n\n{:<44} {:>7} {:>10} {:>8} {:>9} {:>18} {:>7} {:>7}",
+        "stage", "threads", "median ms", "± ms", "M/s", "of limit", "cover", "repeats"
+    );
+    for stage in &report.stages {
+        stage_lines(&mut text, stage);
+    }
+    text
+}
+
+fn machine_line(machine: &Machine) -> String {
+    format!(
+        "{} ({} {}), {} threads; stages use {} instructions",
+        machine.cpu.as_deref().unwrap_or("unknown processor"),
+        machine.os,
+        machine.arch,
+        machine.threads_available,
+        machine.instructions
+    )
+}
+
+fn stage_lines(text: &mut String, stage: &StageSpeed) {
+    let limit = match stage.limit {
+        LimitKind::Scatter => "scatter",
+        LimitKind::Read => "read",
+        LimitKind::Copy => "copy",
+    };
+    let coverage = stage.painting.as_ref().map(|painting| painting.coverage);
+    let _ = write!(
+        text,
+        "\n{:<44} {:>7} {:>10.2} {:>8.2} {:>9.1} {:>10.2} % {:<7} {} {:>5}",
+        stage.name,
+        stage.threads,
+        stage.median_ms,
+        stage.spread_ms,
+        stage.mpts_per_s,
+        100.0 * stage.fraction_of_limit,
+        limit,
+        output::number(coverage, 4, 7),
+        stage.repeats
+    );
+    if let Some(painting) = &stage.painting
+        && let Some(speedup) = painting.speedup_over_full_repaint
+    {
+        let _ = write!(text, "   {speedup:.1} × faster than painting all anew");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_backend_can_be_measured() {
+        assert!(BACKENDS.iter().map(|(name, _)| name).eq(Backend::NAMES.iter().map(|(name, _)| name)));
+    }
+}

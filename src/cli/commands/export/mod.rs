@@ -1,0 +1,54 @@
+//! `overlook export`: what a store holds, in forms that other programs read.
+
+mod path;
+mod pictures;
+mod ply;
+mod points;
+mod store;
+mod video;
+
+use std::path::Path;
+
+use clap::{Args, Subcommand};
+
+use crate::cli::{Failure, output};
+use crate::error::Result;
+use crate::store::file::Store;
+use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
+
+/// Arguments of `overlook export`.
+#[derive(Debug, Args)]
+pub(crate) struct ExportArgs {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// Samples as binary PLY: points with normal, color and radius.
+    Points(points::PointsArgs),
+    /// Pictures along a camera path, as EXR and PNG.
+    Pictures(pictures::PicturesArgs),
+    /// A film along a camera path, through the ffmpeg on this machine.
+    Video(video::VideoArgs),
+    /// The store again, with another precision or coding.
+    Store(store::StoreArgs),
+}
+
+impl ExportArgs {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        match self.what {
+            What::Points(args) => args.run(),
+            What::Pictures(args) => args.run(),
+            What::Video(args) => args.run(),
+            What::Store(args) => args.run(),
+        }
+    }
+}
+
+/// Opens a store for playing it from disk.
+pub(crate) fn open(path: &Path) -> Result<Playback> {
+    let store = Store::open(path)?;
+    output::warn(&store.info().warnings);
+    Ok(Playback::new(store, DEFAULT_CACHE_BYTES))
+}

@@ -1,0 +1,100 @@
+//! `overlook export pictures`.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::Args;
+
+use super::path::{self, Stops};
+use crate::cli::commands::render::PaintingArgs;
+use crate::cli::output::{self, PicturePaths};
+use crate::cli::{Failure, SettingsArgs};
+use crate::error::Result;
+use crate::job::Job;
+use crate::render::film::{self, Reel};
+use crate::render::{Picture, Renderer};
+use crate::settings::{RenderSettings, Settings};
+use crate::store::playback::Playback;
+
+/// Where a film is painted from, and how.
+#[derive(Debug, Args)]
+pub(crate) struct FilmArgs {
+    /// The store.
+    store: PathBuf,
+    /// The camera path: a manifest of views, one place at a time; between them the camera moves smoothly.
+    #[arg(long, value_name = "TRANSFORMS")]
+    path: PathBuf,
+    #[command(flatten)]
+    painting: PaintingArgs,
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+impl FilmArgs {
+    /// Refuses a file that the film is made from, and any other store.
+    pub(crate) fn apart_from(&self, out: &Path) -> Result<()> {
+        output::apart_from(&self.store, out)?;
+        output::apart_from_stores(out)?;
+        self.settings.apart_from(out)?;
+        output::apart_from_views(&self.path, out)
+    }
+
+    /// The open store, the stops of the path, and the settings to paint with.
+    pub(crate) fn plan(&self) -> Result<(Arc<Playback>, Stops, RenderSettings), Failure> {
+        self.settings.only("render")?;
+        output::can_be_read_again(&self.path)?;
+        let playback = super::open(&self.store)?;
+        let info = playback.store().info();
+        let mut settings: Settings = self.settings.over(info.settings.clone())?;
+        self.painting.apply(&mut settings.render);
+        let stops = path::along(&self.path, info)?;
+        Ok((Arc::new(playback), stops, settings.render))
+    }
+}
+
+/// Paints every stop in order and hands the pictures on, with their place in the film; says why something else painted than was
+/// asked for.
+///
+/// # Errors
+/// Whatever painting and `take` give, and `Cancelled`.
+pub(crate) fn paint(
+    playback: &Arc<Playback>,
+    stops: &Stops,
+    settings: &RenderSettings,
+    job: &Job,
+    take: impl FnMut(usize, &Picture) -> Result<()>,
+) -> Result<Option<String>> {
+    let mut renderer = Renderer::strict(settings.backend)?;
+    film::paint(&Reel::Disk(playback.clone()), &stops.vantages, &mut renderer, settings, job, take)?;
+    Ok(renderer.notice().map(str::to_owned))
+}
+
+/// Arguments of `overlook export pictures`.
+#[derive(Debug, Args)]
+pub(crate) struct PicturesArgs {
+    #[command(flatten)]
+    film: FilmArgs,
+    /// Folder for the pictures, named by their frame's number.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+impl PicturesArgs {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        output::folder(&self.out)?;
+        let (playback, stops, settings) = self.film.plan()?;
+        let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));
+        let paths = stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;
+        output::apart_from_pictures_of(&self.film.path, &self.out, &paths)?;
+        let notice = output::watched(|job| {
+            paint(&playback, &stops, &settings, job, |nth, picture| paths[nth].write(picture))
+        })?;
+        output::warn(notice.as_slice());
+        output::warn(&playback.store().damage());
+        output::print(&format!(
+            "Wrote {} pictures (EXR and PNG) to {}",
+            stops.numbers.len(),
+            self.out.display()
+        ))
+    }
+}

@@ -1,0 +1,40 @@
+//! `overlook export store`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::{Failure, SettingsArgs, output};
+use crate::store;
+use crate::store::file::Store;
+
+/// Arguments of `overlook export store`.
+#[derive(Debug, Args)]
+pub(crate) struct StoreArgs {
+    /// The store.
+    store: PathBuf,
+    /// The store to write. It may be the same file: that is replaced when the new one is whole.
+    #[arg(long, value_name = "F.ovl")]
+    out: PathBuf,
+    /// The settings of how it is stored, as in --set store.precision=bits10.
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+impl StoreArgs {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        self.settings.only("store")?;
+        output::file(&self.out, "scene.ovl")?;
+        self.settings.apart_from(&self.out)?;
+        let opened = Store::open(&self.store)?;
+        let settings = self.settings.over(opened.info().settings.clone())?;
+        let bytes =
+            output::watched(|job| store::write_again(&self.out, &opened, Some(&settings.store), job))?;
+        output::print(&format!(
+            "Wrote {} to {}, {} before",
+            output::bytes(bytes),
+            self.out.display(),
+            output::bytes(opened.info().bytes)
+        ))
+    }
+}

@@ -1,0 +1,140 @@
+//! `overlook render`: a store seen from any vantages.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+use crate::capture::{View, transforms};
+use crate::cli::output::{self, PicturePaths};
+use crate::cli::{Failure, SettingsArgs};
+use crate::error::{Error, Result};
+use crate::evaluate::{Evaluation, Scoreboard, frame_of, render_view, vantage_order};
+use crate::job::Job;
+use crate::render::Renderer;
+use crate::settings::{Backend, Fill, Kernel, RenderSettings};
+use crate::store::playback::Playback;
+
+/// Arguments of `overlook render`.
+#[derive(Debug, Args)]
+pub(crate) struct RenderArgs {
+    /// The store.
+    store: PathBuf,
+    /// The vantages: a manifest of the same form as a capture's. Where its pictures exist, they are the truth.
+    #[arg(long, value_name = "TRANSFORMS")]
+    views: PathBuf,
+    /// Folder for the pictures, each under its view's own name.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    #[command(flatten)]
+    painting: PaintingArgs,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+/// The choices that are made most often when painting; they win over the settings.
+#[derive(Debug, Args)]
+pub(crate) struct PaintingArgs {
+    /// How a sample is painted [default: as the settings say].
+    #[arg(long, value_parser = choice::<Kernel>(Kernel::NAMES))]
+    kernel: Option<Kernel>,
+    /// How pixels without any sample are filled [default: as the settings say].
+    #[arg(long, value_parser = choice::<Fill>(Fill::NAMES))]
+    fill: Option<Fill>,
+    /// What paints [default: as the settings say].
+    #[arg(long, value_parser = choice::<Backend>(Backend::NAMES))]
+    backend: Option<Backend>,
+}
+
+impl PaintingArgs {
+    pub(crate) fn apply(&self, settings: &mut RenderSettings) {
+        settings.kernel = self.kernel.unwrap_or(settings.kernel);
+        settings.fill = self.fill.unwrap_or(settings.fill);
+        settings.backend = self.backend.unwrap_or(settings.backend);
+    }
+}
+
+/// A parser that takes the names of a setting's choices and lists them in the help.
+pub(crate) fn choice<T>(names: &'static [(&'static str, &'static str)]) -> impl TypedValueParser<Value = T>
+where
+    T: std::str::FromStr<Err = String> + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(names.iter().map(|(name, help)| PossibleValue::new(*name).help(help.trim())))
+        .try_map(|name| name.parse::<T>())
+}
+
+impl RenderArgs {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        self.settings.only("render")?;
+        output::folder(&self.out)?;
+        output::can_be_read_again(&self.views)?;
+        let playback = super::export::open(&self.store)?;
+        let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
+        self.painting.apply(&mut settings);
+        let frames_are_ranked = playback.store().info().provenance.frames_are_ranked;
+        let views = transforms::open_views_of(&self.views, frames_are_ranked)?;
+        let paths = self.picture_paths(&views)?;
+        let evaluation = output::watched(|job| paint(&playback, &views, &paths, &settings, job))?;
+        output::warn(evaluation.notice.as_slice());
+        output::warn(&playback.store().damage());
+        if self.json {
+            return output::print_json(&evaluation);
+        }
+        output::print(&format!(
+            "{}\n{}\nWrote {} pictures (EXR and PNG) to {}",
+            super::evaluate::view_table(&evaluation),
+            super::evaluate::painter_line(&evaluation),
+            paths.len(),
+            self.out.display()
+        ))
+    }
+
+    /// Where each picture goes; checked before any is painted.
+    fn picture_paths(&self, views: &[View]) -> Result<Vec<PicturePaths>> {
+        let mut taken = BTreeSet::new();
+        let path_of = |view: &View| {
+            let paths = PicturePaths::below(&self.out, &view.file_path)?;
+            if !taken.insert(paths.clone()) {
+                return Err(Error::invalid(
+                    format!("{}: view '{}'", self.views.display(), view.file_path),
+                    "another view has the same name; give each its own file_path",
+                ));
+            }
+            Ok(paths)
+        };
+        let paths = views.iter().map(path_of).collect::<Result<Vec<_>>>()?;
+        output::apart_from_pictures_of(&self.views, &self.out, &paths)?;
+        Ok(paths)
+    }
+}
+
+fn paint(
+    playback: &Playback,
+    views: &[View],
+    paths: &[PicturePaths],
+    settings: &RenderSettings,
+    job: &Job,
+) -> Result<Evaluation> {
+    let info = playback.store().info();
+    let frame_of = |view| frame_of(view, &info.name, &info.frame_numbers);
+    let frames = views.iter().map(frame_of).collect::<Result<Vec<_>>>()?;
+    let mut renderer = Renderer::strict(settings.backend)?;
+    let mut scores = Scoreboard::default();
+    job.start("Painting views", views.len());
+    // Views of one vantage one after the other, so that flicker shows and the background stays.
+    let order = vantage_order(&views.iter().collect::<Vec<_>>());
+    for &index in &order {
+        let (view, paths) = (&views[index], &paths[index]);
+        job.check()?;
+        let samples = playback.seen_from(&view.camera, frames[index], job)?;
+        let painted = render_view(&mut renderer, &samples, view, settings, job)?;
+        paths.write(&painted.picture)?;
+        scores.add(view, painted);
+        job.advance(1);
+    }
+    Ok(scores.finish().given_back(&order))
+}

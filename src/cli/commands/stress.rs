@@ -1,0 +1,126 @@
+//! `overlook stress`: accuracy against the size of a disturbance, with and without defenses.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use serde::Serialize;
+
+use crate::cli::input::TruthArgs;
+use crate::cli::{Failure, SettingsArgs, output};
+use crate::evaluate::chart;
+use crate::evaluate::stress::{self, Disturbance, Failure as PointOfFailure, Plan, StressPoint};
+use crate::evaluate::truth::Truth;
+use crate::settings::Settings;
+
+/// Arguments of `overlook stress`.
+#[derive(Debug, Args)]
+pub(crate) struct StressArgs {
+    /// The capture: a folder or its transforms.json.
+    capture: PathBuf,
+    #[command(flatten)]
+    truth: TruthArgs,
+    /// Folder for stress.csv, stress.json and stress.png. A run that was cut short goes on from what it left there.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Apply this disturbance alone; may be given several times.
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Disturbance::ALL.map(Disturbance::name)))]
+    only: Vec<String>,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct StressOutput<'a> {
+    capture: &'a str,
+    truth: String,
+    points: &'a [StressPoint],
+    failures: &'a [PointOfFailure],
+}
+
+impl StressArgs {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let settings = self.settings.over(Settings::default())?;
+        output::folder(&self.out)?;
+        let capture = crate::cli::open_capture(&self.capture, &settings.capture)?;
+        let truth: Truth = self.truth.truth(&self.capture, &capture)?;
+        let mut plan = Plan { frames: self.truth.frames, ..Plan::standard(&settings) };
+        if !self.only.is_empty() {
+            plan.disturbances.retain(|disturbance| self.only.iter().any(|name| name == disturbance.name()));
+        }
+        let fingerprint = self.truth.fingerprint(&self.capture, &capture, &truth)?;
+        let journal = output::Journal::open(&self.out, "stress", &fingerprint)?;
+        plan.done = journal.points();
+        let points = output::recorded(Some(&journal), |job, keep| {
+            stress::run(&capture, &plan, &truth, job, |point, _| keep(point))
+        })?;
+        let failures = stress::failures(&points);
+        let document = StressOutput {
+            capture: &capture.name,
+            truth: self.truth.words(&capture, &truth),
+            points: &points,
+            failures: &failures,
+        };
+        output::write_json(&self.out.join("stress.json"), &document)?;
+        output::write_csv(&self.out.join("stress.csv"), &points)?;
+        output::write_chart(
+            &self.out.join("stress.png"),
+            &crate::evaluate::chart::stress(&capture.name, &points),
+        )?;
+        if self.json { output::print_json(&document) } else { output::print(&table(&points, &failures)) }
+    }
+}
+
+/// Per disturbance: where each method loses 1 dB, and the least that ours is ahead of the others anywhere on the dial.
+fn table(points: &[StressPoint], failures: &[PointOfFailure]) -> String {
+    let mut methods: Vec<&str> = Vec::new();
+    for failure in failures {
+        if !methods.contains(&failure.method.as_str()) {
+            methods.push(&failure.method);
+        }
+    }
+    let mut text = format!("{:<44}", "1 dB is lost at");
+    for method in &methods {
+        let _ = write!(text, " {method:>18}");
+    }
+    for method in methods.iter().skip(1) {
+        let _ = write!(text, " {:>26}", format!("least over {method}"));
+    }
+    for first in failures.iter().filter(|failure| Some(&failure.method.as_str()) == methods.first()) {
+        let name = format!("{}, {}", first.disturbance, first.unit);
+        let _ = write!(text, "\n{name:<44}");
+        for method in &methods {
+            let failure = failures
+                .iter()
+                .find(|other| other.disturbance == first.disturbance && other.method == *method);
+            let dial = failure.map_or_else(String::new, |failure| {
+                failure.dial.map_or_else(
+                    || format!("never ({:.2} dB)", failure.worst_loss_db),
+                    |dial| format!("{dial:.2}"),
+                )
+            });
+            let _ = write!(text, " {dial:>18}");
+        }
+        for method in methods.iter().skip(1) {
+            let lead = least_lead_db(points, &first.disturbance, [&first.method, method]);
+            let _ = write!(text, " {:>26}", format!("{lead:+.2} dB"));
+        }
+    }
+    text
+}
+
+/// The least by which one method is ahead of another at any value of a disturbance's dial, dB; negative where it is behind.
+fn least_lead_db(points: &[StressPoint], disturbance: &str, [ahead, behind]: [&str; 2]) -> f64 {
+    let of = |method: &str| {
+        let of_it = points.iter().filter(move |point| point.disturbance == disturbance);
+        of_it
+            .filter(|point| point.method == method)
+            .map(|point| point.point.psnr_filled_db)
+            .collect::<Vec<_>>()
+    };
+    of(ahead).iter().zip(of(behind)).map(|(ahead, behind)| ahead - behind).fold(f64::INFINITY, f64::min)
+}

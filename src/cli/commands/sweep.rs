@@ -1,0 +1,113 @@
+//! `overlook sweep`: accuracy against time and bytes, for many settings and all baselines.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::render::PaintingArgs;
+use crate::cli::input::TruthArgs;
+use crate::cli::{Failure, SettingsArgs, output};
+use crate::evaluate::chart;
+use crate::evaluate::sweep::{self, Plan, Point};
+use crate::settings::Settings;
+
+/// Arguments of `overlook sweep`.
+#[derive(Debug, Args)]
+pub(crate) struct SweepArgs {
+    /// The capture: a folder or its transforms.json.
+    capture: PathBuf,
+    #[command(flatten)]
+    truth: TruthArgs,
+    /// Folder for sweep.csv, sweep.json and pareto.png. A sweep that was cut short goes on from what it left there.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Try these values of a setting, and all combinations where given several times, instead of the usual variations: as
+    /// in `--vary pruning.depth_tolerance=0.5,1,2`.
+    #[arg(long, value_name = "KEY=VALUE,VALUE…")]
+    vary: Vec<String>,
+    /// Try the settings of this file, under its name; may be given several times.
+    #[arg(long, value_name = "FILE", conflicts_with = "vary")]
+    with: Vec<PathBuf>,
+    #[command(flatten)]
+    painting: PaintingArgs,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct SweepOutput<'a> {
+    capture: &'a str,
+    truth: String,
+    points: &'a [Point],
+}
+
+impl SweepArgs {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let mut settings = self.settings.over(Settings::default())?;
+        self.painting.apply(&mut settings.render);
+        output::folder(&self.out)?;
+        let opened = crate::cli::open_capture(&self.capture, &settings.capture)?;
+        let (capture, truth) = self.truth.open(&self.capture, &opened)?;
+        let mut plan = self.plan(&settings, &capture)?;
+        let fingerprint = self.truth.fingerprint(&self.capture, &opened, &truth)?;
+        let journal = output::Journal::open(&self.out, "sweep", &fingerprint)?;
+        plan.done = journal.points();
+        let points = output::recorded(Some(&journal), |job, keep| {
+            sweep::run(&capture, &plan, &truth, job, |point, _| keep(point))
+        })?;
+        let document = SweepOutput {
+            capture: &capture.name,
+            truth: self.truth.words(&capture, &truth),
+            points: &points,
+        };
+        output::write_json(&self.out.join("sweep.json"), &document)?;
+        output::write_csv(&self.out.join("sweep.csv"), &points)?;
+        output::write_chart(
+            &self.out.join("pareto.png"),
+            &crate::evaluate::chart::pareto(&capture.name, &points),
+        )?;
+        if self.json { output::print_json(&document) } else { output::print(&output::table(&points)) }
+    }
+
+    /// The settings of the files under their names; under their paths where two files have one name. A file that says what another
+    /// row says already is told, as it gets none of its own.
+    fn named(&self, reference: &Settings) -> Result<Vec<(String, Settings)>, Failure> {
+        let label = |path: &PathBuf| {
+            let of_that_name = self.with.iter().filter(|other| other.file_stem() == path.file_stem()).count();
+            let name = path.file_stem().filter(|_| of_that_name == 1).unwrap_or(path.as_os_str());
+            Ok((name.to_string_lossy().into_owned(), Settings::load(path)?))
+        };
+        let named = self.with.iter().map(label).collect::<Result<Vec<_>, Failure>>()?;
+        for (index, (name, settings)) in named.iter().enumerate() {
+            let earlier =
+                named[..index].iter().find(|(_, other)| other == settings).map(|(name, _)| name.as_str());
+            if let Some(same) = earlier.or((settings == reference).then_some("default")) {
+                output::warn(&[format!("'{name}' says the same as '{same}', and has no row of its own")]);
+            }
+        }
+        Ok(named)
+    }
+
+    fn plan(&self, settings: &Settings, capture: &crate::capture::Capture) -> Result<Plan, Failure> {
+        if !self.with.is_empty() {
+            return Ok(Plan::list(settings, self.named(settings)?, capture));
+        }
+        if self.vary.is_empty() {
+            return Ok(Plan::standard(settings, capture));
+        }
+        let axis = |text: &String| {
+            let (path, values) = text.split_once('=').ok_or_else(|| {
+                Failure::Usage(format!(
+                    "--vary {text}: write it as key=value,value, as in render.kernel=block,gather"
+                ))
+            })?;
+            Ok((path.trim().to_owned(), values.split(',').map(|value| value.trim().to_owned()).collect()))
+        };
+        let axes = self.vary.iter().map(axis).collect::<Result<Vec<_>, Failure>>()?;
+        Plan::grid(settings, &axes, capture).map_err(|error| Failure::Usage(error.to_string()))
+    }
+}

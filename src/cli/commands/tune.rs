@@ -1,0 +1,83 @@
+//! `overlook tune`: no more model than the scene needs.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::input::TruthArgs;
+use crate::cli::{Failure, SettingsArgs, output};
+use crate::evaluate::tune::{self, Budget, Plan};
+use crate::settings::Settings;
+use crate::whole_file;
+
+/// Arguments of `overlook tune`.
+#[derive(Debug, Args)]
+pub(crate) struct TuneArgs {
+    /// The capture: a folder or its transforms.json.
+    capture: PathBuf,
+    #[command(flatten)]
+    truth: TruthArgs,
+    /// The settings that were found, as TOML for --settings.
+    #[arg(long, value_name = "S.toml")]
+    out: PathBuf,
+    /// Take the most accurate setting whose store of the whole capture has at most so many bytes, instead of the simplest good
+    /// enough.
+    #[arg(long, value_name = "BYTES", conflicts_with = "max_ms", value_parser = clap::value_parser!(u64).range(1..))]
+    max_bytes: Option<u64>,
+    /// Take the most accurate setting that paints a view within so many milliseconds on this machine.
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = parse_milliseconds)]
+    max_ms: Option<f64>,
+    /// Keep all cameras.
+    #[arg(long)]
+    all_cameras: bool,
+    /// Folder to keep what was measured in, so that a run that was cut short goes on from there.
+    #[arg(long, value_name = "DIR")]
+    journal: Option<PathBuf>,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+impl TuneArgs {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let settings = self.settings.over(Settings::default())?;
+        output::file(&self.out, "tuned.toml")?;
+        output::apart_from_stores(&self.out)?;
+        self.settings.apart_from(&self.out)?;
+        if let Some(journal) = &self.journal {
+            output::folder(journal)?;
+        }
+        let opened = crate::cli::open_capture(&self.capture, &settings.capture)?;
+        output::apart_from_capture(&self.capture, self.truth.views.as_deref(), &self.out)?;
+        let (capture, truth) = self.truth.open(&self.capture, &opened)?;
+        let journal = match &self.journal {
+            Some(folder) => {
+                let fingerprint = self.truth.fingerprint(&self.capture, &opened, &truth)?;
+                Some(output::Journal::open(folder, "tune", &fingerprint)?)
+            }
+            None => None,
+        };
+        let budget = self.max_bytes.map(Budget::Bytes).or(self.max_ms.map(Budget::Milliseconds));
+        let done = journal.as_ref().map(output::Journal::points).unwrap_or_default();
+        let plan = Plan { settings, budget, whole: Some(opened), drop_cameras: !self.all_cameras, done };
+        let tuned =
+            output::recorded(journal.as_ref(), |job, keep| tune::run(&capture, &plan, &truth, job, keep))?;
+        let head = format!("# {}\n\n", tuned.words.join("\n# "));
+        let written = whole_file::write_all(&self.out, head + &tuned.settings.to_toml());
+        // What took so long is told even where it cannot be written.
+        if self.json {
+            output::print_json(&tuned)?;
+        } else {
+            output::print(&format!("{}\nCameras: {}", tuned.words.join("\n"), tuned.cameras.join(", ")))?;
+        }
+        written?;
+        if self.json { Ok(()) } else { output::print(&format!("Wrote {}", self.out.display())) }
+    }
+}
+
+fn parse_milliseconds(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "write a number above 0, as in 16.7".to_owned())
+}

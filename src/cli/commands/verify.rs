@@ -1,0 +1,82 @@
+//! `overlook verify`: whether everything in a store can be read, and what cannot.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use serde::Serialize;
+
+use crate::cli::{Failure, output};
+use crate::error::Error;
+use crate::job::Job;
+use crate::render::{CpuRenderer, Vantage};
+use crate::store;
+use crate::store::file::{Store, Verification};
+use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
+
+/// Arguments of `overlook verify`.
+#[derive(Debug, Args)]
+pub(crate) struct VerifyArgs {
+    /// The store.
+    store: PathBuf,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct VerifyOutput {
+    /// Wall-clock seconds from opening the file to a picture of its first frame, as its first camera stood; none where that cannot
+    /// be painted.
+    seconds_to_first_picture: Option<f64>,
+    #[serde(flatten)]
+    verified: Verification,
+}
+
+/// Opens the store anew and paints its first frame, on the CPU.
+fn seconds_to_first_picture(path: &Path, job: &Job) -> Option<f64> {
+    let started = Instant::now();
+    let playback = Playback::new(Store::open(path).ok()?, DEFAULT_CACHE_BYTES);
+    let camera = playback.outline().cameras.first()?.clone();
+    let samples = playback.seen_from(&camera, 0, job).ok()?;
+    let settings = playback.store().info().settings.render.clone();
+    let painted = CpuRenderer::new().render(&samples, &Vantage { camera, frame: 0 }, &settings, job);
+    painted.is_ok().then(|| started.elapsed().as_secs_f64())
+}
+
+impl VerifyArgs {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let (seconds_to_first_picture, verified) = output::watched(|job| {
+            let seconds = seconds_to_first_picture(&self.store, job);
+            Ok::<_, Error>((seconds, crate::store::file::verify(&self.store, job)?))
+        })?;
+        output::warn(&verified.damage);
+        if self.json {
+            output::print_json(&VerifyOutput { seconds_to_first_picture, verified: verified.clone() })?;
+        } else if verified.damage.is_empty() {
+            let picture = seconds_to_first_picture
+                .map_or(String::new(), |seconds| format!(", a picture of it after {:.0} ms", 1e3 * seconds));
+            output::print(&format!(
+                "{} is whole: {} samples in {} images, {}\nPlayed {} frames in {:.2} s, {:.2} GB/s of input; the first frame's samples were there after {:.0} ms{picture}",
+                self.store.display(),
+                output::count(verified.samples),
+                output::count(verified.images as u64),
+                output::bytes(verified.bytes),
+                verified.frames,
+                verified.seconds,
+                verified.input_gb_per_s,
+                1e3 * verified.seconds_to_first_frame
+            ))?;
+        }
+        if verified.damage.is_empty() {
+            return Ok(());
+        }
+        Err(Failure::Work(Error::invalid(
+            self.store.display(),
+            format!(
+                "{} parts are damaged (see above); copy it again or preprocess the capture again",
+                verified.damage.len()
+            ),
+        )))
+    }
+}

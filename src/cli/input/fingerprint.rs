@@ -1,0 +1,135 @@
+//! The files that a command reads: what they hold, and whether they are still what they were.
+
+use std::fmt::Write;
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::time::UNIX_EPOCH;
+
+use rayon::prelude::*;
+
+use crate::capture::Capture;
+use crate::capture::transforms::{manifest_path, picture_places};
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::store::file::InputFiles;
+
+/// What a capture, opened from `path`, and the manifest of its truth held when they were looked at: it changes with any camera, any
+/// word of a manifest, and any picture that is written anew.
+pub(crate) fn state(path: &Path, capture: &Capture, views: Option<&Path>) -> Result<String> {
+    let mut pictures = capture.files();
+    let mut manifests = vec![manifest_path(path)];
+    if let Some(views) = views {
+        pictures.extend(picture_places(views)?);
+        manifests.push(manifest_path(views));
+    }
+    // Manifests are small enough to be read again, pictures are not; where these lie is said by the manifests.
+    let mut state = String::new();
+    for manifest in manifests {
+        let bytes = std::fs::read(&manifest).map_err(|error| Error::io(&manifest, error))?;
+        let _ = write!(state, "{:08x} ", crc32fast::hash(&bytes));
+    }
+    let (mut sum, mut files) = (crc32fast::Hasher::new(), 0);
+    for facts in pictures.iter().filter_map(|path| path.metadata().ok()) {
+        let modified = facts.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+        sum.update(&facts.len().to_le_bytes());
+        sum.update(&modified.unwrap_or_default().as_nanos().to_le_bytes());
+        files += 1;
+    }
+    let _ = write!(state, "{:08x} of {files} files; {:?}", sum.finalize(), capture.cameras);
+    Ok(state)
+}
+
+/// Reads every file of a capture once more and sums them up; `None` where it does not come from files.
+///
+/// # Errors
+/// `Io`, `Cancelled`.
+pub(crate) fn input_files(capture: &Capture, job: &Job) -> Result<Option<InputFiles>> {
+    let files = capture.files();
+    job.start("Summing the input up", files.len());
+    // Names count from the folder that all files share, so that a capture may move as a whole.
+    let root = files.iter().skip(1).fold(files.first().and_then(|path| path.parent()), |root, path| {
+        root.and_then(|root| root.ancestors().find(|root| path.starts_with(root)))
+    });
+    let root = root.unwrap_or(Path::new(""));
+    let read = files.par_iter().map(|path| {
+        job.check()?;
+        let (bytes, crc32) = sum_of(path).map_err(|error| Error::io(path, error))?;
+        job.advance(1);
+        let name = path.strip_prefix(root).unwrap_or(path).display().to_string();
+        Ok((name, bytes, crc32))
+    });
+    let mut read: Vec<(String, u64, u32)> = read.collect::<Result<_>>()?;
+    read.sort();
+    let lines: Vec<String> =
+        read.iter().map(|(name, bytes, crc)| format!("{crc:08x} {bytes} {name}\n")).collect();
+    let list = lines.concat();
+    Ok((!read.is_empty()).then(|| InputFiles {
+        files: read.len() as u64,
+        bytes: read.iter().map(|(_, bytes, _)| bytes).sum(),
+        crc32: crc32fast::hash(list.as_bytes()),
+    }))
+}
+
+/// Length and CRC-32 of a file, read piece by piece through one small buffer.
+fn sum_of(path: &Path) -> std::io::Result<(u64, u32)> {
+    let mut file = BufReader::with_capacity(1 << 18, File::open(path)?);
+    let (mut bytes, mut crc32) = (0, crc32fast::Hasher::new());
+    loop {
+        let piece = file.fill_buf()?;
+        if piece.is_empty() {
+            return Ok((bytes, crc32.finalize()));
+        }
+        crc32.update(piece);
+        let length = piece.len();
+        bytes += length as u64;
+        file.consume(length);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::transforms::{MANIFEST_NAME, open, write_capture};
+    use crate::demo::{Demo, DemoSpec};
+    use crate::settings::CaptureSettings;
+
+    fn record(folder: &Path, noise: Option<f32>) {
+        let spec = DemoSpec { noise, ..DemoSpec::new("orrery").cameras(2).frames(1).size((16, 12)) };
+        let demo = Demo::new(&spec).unwrap();
+        let capture = demo.capture(&CaptureSettings::default());
+        write_capture(folder, &capture, &demo.truth_views(), &Job::new()).unwrap();
+    }
+
+    #[test]
+    fn a_capture_is_the_same_until_a_picture_a_pose_or_the_truth_changes() {
+        let folder = tempfile::tempdir().unwrap();
+        let (scene, views) = (folder.path(), folder.path().join("novel").join(MANIFEST_NAME));
+        let seen = || {
+            let capture = open(scene, &CaptureSettings::default()).unwrap();
+            state(scene, &capture, Some(&views)).unwrap()
+        };
+        record(scene, None);
+        let mut known = vec![seen()];
+        assert_eq!(known[0], seen());
+        let mut is_new = |what: &str| {
+            let now = seen();
+            assert!(!known.contains(&now), "{what}: {now}");
+            known.push(now);
+        };
+        record(scene, Some(0.1));
+        is_new("other pictures");
+
+        let manifest = scene.join(MANIFEST_NAME);
+        let mut moved: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(&manifest).unwrap()).unwrap();
+        moved["frames"][0]["transform_matrix"][0][3] = 7.5.into();
+        std::fs::write(&manifest, moved.to_string()).unwrap();
+        is_new("another pose");
+
+        let picture = picture_places(&views).unwrap().remove(0);
+        let bytes = std::fs::read(&picture).unwrap();
+        std::fs::write(&picture, [bytes, vec![0]].concat()).unwrap();
+        is_new("another true picture");
+    }
+}

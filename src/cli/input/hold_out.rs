@@ -1,0 +1,24 @@
+//! Cameras that are left out: what `preprocess` and `evaluate` are told of them.
+
+use clap::Args;
+
+/// Which cameras are left out.
+#[derive(Debug, Args)]
+pub(crate) struct HoldOutArgs {
+    /// Leave this camera out, so that pictures can be scored against its frames; may be given several times.
+    #[arg(long, value_name = "CAMERA")]
+    hold_out: Vec<String>,
+}
+
+impl HoldOutArgs {
+    /// Their names in the order given, each once.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for name in &self.hold_out {
+            if !names.contains(name) {
+                names.push(name.clone());
+            }
+        }
+        names
+    }
+}

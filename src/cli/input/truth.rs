@@ -1,0 +1,95 @@
+//! What `sweep`, `stress` and `tune` hold pictures against.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::RangedU64ValueParser;
+
+use super::fingerprint;
+use crate::capture::{Capture, transforms};
+use crate::cli::{Failure, output};
+use crate::evaluate::truth::{self, Truth};
+
+/// Raised where the same input, truth and settings would be measured otherwise than before.
+const MEASURE: u32 = 1;
+
+/// Where the truth comes from, and how much of the capture is looked at.
+#[derive(Debug, Args)]
+pub(crate) struct TruthArgs {
+    /// Vantages whose truth is known [default: the capture's novel/transforms.json, or else --cross-validate].
+    #[arg(long, value_name = "TRANSFORMS", conflicts_with = "cross_validate")]
+    pub(crate) views: Option<PathBuf>,
+    /// Leave each camera out in turn and score against its frames, where the others could have seen what it saw.
+    #[arg(long)]
+    cross_validate: bool,
+    /// Look at this many frames alone, spread over the capture, those with truth among them.
+    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
+    pub(crate) frames: Option<usize>,
+}
+
+impl TruthArgs {
+    /// The capture to work on, and its truth.
+    pub(crate) fn open(&self, path: &Path, opened: &Capture) -> Result<(Capture, Truth), Failure> {
+        let truth = self.truth(path, opened)?;
+        let Some(frames) = self.frames else { return Ok((opened.clone(), truth)) };
+        Ok(truth::frames(opened, truth, frames)?)
+    }
+
+    /// The manifest of the views that are the truth, where they are.
+    fn views(&self, path: &Path) -> Option<PathBuf> {
+        let beside = || if self.cross_validate { None } else { transforms::truth_beside(path) };
+        self.views.clone().or_else(beside)
+    }
+
+    /// The truth at all frames.
+    pub(crate) fn truth(&self, path: &Path, capture: &Capture) -> Result<Truth, Failure> {
+        match self.views(path) {
+            Some(views) => {
+                output::can_be_read_again(&views)?;
+                Ok(Truth::Views(transforms::open_views_of(&views, capture.frames_are_ranked())?))
+            }
+            None if capture.cameras.len() >= Truth::HoldOut.least_cameras() => Ok(Truth::HoldOut),
+            None => Err(Failure::Usage(format!(
+                "{} comes without truth views and has a single camera, which cannot be left out; name views with --views",
+                path.display()
+            ))),
+        }
+    }
+
+    /// The truth in words.
+    pub(crate) fn words(&self, capture: &Capture, truth: &Truth) -> String {
+        let source = match (truth, &self.views) {
+            (Truth::HoldOut, _) => "each camera left out in turn".to_owned(),
+            (Truth::Views(_), Some(path)) => path.display().to_string(),
+            (Truth::Views(_), None) => "the capture's own views".to_owned(),
+        };
+        format!("{source}; {} frames", self.frames_looked_at(capture))
+    }
+
+    fn frames_looked_at(&self, capture: &Capture) -> usize {
+        self.frames.map_or(capture.frame_count(), |frames| frames.min(capture.frame_count()))
+    }
+
+    /// Tells results apart that must not be mixed: milliseconds depend on the threads, and the truth on what its files hold, whatever
+    /// their path is called. `opened` is the capture of `path` with all its frames.
+    pub(crate) fn fingerprint(
+        &self,
+        path: &Path,
+        opened: &Capture,
+        truth: &Truth,
+    ) -> Result<String, Failure> {
+        let source = match truth {
+            Truth::HoldOut => "cameras left out",
+            Truth::Views(_) => "views",
+        };
+        Ok(format!(
+            "{}.{MEASURE} {} {:?} {source}; {} frames; {} threads; {}",
+            env!("CARGO_PKG_VERSION"),
+            opened.name,
+            opened.frame_numbers,
+            self.frames_looked_at(opened),
+            rayon::current_num_threads(),
+            fingerprint::state(path, opened, self.views(path).as_deref())?
+        ))
+    }
+}

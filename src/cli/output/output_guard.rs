@@ -1,0 +1,267 @@
+//! Where results go, looked at before the work: long work must end neither in "no such folder" nor in what it was made from.
+
+use std::collections::HashSet;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use super::picture::PicturePaths;
+use crate::capture::transforms::{MANIFEST_NAME, manifest_path, picture_places, truth_beside};
+use crate::error::{Error, Result};
+use crate::store::file::Store;
+use crate::whole_file;
+
+/// Refuses a file that cannot be written where it is named; `example` says how one is called.
+///
+/// # Errors
+/// `Invalid` where its folder does not exist or takes no file, and where it is a folder itself, a pipe or a device; `Io`.
+pub(crate) fn file(out: &Path, example: &str) -> Result<()> {
+    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        return Err(Error::invalid(
+            out.display(),
+            format!("the folder {} does not exist; create it first", folder.display()),
+        ));
+    }
+    if out.is_dir() {
+        return Err(Error::invalid(
+            out.display(),
+            format!("is a folder; name a file in it, as in {example}"),
+        ));
+    }
+    match whole_file::beside(out, ".probe") {
+        Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {
+            Err(Error::invalid(out.display(), "no file can be made there; name another place"))
+        }
+        probed => probed.map(drop),
+    }
+}
+
+/// Refuses a folder that cannot be made, since a file stands there or above.
+///
+/// # Errors
+/// `Invalid` naming the file.
+pub(crate) fn folder(out: &Path) -> Result<()> {
+    match out.ancestors().find(|place| place.is_file()) {
+        None => Ok(()),
+        Some(file) => {
+            Err(Error::invalid(file.display(), "is a file; name a folder, or one that can be made"))
+        }
+    }
+}
+
+/// Refuses pictures below `out` that would lie where those of the manifest are looked for, or those of a capture in `out`: a
+/// recorded picture must not be painted over.
+///
+/// # Errors
+/// `Invalid` naming the first; whatever the manifest gives.
+pub(crate) fn apart_from_pictures_of(manifest: &Path, out: &Path, targets: &[PicturePaths]) -> Result<()> {
+    apart_from_places(manifest, &picture_places(manifest)?, targets)?;
+    // The manifest of another capture was not named: it may be missing or broken.
+    let other = out.join(MANIFEST_NAME);
+    apart_from_places(&other, &picture_places(&other).unwrap_or_default(), targets)
+}
+
+fn apart_from_places(manifest: &Path, places: &[PathBuf], targets: &[PicturePaths]) -> Result<()> {
+    let own: HashSet<PathBuf> = places.iter().map(|path| resolved(path)).collect();
+    let written = targets.iter().flat_map(|paths| [&paths.exr, &paths.png]);
+    match written.into_iter().find(|path| own.contains(&resolved(path))) {
+        None => Ok(()),
+        Some(taken) => Err(Error::invalid(
+            taken.display(),
+            format!(
+                "is where {} looks for a picture of its own, which would be written over; name another folder with --out",
+                manifest.display()
+            ),
+        )),
+    }
+}
+
+/// Refuses views that can be read but once: where their pictures lie is asked again.
+///
+/// # Errors
+/// `Invalid` where they are neither a file nor a folder, but something.
+pub(crate) fn can_be_read_again(views: &Path) -> Result<()> {
+    match views.metadata() {
+        Ok(facts) if !facts.is_file() && !facts.is_dir() => Err(Error::invalid(
+            views.display(),
+            "is a pipe or a device, and is read more than once; name a file",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a file that a capture or the truth beside it is read from: a manifest, or a picture that one names.
+///
+/// # Errors
+/// `Invalid` where it is one; whatever the capture's manifest gives, and that of `views` where they are named.
+pub(crate) fn apart_from_capture(capture: &Path, views: Option<&Path>, out: &Path) -> Result<()> {
+    let beside = truth_beside(capture);
+    if let Some(beside) = &beside {
+        apart_from(beside, out)?;
+    }
+    for manifest in [Some(capture), views].into_iter().flatten() {
+        apart_from_views(manifest, out)?;
+    }
+    // Views that nobody named may be broken without a word: the command does not read them.
+    apart_from_any(&beside.and_then(|beside| picture_places(&beside).ok()).unwrap_or_default(), out)
+}
+
+/// Refuses a file that views are read from: their manifest, or a picture that it names.
+///
+/// # Errors
+/// `Invalid` where it is one; whatever the manifest gives.
+pub(crate) fn apart_from_views(manifest: &Path, out: &Path) -> Result<()> {
+    apart_from(&manifest_path(manifest), out)?;
+    apart_from_any(&picture_places(manifest)?, out)
+}
+
+fn apart_from_any(inputs: &[PathBuf], out: &Path) -> Result<()> {
+    let out_resolved = resolved(out);
+    match inputs.iter().find(|input| resolved(input) == out_resolved) {
+        None => Ok(()),
+        Some(input) => apart_from(input, out),
+    }
+}
+
+/// Refuses to write what is no store over a store.
+///
+/// # Errors
+/// `Invalid` where `out` is one; `Io` where it cannot be read.
+pub(crate) fn apart_from_stores(out: &Path) -> Result<()> {
+    if !out.is_file() || !Store::is_store(out)? {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        out.display(),
+        "is a store, which would be written over; name another file with --out",
+    ))
+}
+
+/// Refuses to write over the file that is read.
+///
+/// # Errors
+/// `Invalid` where it is the same.
+pub(crate) fn apart_from(input: &Path, out: &Path) -> Result<()> {
+    if resolved(input) != resolved(out) {
+        return Ok(());
+    }
+    Err(Error::invalid(out.display(), "is what is read; name another file with --out"))
+}
+
+/// One name for whatever is the same file, or would be.
+fn resolved(path: &Path) -> PathBuf {
+    let absolute = || std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    path.canonicalize().unwrap_or_else(|_| match (path.parent(), path.file_name()) {
+        (Some(folder), Some(name)) if !folder.as_os_str().is_empty() => resolved(folder).join(name),
+        _ => absolute(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_go_into_folders_that_are_there_and_pictures_into_folders_that_can_be_made() {
+        let here = tempfile::tempdir().unwrap();
+        let at = |name: &str| here.path().join(name);
+        std::fs::write(at("taken"), "a file").unwrap();
+        let said = |outcome: Result<()>| outcome.unwrap_err().to_string();
+        assert!(file(&at("scene.ovl"), "scene.ovl").is_ok());
+        assert!(file(&at("taken"), "scene.ovl").is_ok(), "results may be replaced");
+        assert!(file(Path::new("scene.ovl"), "scene.ovl").is_ok());
+        assert!(said(file(&at("none/scene.ovl"), "scene.ovl")).contains("does not exist"));
+        assert!(said(file(&at("taken/scene.ovl"), "scene.ovl")).contains("does not exist"));
+        assert!(
+            said(file(here.path(), "scene.ovl")).contains("is a folder; name a file in it, as in scene.ovl")
+        );
+        assert!(folder(here.path()).is_ok() && folder(&at("a/b")).is_ok() && folder(Path::new("a")).is_ok());
+        for place in ["taken", "taken/a/b"] {
+            assert!(said(folder(&at(place))).contains("taken: is a file"), "{place}");
+        }
+    }
+
+    #[test]
+    fn no_result_replaces_a_manifest_or_a_picture_of_the_capture_it_is_made_from() {
+        let folder = tempfile::tempdir().unwrap();
+        let here = folder.path();
+        std::fs::create_dir_all(here.join("novel")).unwrap();
+        let manifest = |name: &str, picture: &str| {
+            let entry =
+                format!(r#"{{"file_path":"{picture}","depth_file_path":"d.png","transform_matrix":[]}}"#);
+            std::fs::write(here.join(name), format!(r#"{{"frames":[{entry}]}}"#)).unwrap();
+        };
+        manifest("transforms.json", "a/1.exr");
+        manifest("novel/transforms.json", "n.exr");
+        manifest("views.json", "v");
+        let refused = |capture: &Path, out: &str| {
+            apart_from_capture(capture, Some(&here.join("views.json")), &here.join(out)).is_err()
+        };
+        for capture in [here, &here.join("transforms.json")] {
+            for out in [
+                "transforms.json",
+                "novel/../transforms.json",
+                "a/1.exr",
+                "d.png",
+                "novel/transforms.json",
+                "novel/n.exr",
+                "views.json",
+                "v.png",
+            ] {
+                assert!(refused(capture, out), "{out}");
+            }
+            for out in ["scene.ovl", "a/2.exr", "novel/a/1.exr"] {
+                assert!(!refused(capture, out), "{out}");
+            }
+        }
+    }
+
+    #[test]
+    fn pictures_that_would_replace_their_truth_are_refused_whatever_the_path_is_called() {
+        let folder = tempfile::tempdir().unwrap();
+        let here = folder.path();
+        std::fs::create_dir_all(here.join("novel/a")).unwrap();
+        std::fs::create_dir(here.join("other")).unwrap();
+        std::fs::write(here.join("novel/a/1.exr"), "the truth").unwrap();
+        let manifest = here.join("novel/transforms.json");
+        let entries = ["a/1.exr", "a/2.png", "b/3"]
+            .map(|name| format!(r#"{{"file_path":"{name}","transform_matrix":[]}}"#));
+        std::fs::write(&manifest, format!(r#"{{"frames":[{}]}}"#, entries.join(","))).unwrap();
+        let refused = |out: &Path, name: &str| {
+            let targets = [PicturePaths::below(out, name).unwrap()];
+            let outcome =
+                [&manifest, &here.join("novel")].map(|it| apart_from_pictures_of(it, out, &targets));
+            assert_eq!(outcome[0].is_err(), outcome[1].is_err());
+            outcome[0].as_ref().err().map(ToString::to_string)
+        };
+        for name in ["a/1.exr", "./a/1", "a/2.png", "b/3"] {
+            let said = refused(&here.join("other/../novel"), name).unwrap();
+            assert!(said.contains("--out") && said.contains("novel"), "{said}");
+            assert_eq!(refused(&here.join("other"), name), None);
+        }
+        assert_eq!(refused(&here.join("novel"), "a/11.exr"), None);
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(here.join("novel"), here.join("link")).unwrap();
+            assert!(refused(&here.join("link"), "a/1.exr").is_some());
+        }
+    }
+
+    #[test]
+    fn pictures_of_another_capture_are_not_painted_over_in_its_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let here = folder.path();
+        std::fs::create_dir(here.join("scene")).unwrap();
+        let entry = |name: &str| format!(r#"{{"frames":[{{"file_path":"{name}","transform_matrix":[]}}]}}"#);
+        std::fs::write(here.join("views.json"), entry("v.exr")).unwrap();
+        std::fs::write(here.join("scene/transforms.json"), entry("a/1.exr")).unwrap();
+        let out = here.join("scene");
+        let refused = |name: &str| {
+            let targets = [PicturePaths::below(&out, name).unwrap()];
+            apart_from_pictures_of(&here.join("views.json"), &out, &targets).is_err()
+        };
+        assert!(refused("a/1") && !refused("a/2"));
+        std::fs::write(here.join("scene/transforms.json"), "no manifest").unwrap();
+        assert!(!refused("a/1"));
+    }
+}

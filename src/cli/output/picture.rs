@@ -1,0 +1,79 @@
+//! Rendered pictures as files: linear EXR and, beside it, sRGB PNG.
+
+use std::path::{Component, Path, PathBuf};
+
+use crate::capture::exr;
+use crate::error::{Error, Result};
+use crate::render::output::write_png;
+use crate::render::{NO_IMAGE, Picture};
+
+/// Where a view's picture goes: its own name below the output folder, once with each extension.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) struct PicturePaths {
+    pub(crate) exr: PathBuf,
+    pub(crate) png: PathBuf,
+}
+
+impl PicturePaths {
+    /// # Errors
+    /// `Invalid` where `file_path` would leave `folder`.
+    pub(crate) fn below(folder: &Path, file_path: &str) -> Result<Self> {
+        let relative = Path::new(file_path);
+        let stays_below =
+            relative.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        if !stays_below || relative.file_name().is_none() {
+            return Err(Error::invalid(
+                format!("view '{file_path}'"),
+                "file_path must be relative and without '..', so that the picture stays below the output folder",
+            ));
+        }
+        // Only the two extensions that are written are replaced: 'r_0.5' is a name, not an extension.
+        let is_picture = relative.extension().is_some_and(|extension| {
+            ["exr", "png"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+        });
+        let stem = if is_picture { relative.with_extension("") } else { relative.to_path_buf() };
+        let with = |extension: &str| {
+            let mut name = folder.join(&stem).into_os_string();
+            name.push(extension);
+            PathBuf::from(name)
+        };
+        Ok(Self { exr: with(".exr"), png: with(".png") })
+    }
+
+    /// Writes the picture twice: EXR with linear `R G B A Z`, and PNG as a display shows it. Alpha is 0 where nothing was
+    /// sampled: in EXR in filled holes too, while PNG, made to be looked at, shows those.
+    ///
+    /// # Errors
+    /// `Io`.
+    pub(crate) fn write(&self, picture: &Picture) -> Result<()> {
+        if let Some(folder) = self.exr.parent() {
+            std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+        }
+        let coverage = picture.image.map(|image| if *image == NO_IMAGE { 0.0 } else { 1.0 });
+        exr::write_picture(&self.exr, &picture.color, &coverage, &picture.inverse_depth)?;
+        write_png(&self.png, picture)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_keeps_the_views_own_name() {
+        let out = Path::new("out");
+        let paths = PicturePaths::below(out, "novel0/0001.exr").unwrap();
+        assert_eq!(paths.exr, Path::new("out/novel0/0001.exr"));
+        assert_eq!(paths.png, Path::new("out/novel0/0001.png"));
+        assert_eq!(PicturePaths::below(out, "./r_0.5").unwrap().png, Path::new("out/./r_0.5.png"));
+        assert_eq!(PicturePaths::below(out, "a.PNG").unwrap().exr, Path::new("out/a.exr"));
+    }
+
+    #[test]
+    fn a_picture_never_leaves_the_output_folder() {
+        for path in ["/etc/passwd", "../x.exr", "a/../../x.exr", "..", ".", ""] {
+            let error = PicturePaths::below(Path::new("out"), path).unwrap_err().to_string();
+            assert!(error.contains("output folder"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! What the operating system says about this process.
+
+/// The most memory the process has held, bytes; `None` where the system does not say.
+pub(crate) fn peak_rss_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn the_peak_is_at_least_a_megabyte() {
+        assert!(super::peak_rss_bytes().unwrap() > 1 << 20);
+    }
+}

@@ -1,0 +1,78 @@
+//! What commands say on stdout.
+
+use std::io::{ErrorKind, Write};
+
+use indicatif::{DecimalBytes, HumanCount};
+use serde::Serialize;
+
+use crate::cli::Failure;
+use crate::error::Error;
+use crate::preprocess::diagnostics::Report;
+
+/// Prints lines of text.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
+        // Whoever was reading has read enough.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        result => Ok(result.map_err(|error| Error::io("stdout", error))?),
+    }
+}
+
+/// Prints one JSON document.
+pub(crate) fn print_json(document: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(document)
+        .map_err(|error| Error::invalid("JSON output", error.to_string()))?;
+    print(&text)
+}
+
+/// Says one line on stderr. Where that is gone or full there is nobody to tell, which must not end the work.
+pub(crate) fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr(), "overlook: {line}");
+}
+
+/// Tells of recoverable trouble, one line each, on stderr.
+pub(crate) fn warn(warnings: &[String]) {
+    for warning in warnings {
+        tell(&format!("warning: {warning}"));
+    }
+}
+
+/// A count with separators: 1,234,567.
+pub(crate) fn count(number: u64) -> String {
+    HumanCount(number).to_string()
+}
+
+/// Bytes in powers of a thousand: `12 B`, `1.54 kB`.
+pub(crate) fn bytes(number: u64) -> String {
+    DecimalBytes(number).to_string()
+}
+
+/// The line that says how many pixels have no depth, where there are any; it stands below what was dropped.
+pub(crate) fn without_depth(report: &Report) -> Option<String> {
+    let pixels = report.without_depth();
+    (pixels > 0).then(|| format!("  without depth {:>10}\n", count(pixels)))
+}
+
+/// `part` of `whole` in percent.
+pub(crate) fn percent(part: u64, whole: u64) -> String {
+    if whole == 0 { "0 %".to_owned() } else { format!("{:.1} %", 100.0 * part as f64 / whole as f64) }
+}
+
+/// A number that may be unknown, right-aligned.
+pub(crate) fn number(value: Option<f64>, decimals: usize, width: usize) -> String {
+    value.map_or_else(|| format!("{:>width$}", "–"), |value| format!("{value:>width$.decimals$}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!([count(0), count(999), count(1_234_567)], ["0", "999", "1,234,567"]);
+        assert_eq!([bytes(12), bytes(1536), bytes(5 << 30)], ["12 B", "1.54 kB", "5.37 GB"]);
+        assert_eq!([percent(1, 8), percent(1, 0)], ["12.5 %", "0 %"]);
+        assert_eq!([number(Some(1.25), 1, 5), number(None, 1, 3)], ["  1.2", "  –"]);
+    }
+}

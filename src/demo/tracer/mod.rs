@@ -1,0 +1,16 @@
+//! The ray tracer of the built-in scenes.
+
+mod bvh;
+mod camera_noise;
+mod hits;
+mod shade;
+mod shadow_map;
+mod shapes;
+mod texture;
+pub(crate) mod trace;
+mod world;
+
+pub(crate) use camera_noise::{CameraNoise, mix};
+pub(crate) use shapes::Shape;
+pub(crate) use texture::{Material, Pattern, hash};
+pub(crate) use world::{Builder, Lamp, Light, World, upright_to};

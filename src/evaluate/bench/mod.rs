@@ -1,0 +1,230 @@
+//! Speed: how fast each stage is, and how fast this machine could be at most.
+//!
+//! ```text
+//! Scene (seeded) ─┬─ limits ──────────────────────────────────────┐
+//!                 ├─ preprocess_stages ─┐                         │
+//!                 └─ render_stages ─────┴─ repeat ─▶ Times ─ against ─▶ SpeedReport
+//! ```
+//!
+//! Every stage is measured with one thread and with all. The limits are measured before the stages and again after them, and
+//! all their repeats count together, so that a machine that grows slower or faster meanwhile tilts no share.
+
+mod limits;
+mod machine;
+mod measure;
+mod preprocess_stages;
+mod render_stages;
+mod report;
+mod scene;
+
+pub use limits::Limit;
+pub use machine::Machine;
+pub use report::{LimitKind, Painting, SpeedReport, StageSpeed};
+
+use rayon::ThreadPool;
+
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::render::gpu::{AdapterChoice, GpuRenderer};
+use crate::settings::{Backend, Instructions};
+use crate::simd;
+use limits::LimitMeter;
+use measure::Budget;
+use report::Measured;
+use scene::Scene;
+
+/// What is measured, and how thoroughly.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// What *all threads* means; at least 1.
+    pub threads: usize,
+    /// Few repeats on a small scene: to see that everything works.
+    pub quick: bool,
+    /// What paints. The CPU always does; besides, the adapter that is asked for by name, or with `auto` a graphics card where
+    /// there is one.
+    pub backend: Backend,
+    /// The widest vector instructions that the stages may use.
+    pub instructions: Instructions,
+    /// Parts of the names of the stages that are measured; all stages where empty.
+    pub only: Vec<String>,
+}
+
+impl Options {
+    /// Columns and rows of the cameras, which is also the first size of picture that is painted.
+    fn camera_size(&self) -> (u32, u32) {
+        if self.quick { (160, 120) } else { (640, 480) }
+    }
+
+    fn picture_sizes(&self) -> [(u32, u32); 2] {
+        [self.camera_size(), if self.quick { (320, 180) } else { (1280, 720) }]
+    }
+
+    fn budget(&self) -> Budget {
+        if self.quick { Budget::QUICK } else { Budget::FULL }
+    }
+
+    fn backends(&self) -> Result<Vec<Backend>> {
+        let has_adapter = match self.backend {
+            Backend::Cpu => false,
+            Backend::Auto => GpuRenderer::new(AdapterChoice::Hardware).is_ok(),
+            Backend::Gpu => GpuRenderer::new(AdapterChoice::Any).map(|_| true)?,
+        };
+        Ok(if has_adapter { vec![Backend::Cpu, Backend::Gpu] } else { vec![Backend::Cpu] })
+    }
+
+    fn wants(&self, name: &str) -> bool {
+        self.only.is_empty() || self.only.iter().any(|part| name.contains(part.as_str()))
+    }
+}
+
+/// What every measurement needs.
+#[derive(Clone, Copy)]
+struct Bench<'a> {
+    scene: &'a Scene,
+    budget: Budget,
+    job: &'a Job,
+}
+
+/// Does a piece of work over and over, with the threads of the current pool.
+type Measure<T> = Box<dyn Fn(&Bench<'_>) -> Result<T> + Send + Sync>;
+
+/// Something to measure, with the threads of the current pool; its stages are measured together.
+struct Case {
+    names: Vec<String>,
+    measure: Measure<Vec<Measured>>,
+}
+
+/// Measures the stages and the machine's limits.
+///
+/// # Errors
+/// `Invalid` where no stage has the wanted name; `Unsupported` where the processor lacks the instructions; `Gpu` where an
+/// adapter is asked for by name and there is none; `Cancelled`; whatever a stage gives.
+pub fn measure(options: &Options, job: &Job) -> Result<SpeedReport> {
+    crate::simd::limited(options.instructions, || measure_all(options, job))
+}
+
+fn measure_all(options: &Options, job: &Job) -> Result<SpeedReport> {
+    let backends = options.backends()?;
+    let cases = wanted_cases(options, &backends)?;
+    let scene = Scene::new(options.camera_size(), job)?;
+    let bench = Bench { scene: &scene, budget: options.budget(), job };
+    let pools = pools(options.threads)?;
+    let pixels = scene.capture.cameras[0].intrinsics.pixel_count();
+    let mut limits = LimitMeter::new(scene.unpruned.sample_count(), pixels, options.quick);
+    if backends.contains(&Backend::Gpu) {
+        limits.include_gpu(options.quick)?;
+    }
+    measure_limits(&mut limits, &pools, &bench)?;
+    let mut measured = Vec::new();
+    for (index, case) in cases.iter().enumerate() {
+        for pool in &pools {
+            job.start(case.names.join(", "), cases.len());
+            job.advance(index);
+            for stage in pool.install(|| (case.measure)(&bench))? {
+                measured.push((pool.current_num_threads(), stage));
+            }
+        }
+    }
+    measure_limits(&mut limits, &pools, &bench)?;
+    let stages = measured.into_iter().map(|(threads, stage)| stage.against(&limits.limit(threads)));
+    Ok(SpeedReport {
+        version: env!("CARGO_PKG_VERSION"),
+        quick: options.quick,
+        machine: Machine::this(),
+        samples: scene.unpruned.sample_count(),
+        samples_pruned: scene.pruned.sample_count(),
+        limits: pools.iter().map(|pool| limits.limit(pool.current_num_threads())).collect(),
+        stages: stages.filter(|stage| options.wants(&stage.name)).collect(),
+    })
+}
+
+fn wanted_cases(options: &Options, backends: &[Backend]) -> Result<Vec<Case>> {
+    let mut cases = preprocess_stages::cases();
+    cases.extend(render_stages::cases(backends, options.picture_sizes()));
+    let (wanted, others): (Vec<Case>, Vec<Case>) =
+        cases.into_iter().partition(|case| case.names.iter().any(|name| options.wants(name)));
+    if wanted.is_empty() {
+        let names: Vec<_> = others.into_iter().flat_map(|case| case.names).collect();
+        return Err(Error::invalid(
+            options.only.join(", "),
+            format!("is in no stage's name; there are {}", names.join(", ")),
+        ));
+    }
+    Ok(wanted)
+}
+
+/// One thread, and all.
+fn pools(threads: usize) -> Result<Vec<ThreadPool>> {
+    let mut counts = vec![1, threads.max(1)];
+    counts.dedup();
+    let pool = |threads| {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(move |index| format!("bench {index} of {threads}"))
+            .build()
+            .map_err(|error| Error::unsupported(format!("{threads} threads"), error.to_string()))
+    };
+    counts.into_iter().map(pool).collect()
+}
+
+fn measure_limits(limits: &mut LimitMeter, pools: &[ThreadPool], bench: &Bench<'_>) -> Result<()> {
+    bench.job.start("Measuring the machine's limits", pools.len());
+    for pool in pools {
+        pool.install(|| limits.measure(bench))?;
+        bench.job.advance(1);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    fn names(only: &[&str]) -> Vec<String> {
+        let only = only.iter().map(|part| (*part).to_owned()).collect();
+        let instructions = Instructions::Auto;
+        let options = Options { threads: 1, quick: false, backend: Backend::Auto, instructions, only };
+        let cases = wanted_cases(&options, &[Backend::Cpu, Backend::Gpu]);
+        cases.unwrap().into_iter().flat_map(|case| case.names).collect()
+    }
+
+    #[test]
+    fn every_stage_has_a_name_of_its_own() {
+        let all = names(&[]);
+        assert_eq!(all.iter().collect::<BTreeSet<_>>().len(), all.len());
+        for name in
+            ["preprocess/scan", "render/point/unpruned/640x480", "render/gpu/block/still-vantage/1280x720"]
+        {
+            assert!(all.iter().any(|found| found == name), "{name} in {all:?}");
+        }
+        assert_eq!(
+            names(&["store/", "preprocess/pack"]),
+            [
+                "preprocess/pack",
+                "store/write",
+                "store/read",
+                "store/decode-foreground",
+                "store/first-picture"
+            ]
+        );
+    }
+
+    #[test]
+    fn one_thread_is_measured_once_where_it_is_all_there_is() {
+        let counts = |threads| -> Vec<usize> {
+            pools(threads).unwrap().iter().map(ThreadPool::current_num_threads).collect()
+        };
+        assert_eq!((counts(1), counts(3)), (vec![1], vec![1, 3]));
+    }
+
+    #[test]
+    fn a_cancelled_measurement_gives_no_report() {
+        let job = Job::new();
+        job.cancel();
+        let (backend, instructions) = (Backend::Cpu, Instructions::Auto);
+        let options = Options { threads: 1, quick: true, backend, instructions, only: Vec::new() };
+        assert!(matches!(measure(&options, &job), Err(Error::Cancelled)));
+    }
+}

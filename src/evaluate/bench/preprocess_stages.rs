@@ -1,0 +1,241 @@
+//! Preprocessing and storing: the pass over time, normals, one frame pruned anew, packing, the file.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::measure::{Times, repeat};
+use super::report::Measured;
+use super::{Bench, Case, Measure};
+use crate::capture::Frame;
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::preprocess::diagnostics::Report;
+use crate::preprocess::interactive::FrameLayers;
+use crate::preprocess::noise::measure_pairs;
+use crate::preprocess::normals::{DepthView, estimate_all};
+use crate::preprocess::pruning::{self, FRAME, Verdict, no_statuses, prune};
+use crate::preprocess::registration::Rig;
+use crate::preprocess::temporal::{BATCH, Split, StaticTest};
+use crate::preprocess::{inspect_frame, prepare_frame, scan};
+use crate::render::CpuRenderer;
+use crate::samples::{SampleSet, Span};
+use crate::settings::{Backend, NormalEstimator, RenderSettings, Settings};
+use crate::store;
+
+/// Bytes of a pixel's color (three half floats) and depth.
+const PIXEL_BYTES: u64 = 3 * 2 + DEPTH_BYTES;
+const DEPTH_BYTES: u64 = 4;
+
+/// Frames that the temporal split is measured on.
+const SPLIT_FRAMES: usize = 32;
+
+/// Repeats of a stage, the samples that it works on, and the bytes that it reads or writes at least.
+type Stage = (Times, u64, u64);
+
+/// Every stage before painting.
+pub(crate) fn cases() -> Vec<Case> {
+    let one = |name: &str, measure: Measure<Stage>| {
+        let stage = name.to_owned();
+        let measured = move |bench: &Bench<'_>| {
+            let (times, samples, bytes) = measure(bench)?;
+            let (backend, name) = (Backend::Cpu, stage.clone());
+            Ok(vec![Measured { name, backend, samples, times, bytes: Some(bytes), painting: None }])
+        };
+        Case { names: vec![name.to_owned()], measure: Box::new(measured) }
+    };
+    let normals = NormalEstimator::ALL.iter().map(|&estimator| {
+        let measure = move |bench: &Bench<'_>| estimate_normals(bench, estimator);
+        one(&format!("preprocess/normals/{estimator}"), Box::new(measure))
+    });
+    let first =
+        [one("preprocess/scan", Box::new(scan_frames)), one("preprocess/split", Box::new(split_frames))];
+    let others = [
+        one("preprocess/prune-frame", Box::new(prune_layers)),
+        one("preprocess/prepare-frame", Box::new(prepare)),
+        one("preprocess/re-prune-frame", Box::new(|bench| reprune(bench, true))),
+        one("preprocess/re-prune-unprepared", Box::new(|bench| reprune(bench, false))),
+        one("preprocess/pack", Box::new(pack_frame)),
+        one("store/write", Box::new(write_store)),
+        one("store/read", Box::new(read_store)),
+        one("store/decode-foreground", Box::new(decode_foreground)),
+        one("store/first-picture", Box::new(first_picture)),
+    ];
+    first.into_iter().chain(normals).chain(others).collect()
+}
+
+/// A stage that reads color and depth of every pixel of one frame.
+fn of_one_frame(bench: &Bench<'_>, times: Times) -> Stage {
+    let pixels = bench.scene.unpruned.sample_count();
+    (times, pixels, pixels * PIXEL_BYTES)
+}
+
+/// A stage that reads or writes the pruned set.
+fn of_pruned_set(bench: &Bench<'_>, times: Times) -> Stage {
+    (times, bench.scene.pruned.sample_count(), bench.scene.pruned.bytes())
+}
+
+fn scan_frames(bench: &Bench<'_>) -> Result<Stage> {
+    let pixels = bench.scene.capture.pixel_count();
+    let settings = Settings::default();
+    let times = repeat(bench.budget, bench.job, || scan(&bench.scene.capture, &settings, bench.job))?;
+    Ok((times, pixels, pixels * PIXEL_BYTES))
+}
+
+fn split_frames(bench: &Bench<'_>) -> Result<Stage> {
+    let capture = &bench.scene.capture;
+    // Each frame a copy of its own, so that it comes from memory.
+    let copy = |index| Ok(Arc::new(Frame::clone(&*capture.frame(0, index % capture.frame_count())?)));
+    let frames = (0..SPLIT_FRAMES).map(copy).collect::<Result<Vec<_>>>()?;
+    let noise = measure_pairs(&[[&frames[0], &frames[1]]]);
+    let test = StaticTest::new(&Settings::default().spans, &noise, 0.0, SPLIT_FRAMES);
+    let pixels = capture.cameras[0].intrinsics.pixel_count();
+    let worked_on = (pixels * SPLIT_FRAMES) as u64;
+    let times = repeat(bench.budget, bench.job, || {
+        let mut split = Split::new(pixels, SPLIT_FRAMES, test.clone());
+        Ok(frames.chunks(BATCH).map(|frames| split.add(frames)).collect::<Vec<_>>())
+    })?;
+    Ok((times, worked_on, worked_on * PIXEL_BYTES))
+}
+
+fn estimate_normals(bench: &Bench<'_>, estimator: NormalEstimator) -> Result<Stage> {
+    let settings = Settings::default().normals;
+    let capture = &bench.scene.capture;
+    let frames = (0..capture.cameras.len()).map(|camera| capture.frame(camera, 0));
+    let frames = frames.collect::<Result<Vec<_>>>()?;
+    let times = repeat(bench.budget, bench.job, || {
+        let views = frames.iter().zip(&capture.cameras).map(|(frame, camera)| {
+            bench.job.check()?;
+            let view = DepthView::new(frame.inverse_depth.as_slice(), camera, &settings);
+            Ok(estimate_all(&view, estimator))
+        });
+        views.collect::<Result<Vec<_>>>()
+    })?;
+    Ok((times, bench.scene.unpruned.sample_count(), bench.scene.unpruned.sample_count() * DEPTH_BYTES))
+}
+
+fn prune_layers(bench: &Bench<'_>) -> Result<Stage> {
+    let capture = &bench.scene.capture;
+    let mut settings = Settings::default();
+    let rig = Rig::new(&capture.cameras);
+    let complete = FrameLayers::unscanned(capture, &rig, &settings, 0, bench.job)?;
+    let layers = &complete.layers;
+    let tolerance = settings.pruning.color_tolerance;
+    let mut turn = 0_u8;
+    let times = repeat(bench.budget, bench.job, || {
+        turn = turn.wrapping_add(1);
+        settings.pruning.color_tolerance = tolerance + 0.01 * f32::from(turn);
+        let statuses = no_statuses(layers);
+        prune(&rig, layers, &statuses, FRAME, &settings, bench.job)
+    })?;
+    Ok(of_one_frame(bench, times))
+}
+
+fn prepare(bench: &Bench<'_>) -> Result<Stage> {
+    let capture = &bench.scene.capture;
+    let mut settings = Settings::default();
+    let scanned = scan(capture, &settings, bench.job)?;
+    // Each time from beyond the reach of the time before.
+    let tolerance = [settings.pruning.depth_tolerance, settings.pruning.depth_tolerance * 4.01];
+    let mut turn = 0;
+    let times = repeat(bench.budget, bench.job, || {
+        turn += 1;
+        settings.pruning.depth_tolerance = tolerance[turn % 2];
+        prepare_frame(capture, &scanned, &settings, 1, bench.job)
+    })?;
+    Ok(of_one_frame(bench, times))
+}
+
+fn reprune(bench: &Bench<'_>, prepared: bool) -> Result<Stage> {
+    let capture = &bench.scene.capture;
+    let mut settings = Settings::default();
+    let scanned = scan(capture, &settings, bench.job)?;
+    if prepared {
+        prepare_frame(capture, &scanned, &settings, 1, bench.job)?;
+    }
+    let tolerance = settings.pruning.color_tolerance;
+    let mut turn = 0_u8;
+    let times = repeat(bench.budget, bench.job, || {
+        // Another value each time, so that nothing is taken from an earlier run.
+        turn = turn.wrapping_add(1);
+        settings.pruning.color_tolerance = tolerance + 0.01 * f32::from(turn);
+        inspect_frame(capture, Some(&scanned), &settings, 1, bench.job)
+    })?;
+    Ok(of_one_frame(bench, times))
+}
+
+fn pack_frame(bench: &Bench<'_>) -> Result<Stage> {
+    let capture = &bench.scene.capture;
+    let settings = Settings::default();
+    let rig = Rig::new(&capture.cameras);
+    let complete = FrameLayers::unscanned(capture, &rig, &settings, 0, bench.job)?;
+    let all = complete.prune(&rig, &settings, bench.job)?;
+    let span = Span { start: 0, end: 1 };
+    let pixels = bench.scene.unpruned.sample_count();
+    let verdict_bytes = pixels * size_of::<(u32, Verdict)>() as u64;
+    let times = repeat(bench.budget, bench.job, || {
+        let cameras = complete.layers.par_iter().enumerate();
+        let images = cameras.map(|(camera, layer)| {
+            let masks = all.masks(camera, layer, FRAME);
+            pruning::pack(camera, span, layer, masks, settings.store.normals)
+        });
+        Ok(images.collect::<Vec<_>>())
+    })?;
+    Ok((times, pixels, verdict_bytes + bench.scene.pruned.sample_count() * PIXEL_BYTES))
+}
+
+/// A store of the set in a folder that vanishes with what is given, and its path.
+fn stored(set: &SampleSet, job: &Job) -> Result<(tempfile::TempDir, PathBuf)> {
+    let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
+    let path = folder.path().join("speed.ovl");
+    crate::store::file::write(&path, set, &Report::default(), job)?;
+    Ok((folder, path))
+}
+
+fn write_store(bench: &Bench<'_>) -> Result<Stage> {
+    let (_folder, path) = stored(&bench.scene.pruned, bench.job)?;
+    let report = Report::default();
+    let times = repeat(bench.budget, bench.job, || {
+        crate::store::file::write(&path, &bench.scene.pruned, &report, bench.job)
+    })?;
+    Ok(of_pruned_set(bench, times))
+}
+
+/// Decodes the foreground of a frame, block by block and predicted from nothing but itself: what playback does for every frame, at
+/// its slowest.
+fn decode_foreground(bench: &Bench<'_>) -> Result<Stage> {
+    let (_folder, path) = stored(&bench.scene.split, bench.job)?;
+    let store = crate::store::file::Store::open(&path)?;
+    let images = store.info().images.iter().enumerate();
+    let is_first = |span: Span| span.start == 0 && span.len() == 1;
+    let passing: Vec<usize> =
+        images.filter(|(_, image)| is_first(image.span)).map(|(index, _)| index).collect();
+    // What the frame stands for: all its pixels, 8-bit color and 32-bit depth.
+    let pixels = bench.scene.unpruned.sample_count();
+    let times = repeat(bench.budget, bench.job, || {
+        passing.par_iter().map(|&index| store.image(index)).collect::<Result<Vec<_>>>()
+    })?;
+    Ok((times, pixels, pixels * (3 + DEPTH_BYTES)))
+}
+
+fn read_store(bench: &Bench<'_>) -> Result<Stage> {
+    let (_folder, path) = stored(&bench.scene.pruned, bench.job)?;
+    let times = repeat(bench.budget, bench.job, || store::read(&path, bench.job))?;
+    Ok(of_pruned_set(bench, times))
+}
+
+fn first_picture(bench: &Bench<'_>) -> Result<Stage> {
+    let (_folder, path) = stored(&bench.scene.pruned, bench.job)?;
+    let size = bench.scene.capture.cameras[0].intrinsics;
+    let [vantage, _] = bench.scene.vantages((size.width, size.height), 0);
+    let times = repeat(bench.budget, bench.job, || {
+        let playback = crate::store::playback::Playback::new(
+            crate::store::file::Store::open(&path)?,
+            crate::store::playback::DEFAULT_CACHE_BYTES,
+        );
+        let samples = playback.seen_from(&vantage.camera, vantage.frame, bench.job)?;
+        CpuRenderer::new().render(&samples, &vantage, &RenderSettings::default(), bench.job)
+    })?;
+    Ok(of_pruned_set(bench, times))
+}

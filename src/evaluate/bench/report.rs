@@ -1,0 +1,132 @@
+//! What was measured, with every figure as a share of a limit too.
+
+use serde::Serialize;
+
+use super::limits::Limit;
+use super::machine::Machine;
+use super::measure::Times;
+use crate::settings::{Backend, Kernel};
+
+/// The speed of every stage, beside the limits of the machine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SpeedReport {
+    /// Version of the program.
+    pub version: &'static str,
+    /// Whether few repeats on a small scene were asked for: the figures only show that everything works.
+    pub quick: bool,
+    /// What it ran on.
+    pub machine: Machine,
+    /// Samples of the unpruned set: every pixel of every camera.
+    pub samples: u64,
+    /// Samples of the pruned set.
+    pub samples_pruned: u64,
+    /// The machine's limits, by thread count.
+    pub limits: Vec<Limit>,
+    /// The stages, in the order in which they were measured; a name and a thread count occur once together.
+    pub stages: Vec<StageSpeed>,
+}
+
+/// The speed of one stage with some number of threads.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StageSpeed {
+    /// What was done to what, as `render/block/pruned/640x480`.
+    pub name: String,
+    /// What did it: `Cpu` or `Gpu`.
+    pub backend: Backend,
+    /// Threads.
+    pub threads: usize,
+    /// Samples (or pixels, before pruning) that were worked on.
+    pub samples: u64,
+    /// Median of the repeats, milliseconds.
+    pub median_ms: f64,
+    /// Interquartile range of the repeats, milliseconds.
+    pub spread_ms: f64,
+    /// Repeats.
+    pub repeats: usize,
+    /// Samples a second at the median, millions.
+    pub mpts_per_s: f64,
+    /// What it is held against.
+    pub limit: LimitKind,
+    /// That limit at the same thread count: million points a second or 10⁹ bytes a second, see [`LimitKind`].
+    pub limit_value: f64,
+    /// What the stage reached of it; above 1 where the stage's order of work is kinder to memory than the limit's.
+    pub fraction_of_limit: f64,
+    /// Bytes that were read or written at least once; for stages held against reading.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bytes: Option<u64>,
+    /// For stages that paint.
+    #[serde(flatten)]
+    pub painting: Option<Painting>,
+}
+
+/// What a stage is held against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LimitKind {
+    /// [`Limit::scatter_mpts_per_s`], against samples a second.
+    Scatter,
+    /// [`Limit::read_gb_per_s`], against bytes a second.
+    Read,
+    /// [`Limit::gpu_copy_gb_per_s`], against bytes of samples a second.
+    Copy,
+}
+
+/// What is known about a stage that paints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Painting {
+    /// How a sample was painted.
+    pub kernel: Kernel,
+    /// Columns of the picture.
+    pub width: u32,
+    /// Rows of the picture.
+    pub height: u32,
+    /// Share of the picture that got a sample, 0 to 1. The scene fills the picture: what is missing are gaps.
+    pub coverage: f64,
+    /// Memory of the sample set, bytes a sample.
+    pub bytes_per_sample: f64,
+    /// Whether the samples that outlast the frame came from a cache.
+    pub background_reused: bool,
+    /// How many times faster this is than painting all samples of the same set, with the same threads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speedup_over_full_repaint: Option<f64>,
+}
+
+/// A stage that was measured, before the limits are known.
+pub(crate) struct Measured {
+    pub(crate) name: String,
+    pub(crate) backend: Backend,
+    pub(crate) samples: u64,
+    pub(crate) times: Times,
+    /// See [`StageSpeed::bytes`].
+    pub(crate) bytes: Option<u64>,
+    pub(crate) painting: Option<Painting>,
+}
+
+impl Measured {
+    /// Holds the stage against the limits at its thread count.
+    pub(crate) fn against(self, limit: &Limit) -> StageSpeed {
+        let mpts_per_s = self.times.millions_per_s(self.samples);
+        let (kind, limit_value, reached) = match (&self.painting, self.bytes, limit.gpu_copy_gb_per_s) {
+            (Some(painting), _, Some(copy)) if self.backend == Backend::Gpu => {
+                (LimitKind::Copy, copy, mpts_per_s * painting.bytes_per_sample * 1e-3)
+            }
+            (None, Some(bytes), _) => (LimitKind::Read, limit.read_gb_per_s, self.times.gb_per_s(bytes)),
+            _ => (LimitKind::Scatter, limit.scatter_mpts_per_s, mpts_per_s),
+        };
+        StageSpeed {
+            name: self.name,
+            backend: self.backend,
+            threads: limit.threads,
+            samples: self.samples,
+            median_ms: self.times.median_ms(),
+            spread_ms: self.times.spread_ms(),
+            repeats: self.times.repeats(),
+            mpts_per_s,
+            limit: kind,
+            limit_value,
+            fraction_of_limit: reached / limit_value,
+            bytes: self.bytes,
+            painting: self.painting,
+        }
+    }
+}

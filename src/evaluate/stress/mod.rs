@@ -1,0 +1,362 @@
+//! When does it break? Disturbances with a dial, applied to any capture, and what they do to ours and to the paper's plain
+//! settings.
+//!
+//! ```text
+//! capture ─ Disturbance::apply(dial) ─▶ Recorded ─ Workbench ─▶ StressPoint …─ failures ─▶ the dial at which 1 dB is lost
+//! ```
+//!
+//! Every disturbance is applied to frames as they are asked for. Loss is against the same method at the first value of the
+//! dial, where nothing is disturbed, over the views of which some camera sees something at both. A value at which no camera sees
+//! anything of the truth has no points, nor has a disturbance that cannot change the capture.
+
+mod disturbance;
+mod light;
+mod recording_edits;
+mod shapes;
+
+pub use disturbance::Disturbance;
+
+use std::collections::HashSet;
+
+use serde::{Deserialize, Serialize};
+
+use super::sweep::{self, Point, Series};
+use super::trial::{Estimate, Measured, Pace, Trial, Workbench};
+use super::truth::{self, Truth};
+use crate::capture::Capture;
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::settings::Settings;
+
+use super::truth::Recorded;
+
+/// A method that is put under stress.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Method {
+    /// Name for legends and tables.
+    pub name: String,
+    /// Its settings.
+    pub settings: Settings,
+}
+
+/// What is put under which stress, and what of it is known already.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The disturbances, each at all values of its dial.
+    pub disturbances: Vec<Disturbance>,
+    /// The methods; the first is ours.
+    pub methods: Vec<Method>,
+    /// Frames that are looked at, those with truth first; all where `None`. Frames are disturbed before they are chosen.
+    pub frames: Option<usize>,
+    /// Points of an earlier run on the same capture and truth.
+    pub done: Vec<StressPoint>,
+}
+
+impl Plan {
+    /// Every disturbance; `settings` with their defenses, the same kernel on the paper's plain preprocessing, and the
+    /// paper's settings as they are.
+    #[must_use]
+    pub fn standard(settings: &Settings) -> Self {
+        let paper = super::sweep::paper(settings);
+        let mut undefended = paper.clone();
+        undefended.render = settings.render.clone();
+        let method = |name: &str, settings| Method { name: name.to_owned(), settings };
+        Self {
+            disturbances: Disturbance::ALL.to_vec(),
+            methods: vec![
+                method("ours", settings.clone()),
+                method("without defenses", undefended),
+                method("paper", paper),
+            ],
+            frames: None,
+            done: Vec::new(),
+        }
+    }
+
+    /// The point of an earlier run.
+    fn known(&self, (disturbance, dial): Step, method: &Method) -> Option<&StressPoint> {
+        self.done.iter().find(|point| {
+            point.disturbance == disturbance.name()
+                && point.dial == dial
+                && point.method == method.name
+                && point.point.settings == method.settings
+        })
+    }
+}
+
+/// One method under one value of a disturbance's dial.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StressPoint {
+    /// Name of the disturbance.
+    pub disturbance: String,
+    /// Where its dial stands.
+    pub dial: f64,
+    /// Unit of the dial.
+    pub unit: String,
+    /// Name of the method.
+    pub method: String,
+    /// Samples kept, as a share of all recorded pixels.
+    pub kept_share: f64,
+    /// By how much accuracy (`psnr_filled_db`) fell since the first value of the dial, dB, over the views that were scored at both;
+    /// 0 where there is none.
+    pub loss_db: f64,
+    /// What was measured.
+    #[serde(flatten)]
+    pub point: Point,
+    /// Accuracy view by view.
+    pub views: Vec<ViewAccuracy>,
+}
+
+/// Accuracy at one view.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ViewAccuracy {
+    /// The view's own name.
+    pub file_path: String,
+    /// Views of one number are of one vantage.
+    pub vantage: usize,
+    /// See [`Point::psnr_filled_db`].
+    pub psnr_filled_db: f64,
+}
+
+/// Where a method fails.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Failure {
+    /// Name of the disturbance.
+    pub disturbance: String,
+    /// Unit of its dial.
+    pub unit: String,
+    /// Name of the method.
+    pub method: String,
+    /// Where the dial stands when [`LOST_DB`] are lost, interpolated; `None` where they never are.
+    pub dial: Option<f64>,
+    /// The largest loss anywhere, dB.
+    pub worst_loss_db: f64,
+    /// The last value of the dial that was tried.
+    pub last_dial: f64,
+}
+
+/// A method fails where it has lost this much, dB.
+pub const LOST_DB: f64 = 1.0;
+
+/// Measures every disturbance of the plan at every value of its dial with every method; `on_point` is told each that was not
+/// known already, with how many are known then, of how many. A value that leaves nothing of the truth to be compared with is
+/// passed over, and told as a warning; so is a disturbance that cannot change the capture.
+///
+/// # Errors
+/// Whatever preprocessing, painting and truth give; `Invalid` where no value leaves anything to be compared with, and where no
+/// disturbance can change the capture; `Cancelled`, after which the points told so far can be put into [`Plan::done`] to go on.
+pub fn run(
+    capture: &Capture,
+    plan: &Plan,
+    truth: &Truth,
+    job: &Job,
+    mut on_point: impl FnMut(&StressPoint, (usize, usize)),
+) -> Result<Vec<StressPoint>> {
+    let steps = steps(capture, plan, truth, job)?;
+    let mut total = steps.len() * plan.methods.len();
+    let open_at = |step| plan.methods.iter().filter(|method| plan.known(step, method).is_none()).count();
+    let mut open: usize = steps.iter().map(|step| open_at(*step)).sum();
+    let (mut pace, mut points, mut passed_over) = (Pace::start(), Vec::with_capacity(total), Vec::new());
+    for step in steps {
+        let mut disturbed = None;
+        for method in &plan.methods {
+            let known = plan.known(step, method).cloned();
+            let is_new = known.is_none();
+            let point = if let Some(known) = known {
+                known
+            } else {
+                pace.next(job, (points.len() + 1, total), open - pace.measured());
+                if disturbed.is_none() {
+                    disturbed = Disturbed::new(capture, plan, truth, step, job)?;
+                }
+                let Some(disturbed) = &mut disturbed else {
+                    // The pace counts one point as begun.
+                    (total, open) = (total - open_at(step), open + 1 - open_at(step));
+                    passed_over.push(step);
+                    break;
+                };
+                disturbed.measure(method, job)?
+            };
+            let point = point.with_loss(&points);
+            if is_new {
+                on_point(&point, (points.len() + 1, total));
+            }
+            points.push(point);
+        }
+    }
+    job.set_context("");
+    if points.is_empty() && !passed_over.is_empty() {
+        return Err(truth::nothing_to_compare(&capture.name));
+    }
+    for step in passed_over {
+        job.warn(leaves_nothing(step));
+    }
+    for methods in points.chunk_by_mut(|a, b| a.disturbance == b.disturbance && a.dial == b.dial) {
+        sweep::mark_pareto_of_stores(methods.iter_mut().map(|method| &mut method.point));
+    }
+    Ok(points)
+}
+
+/// Every value of the dial of every disturbance that can change the capture.
+fn steps(capture: &Capture, plan: &Plan, truth: &Truth, job: &Job) -> Result<Vec<Step>> {
+    let mut steps = Vec::new();
+    for &disturbance in &plan.disturbances {
+        match disturbance.lacks(capture) {
+            None => {
+                let dial = disturbance.dial(capture, truth).into_iter();
+                steps.extend(dial.map(|dial| (disturbance, dial)));
+            }
+            Some(lacks) => {
+                job.warn(format!(
+                    "'{}' is left out: it changes nothing, as there {lacks}",
+                    disturbance.name()
+                ));
+            }
+        }
+    }
+    if steps.is_empty() && !plan.disturbances.is_empty() {
+        return Err(Error::invalid(
+            &capture.name,
+            "is changed by no disturbance that was asked for; ask for others",
+        ));
+    }
+    Ok(steps)
+}
+
+/// A disturbance and where its dial stands.
+type Step = (Disturbance, f64);
+
+/// That a step has no points.
+fn leaves_nothing((disturbance, dial): Step) -> String {
+    format!(
+        "'{}' at {dial} {} is left out: no camera sees anything of the true pictures then",
+        disturbance.name(),
+        disturbance.unit()
+    )
+}
+
+impl StressPoint {
+    /// The same with its loss since the first of these `points` that has its disturbance and method.
+    fn with_loss(self, points: &[Self]) -> Self {
+        let is_alike = |other: &&Self| other.disturbance == self.disturbance && other.method == self.method;
+        let first = points.iter().find(is_alike);
+        let loss =
+            first.and_then(|first| Some(first.accuracy_at(&self.views)? - self.accuracy_at(&first.views)?));
+        Self { loss_db: loss.unwrap_or_default(), ..self }
+    }
+
+    /// Accuracy over those of its views that are among others.
+    fn accuracy_at(&self, others: &[ViewAccuracy]) -> Option<f64> {
+        let names: HashSet<&str> = others.iter().map(|view| view.file_path.as_str()).collect();
+        let shared: Vec<&ViewAccuracy> =
+            self.views.iter().filter(|view| names.contains(view.file_path.as_str())).collect();
+        let vantages = shared.chunk_by(|before, after| before.vantage == after.vantage);
+        let vantages: Vec<Vec<f64>> =
+            vantages.map(|views| views.iter().map(|view| view.psnr_filled_db).collect()).collect();
+        (!shared.is_empty()).then(|| Estimate::over_vantages(&vantages).mean)
+    }
+}
+
+/// The disturbed capture ready to be measured, and the pixels it has.
+struct Disturbed {
+    step: Step,
+    workbench: Workbench,
+    pixels: u64,
+}
+
+impl Disturbed {
+    /// `None` where nothing of the truth is left.
+    fn new(capture: &Capture, plan: &Plan, truth: &Truth, step: Step, job: &Job) -> Result<Option<Self>> {
+        let mut recorded = step.0.apply(capture, step.1)?;
+        let mut truth = truth.clone();
+        if let Some(count) = plan.frames {
+            let frames = truth::choose(capture, &truth, count)?;
+            truth = truth::truth_at(capture, truth, &frames);
+            recorded = Recorded {
+                capture: truth::only(&recorded.capture, &frames),
+                clean: truth::only(&recorded.clean, &frames),
+                places: truth::only(&recorded.places, &frames),
+                edit_truth: recorded.edit_truth,
+            };
+        }
+        let pixels = recorded.capture.pixel_count();
+        let (folds, unseen) = truth.folds_left(&recorded, job)?;
+        if folds.is_empty() {
+            return Ok(None);
+        }
+        for view in unseen {
+            job.warn(format!("'{}' at {} {}: {view}", step.0.name(), step.1, step.0.unit()));
+        }
+        let workbench = Workbench::on(folds, &plan.methods[0].settings);
+        Ok(Some(Self { step, workbench, pixels }))
+    }
+
+    /// What a method gives; the loss is left open.
+    fn measure(&mut self, method: &Method, job: &Job) -> Result<StressPoint> {
+        let (disturbance, dial) = self.step;
+        let (name, unit) = (disturbance.name(), disturbance.unit());
+        let trial = Trial::new(format!("{name} {dial} {unit}, {}", method.name), method.settings.clone());
+        let measured = self.workbench.measure(&trial, job)?;
+        let point = Point::new(&trial, Series::Variation, &measured);
+        Ok(StressPoint {
+            disturbance: name.to_owned(),
+            dial,
+            unit: unit.to_owned(),
+            method: method.name.clone(),
+            kept_share: point.samples as f64 / self.pixels as f64,
+            loss_db: 0.0,
+            point,
+            views: view_by_view(&measured),
+        })
+    }
+}
+
+fn view_by_view(measured: &Measured) -> Vec<ViewAccuracy> {
+    let vantages = measured.views.iter().zip(&measured.scores).enumerate();
+    let views = vantages.flat_map(|(vantage, (names, scores))| {
+        names.iter().zip(scores).map(move |(name, scores)| ViewAccuracy {
+            file_path: name.clone(),
+            vantage,
+            psnr_filled_db: scores.psnr_all_db,
+        })
+    });
+    views.collect()
+}
+
+/// Where each method fails under each disturbance, in the order of the points.
+#[must_use]
+pub fn failures(points: &[StressPoint]) -> Vec<Failure> {
+    let mut failures: Vec<Failure> = Vec::new();
+    let mut previous: Option<&StressPoint> = None;
+    let mut by_method: Vec<&StressPoint> = points.iter().collect();
+    let order = |point: &StressPoint| {
+        points.iter().position(|other| other.disturbance == point.disturbance && other.method == point.method)
+    };
+    by_method.sort_by_key(|point| order(point));
+    for point in by_method {
+        let same = previous
+            .filter(|previous| previous.disturbance == point.disturbance && previous.method == point.method);
+        if same.is_none() {
+            failures.push(Failure {
+                disturbance: point.disturbance.clone(),
+                unit: point.unit.clone(),
+                method: point.method.clone(),
+                dial: None,
+                worst_loss_db: point.loss_db,
+                last_dial: point.dial,
+            });
+        }
+        if let Some(failure) = failures.last_mut() {
+            failure.worst_loss_db = failure.worst_loss_db.max(point.loss_db);
+            failure.last_dial = point.dial;
+            if let (None, Some(before)) = (failure.dial, same)
+                && point.loss_db >= LOST_DB
+            {
+                let share = (LOST_DB - before.loss_db) / (point.loss_db - before.loss_db);
+                failure.dial = Some(before.dial + share * (point.dial - before.dial));
+            }
+        }
+        previous = Some(point);
+    }
+    failures
+}

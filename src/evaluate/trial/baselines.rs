@@ -1,0 +1,230 @@
+//! What anybody would try first, so that a claim is held against something: fewer samples, chosen without looking at
+//! sampling rates.
+//!
+//! Random thinning and the voxel grid start from all samples, nothing pruned, and keep exactly as many as they are told.
+//! Both are deterministic. The voxel grid is the usual one of point clouds: space is cut into cubes, over each span of
+//! frames for itself, and of every cube the sample nearest to its middle stays (a cloud's centroid is no pixel and could
+//! not be stored as one). Samples at infinity are sorted into cubes of directions.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use crate::demo::tracer::mix;
+use crate::samples::{DepthPlane, SampleImage, SampleSet, SampleTile, Span, TILE};
+
+/// Keeps `count` samples chosen at random, each with the same chance; all where there are no more.
+#[must_use]
+pub fn random(set: &SampleSet, count: u64) -> SampleSet {
+    thinned(set, count, &|_, _| 0)
+}
+
+/// Keeps one sample of each cube, of cubes just small enough that at least `count` stay, and of these `count` at random.
+#[must_use]
+pub fn voxel_grid(set: &SampleSet, count: u64) -> SampleSet {
+    if set.sample_count() <= count {
+        return set.clone();
+    }
+    let points: Vec<Vec<Place>> = set.images.par_iter().map(|image| places(set, image)).collect();
+    let (points, reach) = about_their_middle(points);
+    let (mut small, mut large) = (1e-5 * reach, reach);
+    let mut chosen = first_of_cubes(set, &points, small);
+    for _ in 0..HALVINGS {
+        if chosen.len() as u64 >= count {
+            break;
+        }
+        large = small;
+        small *= 0.5;
+        chosen = first_of_cubes(set, &points, small);
+    }
+    for _ in 0..BISECTIONS {
+        let middle = (small * large).sqrt();
+        let trial = first_of_cubes(set, &points, middle);
+        if (trial.len() as u64) < count {
+            large = middle;
+        } else {
+            (small, chosen) = (middle, trial);
+        }
+    }
+    let mut rank: Vec<Vec<u64>> = set.images.iter().map(|image| vec![1; image.len()]).collect();
+    for (image, sample) in chosen {
+        rank[image as usize][sample as usize] = 0;
+    }
+    thinned(set, count, &|image, sample| rank[image][sample])
+}
+
+/// How often the smallest cubes are halved where they still hold too many samples each: down to where `f64` tells no two
+/// places apart, so that samples at one and the same place end it.
+const HALVINGS: usize = 36;
+
+/// The samples farthest out, this share of them, do not say how large the scene is: one stray depth must not.
+const OUTLYING: f64 = 0.05;
+
+/// Places about the median of all that are not at infinity, so that cubes do not depend on where the world's origin lies, and
+/// how far they reach from there along any axis.
+fn about_their_middle(mut points: Vec<Vec<Place>>) -> (Vec<Vec<Place>>, f64) {
+    let finite = |points: &[Vec<Place>], value: &dyn Fn(DVec3) -> f64| -> Vec<f64> {
+        let places = points.iter().flatten().filter(|place| !place.at_infinity);
+        places.map(|place| value(place.point)).collect()
+    };
+    let at_share = |mut values: Vec<f64>, share: f64| {
+        let nth = ((values.len() as f64 * share) as usize).min(values.len().checked_sub(1)?);
+        Some(*values.select_nth_unstable_by(nth, f64::total_cmp).1)
+    };
+    let median = |axis: usize| at_share(finite(&points, &|point| point[axis]), 0.5).unwrap_or_default();
+    let middle = DVec3::from_array([0, 1, 2].map(median));
+    for place in points.iter_mut().flatten().filter(|place| !place.at_infinity) {
+        place.point -= middle;
+    }
+    let reach = at_share(finite(&points, &|point| point.abs().max_element()), 1.0 - OUTLYING);
+    // Nothing but sky lies on a sphere of radius 1; where all is in one place, any cube does.
+    (points, reach.filter(|reach| *reach > 0.0).unwrap_or(1.0))
+}
+
+/// Enough to tell cube sizes apart that differ by 0.3 %, over five decades.
+const BISECTIONS: usize = 12;
+
+/// Keeps the `count` samples of the lowest rank, by chance among equals.
+fn thinned(set: &SampleSet, count: u64, rank: &dyn Fn(usize, usize) -> u64) -> SampleSet {
+    let mut keys: Vec<(u64, u64, u32, u32)> = Vec::with_capacity(set.sample_count() as usize);
+    for (index, image) in set.images.iter().enumerate() {
+        for sample in 0..image.len() {
+            let chance = mix(mix(index as u64) ^ sample as u64);
+            keys.push((rank(index, sample), chance, index as u32, sample as u32));
+        }
+    }
+    let count = (count as usize).min(keys.len());
+    if count < keys.len() {
+        keys.select_nth_unstable(count);
+    }
+    let mut keep: Vec<Vec<bool>> = set.images.iter().map(|image| vec![false; image.len()]).collect();
+    for (_, _, image, sample) in &keys[..count] {
+        keep[*image as usize][*sample as usize] = true;
+    }
+    let images = set.images.par_iter().zip(&keep).filter_map(|(image, keep)| only(image, keep).map(Arc::new));
+    SampleSet { images: images.collect(), ..set.clone() }
+}
+
+/// The samples of an image for which `keep` holds; `None` where there are none.
+fn only(image: &SampleImage, keep: &[bool]) -> Option<SampleImage> {
+    let depths = image.inverse_depths();
+    let mut tiles: Vec<SampleTile> = Vec::new();
+    let (mut color, mut inverse_depth) = (Vec::new(), Vec::new());
+    let mut normal = image.normal.as_ref().map(|_| Vec::new());
+    for sample in image.samples().filter(|sample| keep[sample.index]) {
+        let (tile_x, tile_y) = ((sample.x / TILE) as u16, (sample.y / TILE) as u16);
+        if tiles.last().is_none_or(|tile| (tile.tile_x, tile.tile_y) != (tile_x, tile_y)) {
+            tiles.push(SampleTile { tile_x, tile_y, first: color.len() as u32, rows: [0; TILE] });
+        }
+        if let Some(tile) = tiles.last_mut() {
+            tile.rows[sample.y % TILE] |= 1 << (sample.x % TILE);
+        }
+        color.push(image.color[sample.index]);
+        inverse_depth.push(depths[sample.index]);
+        if let (Some(normal), Some(all)) = (&mut normal, &image.normal) {
+            normal.push(all[sample.index]);
+        }
+    }
+    let depth = DepthPlane::pack(&tiles, &inverse_depth);
+    (!color.is_empty()).then(|| SampleImage { tiles, color, depth, normal, ..image.clone() })
+}
+
+/// Where a sample lies.
+struct Place {
+    /// In world space; for a sample at infinity a direction, scaled so that cubes cut directions as they cut space.
+    point: DVec3,
+    at_infinity: bool,
+}
+
+/// Where every sample of an image lies, in storage order.
+fn places(set: &SampleSet, image: &SampleImage) -> Vec<Place> {
+    let camera = &set.cameras[image.camera as usize];
+    let depths = image.inverse_depths();
+    // Directions are cut as finely as surfaces at the middle depth are.
+    let mut finite: Vec<f32> = depths.iter().copied().filter(|depth| *depth > 0.0).collect();
+    let middle = finite.len() / 2;
+    let far = if finite.is_empty() {
+        1.0
+    } else {
+        1.0 / f64::from(*finite.select_nth_unstable_by(middle, f32::total_cmp).1)
+    };
+    let place = |x: usize, y: usize, inverse_depth: f32| {
+        let ray = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+        if inverse_depth == 0.0 {
+            let direction = camera.world_from_camera.transform_vector3(ray).normalize_or_zero();
+            return Place { point: direction * far, at_infinity: true };
+        }
+        let point = camera.world_from_camera.transform_point3(ray / f64::from(inverse_depth));
+        Place { point, at_infinity: false }
+    };
+    image.samples().map(|sample| place(sample.x, sample.y, depths[sample.index])).collect()
+}
+
+/// Image and sample of what stays in cubes of a size, over every span for itself.
+fn first_of_cubes(set: &SampleSet, points: &[Vec<Place>], size: f64) -> Vec<(u32, u32)> {
+    let mut groups: Vec<(Span, Vec<usize>)> = Vec::new();
+    for (index, image) in set.images.iter().enumerate() {
+        match groups.last_mut().filter(|(span, _)| *span == image.span) {
+            Some((_, group)) => group.push(index),
+            None => groups.push((image.span, vec![index])),
+        }
+    }
+    let in_group = |(_, group): &(Span, Vec<usize>)| {
+        let mut cubes: HashMap<(bool, [i64; 3]), (f64, u32, u32)> = HashMap::new();
+        for &image in group {
+            for (sample, place) in points[image].iter().enumerate() {
+                let cube = (place.point / size).floor();
+                let from_middle = (place.point / size - cube - 0.5).length_squared();
+                let key = (place.at_infinity, cube.to_array().map(|side| side as i64));
+                let candidate = (from_middle, image as u32, sample as u32);
+                let first = cubes.entry(key).or_insert(candidate);
+                if candidate < *first {
+                    *first = candidate;
+                }
+            }
+        }
+        let mut kept: Vec<(u32, u32)> =
+            cubes.into_values().map(|(_, image, sample)| (image, sample)).collect();
+        kept.sort_unstable();
+        kept
+    };
+    groups.par_iter().flat_map_iter(in_group).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+    use crate::demo::{Demo, DemoSpec};
+    use crate::job::Job;
+    use crate::preprocess::preprocess;
+    use crate::settings::{CaptureSettings, Settings};
+
+    /// Camera, first frame, column and row of every sample.
+    fn kept(set: &SampleSet) -> HashSet<(u32, usize, usize, usize)> {
+        let of = |image: &Arc<SampleImage>| {
+            let (camera, start) = (image.camera, image.span.start as usize);
+            image.samples().map(move |sample| (camera, start, sample.x, sample.y)).collect::<Vec<_>>()
+        };
+        set.images.iter().flat_map(of).collect()
+    }
+
+    #[test]
+    fn the_voxel_grid_keeps_the_same_samples_wherever_the_worlds_origin_lies() {
+        let spec = DemoSpec::new("orrery").cameras(2).frames(1).size((48, 36));
+        let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
+        let near = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples;
+        let mut far = near.as_ref().clone();
+        for camera in &mut far.cameras {
+            camera.world_from_camera.translation += DVec3::new(2e7, -1e7, 5e6);
+        }
+        let count = near.sample_count() / 4;
+        let [here, there] = [near.as_ref(), &far].map(|set| kept(&voxel_grid(set, count)));
+        assert_eq!([here.len() as u64, there.len() as u64], [count; 2]);
+        let shared = here.intersection(&there).count() as f64 / count as f64;
+        assert!(shared > 0.95, "{shared}");
+    }
+}

@@ -1,0 +1,35 @@
+//! How long a run of measurements still takes, told from those that are done.
+
+use std::time::Instant;
+
+use crate::job::Job;
+
+/// The pace at which points are measured.
+pub(crate) struct Pace {
+    started: Instant,
+    measured: usize,
+}
+
+impl Pace {
+    /// Nothing is measured yet.
+    pub(crate) fn start() -> Self {
+        Self { started: Instant::now(), measured: 0 }
+    }
+
+    /// Points that were begun.
+    pub(crate) fn measured(&self) -> usize {
+        self.measured
+    }
+
+    /// Tells the job which point of how many is measured next, and how long the `left` that are still to be measured take,
+    /// this one among them, if they take as long as those before.
+    pub(crate) fn next(&mut self, job: &Job, (number, total): (usize, usize), left: usize) {
+        let each = (self.measured > 0).then(|| self.started.elapsed().as_secs_f64() / self.measured as f64);
+        job.set_context(match each.map(|each| each * left as f64) {
+            None => format!("{number} of {total}"),
+            Some(seconds) if seconds < 90.0 => format!("{number} of {total}, {seconds:.0} s left"),
+            Some(seconds) => format!("{number} of {total}, {:.0} min left", seconds / 60.0),
+        });
+        self.measured += 1;
+    }
+}

@@ -1,0 +1,401 @@
+//! One setting, tried: preprocessed, stored, painted and held against the truth of every fold.
+//!
+//! ```text
+//! Trial ─ scan ─▶ prune ─▶ thin ─▶ store (bytes) ─▶ read ─▶ paint every view ─▶ Measured
+//!        └─ kept between trials that agree so far ─┘
+//! ```
+//!
+//! What is painted has been through the file, so that precision given up there shows in the pictures. Holes are filled for
+//! every trial alike: a method must not look good because it leaves out what is difficult, nor lose by a gap of one pixel
+//! what it gains everywhere else.
+
+use std::collections::BTreeSet;
+use std::collections::hash_map::{Entry, HashMap};
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::baselines;
+use crate::capture::View;
+use crate::error::{Error, Result};
+use crate::evaluate::metrics::Scores;
+use crate::evaluate::truth::{Fold, Recorded, Truth};
+use crate::evaluate::{Evaluation, Scoreboard, ViewScore, render_view};
+use crate::job::Job;
+use crate::preprocess::diagnostics::Report;
+use crate::preprocess::{self, PreparedScan};
+use crate::render::Renderer;
+use crate::samples::SampleSet;
+use crate::settings::{
+    Backend, CaptureSettings, Fill, Kernel, NormalSettings, PruningMethod, RenderSettings, Settings,
+    SpanSettings,
+};
+use crate::store;
+
+use super::standard_error::Estimate;
+
+/// What is done to the samples after pruning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Thinning {
+    /// Nothing.
+    None,
+    /// As many as the reference keeps, chosen at random.
+    Random,
+    /// As many as the reference keeps, one for each cube of a grid.
+    VoxelGrid,
+    /// Tolerances are lowered until at least as many stay as the reference keeps; of these, as many at random.
+    Tolerance,
+}
+
+/// Settings to be tried.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trial {
+    /// Says in short what is special about it.
+    pub label: String,
+    /// Everything that can be set.
+    pub settings: Settings,
+    /// What is done after pruning.
+    pub thinning: Thinning,
+    /// Names of the cameras that a model is made of; `None` for all.
+    pub cameras: Option<Vec<String>>,
+}
+
+impl Trial {
+    /// Settings as they are, on all cameras.
+    #[must_use]
+    pub fn new(label: impl Into<String>, settings: Settings) -> Self {
+        Self { label: label.into(), settings, thinning: Thinning::None, cameras: None }
+    }
+
+    /// What the trial's samples depend on: all but the painting.
+    fn model_key(&self) -> ModelKey {
+        let settings = Settings {
+            render: RenderSettings::default(),
+            capture: CaptureSettings::default(),
+            ..self.settings.clone()
+        };
+        (settings, self.thinning, self.cameras.clone())
+    }
+}
+
+type ModelKey = (Settings, Thinning, Option<Vec<String>>);
+
+/// What a trial gave.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Scores of every vantage of every fold, frame by frame.
+    pub scores: Vec<Vec<Scores>>,
+    /// The names of these views.
+    pub views: Vec<Vec<String>>,
+    /// Flicker, where a vantage is seen at two frames: mean over folds.
+    pub flicker_steps: Option<f64>,
+    /// Samples kept, mean over folds.
+    pub samples: u64,
+    /// Bytes of the store, mean over folds.
+    pub bytes: u64,
+    /// Those of them that say how it was made.
+    pub bytes_record: u64,
+    /// Bytes of the samples in memory, mean over folds.
+    pub bytes_memory: u64,
+    /// Samples that live longer than one frame, mean over folds.
+    pub samples_shared: u64,
+    /// Different spans that hold a sample, mean over folds.
+    pub spans: u64,
+    /// Median wall-clock milliseconds of painting a view.
+    pub milliseconds: f64,
+    /// Mean number of samples that are projected for a view.
+    pub samples_painted: f64,
+    /// Wall-clock seconds of preprocessing, scanning included, mean over folds.
+    pub seconds_preprocess: f64,
+}
+
+/// Samples of one fold under one trial.
+pub(crate) struct Model {
+    pub(crate) samples: Arc<SampleSet>,
+    report: Report,
+    pub(crate) bytes: u64,
+    bytes_record: u64,
+    seconds: f64,
+}
+
+impl Model {
+    /// One that was not through a file yet.
+    fn unstored(samples: Arc<SampleSet>, report: Report, seconds: f64) -> Self {
+        Self { samples, report, bytes: 0, bytes_record: 0, seconds }
+    }
+}
+
+struct FoldState {
+    fold: Fold,
+    scans: Vec<(ScanKey, Arc<PreparedScan>, f64)>,
+    models: Vec<(ModelKey, Arc<Model>)>,
+}
+
+/// What a scan depends on.
+type ScanKey = (NormalSettings, SpanSettings, Option<Vec<String>>);
+
+/// Scans and models that are kept of each fold: those of the last trials, and the unpruned one that baselines thin.
+const KEPT: usize = 3;
+
+/// Tries settings on one capture, sharing whatever they have in common.
+pub struct Workbench {
+    folds: Vec<FoldState>,
+    reference: Settings,
+    /// What paints, by what a trial asks for.
+    renderers: HashMap<Backend, Renderer>,
+}
+
+impl Workbench {
+    /// Loads the truth. `reference` says how many samples the baselines may keep.
+    ///
+    /// # Errors
+    /// As [`Truth::folds`].
+    pub fn new(recorded: &Recorded, truth: &Truth, reference: &Settings, job: &Job) -> Result<Self> {
+        Ok(Self::on(truth.folds(recorded, job)?, reference))
+    }
+
+    /// As [`Workbench::new`], with the truth loaded.
+    pub(crate) fn on(folds: Vec<Fold>, reference: &Settings) -> Self {
+        let state = |fold| FoldState { fold, scans: Vec::new(), models: Vec::new() };
+        Self {
+            folds: folds.into_iter().map(state).collect(),
+            reference: reference.clone(),
+            renderers: HashMap::new(),
+        }
+    }
+
+    /// Opens what will paint the trials, so that what is not there is told before anything is measured.
+    ///
+    /// # Errors
+    /// `Gpu` where one asks for a GPU and there is none.
+    pub fn open<'a>(&mut self, trials: impl IntoIterator<Item = &'a Trial>) -> Result<()> {
+        trials
+            .into_iter()
+            .try_for_each(|trial| opened(&mut self.renderers, trial.settings.render.backend).map(|_| ()))
+    }
+
+    /// Whether some fold that has views has a camera left for the trial.
+    #[must_use]
+    pub fn can_measure(&self, trial: &Trial) -> bool {
+        self.folds.iter().any(|fold| fold.has_cameras(trial))
+    }
+
+    /// Tries one setting.
+    ///
+    /// # Errors
+    /// As [`preprocess::preprocess`], [`crate::store::file::write`] and [`render_view`]; `Invalid` where no fold has a camera left; `Gpu` where
+    /// the GPU is asked for and cannot paint: the CPU's times must not pass for its own.
+    pub fn measure(&mut self, trial: &Trial, job: &Job) -> Result<Measured> {
+        let renderer = opened(&mut self.renderers, trial.settings.render.backend)?;
+        let filling = RenderSettings { fill: Fill::PushPull, ..trial.settings.render.clone() };
+        let (mut models, mut evaluations) = (Vec::new(), Vec::new());
+        let (mut by_vantage, mut names) = (Vec::new(), Vec::new());
+        for fold in &mut self.folds {
+            if !fold.has_cameras(trial) {
+                continue;
+            }
+            let model = fold.model(trial, &self.reference, job)?;
+            job.start("Scoring views", fold.fold.views.len());
+            let mut scores = Scoreboard::default();
+            for view in &fold.fold.views {
+                job.check()?;
+                let mut painted = render_view(renderer, &model.samples, view, &filling, job)?;
+                if let (Backend::Gpu, Some(why)) = (filling.backend, &painted.notice) {
+                    return Err(Error::Gpu {
+                        what: format!("'{}' asks for the GPU, but {why}", trial.label),
+                    });
+                }
+                if trial.settings.render.fill == Fill::None {
+                    painted.score.milliseconds -= painted.fill_ms;
+                }
+                scores.add(view, painted);
+                job.advance(1);
+            }
+            let evaluation = scores.finish();
+            for (of_vantage, scores) in scores_by_vantage(&fold.fold.views, &evaluation) {
+                names.push(of_vantage);
+                by_vantage.push(scores);
+            }
+            evaluations.push(evaluation);
+            models.push(model);
+        }
+        if models.is_empty() {
+            return Err(Error::invalid(&trial.label, "no camera is left to make a model of"));
+        }
+        let mean = |value: &dyn Fn(&Model) -> f64| {
+            models.iter().map(|model| value(model)).sum::<f64>() / models.len() as f64
+        };
+        let views = || evaluations.iter().flat_map(|evaluation| &evaluation.views);
+        let mut times: Vec<f64> = views().map(|view| view.milliseconds).collect();
+        let middle = times.len() / 2;
+        let flicker: Vec<f64> =
+            evaluations.iter().filter_map(|evaluation| evaluation.mean.flicker_steps).collect();
+        Ok(Measured {
+            scores: by_vantage,
+            views: names,
+            flicker_steps: (!flicker.is_empty()).then(|| Estimate::of(&flicker).mean),
+            samples: mean(&|model| model.samples.sample_count() as f64).round() as u64,
+            bytes: mean(&|model| model.bytes as f64).round() as u64,
+            bytes_record: mean(&|model| model.bytes_record as f64).round() as u64,
+            bytes_memory: mean(&|model| model.samples.bytes() as f64).round() as u64,
+            samples_shared: mean(&|model| shared(&model.samples) as f64).round() as u64,
+            spans: mean(&|model| span_count(&model.samples) as f64).round() as u64,
+            milliseconds: *times.select_nth_unstable_by(middle, f64::total_cmp).1,
+            samples_painted: Estimate::of(&views().map(|view| view.samples as f64).collect::<Vec<_>>()).mean,
+            seconds_preprocess: mean(&|model| model.seconds),
+        })
+    }
+}
+
+/// Names and scores of the views of each vantage, which follow each other.
+fn scores_by_vantage(views: &[View], evaluation: &Evaluation) -> Vec<(Vec<String>, Vec<Scores>)> {
+    let scored: Vec<_> = views.iter().zip(&evaluation.views).collect();
+    let vantages = scored.chunk_by(|(before, _), (after, _)| before.camera == after.camera);
+    let scored = |(view, score): &(&View, &ViewScore)| Some((view.file_path.clone(), score.scores?));
+    vantages.map(|vantage| vantage.iter().filter_map(scored).unzip()).collect()
+}
+
+/// The renderer for a backend, opened when it is first asked for.
+fn opened(renderers: &mut HashMap<Backend, Renderer>, backend: Backend) -> Result<&mut Renderer> {
+    Ok(match renderers.entry(backend) {
+        Entry::Occupied(known) => known.into_mut(),
+        Entry::Vacant(new) => new.insert(Renderer::strict(backend)?),
+    })
+}
+
+/// Samples that live longer than one frame.
+fn shared(samples: &SampleSet) -> u64 {
+    samples.images.iter().filter(|image| image.span.len() > 1).map(|image| image.len() as u64).sum()
+}
+
+/// Different spans that hold a sample.
+fn span_count(samples: &SampleSet) -> usize {
+    samples.images.iter().map(|image| image.span).collect::<BTreeSet<_>>().len()
+}
+
+impl FoldState {
+    fn keeps(trial: &Trial, camera: &str) -> bool {
+        trial.cameras.as_ref().is_none_or(|names| names.iter().any(|name| name == camera))
+    }
+
+    fn has_cameras(&self, trial: &Trial) -> bool {
+        self.fold.capture.cameras.iter().any(|camera| Self::keeps(trial, &camera.name))
+    }
+
+    fn scan(&mut self, trial: &Trial, job: &Job) -> Result<(Arc<PreparedScan>, f64)> {
+        let Settings { normals, spans, .. } = &trial.settings;
+        let key = (normals.clone(), spans.clone(), trial.cameras.clone());
+        if let Some((_, scan, seconds)) = self.scans.iter().find(|(known, ..)| *known == key) {
+            return Ok((scan.clone(), *seconds));
+        }
+        let started = std::time::Instant::now();
+        let capture = self.fold.capture.with_cameras(|_, camera| Self::keeps(trial, &camera.name));
+        let scan = preprocess::scan(&capture, &trial.settings, job)?;
+        let seconds = started.elapsed().as_secs_f64();
+        self.scans.truncate(KEPT - 1);
+        self.scans.insert(0, (key, scan.clone(), seconds));
+        Ok((scan, seconds))
+    }
+
+    fn model(&mut self, trial: &Trial, reference: &Settings, job: &Job) -> Result<Arc<Model>> {
+        let key = trial.model_key();
+        // A store notes its settings: those of painting must not change its size.
+        let trial = &Trial { settings: key.0.clone(), ..trial.clone() };
+        if let Some(place) = self.models.iter().position(|(known, _)| *known == key) {
+            let known = self.models.remove(place);
+            self.models.insert(0, known);
+            return Ok(self.models[0].1.clone());
+        }
+        let model = match trial.thinning {
+            Thinning::None => self.pruned(trial, job)?,
+            thinning => {
+                let count = self.model(&Trial::new("reference", reference.clone()), reference, job)?;
+                self.thinned(trial, thinning, count.samples.sample_count(), job)?
+            }
+        };
+        let seconds = model.seconds;
+        let model = Arc::new(Model { seconds, ..stored(&model.samples, &model.report, job)? });
+        self.models.truncate(KEPT - 1);
+        self.models.insert(0, (key, model.clone()));
+        Ok(model)
+    }
+
+    /// As the settings say; not through a file yet.
+    fn pruned(&mut self, trial: &Trial, job: &Job) -> Result<Model> {
+        let (scan, seconds_scan) = self.scan(trial, job)?;
+        let capture = self.fold.capture.with_cameras(|_, camera| Self::keeps(trial, &camera.name));
+        let pruned = preprocess::prune(&capture, &scan, &trial.settings, job)?;
+        let seconds = seconds_scan + pruned.report.seconds;
+        Ok(Model::unstored(pruned.samples, pruned.report, seconds))
+    }
+
+    fn thinned(&mut self, trial: &Trial, thinning: Thinning, count: u64, job: &Job) -> Result<Model> {
+        let mut trial = trial.clone();
+        trial.thinning = Thinning::None;
+        if thinning == Thinning::Tolerance {
+            return self.pruned_to(trial, count, job);
+        }
+        trial.settings.pruning.method = PruningMethod::Off;
+        let all = self.model(&trial, &trial.settings, job)?;
+        let started = std::time::Instant::now();
+        let samples = Arc::new(match thinning {
+            Thinning::VoxelGrid => baselines::voxel_grid(&all.samples, count),
+            _ => baselines::random(&all.samples, count),
+        });
+        let seconds = all.seconds + started.elapsed().as_secs_f64();
+        Ok(Model::unstored(samples, all.report.clone(), seconds))
+    }
+
+    /// Lowers all tolerances together until at least `count` samples stay, and takes as many of them.
+    fn pruned_to(&mut self, mut trial: Trial, count: u64, job: &Job) -> Result<Model> {
+        const BISECTIONS: usize = 7;
+        let mut best = self.pruned(&trial, job)?;
+        if best.samples.sample_count() < count {
+            let tolerances = trial.settings.pruning.clone();
+            let mut tightened = |share: f64| {
+                let between = |from: f32, to: f32| from * (to / from).powf(share as f32);
+                let pruning = &mut trial.settings.pruning;
+                pruning.depth_tolerance = between(tolerances.depth_tolerance, 0.05);
+                pruning.color_tolerance = between(tolerances.color_tolerance, 1.0);
+                pruning.normal_tolerance = between(tolerances.normal_tolerance, 1.0);
+                self.pruned(&trial, job)
+            };
+            let (mut low, mut high) = (0.0, 1.0);
+            best = tightened(high)?;
+            for _ in 0..BISECTIONS {
+                let middle = 0.5 * (low + high);
+                let pruned = tightened(middle)?;
+                if pruned.samples.sample_count() < count {
+                    low = middle;
+                } else {
+                    (high, best) = (middle, pruned);
+                }
+            }
+        }
+        let samples = Arc::new(baselines::random(&best.samples, count));
+        Ok(Model { samples, ..best })
+    }
+}
+
+/// Samples and report as they come back from a file, and the bytes it has.
+pub(crate) fn stored(samples: &SampleSet, report: &Report, job: &Job) -> Result<Model> {
+    let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
+    let path = folder.path().join("trial.ovl");
+    let bytes = crate::store::file::write(&path, samples, report, job)?;
+    let store = crate::store::file::Store::open(&path)?;
+    let (samples, report) = store.read_undamaged(job)?;
+    let bytes_record = store.info().record_bytes;
+    Ok(Model { bytes, bytes_record, ..Model::unstored(Arc::new(samples), report, 0.0) })
+}
+
+/// How much work a kernel does per sample, as a rule that is the same on every machine: ranks of the measured times.
+#[must_use]
+pub fn kernel_cost(kernel: Kernel) -> f64 {
+    match kernel {
+        Kernel::Point => 1.0,
+        Kernel::Block => 4.0,
+        Kernel::Surfel => 6.0,
+        Kernel::Gather => 7.0,
+    }
+}

@@ -1,0 +1,313 @@
+//! What pictures are held against: vantages whose truth is known, or every camera left out in turn.
+//!
+//! ```text
+//! Truth::Views ──────── one fold:  all cameras,       the views that came with the capture
+//! Truth::HoldOut ────── n folds:   all but camera k,  frames of camera k
+//!                                  each truth masked to what the fold's cameras could see
+//! ```
+//!
+//! Whatever no camera of a fold saw cannot be painted by any method: such pixels are taken out of the truth, so that holes
+//! are counted where a method made them, and nowhere else. A true picture that came without any depth says nothing about
+//! where its surfaces lie: it stays whole, and what no camera saw counts against every method alike.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::hold_out;
+use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, View};
+use crate::error::{Error, Result};
+use crate::evaluate::{says_nothing, vantage_order, with_truth};
+use crate::job::Job;
+
+/// Where the truth comes from.
+#[derive(Clone)]
+pub enum Truth {
+    /// Vantages with true pictures; views without are passed over.
+    Views(Vec<View>),
+    /// Each camera is left out in turn, and some of its own frames are the truth.
+    HoldOut,
+}
+
+/// Cameras to make a model of, and views to score it at.
+#[derive(Clone)]
+pub struct Fold {
+    /// The camera that is left out, where one is.
+    pub held_out: Option<String>,
+    /// The cameras to make a model of.
+    pub capture: Capture,
+    /// Views whose truth is masked to what those cameras saw, ordered by vantage and frame.
+    pub views: Vec<View>,
+}
+
+/// What was recorded, and what was there: they differ where a disturbance lies between them.
+#[derive(Clone)]
+pub struct Recorded {
+    /// What models are made of.
+    pub capture: Capture,
+    /// What the cameras would have recorded without the disturbance; tells where surfaces truly are.
+    pub clean: Capture,
+    /// The cameras whose places are looked from where each is left out in turn, all of them still there.
+    pub places: Capture,
+    /// Changes the truth where the disturbance changes the scene itself.
+    pub edit_truth: Option<TruthEdit>,
+}
+
+/// Changes a true picture, given where it was taken from and the number of its frame.
+pub type TruthEdit = Arc<dyn Fn(&Camera, i64, Frame) -> Frame + Send + Sync>;
+
+impl Recorded {
+    /// A capture as it is.
+    #[must_use]
+    pub fn undisturbed(capture: &Capture) -> Self {
+        Self { capture: capture.clone(), clean: capture.clone(), places: capture.clone(), edit_truth: None }
+    }
+}
+
+impl Truth {
+    /// The fewest cameras that a model can be made of and held against this: where each is left out in turn, one must stay.
+    #[must_use]
+    pub fn least_cameras(&self) -> usize {
+        match self {
+            Self::Views(_) => 1,
+            Self::HoldOut => 2,
+        }
+    }
+
+    /// Loads and masks the truth of every fold. Views of which no pixel is left are dropped, and folds without views: they say
+    /// nothing of any method.
+    ///
+    /// # Errors
+    /// Whatever loading frames and truth gives; `Invalid` where nothing is left, and where a single camera should be left
+    /// out; `Cancelled`.
+    pub fn folds(&self, recorded: &Recorded, job: &Job) -> Result<Vec<Fold>> {
+        let (folds, unseen) = self.folds_left(recorded, job)?;
+        for view in unseen {
+            job.warn(view);
+        }
+        if folds.is_empty() { Err(nothing_to_compare(&recorded.capture.name)) } else { Ok(folds) }
+    }
+
+    /// As [`Truth::folds`], with no fold where nothing is left, and a line on each view that was dropped.
+    pub(crate) fn folds_left(&self, recorded: &Recorded, job: &Job) -> Result<(Vec<Fold>, Vec<String>)> {
+        let folds = match self {
+            Self::Views(views) => vec![(None, with_truth(views, job).into_iter().cloned().collect())],
+            Self::HoldOut => {
+                let names = recorded.places.cameras.iter().map(|camera| camera.name.clone());
+                let split = |name: String| {
+                    let (_, views) = hold_out::split(&recorded.places, std::slice::from_ref(&name))?;
+                    Ok((Some(name), views))
+                };
+                names.map(split).collect::<Result<Vec<_>>>()?
+            }
+        };
+        job.start("Loading the truth", folds.iter().map(|(_, views)| views.len()).sum());
+        let mut dropped = Vec::new();
+        let mask = |(held_out, views): (Option<String>, Vec<View>)| {
+            let keep = |_: usize, camera: &Camera| Some(&camera.name) != held_out.as_ref();
+            let fold = Recorded {
+                capture: recorded.capture.with_cameras(keep),
+                clean: recorded.clean.with_cameras(keep),
+                ..recorded.clone()
+            };
+            let masked: Vec<(View, bool)> = views
+                .into_par_iter()
+                .map(|view| {
+                    job.check()?;
+                    let view = masked(&fold, view);
+                    job.advance(1);
+                    view
+                })
+                .collect::<Result<_>>()?;
+            let (known, unseen): (Vec<_>, Vec<_>) = masked.into_iter().partition(|(_, has_truth)| *has_truth);
+            dropped.extend(unseen.iter().map(|(view, _)| says_nothing(view)));
+            let views: Vec<View> = known.into_iter().map(|(view, _)| view).collect();
+            Ok(Fold { held_out, capture: fold.capture, views: ordered(&views) })
+        };
+        let mut folds = folds.into_iter().map(mask).collect::<Result<Vec<_>>>()?;
+        folds.retain(|fold| !fold.views.is_empty());
+        Ok((folds, dropped))
+    }
+}
+
+/// That nothing can be measured on what is called `name`.
+pub(crate) fn nothing_to_compare(name: &str) -> Error {
+    Error::invalid(
+        name,
+        "no view has a true picture to be compared with; name others with --views, or leave cameras out",
+    )
+}
+
+/// Views of one vantage after each other, each by frame; vantages in the order in which they first come.
+fn ordered(views: &[View]) -> Vec<View> {
+    let order = vantage_order(&views.iter().collect::<Vec<_>>());
+    order.into_iter().map(|index| views[index].clone()).collect()
+}
+
+/// The view with its truth loaded and masked to what the recorded cameras saw, whole where the truth came without depth; and
+/// whether any pixel of it is left.
+fn masked(recorded: &Recorded, view: View) -> Result<(View, bool)> {
+    let (Some(load), Some(frame)) = (&view.truth, recorded.capture.frame_index(view.frame_number)) else {
+        return Err(Error::invalid(
+            format!("view '{}'", view.file_path),
+            format!("'{}' has no frame {}", recorded.capture.name, view.frame_number),
+        ));
+    };
+    let mut truth = load()?;
+    // Asked before the edit, which may put surfaces of its own into a picture that has none.
+    let has_depth = truth.inverse_depth.as_slice().iter().any(|inverse_depth| *inverse_depth > 0.0);
+    if let Some(edit) = &recorded.edit_truth {
+        truth = edit(&view.camera, view.frame_number, truth);
+    }
+    if has_depth {
+        let sights = (0..recorded.capture.cameras.len())
+            .map(|camera| Sight::new(recorded, camera, frame))
+            .collect::<Result<Vec<_>>>()?;
+        mask_unseen(&mut truth, &view.camera, &sights);
+    }
+    let has_truth = truth.inverse_depth.as_slice().iter().any(|inverse_depth| *inverse_depth >= 0.0);
+    let truth = Arc::new(truth);
+    Ok((View { truth: Some(Arc::new(move || Ok((*truth).clone()))), ..view }, has_truth))
+}
+
+/// Takes what nothing saw out of what `camera` truly sees.
+fn mask_unseen(truth: &mut Frame, camera: &Camera, sights: &[Sight]) {
+    let width = truth.size().0;
+    let unseen: Vec<usize> = (0..truth.inverse_depth.len())
+        .into_par_iter()
+        .filter(|&pixel| {
+            let inverse_depth = truth.inverse_depth.as_slice()[pixel];
+            let center = DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
+            !sights.iter().any(|sight| sight.sees(camera, center, inverse_depth))
+        })
+        .collect();
+    for pixel in unseen {
+        truth.inverse_depth.as_mut_slice()[pixel] = INVALID_INVERSE_DEPTH;
+    }
+}
+
+/// What one camera saw at one frame.
+struct Sight {
+    camera: Camera,
+    clean: Arc<Frame>,
+    recorded: Arc<Frame>,
+}
+
+/// A point was seen where the surface recorded there lies within so many of the camera's pixel widths of it: the widths
+/// of the paper's 4-pixel neighborhood on a surface seen at 75°.
+const SEEN_WITHIN_PX: f64 = 4.0;
+
+impl Sight {
+    fn new(recorded: &Recorded, camera: usize, frame: usize) -> Result<Self> {
+        Ok(Self {
+            camera: recorded.clean.cameras[camera].clone(),
+            clean: recorded.clean.frame(camera, frame)?,
+            recorded: recorded.capture.frame(camera, frame)?,
+        })
+    }
+
+    /// Whether one of the four pixels around the point that `from` sees at `pixel` shows it, and was recorded.
+    fn sees(&self, from: &Camera, pixel: DVec2, inverse_depth: f32) -> bool {
+        if inverse_depth < 0.0 {
+            return false;
+        }
+        let ray = from.intrinsics.ray_in_camera(pixel);
+        let at_infinity = inverse_depth == 0.0;
+        let (position, depth) = if at_infinity {
+            let direction = from.world_from_camera.transform_vector3(ray);
+            let in_camera = self.camera.camera_from_world().transform_vector3(direction);
+            let Some(position) = self.camera.intrinsics.project(in_camera) else { return false };
+            (position, f64::INFINITY)
+        } else {
+            let point = from.world_from_camera.transform_point3(ray / f64::from(inverse_depth));
+            let Some(projected) = self.camera.project(point) else { return false };
+            projected
+        };
+        let (width, height) = self.clean.size();
+        let corner = (position - 0.5).floor();
+        [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].iter().any(|&(dx, dy)| {
+            let (x, y) = (corner.x + dx, corner.y + dy);
+            if !(0.0..width as f64).contains(&x) || !(0.0..height as f64).contains(&y) {
+                return false;
+            }
+            let at = (x as usize, y as usize);
+            let recorded = self.recorded.inverse_depth[at];
+            let there = f64::from(self.clean.inverse_depth[at]);
+            if recorded < 0.0 || there < 0.0 {
+                return false;
+            }
+            if at_infinity {
+                return there == 0.0;
+            }
+            // The mean of both sides where pixels are not square.
+            let width_of_pixel = depth / (self.camera.intrinsics.fx * self.camera.intrinsics.fy).sqrt();
+            there > 0.0 && (1.0 / there - depth).abs() <= SEEN_WITHIN_PX * width_of_pixel
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{Demo, DemoSpec};
+    use crate::settings::CaptureSettings;
+
+    fn true_pixels(views: Vec<View>, capture: &Capture) -> usize {
+        let folds = Truth::Views(views).folds(&Recorded::undisturbed(capture), &Job::new()).unwrap();
+        let pictures = folds[0].views.iter().map(|view| view.truth.as_ref().unwrap()().unwrap());
+        pictures
+            .map(|truth| truth.inverse_depth.as_slice().iter().filter(|depth| **depth >= 0.0).count())
+            .sum()
+    }
+
+    fn demo_of_two() -> (Capture, Vec<View>) {
+        let spec = DemoSpec::new("orrery").cameras(2).frames(1).size((32, 24));
+        let demo = Demo::new(&spec).unwrap();
+        (demo.capture(&CaptureSettings::default()), demo.truth_views())
+    }
+
+    #[test]
+    fn a_view_that_shows_nothing_that_a_camera_saw_is_dropped_by_name_and_all_such_are_no_truth() {
+        let (capture, mut views) = demo_of_two();
+        let load = views[1].truth.clone().unwrap();
+        views[1].truth = Some(Arc::new(move || {
+            let mut truth = load()?;
+            // A kilometer away, where nobody recorded anything.
+            truth.inverse_depth.as_mut_slice().fill(1e-3);
+            Ok(truth)
+        }));
+        views[2].truth = None;
+        let (recorded, job) = (Recorded::undisturbed(&capture), Job::new());
+        let folds = Truth::Views(views.clone()).folds(&recorded, &job).unwrap();
+        let names: Vec<_> = folds[0].views.iter().map(|view| &view.file_path).collect();
+        assert_eq!(names, [&views[0].file_path]);
+        let [missing, left_out] = job.warnings().try_into().unwrap();
+        assert!(missing.contains(&views[2].file_path) && missing.starts_with("1 of 3 views"), "{missing}");
+        assert!(left_out.contains(&views[1].file_path) && left_out.contains("left out"), "{left_out}");
+
+        let Err(error) = Truth::Views(views[1..2].to_vec()).folds(&recorded, &Job::new()) else {
+            panic!("a view that shows nothing passed for truth")
+        };
+        assert!(error.to_string().contains("no view has a true picture"), "{error}");
+    }
+
+    #[test]
+    fn a_true_picture_without_depth_counts_whole_and_one_with_depth_where_a_camera_saw_it() {
+        let (capture, views) = demo_of_two();
+        let pixels: usize = views.iter().map(|view| view.camera.intrinsics.pixel_count()).sum();
+        let masked = true_pixels(views.clone(), &capture);
+        assert!(masked > pixels / 2 && masked < pixels, "{masked} of {pixels}");
+
+        let color_only = |view: View| {
+            let load = view.truth.clone().unwrap();
+            let without_depth = move || {
+                let mut truth = load()?;
+                truth.inverse_depth.as_mut_slice().fill(0.0);
+                Ok(truth)
+            };
+            View { truth: Some(Arc::new(without_depth)), ..view }
+        };
+        assert_eq!(true_pixels(views.into_iter().map(color_only).collect(), &capture), pixels);
+    }
+}

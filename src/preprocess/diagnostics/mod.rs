@@ -1,0 +1,12 @@
+//! What preprocessing reports beside the samples: counts, residuals between cameras, warnings.
+
+mod calibration_warnings;
+mod log_histogram;
+mod pair_residuals;
+mod report;
+
+pub use calibration_warnings::{Doubt, doubts};
+pub(crate) use pair_residuals::Residuals;
+pub use pair_residuals::{PairResiduals, Residual};
+pub(crate) use report::Tally;
+pub use report::{CameraReport, Report, STATIC_RULE, SpanReport};

@@ -1,0 +1,287 @@
+//! Do two cameras agree? How far apart they put surfaces that both should see.
+//!
+//! Purpose: a camera whose pose is wrong disagrees with all others about what never moves; one whose clock is wrong, only
+//! about what moves. Both show here, pair by pair, before they show as ghosts in a picture.
+//!
+//! Source: the paper takes calibrated and synchronized cameras for granted. Distances are those of
+//! [`crate::preprocess::registration`], in footprints: from a sample to the tangent plane of what the other camera saw in its place. What
+//! differs: there is no tolerance. Where the other camera sees something much nearer, the sample is hidden and says nothing;
+//! where it sees something farther, it looks through the surface, and the distance counts however large it is. Samples lie on a
+//! lattice, and what most of them do not exceed is blind to silhouettes and to single wrong pixels.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::log_histogram::Spread;
+use crate::capture::INVALID_INVERSE_DEPTH;
+use crate::error::Result;
+use crate::job::Job;
+use crate::preprocess::layers::{Layer, MIXED};
+use crate::preprocess::pruning::lanes_at;
+use crate::preprocess::registration::{
+    Block, IN_VIEW, LANES, Needs, Outcome, Registration, Rig, SameSurface, lanes_of,
+};
+use crate::preprocess::temporal::ROOT;
+use crate::simd::{self, Work};
+
+/// What is nearer than a sample by more than this, in footprints, hides it. Much more, and what is hidden by something close by
+/// passes for disagreement.
+const HIDING_FOOTPRINTS: f32 = 2.0;
+
+/// The share of the samples that [`Residual::most_footprints`] speaks for: on the silhouettes of correct captures up to one in
+/// ten is off.
+const MOST: f64 = 0.85;
+
+/// Fewer samples of a pair say nothing.
+const MIN_SAMPLES: u64 = 48;
+
+/// Samples of each camera that another one is asked about, about: with many cameras fewer, so that all together are no more.
+const LATTICE_SAMPLES: usize = 8192;
+const FEWEST_LATTICE_SAMPLES: usize = 1024;
+/// Cameras up to which nothing is spared.
+const FEW_CAMERAS: usize = 9;
+
+/// So many times more where what moves is looked for.
+const MOVING_DENSITY: usize = 4;
+
+/// Frames at which what moves is looked at, at most: spread over all.
+const FRAMES: usize = 8;
+
+/// What changes its inverse depth by less of itself did not move.
+const MOVED_RELATIVE: f32 = 0.02;
+
+/// How far the samples of one camera that nothing hides from another are off.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Residual {
+    /// Samples that were compared.
+    pub samples: u64,
+    /// Distance to the tangent plane of what the other camera saw there, in footprints of the coarser of the two, median.
+    pub median_footprints: f32,
+    /// The distance that 85 % of the samples do not exceed.
+    pub most_footprints: f32,
+    /// Difference of color where both see the surface, the widest channel, 8-bit sRGB steps, median. Noise is not taken out.
+    pub median_color_steps: f32,
+}
+
+/// How one camera's samples fit what another saw.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PairResiduals {
+    /// Of samples that are the same over all frames: large where a pose is wrong. `None` where too few are seen by both.
+    pub lasting: Option<Residual>,
+    /// Of what is nearer or farther than some frames before: large while `lasting` is small where clocks differ. `None` where too
+    /// few are seen by both.
+    pub moving: Option<Residual>,
+    /// Samples at some distance that are the same over all frames and were looked for, where no pair at all can be compared.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub unmatched: u64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_none(count: &u64) -> bool {
+    *count == 0
+}
+
+/// Distances and colors while they are gathered.
+#[derive(Default)]
+struct Readings {
+    footprints: Spread,
+    color_steps: Spread,
+    /// Samples at some distance, wherever the other camera looks.
+    asked: u64,
+}
+
+impl Readings {
+    fn add(&mut self, other: &Self) {
+        self.footprints.add(&other.footprints);
+        self.color_steps.add(&other.color_steps);
+        self.asked += other.asked;
+    }
+
+    fn residual(&self) -> Option<Residual> {
+        let samples = self.footprints.total();
+        (samples >= MIN_SAMPLES).then(|| Residual {
+            samples,
+            median_footprints: self.footprints.within(0.5),
+            most_footprints: self.footprints.within(MOST),
+            median_color_steps: self.color_steps.within(0.5),
+        })
+    }
+}
+
+/// Gathers residuals while preprocessing runs.
+pub(crate) struct Residuals<'a> {
+    rig: &'a Rig<'a>,
+    frames: usize,
+    /// `[source * cameras + target]`: of samples of all frames, and of things that moved.
+    readings: Vec<[Readings; 2]>,
+    /// Per camera: inverse depth on the lattice when it was last looked at.
+    before: Vec<Vec<[f32; LANES]>>,
+}
+
+impl<'a> Residuals<'a> {
+    pub(crate) fn new(rig: &'a Rig<'a>, frames: usize) -> Self {
+        let pairs = rig.cameras().len().pow(2);
+        let before = vec![Vec::new(); rig.cameras().len()];
+        Self { rig, frames, readings: (0..pairs).map(|_| <[Readings; 2]>::default()).collect(), before }
+    }
+
+    /// Compares what is the same over all frames.
+    ///
+    /// # Errors
+    /// `Cancelled`.
+    pub(crate) fn add_lasting(&mut self, layers: &[Layer], job: &Job) -> Result<()> {
+        let asked = self.asked();
+        let blocks = layers.par_iter().map(|layer| {
+            let block = |(column, row)| {
+                let lanes = lanes_at(layer, (column, row), |level| level == ROOT);
+                (column, row, lanes)
+            };
+            lattice(layer, asked).map(block).collect()
+        });
+        let blocks: Vec<Vec<_>> = blocks.collect();
+        self.add(layers, &blocks, 0, job)
+    }
+
+    /// Compares what is nearer or farther at `frame` than it was when pixels were last looked at, where this is one of the
+    /// frames to look at; `layers` hold all its samples. What changes its light alone is left out: of such there may be a lot.
+    ///
+    /// # Errors
+    /// `Cancelled`.
+    pub(crate) fn add_moving(&mut self, frame: usize, layers: &[Layer], job: &Job) -> Result<()> {
+        if !frame.is_multiple_of(self.frames.div_ceil(FRAMES).max(1)) {
+            return Ok(());
+        }
+        let asked = self.asked() * MOVING_DENSITY;
+        let blocks = layers.par_iter().zip(&mut self.before).map(|(layer, before)| {
+            let look = |(at, (column, row)): (usize, (usize, usize))| {
+                let now = lanes_of(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
+                let moved = before.get(at).map_or(0, |before| moved_lanes(before, &now));
+                let passing = lanes_at(layer, (column, row), |level| level != ROOT);
+                ((column, row, moved & passing), now)
+            };
+            let (blocks, now) = lattice(layer, asked).enumerate().map(look).unzip();
+            *before = now;
+            blocks
+        });
+        let blocks: Vec<Vec<_>> = blocks.collect();
+        self.add(layers, &blocks, 1, job)
+    }
+
+    /// Samples to ask of each pair, about, were all pixels of the kind that is compared.
+    fn asked(&self) -> usize {
+        let cameras = self.rig.cameras().len().max(1);
+        (LATTICE_SAMPLES * FEW_CAMERAS / cameras).clamp(FEWEST_LATTICE_SAMPLES, LATTICE_SAMPLES)
+    }
+
+    fn add(
+        &mut self,
+        layers: &[Layer],
+        blocks: &[Vec<(usize, usize, u32)>],
+        kind: usize,
+        job: &Job,
+    ) -> Result<()> {
+        let rig = self.rig;
+        self.readings.par_iter_mut().enumerate().try_for_each(|(pair, readings)| {
+            job.check()?;
+            let [source, target] = [pair / layers.len(), pair % layers.len()];
+            if source != target {
+                let compare = Compare {
+                    registration: rig.registration(source, target),
+                    source: &layers[source],
+                    target: &layers[target],
+                    blocks: &blocks[source],
+                };
+                readings[kind].add(&simd::run(compare));
+            }
+            Ok(())
+        })
+    }
+
+    /// `[source][target]`.
+    pub(crate) fn finish(self) -> Vec<Vec<PairResiduals>> {
+        let cameras = self.rig.cameras().len();
+        let is_compared = |reading: &Readings| reading.residual().is_some();
+        let is_any_compared = self.readings.iter().flatten().any(is_compared);
+        let of_pair = |[lasting, moving]: [Readings; 2]| PairResiduals {
+            lasting: lasting.residual(),
+            moving: moving.residual(),
+            unmatched: if is_any_compared { 0 } else { lasting.asked },
+        };
+        let mut pairs = self.readings.into_iter().map(of_pair);
+        (0..cameras).map(|_| pairs.by_ref().take(cameras).collect()).collect()
+    }
+}
+
+/// Columns and rows of blocks of pixels of a layer, spread evenly, so that they hold about so many pixels.
+fn lattice(layer: &Layer, pixels: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
+    let (width, height) = (layer.width, layer.height());
+    let step = (width * height / pixels).isqrt().max(1);
+    (0..height).step_by(step).flat_map(move |row| {
+        // Neighboring rows begin elsewhere, so that no column of the picture is left out.
+        let first = row / step % step * LANES;
+        (first..width).step_by(step * LANES).map(move |column| (column, row))
+    })
+}
+
+/// Where the inverse depth changed by more than noise and rounding do.
+fn moved_lanes(before: &[f32; LANES], now: &[f32; LANES]) -> u32 {
+    let moved = |lane: usize| {
+        let [before, now] = [before[lane], now[lane]];
+        before >= 0.0 && now >= 0.0 && (before - now).abs() > MOVED_RELATIVE * before.max(now)
+    };
+    (0..LANES).fold(0, |lanes, lane| lanes | u32::from(moved(lane)) << lane)
+}
+
+/// Samples of one camera against what another saw.
+struct Compare<'a> {
+    registration: &'a Registration,
+    source: &'a Layer,
+    target: &'a Layer,
+    /// Column, row and lanes.
+    blocks: &'a [(usize, usize, u32)],
+}
+
+impl Work for Compare<'_> {
+    type Output = Readings;
+
+    #[inline(always)]
+    fn run(self) -> Readings {
+        let Self { registration, source, target, blocks } = self;
+        let mut readings = Readings::default();
+        if target.facets.is_empty() {
+            return readings;
+        }
+        let limits = SameSurface::geometry_within(HIDING_FOOTPRINTS);
+        for &(column, row, lanes) in blocks.iter().filter(|(.., lanes)| *lanes != 0) {
+            let block = Block::<LANES>::new(source, column, row, lanes);
+            let carried = registration.carry(&block, target.width);
+            let mut wanted = [0; LANES];
+            for lane in 0..LANES {
+                let counts = (block.rank[lane] & MIXED == 0) & (block.inverse_depth[lane] > 0.0);
+                readings.asked += u64::from(counts & (lanes >> lane & 1 != 0));
+                wanted[lane] = u32::from(counts & (carried.bits[lane] & IN_VIEW != 0));
+            }
+            let mut needs = Needs::new(0.0);
+            let (source, target) = ((source, &block), (target, &carried));
+            let answers =
+                limits.compare_telling::<LANES, true>(registration, source, target, wanted, &mut needs);
+            for lane in (0..LANES).filter(|lane| wanted[*lane] != 0) {
+                match answers.outcome(lane) {
+                    Outcome::Occluded
+                    | Outcome::NoDepth
+                    | Outcome::ShorterSpan
+                    | Outcome::OutsideView
+                    | Outcome::Behind => {}
+                    Outcome::SeesPast | Outcome::NormalDiffers => {
+                        readings.footprints.count(needs.depth[lane]);
+                    }
+                    Outcome::ColorDiffers | Outcome::Seam | Outcome::Same(_) => {
+                        readings.footprints.count(needs.depth[lane]);
+                        readings.color_steps.count(needs.color[lane]);
+                    }
+                }
+            }
+        }
+        readings
+    }
+}

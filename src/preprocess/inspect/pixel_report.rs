@@ -1,0 +1,94 @@
+//! What the argument for a pixel consists of: one testimony per camera, and the chain of witnesses.
+
+use glam::{DVec2, DVec3};
+
+use super::frame::PixelClass;
+use crate::preprocess::pruning::Verdict;
+use crate::preprocess::registration::Outcome;
+
+/// What one camera says about a surface point. Lengths are in the capture's unit; what is not known is NaN.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Testimony {
+    /// Index of the camera that speaks.
+    pub camera: usize,
+    /// Whether it sees the point; `None` for the camera whose own pixel is argued about.
+    pub outcome: Option<Outcome>,
+    /// Where the point falls in its picture, pixels; `None` behind the camera. It may lie outside the picture.
+    pub position: Option<DVec2>,
+    /// The pixel there, `y * width + x`; `None` outside the picture.
+    pub pixel: Option<u32>,
+    /// Planar z that the point has for this camera; infinite at infinity.
+    pub depth_expected: f64,
+    /// Planar z that the camera recorded there; infinite at infinity.
+    pub depth_found: f64,
+    /// Side of the larger of the two pixels on the surface: the footprint that distances are told in.
+    pub footprint: f64,
+    /// Distance from the point to the tangent plane found there, in footprints.
+    pub plane_distance_footprints: f64,
+    /// Angle between the line of sight and the normal found there.
+    pub incidence_degrees: f64,
+    /// Angle between the point's normal and the one found there.
+    pub normal_angle_degrees: f64,
+    /// Largest difference of a color channel, 8-bit sRGB steps.
+    pub color_difference_steps: f64,
+    /// The paper's `r` of the pixel against this camera's: below 1 where the pixel is sampled more densely.
+    pub paper_r: f64,
+    /// The same by footprints, which know focal length and resolution: their longest sides where these decide, else their areas.
+    pub footprint_r: f64,
+    /// Whether the sample found there is blended across a silhouette, so that it yields to clean ones, however dense.
+    pub is_blended: bool,
+    /// Whether the normal found there is not known, so that the sample yields to those whose is.
+    pub is_unsure: bool,
+    /// What became of the pixel found there; `None` outside the picture.
+    pub verdict: Option<Verdict>,
+}
+
+/// One step from a sample to the one that stands for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChainLink {
+    /// Index of the camera.
+    pub camera: usize,
+    /// Its pixel, `y * width + x`.
+    pub pixel: u32,
+    /// What became of it.
+    pub verdict: Verdict,
+}
+
+/// Everything there is to say about one pixel at one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PixelArgument {
+    /// Index of the camera.
+    pub camera: usize,
+    /// Column.
+    pub x: usize,
+    /// Row.
+    pub y: usize,
+    /// Index of the frame.
+    pub frame: usize,
+    /// The surface point; `None` at infinity and where there is no depth.
+    pub point_in_world: Option<DVec3>,
+    /// What the pixel is over time.
+    pub class: PixelClass,
+    /// What became of it.
+    pub verdict: Verdict,
+    /// Index of the camera whose kept sample shows the point; `None` where nothing does.
+    pub winner: Option<usize>,
+    /// One per camera, in the capture's order; empty where the pixel has no depth.
+    pub testimonies: Vec<Testimony>,
+    /// From the pixel to the sample that stands for it. Where the coverage rule kept it: through the better sample
+    /// that was dropped, to the one which that was dropped for.
+    pub chain: Vec<ChainLink>,
+}
+
+/// What the same-surface test compares for one sample and one other camera that has depth there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairQuantities {
+    /// What the test said.
+    pub outcome: Outcome,
+    /// See [`Testimony::plane_distance_footprints`].
+    pub plane_distance_footprints: f32,
+    /// See [`Testimony::normal_angle_degrees`]; NaN where either normal is unknown.
+    pub normal_angle_degrees: f32,
+    /// See [`Testimony::color_difference_steps`].
+    pub color_difference_steps: f32,
+}

@@ -1,0 +1,144 @@
+//! A sample that another camera may hold against one, and the tolerances from which on it does.
+//!
+//! Tolerances are compared as codes of 16 bits, which grow with them. What is a code or less off the limit is asked anew, so
+//! that the answers are those of [`crate::preprocess::registration`] bit for bit.
+
+use crate::preprocess::pruning::{Rule, Verdict};
+use crate::preprocess::registration::Needs;
+use crate::settings::PruningSettings;
+
+/// Depth in footprints, one less the cosine of the turn between the normals, color in 8-bit steps.
+pub(crate) type Tolerances = [f32; 3];
+
+/// The tolerances that `settings` grant.
+pub(crate) fn tolerances(settings: &PruningSettings) -> Tolerances {
+    let turn = 1.0 - settings.normal_tolerance.to_radians().cos();
+    [settings.depth_tolerance, turn, settings.color_tolerance]
+}
+
+/// Codes of [`Tolerances`].
+pub(crate) type Codes = [u16; 3];
+
+/// The smallest tolerance whose code is not 0 has this exponent: 2⁻¹⁵.
+const LEAST_EXPONENT: u32 = 127 - 15;
+
+/// Bits of a float's fraction that a code leaves out.
+const LEFT_OUT: u32 = 12;
+
+/// A code of five bits of exponent and eleven of fraction: it never falls where the tolerance rises.
+#[inline(always)]
+pub(crate) fn code(tolerance: f32) -> u32 {
+    // As numbers that are not negative, floats are in the order of their bits.
+    let bits = tolerance.max(0.0).to_bits() >> LEFT_OUT;
+    bits.saturating_sub(LEAST_EXPONENT << (23 - LEFT_OUT)).min(u32::from(u16::MAX))
+}
+
+/// The codes of `tolerances`.
+pub(crate) fn codes(tolerances: Tolerances) -> Codes {
+    tolerances.map(|tolerance| code(tolerance) as u16)
+}
+
+/// The codes of what one of a block's samples needs.
+#[inline(always)]
+pub(crate) fn codes_of<const N: usize>(needs: &Needs<N>, lane: usize) -> Codes {
+    codes([needs.depth[lane], needs.turn[lane], needs.color[lane]])
+}
+
+/// Quotients are rounded: a need may have the code beside the one of the smallest tolerance that serves it.
+const ROUNDING: u16 = 1;
+
+/// What is known of a claim under some limits without asking anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Holds {
+    Yes,
+    No,
+    /// So near the limit that the test itself has to say.
+    Ask,
+}
+
+/// In place of [`Claimant::place`] where the sample itself is ahead by the other rate model.
+pub(crate) const BEHIND: u8 = u8::MAX;
+
+/// A sample of another camera that shows the point of a sample, at least at the largest tolerances.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Claimant {
+    /// The verdict on the sample if this one stands for it; [`Rule::BestRate`] where this one is the worse of both.
+    pub(crate) verdict: Verdict,
+    /// From which tolerances on both show the same point.
+    pub(crate) needs: Codes,
+    /// Its place among those ahead of the sample by the other rate model; [`BEHIND`] where it is not.
+    pub(crate) place: u8,
+    /// Whether it is surely kept, as no other is better.
+    pub(crate) is_sure: bool,
+}
+
+impl Claimant {
+    /// Whether it is the better one of both.
+    #[inline(always)]
+    pub(crate) fn is_better(&self) -> bool {
+        self.verdict.rule != Rule::BestRate
+    }
+
+    /// Whether both show the same point within `limits`.
+    #[inline(always)]
+    pub(crate) fn holds(&self, limits: Codes) -> Holds {
+        let [mut surely, mut maybe] = [true; 2];
+        for (&need, &limit) in self.needs.iter().zip(&limits) {
+            surely &= need.saturating_add(ROUNDING) < limit;
+            maybe &= need <= limit.saturating_add(ROUNDING);
+        }
+        match (surely, maybe) {
+            (true, _) => Holds::Yes,
+            (false, false) => Holds::No,
+            (false, true) => Holds::Ask,
+        }
+    }
+
+    /// Whether this one shows the point wherever `other` does, within limits of `least` and more.
+    #[inline(always)]
+    pub(crate) fn covers(&self, other: &Self, least: Codes) -> bool {
+        const MARGIN: u16 = 2 * ROUNDING + 1;
+        let needs = self.needs.iter().zip(&other.needs).zip(&least);
+        // Where the other may hold, the limit is at least its need less the rounding; then this one surely holds.
+        needs.fold(true, |all, ((need, other), least)| {
+            all & (need.saturating_add(MARGIN) <= *other.max(least))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_code_never_falls_where_the_tolerance_rises_and_tells_apart_what_differs_by_a_thousandth() {
+        let mut tolerance = 1e-4_f32;
+        while tolerance < 300.0 {
+            assert!(code(tolerance * 1.001) > code(tolerance), "{tolerance}");
+            assert!(code(tolerance * 1.001) <= code(tolerance) + 5);
+            tolerance *= 1.000_37;
+        }
+        assert_eq!([code(0.0), code(-1.0), code(f32::INFINITY)], [0, 0, 65535]);
+    }
+
+    #[test]
+    fn a_claimant_that_covers_another_surely_holds_wherever_the_other_may() {
+        let claimant =
+            |needs| Claimant { verdict: Verdict::without_witness(Rule::Tie), needs, place: 0, is_sure: true };
+        let least = [40, 40, 40];
+        for need in 30..60 {
+            for other_need in 30..60 {
+                let (one, other) = (claimant([need, 0, 0]), claimant([other_need, 0, 0]));
+                if !one.covers(&other, least) {
+                    continue;
+                }
+                for limit in 40..70 {
+                    let limits = [limit, 100, 100];
+                    assert!(other.holds(limits) == Holds::No || one.holds(limits) == Holds::Yes);
+                }
+            }
+        }
+        assert!(claimant([36, 0, 0]).covers(&claimant([0, 0, 0]), least));
+        assert!(!claimant([40, 0, 0]).covers(&claimant([0, 0, 0]), least));
+    }
+}

@@ -1,0 +1,124 @@
+//! Completes layers: normals where none are given, then footprints, ranks, facets and looks.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::layer::Layer;
+use super::mixed_pixels::MixedTest;
+use super::packed_sample::{Facet, Look, MIXED, Ranks, UNSURE};
+use super::sampling_rate::{Rate, Rays, footprint, rank};
+use crate::capture::Camera;
+use crate::preprocess::normals::{DepthView, MIN_CONFIDENCE, estimate_at};
+use crate::settings::{MixedPixels, NormalSource, PruningMethod, Settings};
+
+/// Fewer pixels are not worth a task of their own.
+const MIN_PIXELS: usize = 1024;
+
+/// What is needed to complete layers, decided once per capture and settings.
+pub struct LayerBuilder<'a> {
+    settings: &'a Settings,
+    rate: Rate,
+    antialiased: bool,
+}
+
+impl<'a> LayerBuilder<'a> {
+    /// For a capture with these cameras, whose color is filtered across silhouettes if `antialiased`.
+    #[must_use]
+    pub fn new(settings: &'a Settings, cameras: &[Camera], antialiased: bool) -> Self {
+        Self { settings, rate: Rate::resolve(settings.pruning.rate, cameras), antialiased }
+    }
+
+    /// Estimates the normals of the samples at `pixels`, where they are not given or not wanted as given.
+    pub fn estimate_normals(&self, layer: &mut Layer, camera: &Camera, pixels: &[u32]) {
+        let rotation = camera.world_from_camera.matrix3.as_mat3();
+        let view = DepthView::new(&layer.inverse_depth, camera, &self.settings.normals);
+        let estimated = self.settings.normals.source == NormalSource::Estimated;
+        let missing = |pixel: &u32| {
+            let pixel = *pixel as usize;
+            layer.inverse_depth[pixel] > 0.0 && (estimated || layer.normal[pixel] == Vec3::ZERO)
+        };
+        let estimate = |pixels: &[u32]| {
+            let missing: Vec<u32> = pixels.iter().copied().filter(missing).collect();
+            let estimates = estimate_at(&view, self.settings.normals.estimator, &missing);
+            let normals = missing.into_iter().zip(estimates).map(|(pixel, estimate)| {
+                let trusted = estimate.confidence >= MIN_CONFIDENCE;
+                (pixel, if trusted { rotation * estimate.normal_in_camera } else { Vec3::ZERO })
+            });
+            normals.collect::<Vec<_>>()
+        };
+        let normals: Vec<(u32, Vec3)> = pixels.par_chunks(MIN_PIXELS).flat_map_iter(estimate).collect();
+        for (pixel, normal) in normals {
+            layer.normal[pixel as usize] = normal;
+        }
+    }
+
+    /// Fills in footprints, ranks, facets and looks of the samples at `pixels`, from colors, depths and normals.
+    pub fn rate(&self, layer: &mut Layer, camera: &Camera, pixels: &[u32]) {
+        let width = layer.width.max(1);
+        let rays = Rays::new(camera);
+        let camera_from_world = camera.camera_from_world().matrix3.as_mat3();
+        let pruning = &self.settings.pruning;
+        let edge = self.settings.normals.edge;
+        let is_first_camera = pruning.method == PruningMethod::FirstCamera;
+        // The first camera's samples yield to none, blended or not.
+        let detects = match pruning.mixed_pixels {
+            MixedPixels::Drop => self.antialiased,
+            MixedPixels::Yield => self.antialiased && !is_first_camera,
+            MixedPixels::Keep => false,
+        };
+        let mixed = detects.then(|| MixedTest::new(layer, camera, edge));
+        let rated = |&pixel: &u32| {
+            let pixel = pixel as usize;
+            let (x, y) = (pixel % width, pixel / width);
+            let (inverse_depth, normal) = (layer.inverse_depth[pixel], layer.normal[pixel]);
+            let ray = rays.at(x, y);
+            let of = |rate| footprint(rate, &rays, ray, inverse_depth, normal, pruning);
+            let own = of(self.rate);
+            let mixed = mixed.as_ref().is_some_and(|mixed| mixed.is_mixed(x, y));
+            let ranks = [own, of(self.rate.other())].map(|footprint| {
+                let unsure = normal == Vec3::ZERO && inverse_depth > 0.0;
+                let unsure = if unsure { UNSURE } else { 0 };
+                let rank = if is_first_camera { 0 } else { rank(footprint) | unsure };
+                if mixed { rank | MIXED } else { rank }
+            });
+            let normal_in_camera = camera_from_world * normal;
+            let ranks = Ranks { rank: ranks[0], other_rank: ranks[1] };
+            let facet = Facet::new(inverse_depth, normal_in_camera);
+            (own, ranks, facet, Look::new(layer.level[pixel], layer.color[pixel], normal != Vec3::ZERO))
+        };
+        let rated: Vec<(f32, Ranks, Facet, Look)> =
+            pixels.par_iter().with_min_len(MIN_PIXELS).map(rated).collect();
+        for (&pixel, (footprint, ranks, facet, look)) in pixels.iter().zip(rated) {
+            layer.footprint[pixel as usize] = footprint;
+            layer.ranks[pixel as usize] = ranks;
+            layer.facets[pixel as usize] = facet;
+            layer.looks[pixel as usize] = look;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::Intrinsics;
+    use crate::preprocess::temporal::ROOT;
+    use glam::DVec3;
+
+    #[test]
+    fn a_sample_whose_normal_is_not_known_never_wins_against_one_whose_normal_is() {
+        let lens = Intrinsics::from_horizontal_angle(2, 1, 0.9);
+        let camera = Camera::look_at("c", lens, DVec3::ZERO, DVec3::Y, DVec3::Z);
+        let mut layer = Layer::empty(2, 1);
+        for (pixel, (inverse_depth, normal)) in
+            [(100.0, Vec3::ZERO), (0.001, Vec3::NEG_Y)].into_iter().enumerate()
+        {
+            layer.level[pixel] = ROOT;
+            layer.inverse_depth[pixel] = inverse_depth;
+            layer.normal[pixel] = normal;
+        }
+        let settings = Settings::default();
+        LayerBuilder::new(&settings, std::slice::from_ref(&camera), false).rate(&mut layer, &camera, &[0, 1]);
+        assert!(layer.ranks[0].rank > layer.ranks[1].rank, "however near the first is");
+        assert!(layer.ranks[0].other_rank > layer.ranks[1].other_rank);
+    }
+}

@@ -1,0 +1,138 @@
+//! One camera at one frame, ready to be registered: every pixel's sample with its normal, footprint and facet.
+
+use glam::Vec3;
+use half::f16;
+
+use super::packed_sample::{Facet, Look, Ranks};
+use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
+use crate::preprocess::noise::Noise;
+use crate::preprocess::temporal::{Level, NO_SAMPLE, SpanSamples};
+
+/// The samples of one camera, row-major planes of the camera's size.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    /// Columns.
+    pub width: usize,
+    /// Linear color.
+    pub color: Vec<[f16; 3]>,
+    /// 1/z; 0 at infinity, negative where there is no sample.
+    pub inverse_depth: Vec<f32>,
+    /// Unit world-space normals; zero where unknown.
+    pub normal: Vec<Vec3>,
+    /// See [`footprint`](super::sampling_rate::footprint); infinite where there is no sample.
+    pub footprint: Vec<f32>,
+    /// How well each was sampled: the first that other cameras ask, …
+    pub ranks: Vec<Ranks>,
+    /// … where it lies, …
+    pub facets: Vec<Facet>,
+    /// … and how it looks.
+    pub looks: Vec<Look>,
+    /// The level of each pixel's sample; [`NO_SAMPLE`] where there is none.
+    pub level: Vec<Level>,
+    /// Noise of a single frame. Samples of one frame carry it.
+    pub noise: Noise,
+    /// How much of [`Layer::noise`] is left in the samples of each level, 0 to 1; 0 for levels beyond the last.
+    pub noise_share: Vec<f32>,
+    /// Relative quantization step of depth.
+    pub depth_step_relative: f32,
+}
+
+impl Layer {
+    /// A layer of `width × height` pixels without any sample.
+    #[must_use]
+    pub fn empty(width: usize, height: usize) -> Self {
+        let pixels = width * height;
+        Self {
+            width,
+            color: vec![[f16::ZERO; 3]; pixels],
+            inverse_depth: vec![INVALID_INVERSE_DEPTH; pixels],
+            normal: vec![Vec3::ZERO; pixels],
+            footprint: vec![f32::INFINITY; pixels],
+            ranks: vec![Ranks::ABSENT; pixels],
+            facets: vec![Facet::ABSENT; pixels],
+            looks: vec![Look::ABSENT; pixels],
+            level: vec![NO_SAMPLE; pixels],
+            noise: Noise::default(),
+            noise_share: Vec::new(),
+            depth_step_relative: 0.0,
+        }
+    }
+
+    /// Puts samples into the layer; they need normals and rates yet.
+    pub fn put(&mut self, level: Level, samples: &SpanSamples) {
+        for (index, &pixel) in samples.pixels.iter().enumerate() {
+            let pixel = pixel as usize;
+            self.level[pixel] = level;
+            self.color[pixel] = samples.color[index];
+            self.inverse_depth[pixel] = samples.inverse_depth[index];
+            self.normal[pixel] = samples.normal.get(index).copied().unwrap_or(Vec3::ZERO);
+        }
+    }
+
+    /// Puts the frame's samples wherever the layer has none; they need normals and rates yet. Gives their pixels.
+    pub fn put_frame(&mut self, level: Level, frame: &Frame) -> Vec<u32> {
+        let mut pixels = Vec::new();
+        for (pixel, &inverse_depth) in frame.inverse_depth.as_slice().iter().enumerate() {
+            if self.level[pixel] != NO_SAMPLE || inverse_depth < 0.0 {
+                continue;
+            }
+            self.level[pixel] = level;
+            self.inverse_depth[pixel] = inverse_depth;
+            self.color[pixel] = frame.color.as_slice()[pixel];
+            if let Some(normals) = &frame.normal_in_world {
+                self.normal[pixel] = Vec3::from(normals.as_slice()[pixel]);
+            }
+            pixels.push(pixel as u32);
+        }
+        pixels
+    }
+
+    /// Takes the sample at `pixel` away.
+    pub fn clear(&mut self, pixel: usize) {
+        self.color[pixel] = [f16::ZERO; 3];
+        self.inverse_depth[pixel] = INVALID_INVERSE_DEPTH;
+        self.normal[pixel] = Vec3::ZERO;
+        self.footprint[pixel] = f32::INFINITY;
+        self.ranks[pixel] = Ranks::ABSENT;
+        self.facets[pixel] = Facet::ABSENT;
+        self.looks[pixel] = Look::ABSENT;
+        self.level[pixel] = NO_SAMPLE;
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.inverse_depth.len().checked_div(self.width).unwrap_or(0)
+    }
+
+    /// Whether any sample may hold color noise.
+    #[must_use]
+    pub fn has_color_noise(&self) -> bool {
+        self.noise_share.iter().any(|share| *share > 0.0)
+            && self.noise.color_steps.iter().any(|steps| *steps > 0.0)
+    }
+
+    /// Whether any sample may hold depth noise.
+    #[must_use]
+    pub fn has_depth_noise(&self) -> bool {
+        self.noise_share.iter().any(|share| *share > 0.0) && self.noise.depth_relative > 0.0
+    }
+
+    /// Relative standard deviation of the depth noise left in the sample at `pixel`.
+    #[must_use]
+    pub fn depth_noise(&self, pixel: usize) -> f32 {
+        self.noise_share_at(pixel) * self.noise.depth_relative
+    }
+
+    /// How much of the noise of a single frame is left in the sample at `pixel`.
+    fn noise_share_at(&self, pixel: usize) -> f32 {
+        self.noise_share.get(usize::from(self.level[pixel])).copied().unwrap_or(0.0)
+    }
+
+    /// Standard deviation of the color noise left in the sample at `pixel`, 8-bit sRGB steps.
+    #[must_use]
+    pub fn color_noise(&self, pixel: usize, steps: f32) -> f32 {
+        let share = self.noise_share_at(pixel);
+        if share == 0.0 { 0.0 } else { share * self.noise.color_at(steps) }
+    }
+}

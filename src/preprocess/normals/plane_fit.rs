@@ -1,0 +1,156 @@
+//! The plane fit of [`normals`](super) for sixteen pixels at a time, wherever they lie.
+
+use super::depth_view::{DepthView, Estimate};
+use crate::simd::Work;
+use glam::Vec3;
+
+/// Pixels that are fitted at once.
+const LANES: usize = 16;
+
+/// Reach of the window, pixels.
+const RADIUS: i32 = 2;
+
+type Lanes = [f32; LANES];
+
+/// Fits planes at some pixels (`y * width + x`), one estimate each; those without finite depth are left as they are.
+pub(crate) struct FitPlanes<'a> {
+    pub(crate) view: &'a DepthView<'a>,
+    pub(crate) pixels: &'a [u32],
+    pub(crate) estimates: &'a mut [Estimate],
+}
+
+/// Normal equations of `value ≈ a·x + b·y + c`, one plane per lane.
+#[derive(Default)]
+struct Sums {
+    count: Lanes,
+    x: Lanes,
+    y: Lanes,
+    xx: Lanes,
+    xy: Lanes,
+    yy: Lanes,
+    v: Lanes,
+    xv: Lanes,
+    yv: Lanes,
+    vv: Lanes,
+}
+
+impl Work for FitPlanes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { view, pixels, estimates } = self;
+        for (pixels, estimates) in pixels.chunks(LANES).zip(estimates.chunks_mut(LANES)) {
+            fit(view, pixels, estimates);
+        }
+    }
+}
+
+#[inline(always)]
+fn fit(view: &DepthView<'_>, pixels: &[u32], estimates: &mut [Estimate]) {
+    let (width, height) = (view.width, view.height);
+    let (mut columns, mut rows, mut center) = ([0_i32; LANES], [0_i32; LANES], [-1.0_f32; LANES]);
+    let mut is_inside = true;
+    for (lane, &pixel) in pixels.iter().enumerate() {
+        let (x, y) = (pixel as i32 % width, pixel as i32 / width);
+        (columns[lane], rows[lane]) = (x, y);
+        center[lane] = view.inverse_depth[pixel as usize];
+        is_inside &= x >= RADIUS && y >= RADIUS && x + RADIUS < width && y + RADIUS < height;
+    }
+    let mut sums = Sums::default();
+    for dy in -RADIUS..=RADIUS {
+        for dx in -RADIUS..=RADIUS {
+            let mut w = [-1.0_f32; LANES];
+            for (lane, &pixel) in pixels.iter().enumerate() {
+                let (x, y) = (columns[lane] + dx, rows[lane] + dy);
+                if is_inside || (x >= 0 && y >= 0 && x < width && y < height) {
+                    w[lane] = view.inverse_depth[(pixel as i32 + dy * width + dx) as usize];
+                }
+            }
+            let reach = dx.abs().max(dy.abs()).max(1) as f32;
+            sums.add(dx as f32, dy as f32, &w, &center, view.edge_relative, reach);
+        }
+    }
+    let (normals, confidence) = sums.solve(view, &columns, &rows, &center);
+    for (lane, estimate) in estimates.iter_mut().enumerate() {
+        if center[lane] > 0.0 {
+            *estimate = Estimate {
+                normal_in_camera: Vec3::new(normals[0][lane], normals[1][lane], normals[2][lane]),
+                confidence: confidence[lane],
+            };
+        }
+    }
+}
+
+impl Sums {
+    /// Adds the neighbor at `(x, y)` where it lies on the surface of the center.
+    #[inline(always)]
+    fn add(&mut self, x: f32, y: f32, w: &Lanes, center: &Lanes, edge_relative: f32, reach: f32) {
+        for lane in 0..LANES {
+            let (w, center) = (w[lane], center[lane]);
+            let larger = if w > center { w } else { center };
+            let same = (w > 0.0) & ((w - center).abs() <= larger * edge_relative * reach);
+            let one = if same { 1.0 } else { 0.0 };
+            let value = if same { w / center - 1.0 } else { 0.0 };
+            self.count[lane] += one;
+            self.x[lane] += x * one;
+            self.y[lane] += y * one;
+            self.xx[lane] += x * x * one;
+            self.xy[lane] += x * y * one;
+            self.yy[lane] += y * y * one;
+            self.v[lane] += value;
+            self.xv[lane] += x * value;
+            self.yv[lane] += y * value;
+            self.vv[lane] += value * value;
+        }
+    }
+
+    /// Unit normals in camera space, toward the camera, by axis, and confidences; zero where there is no plane.
+    #[inline(always)]
+    fn solve(
+        &self,
+        view: &DepthView<'_>,
+        columns: &[i32; LANES],
+        rows: &[i32; LANES],
+        center: &Lanes,
+    ) -> ([Lanes; 3], Lanes) {
+        let (focal, middle) = (view.focal, view.center);
+        let focal_mean = (focal[0] * focal[1]).sqrt();
+        let mut normals = [[0.0; LANES]; 3];
+        let mut confidence = [0.0; LANES];
+        for lane in 0..LANES {
+            let n = self.count[lane];
+            let (mx, my, mv) = (self.x[lane] / n, self.y[lane] / n, self.v[lane] / n);
+            let xx = self.xx[lane] - n * mx * mx;
+            let xy = self.xy[lane] - n * mx * my;
+            let yy = self.yy[lane] - n * my * my;
+            let xv = self.xv[lane] - n * mx * mv;
+            let yv = self.yv[lane] - n * my * mv;
+            let determinant = xx * yy - xy * xy;
+            let found = (n >= 3.0) & (determinant >= 0.5);
+            let a = (xv * yy - yv * xy) / determinant;
+            let b = (yv * xx - xv * xy) / determinant;
+            let c = mv - a * mx - b * my;
+            let squares = self.vv[lane] - n * mv * mv - a * xv - b * yv;
+            let residual = ((if squares > 0.0 { squares } else { 0.0 }) / n).sqrt();
+            let (u0, v0) = (columns[lane] as f32 + 0.5 - middle[0], rows[lane] as f32 + 0.5 - middle[1]);
+            let (x, y, z) = (-(a * focal[0]), -(b * focal[1]), -(1.0 + c - a * u0 - b * v0));
+            let scale = 1.0 / (x * x + y * y + z * z).sqrt();
+            let usable = found & (scale > 0.0) & (scale < f32::INFINITY);
+            let (x, y, z) = (x * scale, y * scale, z * scale);
+            let away = x * (u0 / focal[0] / center[lane])
+                + y * (v0 / focal[1] / center[lane])
+                + z * (1.0 / center[lane])
+                > 0.0;
+            for (axis, value) in [x, y, z].into_iter().enumerate() {
+                let toward = if away { -value } else { value };
+                normals[axis][lane] = if usable { toward } else { 0.0 };
+            }
+            let filled = n / 25.0 * 1.6;
+            let filled = if filled < 1.0 { filled } else { 1.0 };
+            let flatness = 1.0 / (1.0 + residual * 2.0 * focal_mean);
+            confidence[lane] = if found { filled * flatness } else { 0.0 };
+        }
+        (normals, confidence)
+    }
+}

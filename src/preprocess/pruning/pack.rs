@@ -1,0 +1,101 @@
+//! From dense layers with verdicts to sparse sample images.
+
+use std::sync::atomic::{AtomicU8, Ordering};
+
+use super::decision::Decided;
+use super::status::KEPT;
+use crate::preprocess::layers::Layer;
+use crate::preprocess::temporal::Level;
+use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, Span, TILE};
+
+/// Which pixels of a picture are kept: for each tile, a mask of columns per row.
+#[derive(Clone, Debug)]
+pub struct Masks {
+    tiles_across: usize,
+    rows: Vec<[u16; TILE]>,
+}
+
+impl Masks {
+    fn none(layer: &Layer) -> Self {
+        let tiles_across = layer.width.div_ceil(TILE);
+        Self { tiles_across, rows: vec![[0; TILE]; tiles_across * layer.height().div_ceil(TILE)] }
+    }
+
+    /// The samples of `layer` that were decided to be kept.
+    #[must_use]
+    pub fn decided(layer: &Layer, decided: &Decided) -> Self {
+        let mut masks = Self::none(layer);
+        for (&pixel, verdict) in decided.pixels.iter().zip(&decided.verdicts) {
+            if verdict.is_kept() {
+                let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
+                masks.rows[(y / TILE) * masks.tiles_across + x / TILE][y % TILE] |= 1 << (x % TILE);
+            }
+        }
+        masks
+    }
+
+    /// The samples of one level of `layer` whose status is that they are kept.
+    #[must_use]
+    pub fn at_level(layer: &Layer, level: Level, statuses: &[AtomicU8]) -> Self {
+        let mut masks = Self::none(layer);
+        for (y, rows) in
+            layer.level.chunks(layer.width.max(1)).zip(statuses.chunks(layer.width.max(1))).enumerate()
+        {
+            let tiles = &mut masks.rows[y / TILE * masks.tiles_across..][..masks.tiles_across];
+            for ((tile, levels), statuses) in
+                tiles.iter_mut().zip(rows.0.chunks(TILE)).zip(rows.1.chunks(TILE))
+            {
+                let mut mask = 0;
+                for (x, (&found, status)) in levels.iter().zip(statuses).enumerate() {
+                    let is_kept = (found == level) & (status.load(Ordering::Relaxed) == KEPT);
+                    mask |= u16::from(is_kept) << x;
+                }
+                tile[y % TILE] = mask;
+            }
+        }
+        masks
+    }
+
+    fn count(&self) -> usize {
+        self.rows.as_flattened().iter().map(|mask| mask.count_ones() as usize).sum()
+    }
+}
+
+/// The kept samples of one camera over one span; `None` where nothing was kept.
+#[must_use]
+pub fn pack(camera: usize, span: Span, layer: &Layer, masks: Masks, normals: bool) -> Option<SampleImage> {
+    let count = masks.count();
+    if count == 0 {
+        return None;
+    }
+    let mut tiles = Vec::new();
+    let (mut color, mut inverse_depth) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    let mut normal = normals.then(|| Vec::with_capacity(count));
+    for (index, rows) in masks.rows.into_iter().enumerate() {
+        if rows == [0; TILE] {
+            continue;
+        }
+        let tile = SampleTile {
+            tile_x: (index % masks.tiles_across) as u16,
+            tile_y: (index / masks.tiles_across) as u16,
+            first: inverse_depth.len() as u32,
+            rows,
+        };
+        tiles.push(tile);
+        for (row, &mask) in rows.iter().enumerate() {
+            let start = (tile.tile_y as usize * TILE + row) * layer.width + tile.tile_x as usize * TILE;
+            let mut left = mask;
+            while left != 0 {
+                let pixel = start + left.trailing_zeros() as usize;
+                left &= left - 1;
+                color.push(layer.color[pixel]);
+                inverse_depth.push(layer.inverse_depth[pixel]);
+                if let Some(normal) = &mut normal {
+                    normal.push(OctNormal::encode(layer.normal[pixel]));
+                }
+            }
+        }
+    }
+    let depth = DepthPlane::pack(&tiles, &inverse_depth);
+    Some(SampleImage { camera: camera as u32, span, tiles, color, depth, normal })
+}

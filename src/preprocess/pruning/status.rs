@@ -1,0 +1,23 @@
+//! What is known of a sample while pruning goes on.
+
+use std::sync::atomic::AtomicU8;
+
+use crate::preprocess::layers::Layer;
+
+/// No sample at the pixel that could stand for another.
+pub const ABSENT: u8 = 0;
+/// Waiting for better samples to be decided.
+pub(crate) const UNDECIDED: u8 = 1;
+/// Stays.
+pub const KEPT: u8 = 2;
+/// Was dropped.
+pub const DROPPED: u8 = 3;
+
+/// Whether each pixel of each camera holds a kept sample: [`ABSENT`], [`KEPT`] or [`DROPPED`].
+pub type Statuses = Vec<Vec<AtomicU8>>;
+
+/// Statuses in which nothing is decided yet.
+#[must_use]
+pub fn no_statuses(layers: &[Layer]) -> Statuses {
+    layers.iter().map(|layer| layer.level.iter().map(|_| AtomicU8::new(ABSENT)).collect()).collect()
+}

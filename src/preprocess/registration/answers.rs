@@ -1,0 +1,98 @@
+//! What one camera says about the samples of another: bits of an answer for each lane of a block, and the same in words.
+
+/// Pixels that are carried at once.
+pub const LANES: usize = 16;
+
+/// What another camera says about a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Outcome {
+    /// The point lies behind the camera.
+    Behind,
+    /// The point lies outside the picture.
+    OutsideView,
+    /// The camera recorded no depth at that pixel.
+    NoDepth,
+    /// The camera saw the same surface point, but for a shorter span only: its sample is decided later, and stands for no longer
+    /// one.
+    ShorterSpan,
+    /// The camera sees something nearer at that pixel.
+    Occluded,
+    /// The camera sees something farther at that pixel: it looks past the point.
+    SeesPast,
+    /// Same depth, but the normals differ.
+    NormalDiffers,
+    /// Same depth, but the colors differ.
+    ColorDiffers,
+    /// The camera shows the surface only on one side of the point: there it cannot be interpolated.
+    Seam,
+    /// The camera saw the same surface point, at this pixel (`y * width + x`).
+    Same(u32),
+}
+
+/// What the target says about the samples of a block: for each a set of bits, and where in the target it was looked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Answers<const N: usize = LANES> {
+    pub(crate) bits: [u32; N],
+    /// Pixels of the target, `y * width + x`; 0 where the point lies outside.
+    pub pixel: [u32; N],
+    /// Levels of the samples found.
+    pub level: [u32; N],
+}
+
+pub(crate) const IN_FRONT: u32 = 1;
+pub(crate) const IN_VIEW: u32 = 1 << 1;
+pub(crate) const HAS_DEPTH: u32 = 1 << 2;
+pub(crate) const ON_SURFACE: u32 = 1 << 3;
+pub(crate) const NORMAL_AGREES: u32 = 1 << 4;
+pub(crate) const COLOR_AGREES: u32 = 1 << 5;
+pub(crate) const SURROUNDED: u32 = 1 << 6;
+pub(crate) const SAME: u32 = (1 << 7) - 1;
+/// Not a condition: the target sees something nearer than the point.
+pub(crate) const NEARER: u32 = 1 << 7;
+
+/// For the samples of a block, the smallest tolerances at which each shows the same surface point as the target does, up to
+/// rounding; anything where no tolerance makes it so.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Needs<const N: usize = LANES> {
+    /// In footprints, of the point itself and where it is asked for of the pixels around it.
+    pub(crate) depth: [f32; N],
+    /// One less the cosine between the normals.
+    pub(crate) turn: [f32; N],
+    /// In 8-bit sRGB steps; where they are fewer than [`Needs::few_steps`], noise is not counted.
+    pub(crate) color: [f32; N],
+    /// Colors that differ by no more than this agree at any tolerance that will ever be asked about.
+    pub(crate) few_steps: f32,
+}
+
+impl<const N: usize> Needs<N> {
+    pub(crate) fn new(few_steps: f32) -> Self {
+        Self { depth: [0.0; N], turn: [0.0; N], color: [0.0; N], few_steps }
+    }
+}
+
+impl<const N: usize> Answers<N> {
+    /// Whether the target shows the same surface point as the sample in `lane`.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_same(&self, lane: usize) -> bool {
+        self.bits[lane] & SAME == SAME
+    }
+
+    /// In words.
+    #[must_use]
+    pub fn outcome(&self, lane: usize) -> Outcome {
+        let bits = self.bits[lane];
+        let first_missing = (!bits & SAME).trailing_zeros();
+        match 1_u32.checked_shl(first_missing).unwrap_or(0) {
+            IN_FRONT => Outcome::Behind,
+            IN_VIEW => Outcome::OutsideView,
+            HAS_DEPTH => Outcome::NoDepth,
+            ON_SURFACE if bits & NEARER != 0 => Outcome::Occluded,
+            ON_SURFACE => Outcome::SeesPast,
+            NORMAL_AGREES => Outcome::NormalDiffers,
+            COLOR_AGREES => Outcome::ColorDiffers,
+            SURROUNDED => Outcome::Seam,
+            _ => Outcome::Same(self.pixel[lane]),
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! All cameras and the ways between them.
+
+use super::reproject::Registration;
+use crate::capture::Camera;
+
+/// All cameras and every way between two of them.
+pub struct Rig<'a> {
+    cameras: &'a [Camera],
+    /// `[source * cameras + target]`.
+    registrations: Vec<Registration>,
+}
+
+impl<'a> Rig<'a> {
+    /// All pairs of `cameras`.
+    #[must_use]
+    pub fn new(cameras: &'a [Camera]) -> Self {
+        let registrations = cameras
+            .iter()
+            .flat_map(|source| cameras.iter().map(move |target| Registration::new(source, target)))
+            .collect();
+        Self { cameras, registrations }
+    }
+
+    /// From camera `source` to camera `target`.
+    #[must_use]
+    pub fn registration(&self, source: usize, target: usize) -> &Registration {
+        &self.registrations[source * self.cameras.len() + target]
+    }
+
+    /// The cameras.
+    #[must_use]
+    pub fn cameras(&self) -> &'a [Camera] {
+        self.cameras
+    }
+}

@@ -1,0 +1,249 @@
+//! Registration (the paper, §3.2): carries every sample into every other camera.
+//!
+//! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.2, "mapping every image in the same
+//! time frame to every other image in that time frame". What differs: sixteen pixels of a row are carried at once, and pairs
+//! that cannot see each other are found by rectangles of pixels between two depths. All of it is linear in `(ray, w)`, where
+//! `w = 1/z`: `q = R·ray + t·w` is the point in the target camera times `w`, for points at infinity as well. Whether what the
+//! target saw there is the same surface point is asked in [`super::same_surface`].
+
+use glam::{DVec2, Vec3};
+
+use super::answers::{IN_FRONT, IN_VIEW, LANES};
+use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
+use crate::preprocess::layers::{Facet, Layer, Look, Ranks};
+use crate::simd::{self, whole};
+
+/// Carries samples of one camera into another.
+#[derive(Clone, Copy, Debug)]
+pub struct Registration {
+    /// The ray of the source's first pixel, at depth 1, in the target's orientation, …
+    first_ray: Vec3,
+    /// … its growth from one column to the next, …
+    per_column: Vec3,
+    /// … and from one row to the next.
+    per_row: Vec3,
+    /// The source camera's axes and place in target camera space.
+    pub(crate) axes: [Vec3; 3],
+    translation: Vec3,
+    /// Side of a source pixel held perpendicular to the optical axis at depth 1.
+    pub(crate) source_side: f32,
+    pub(crate) target: Lens,
+}
+
+/// A pinhole camera's intrinsics as the loops need them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lens {
+    pub(crate) focal: [f32; 2],
+    pub(crate) center: [f32; 2],
+    pub(crate) size: [f32; 2],
+    /// Side of a pixel held perpendicular to the optical axis at depth 1.
+    pub(crate) side: f32,
+}
+
+impl Lens {
+    fn new(camera: &Camera) -> Self {
+        let k = camera.intrinsics;
+        Self {
+            focal: [k.fx as f32, k.fy as f32],
+            center: [k.cx as f32, k.cy as f32],
+            size: [k.width as f32, k.height as f32],
+            side: (1.0 / (k.fx * k.fy).sqrt()) as f32,
+        }
+    }
+}
+
+/// Pixels of a row, some of which hold samples to be carried.
+#[derive(Clone, Copy, Debug)]
+pub struct Block<const N: usize = LANES> {
+    pub(crate) column: usize,
+    pub(crate) row: usize,
+    pub(crate) inverse_depth: [f32; N],
+    pub(crate) normal: [[f32; N]; 3],
+    pub(crate) color: [[i32; N]; 3],
+    pub(crate) known: [u32; N],
+    /// Ranks of the samples.
+    pub rank: [u32; N],
+    /// Ranks by the other rate model.
+    pub other_rank: [u32; N],
+}
+
+/// Pixels of a row from `(column, row)` on; `nothing` beyond its end.
+#[inline(always)]
+pub(crate) fn lanes_of<T: Copy, const N: usize>(
+    plane: &[T],
+    width: usize,
+    (column, row): (usize, usize),
+    nothing: T,
+) -> [T; N] {
+    let rest = &plane[row * width + column..(row + 1) * width];
+    if let Some(lanes) = rest.first_chunk() {
+        return *lanes;
+    }
+    let mut lanes = [nothing; N];
+    lanes.iter_mut().zip(rest).for_each(|(lane, &value)| *lane = value);
+    lanes
+}
+
+impl<const N: usize> Carried<N> {
+    /// Nothing was carried.
+    pub(crate) const NOWHERE: Self = Self {
+        point: [[0.0; N]; 3],
+        cell: [[0.0; N]; 2],
+        off_center: [[0.0; N]; 2],
+        pixel: [0; N],
+        bits: [0; N],
+    };
+
+    /// Asks for the ranks of what the target saw there to be fetched.
+    #[inline(always)]
+    pub(crate) fn prefetch_ranks(&self, target: &Layer) {
+        // Eight share a cache line, and neighboring lanes lie beside each other more often than not.
+        for lane in (0..N).step_by(8) {
+            simd::prefetch(&target.ranks, self.pixel[lane] as usize);
+        }
+    }
+
+    /// Asks for what the target saw there to be fetched.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, target: &Layer) {
+        for lane in (0..N).step_by(4) {
+            let pixel = self.pixel[lane] as usize;
+            let below = self.off_center[1][lane] > 0.0;
+            let beside = if below { pixel + target.width } else { pixel.wrapping_sub(target.width) };
+            simd::prefetch(&target.facets, pixel);
+            simd::prefetch(&target.facets, beside);
+        }
+        for lane in (0..N).step_by(8) {
+            simd::prefetch(&target.looks, self.pixel[lane] as usize);
+        }
+    }
+}
+
+impl<const N: usize> Block<N> {
+    /// The samples of `layer` from `(column, row)` on for whose bit of `lanes` is set.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(layer: &Layer, column: usize, row: usize, lanes: u32) -> Self {
+        let facets = lanes_of::<_, N>(&layer.facets, layer.width, (column, row), Facet::ABSENT);
+        let looks = lanes_of::<_, N>(&layer.looks, layer.width, (column, row), Look::ABSENT);
+        let ranks = lanes_of::<_, N>(&layer.ranks, layer.width, (column, row), Ranks::ABSENT);
+        let mut block = Self {
+            column,
+            row,
+            inverse_depth: [INVALID_INVERSE_DEPTH; N],
+            normal: [[0.0; N]; 3],
+            color: [[0; N]; 3],
+            known: [0; N],
+            rank: [0; N],
+            other_rank: [0; N],
+        };
+        for i in 0..N {
+            let wanted = lanes >> i & 1 == 1;
+            block.inverse_depth[i] = if wanted { facets[i].inverse_depth } else { INVALID_INVERSE_DEPTH };
+            let color = looks[i].color();
+            for axis in 0..3 {
+                block.normal[axis][i] = facets[i].normal_in_camera[axis];
+                block.color[axis][i] = color[axis];
+            }
+            block.known[i] = u32::from(looks[i].has_normal());
+            block.rank[i] = ranks[i].rank;
+            block.other_rank[i] = ranks[i].other_rank;
+        }
+        block
+    }
+}
+
+/// Where the samples of a block lie in the target.
+pub(crate) struct Carried<const N: usize = LANES> {
+    /// Points in target camera space, times the source's inverse depth.
+    pub(crate) point: [[f32; N]; 3],
+    /// Whole pixels.
+    pub(crate) cell: [[f32; N]; 2],
+    /// Position within the pixel, off its center, −0.5 to 0.5.
+    pub(crate) off_center: [[f32; N]; 2],
+    pub(crate) pixel: [u32; N],
+    pub(crate) bits: [u32; N],
+}
+
+impl Registration {
+    /// Carries samples of `source` into `target`.
+    #[must_use]
+    pub fn new(source: &Camera, target: &Camera) -> Self {
+        let k = source.intrinsics;
+        let target_from_source = target.camera_from_world() * source.world_from_camera;
+        let axes = target_from_source.matrix3;
+        Self {
+            first_ray: (axes * k.ray_in_camera(DVec2::splat(0.5))).as_vec3(),
+            per_column: (axes.x_axis / k.fx).as_vec3(),
+            per_row: (axes.y_axis / k.fy).as_vec3(),
+            axes: [axes.x_axis.as_vec3(), axes.y_axis.as_vec3(), axes.z_axis.as_vec3()],
+            translation: target_from_source.translation.as_vec3(),
+            source_side: Lens::new(source).side,
+            target: Lens::new(target),
+        }
+    }
+
+    /// Whether the target may see anything of what lies between two inverse depths (from 0) behind a rectangle of source
+    /// pixels, given by its first and last columns and rows. Never wrongly says no.
+    #[must_use]
+    pub fn may_see(&self, columns: [usize; 2], rows: [usize; 2], inverse_depths: [f32; 2]) -> bool {
+        let lens = &self.target;
+        // A point is out of view where one of these is negative; they are linear, so it is enough to look at corners.
+        let mut largest = [f32::NEG_INFINITY; 5];
+        let mut depth = 0.0_f32;
+        for corner in 0..8 {
+            let [x, y] = [columns[corner & 1] as f32, rows[corner >> 1 & 1] as f32];
+            let q = self.first_ray
+                + self.per_column * x
+                + self.per_row * y
+                + self.translation * inverse_depths[corner >> 2];
+            let [right, bottom] = [lens.size[0] - lens.center[0], lens.size[1] - lens.center[1]];
+            let inside = [
+                q.x * lens.focal[0] + lens.center[0] * q.z,
+                q.y * lens.focal[1] + lens.center[1] * q.z,
+                right * q.z - q.x * lens.focal[0],
+                bottom * q.z - q.y * lens.focal[1],
+                q.z,
+            ];
+            for (largest, inside) in largest.iter_mut().zip(inside) {
+                *largest = largest.max(inside);
+            }
+            depth = depth.max(q.length());
+        }
+        // Rounding moves a point by far less than a tenth of a pixel.
+        largest.iter().all(|largest| *largest >= -0.1 * depth)
+    }
+
+    /// Carries the samples of a block.
+    #[inline(always)]
+    pub(crate) fn carry<const N: usize>(&self, block: &Block<N>, target_width: usize) -> Carried<N> {
+        let mut carried = Carried::NOWHERE;
+        let (column, t, lens) = (block.column as f32, self.translation, &self.target);
+        let row = self.first_ray + self.per_row * block.row as f32;
+        let width = target_width as u32;
+        for i in 0..N {
+            let (along, w) = (column + i as f32, block.inverse_depth[i]);
+            let x = row.x + self.per_column.x * along + t.x * w;
+            let y = row.y + self.per_column.y * along + t.y * w;
+            let z = row.z + self.per_column.z * along + t.z * w;
+            let reciprocal = 1.0 / z;
+            let u = x * reciprocal * lens.focal[0] + lens.center[0];
+            let v = y * reciprocal * lens.focal[1] + lens.center[1];
+            let in_front = (w >= 0.0) & (z > 0.0);
+            let in_view = in_front & (u >= 0.0) & (v >= 0.0) & (u < lens.size[0]) & (v < lens.size[1]);
+            // What lies outside, or is no number, goes to the first pixel.
+            let (u, v) = if in_view { (u, v) } else { (0.5, 0.5) };
+            let (left, top) = (u.floor(), v.floor());
+            carried.point[0][i] = x;
+            carried.point[1][i] = y;
+            carried.point[2][i] = z;
+            carried.cell[0][i] = left;
+            carried.cell[1][i] = top;
+            carried.off_center[0][i] = u - left - 0.5;
+            carried.off_center[1][i] = v - top - 0.5;
+            carried.pixel[i] = whole(top) * width + whole(left);
+            carried.bits[i] = if in_front { IN_FRONT } else { 0 } | if in_view { IN_VIEW } else { 0 };
+        }
+        carried
+    }
+}

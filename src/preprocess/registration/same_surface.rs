@@ -1,0 +1,347 @@
+//! The same surface point? Compares a sample with what another camera saw where the sample's point lies in its picture.
+//!
+//! Source: the paper (§3.2) compares pixels that map to each other; it leaves open when they show one surface. Here that is
+//! decided in pixel footprints, by the distance to the other sample's tangent plane, and by normals and color, each with its
+//! own threshold. Distances are compared times `w·wₜ`, both inverse depths, so that points at infinity need no division and
+//! sixteen lanes no branch:
+//!
+//! ```text
+//! |n·(q/w − rayₜ/wₜ)| ≤ τ max(s/w, sₜ/wₜ) + step/w + stepₜ/wₜ     s: side of a pixel at depth 1, τ: tolerance in footprints
+//! |n·(q wₜ − rayₜ w)| ≤ τ max(s wₜ, sₜ w) + step wₜ + stepₜ w
+//! ```
+//!
+//! `step` is what depths are rounded by. Where depth is noisy, so many standard deviations of both samples' noise come to it.
+
+use super::answers::{
+    Answers, COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, Needs, ON_SURFACE, Outcome,
+    SAME, SURROUNDED,
+};
+use super::noisy_colors::{allow_noise, tell_noise};
+use super::noisy_depths::{granted_around, granted_to_noise};
+use super::reproject::{Block, Carried, Lens, Registration};
+use crate::capture::INVALID_INVERSE_DEPTH;
+use crate::preprocess::layers::{COLOR_STEPS, Facet, Layer, Look, MIXED};
+use crate::preprocess::temporal::Level;
+use crate::settings::Settings;
+use crate::simd::whole;
+
+/// Thresholds of the same-surface test, converted once.
+#[derive(Clone, Copy, Debug)]
+pub struct SameSurface {
+    depth_footprints: f32,
+    normal_cosine: f32,
+    pub(crate) color_steps: f32,
+    pub(crate) noise_sigmas: f32,
+    depth_sigmas: f32,
+    overlap: bool,
+    /// Samples of deeper levels do not take part.
+    deepest: u32,
+    /// Whether the target may have any.
+    has_deeper: bool,
+}
+
+/// Two noisy colors of one surface, and two noisy depths, differ by less than this many standard deviations of their difference.
+const SIGMAS: f32 = 3.0;
+
+/// A position this close to a pixel's center, in pixels, is that pixel: no neighbor takes part in interpolating there.
+const CENTERED: f32 = 1.0 / 16.0;
+
+impl SameSurface {
+    /// The thresholds of `settings`.
+    #[must_use]
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            depth_footprints: settings.pruning.depth_tolerance,
+            normal_cosine: settings.pruning.normal_tolerance.to_radians().cos(),
+            color_steps: settings.pruning.color_tolerance,
+            noise_sigmas: settings.spans.noise * SIGMAS,
+            depth_sigmas: settings.spans.noise * SIGMAS,
+            overlap: settings.pruning.overlap,
+            deepest: u32::from(Level::MAX),
+            has_deeper: true,
+        }
+    }
+
+    /// Thresholds by which surfaces are the same up to a distance in footprints, however they face and look.
+    #[must_use]
+    pub fn geometry_within(footprints: f32) -> Self {
+        Self {
+            depth_footprints: footprints,
+            normal_cosine: f32::NEG_INFINITY,
+            color_steps: f32::from(u16::MAX),
+            noise_sigmas: 0.0,
+            depth_sigmas: 0.0,
+            overlap: false,
+            deepest: u32::from(Level::MAX),
+            has_deeper: true,
+        }
+    }
+
+    /// These thresholds for samples of `level`, to which those of deeper levels do not exist yet.
+    #[must_use]
+    pub fn at_level(self, level: Level) -> Self {
+        Self { deepest: u32::from(level), ..self }
+    }
+
+    /// These thresholds for one pair of layers: where neither is noisy, nothing has to be allowed for noise.
+    #[must_use]
+    pub fn between(self, source: &Layer, target: &Layer) -> Self {
+        let noisy = source.has_color_noise() || target.has_color_noise();
+        let noisy_depth = source.has_depth_noise() || target.has_depth_noise();
+        Self {
+            noise_sigmas: if noisy { self.noise_sigmas } else { 0.0 },
+            depth_sigmas: if noisy_depth { self.depth_sigmas } else { 0.0 },
+            ..self
+        }
+    }
+
+    /// These thresholds for a target of which is known whether it has samples of deeper levels.
+    #[must_use]
+    pub fn with_deeper(self, has_deeper: bool) -> Self {
+        Self { has_deeper, ..self }
+    }
+
+    /// What the target camera says about the sample of `source` at pixel `(x, y)`.
+    #[inline(always)]
+    #[must_use]
+    pub fn test(
+        &self,
+        registration: &Registration,
+        (source, x, y): (&Layer, usize, usize),
+        target: &Layer,
+    ) -> Outcome {
+        let block = Block::<1>::new(source, x, y, 1);
+        let carried = registration.carry(&block, target.width);
+        if carried.bits[0] & IN_VIEW == 0 {
+            return if carried.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
+        }
+        self.compare(registration, (source, &block), (target, &carried), [1]).outcome(0)
+    }
+
+    /// As [`SameSurface::test`], for the eye: where the target has samples that do not count because their spans are shorter, what
+    /// they would say.
+    #[must_use]
+    pub fn explain(
+        &self,
+        registration: &Registration,
+        source: (&Layer, usize, usize),
+        target: &Layer,
+    ) -> Outcome {
+        let outcome = self.test(registration, source, target);
+        let hides_some = self.deepest < u32::from(Level::MAX);
+        if !hides_some || !matches!(outcome, Outcome::NoDepth | Outcome::Seam) {
+            return outcome;
+        }
+        match self.at_level(Level::MAX).test(registration, source, target) {
+            Outcome::Same(_) => Outcome::ShorterSpan,
+            of_all if outcome == Outcome::NoDepth => of_all,
+            _ => outcome,
+        }
+    }
+
+    /// Compares the samples of a block with what the target saw where they lie. Of samples that are not `wanted` it tells no
+    /// more than is needed for the others.
+    #[inline(always)]
+    pub(crate) fn compare<const N: usize>(
+        &self,
+        registration: &Registration,
+        source: (&Layer, &Block<N>),
+        target: (&Layer, &Carried<N>),
+        wanted: [u32; N],
+    ) -> Answers<N> {
+        self.compare_telling::<N, false>(registration, source, target, wanted, &mut Needs::new(0.0))
+    }
+
+    /// [`SameSurface::compare`]; where `TELLING`, with what each sample needs to be the same, if anything within these thresholds
+    /// does.
+    #[inline(always)]
+    pub(crate) fn compare_telling<const N: usize, const TELLING: bool>(
+        &self,
+        registration: &Registration,
+        (source, block): (&Layer, &Block<N>),
+        (target, carried): (&Layer, &Carried<N>),
+        wanted: [u32; N],
+        needs: &mut Needs<N>,
+    ) -> Answers<N> {
+        let limits = self;
+        let mut found = [Facet::ABSENT; N];
+        for i in 0..N {
+            found[i] = target.facets[carried.pixel[i] as usize];
+        }
+        let mut granted = [0.0; N];
+        if limits.depth_sigmas > 0.0 {
+            granted = granted_to_noise((source, block), (target, carried, &found), limits.depth_sigmas);
+        }
+        let mut answers = Answers { bits: carried.bits, pixel: carried.pixel, level: [0; N] };
+        let lens = &registration.target;
+        let [ax, ay, az] = registration.axes;
+        for i in 0..N {
+            let facet = &found[i];
+            let (w, there) = (block.inverse_depth[i], facet.inverse_depth);
+            let x = (carried.cell[0][i] + 0.5 - lens.center[0]) * (1.0 / lens.focal[0]);
+            let y = (carried.cell[1][i] + 0.5 - lens.center[1]) * (1.0 / lens.focal[1]);
+            let [qx, qy, qz] = [carried.point[0][i], carried.point[1][i], carried.point[2][i]];
+            let [nx, ny, nz] = facet.normal_in_camera;
+            let distance = nx * (qx * there - x * w) + ny * (qy * there - y * w) + nz * (qz * there - w);
+            let footprint = (registration.source_side * there).max(lens.side * w);
+            let step = source.depth_step_relative * there + target.depth_step_relative * w + granted[i];
+            let both_or_neither_finite = (w == 0.0) == (there == 0.0);
+            let on_surface =
+                (distance.abs() <= limits.depth_footprints * footprint + step) & both_or_neither_finite;
+            let (mx, my, mz) = (block.normal[0][i], block.normal[1][i], block.normal[2][i]);
+            let cosine = (ax.x * mx + ay.x * my + az.x * mz) * nx
+                + (ax.y * mx + ay.y * my + az.y * mz) * ny
+                + (ax.z * mx + ay.z * my + az.z * mz) * nz;
+            let facing = (block.known[i] == 0) | (cosine >= limits.normal_cosine);
+            if TELLING {
+                needs.depth[i] = needed(distance.abs() - step, footprint);
+                needs.turn[i] = if block.known[i] == 0 { 0.0 } else { 1.0 - cosine };
+            }
+            answers.bits[i] |= if there >= 0.0 { HAS_DEPTH } else { 0 }
+                | if on_surface { ON_SURFACE } else { 0 }
+                | if there * qz > w { NEARER } else { 0 }
+                | if facing { NORMAL_AGREES } else { 0 };
+        }
+        let mut looks = [Look::ABSENT; N];
+        for i in 0..N {
+            looks[i] = target.looks[carried.pixel[i] as usize];
+        }
+        let mut yields = [0_u32; N];
+        if block.rank.iter().fold(0, |all, rank| all | rank) & MIXED != 0 {
+            for i in 0..N {
+                // A mixed sample's color belongs to no surface: it may not speak against a clean witness.
+                let is_mixed = |rank: u32| rank & MIXED != 0;
+                let clean = !is_mixed(target.ranks[carried.pixel[i] as usize].rank);
+                yields[i] = u32::from(is_mixed(block.rank[i]) & clean);
+            }
+        }
+        let color_limit = (limits.color_steps * COLOR_STEPS) as i32;
+        for i in 0..N {
+            let color = looks[i].color();
+            let furthest = (block.color[0][i] - color[0])
+                .abs()
+                .max((block.color[1][i] - color[1]).abs())
+                .max((block.color[2][i] - color[2]).abs());
+            let level = looks[i].level();
+            answers.bits[i] &= if level <= limits.deepest { u32::MAX } else { !HAS_DEPTH };
+            answers.bits[i] |= if looks[i].has_normal() { 0 } else { NORMAL_AGREES }
+                | if (yields[i] != 0) | (furthest <= color_limit) { COLOR_AGREES } else { 0 };
+            answers.level[i] = level;
+            if TELLING {
+                needs.turn[i] = if looks[i].has_normal() { needs.turn[i] } else { 0.0 };
+                needs.color[i] = if yields[i] != 0 { 0.0 } else { furthest as f32 * (1.0 / COLOR_STEPS) };
+            }
+        }
+        if limits.noise_sigmas > 0.0 {
+            if TELLING {
+                tell_noise((source, block), (target, &looks), &answers, limits.noise_sigmas, needs);
+            }
+            let thresholds = (limits.color_steps, limits.noise_sigmas);
+            allow_noise((source, block), (target, &looks), &mut answers, thresholds, wanted);
+        }
+        self.surround::<N, TELLING>(
+            &registration.target,
+            (target, carried, &found),
+            &mut answers,
+            wanted,
+            needs,
+        );
+        answers
+    }
+
+    /// Whether the target shows the surface on all four pixels around each position, so that it can be interpolated there.
+    #[inline(always)]
+    fn surround<const N: usize, const TELLING: bool>(
+        &self,
+        lens: &Lens,
+        (target, carried, found): (&Layer, &Carried<N>, &[Facet; N]),
+        answers: &mut Answers<N>,
+        mut wanted: [u32; N],
+        needs: &mut Needs<N>,
+    ) {
+        const BUT_SURROUNDED: u32 = SAME & !SURROUNDED;
+        let mut candidates = 0;
+        for i in 0..N {
+            let so_far = answers.bits[i] & BUT_SURROUNDED == BUT_SURROUNDED;
+            wanted[i] &= u32::from(so_far);
+            candidates |= wanted[i];
+        }
+        let limits = self;
+        if candidates == 0 || !limits.overlap {
+            answers.bits.iter_mut().for_each(|bits| *bits |= SURROUNDED);
+            return;
+        }
+        let width = target.width as u32;
+        // Along each axis: 0 where the position is the pixel's center, else ±1 toward the pixel on the other side of it.
+        let mut toward = [[0.0_f32; N]; 2];
+        let mut beside = [[0_u32; N]; 3];
+        let mut inside = [0_u32; N];
+        for i in 0..N {
+            let mut within = wanted[i] != 0;
+            for axis in 0..2 {
+                let off = carried.off_center[axis][i];
+                let side = if off > CENTERED { 1.0 } else { 0.0 } - if off < -CENTERED { 1.0 } else { 0.0 };
+                let cell = carried.cell[axis][i] + side;
+                within &= (cell >= 0.0) & (cell < lens.size[axis]);
+                toward[axis][i] = side;
+            }
+            let right = if within { carried.cell[0][i] + toward[0][i] } else { 0.0 };
+            let below = if within { carried.cell[1][i] + toward[1][i] } else { 0.0 };
+            let left = if within { carried.cell[0][i] } else { 0.0 };
+            let above = if within { carried.cell[1][i] } else { 0.0 };
+            beside[0][i] = whole(above) * width + whole(right);
+            beside[1][i] = whole(below) * width + whole(left);
+            beside[2][i] = whole(below) * width + whole(right);
+            inside[i] = u32::from(within);
+        }
+        let mut depths = [[0.0_f32; N]; 3];
+        for corner in 0..3 {
+            for i in 0..N {
+                depths[corner][i] = target.facets[beside[corner][i] as usize].inverse_depth;
+            }
+        }
+        if limits.has_deeper {
+            for corner in 0..3 {
+                for i in 0..N {
+                    let takes_part = u32::from(target.level[beside[corner][i] as usize]) <= limits.deepest;
+                    depths[corner][i] = if takes_part { depths[corner][i] } else { INVALID_INVERSE_DEPTH };
+                }
+            }
+        }
+        let mut granted = [[0.0; N]; 3];
+        if limits.depth_sigmas > 0.0 {
+            granted = granted_around(target, carried, found, &depths, limits.depth_sigmas);
+        }
+        for i in 0..N {
+            let facet = &found[i];
+            let here = facet.inverse_depth;
+            let x = (carried.cell[0][i] + 0.5 - lens.center[0]) * (1.0 / lens.focal[0]);
+            let y = (carried.cell[1][i] + 0.5 - lens.center[1]) * (1.0 / lens.focal[1]);
+            let [nx, ny, nz] = facet.normal_in_camera;
+            let across = nx * toward[0][i] * (1.0 / lens.focal[0]);
+            let down = ny * toward[1][i] * (1.0 / lens.focal[1]);
+            let along = nx * x + ny * y + nz;
+            let mut all = inside[i] != 0;
+            for (corner, shift) in [across, down, across + down].into_iter().enumerate() {
+                let there = depths[corner][i];
+                let distance = along * (here - there) + here * shift;
+                let footprint = lens.side * here.max(there);
+                // Both are rounded, and both are noisy.
+                let step = target.depth_step_relative * (here + there) + granted[corner][i];
+                let limit = limits.depth_footprints * footprint + step;
+                if TELLING {
+                    needs.depth[i] = needs.depth[i].max(needed(distance.abs() - step, footprint));
+                }
+                let both_or_neither_finite = (here == 0.0) == (there == 0.0);
+                all &= (there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite;
+            }
+            answers.bits[i] |= if all { SURROUNDED } else { 0 };
+        }
+    }
+}
+
+/// The tolerance at which a distance is granted, where `footprint` is granted for each footprint of tolerance.
+#[inline(always)]
+fn needed(distance: f32, footprint: f32) -> f32 {
+    if distance <= 0.0 { 0.0 } else { distance / footprint }
+}

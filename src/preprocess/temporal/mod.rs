@@ -1,0 +1,26 @@
+//! Temporal redundancy (the paper, §3.2): the longest spans of frames over which each pixel stays the same.
+
+mod batch;
+mod batch_split;
+mod pixel_stats;
+mod prefilter;
+mod range_histogram;
+mod root_buffer;
+mod scan;
+mod span_level;
+mod span_means;
+mod span_store;
+mod span_tree;
+mod staticness;
+mod tree_split;
+mod two_level;
+
+pub use batch::BATCH;
+pub use range_histogram::RangeFacts;
+pub use scan::{CameraScan, TemporalScan, scan};
+pub use span_level::{Level, NO_SAMPLE, ROOT};
+pub use span_store::SpanSamples;
+pub use span_tree::{SpanTree, all_frames};
+pub use staticness::StaticTest;
+pub use tree_split::{Given, Split};
+pub use two_level::Ranges;

@@ -1,0 +1,375 @@
+//! Range and sum of every pixel over a span, as planes: what is known of a span whose frames are gone.
+//!
+//! Half floats from 0 up order like their bits, so that minimum and maximum of color are those of 16-bit integers; what is
+//! below 0 counts as 0, as it does when shown. Sums are exact whatever their order: a half float has 11 digits and `f32` 24,
+//! an `f32` 24 and `f64` 53, which leaves room for thousands of frames of about one size. Normals have components of any size,
+//! of which `summand` takes as many digits as leave room for the same.
+
+use glam::Vec3;
+
+use super::staticness::StaticTest;
+use crate::capture::INVALID_INVERSE_DEPTH;
+use crate::color::{WIDENING, widened_small};
+use crate::simd::{self, Work};
+
+/// A frame from some pixel on, flat: color three to a pixel, inverse depth one, normals (where given) three.
+#[derive(Clone, Copy)]
+pub struct FrameRun<'a> {
+    /// Bits of half floats.
+    pub color: &'a [i16],
+    /// 1/z; negative where there is no depth.
+    pub inverse_depth: &'a [f32],
+    /// World-space normals; empty where the capture gives none.
+    pub normal: &'a [f32],
+}
+
+/// See the module's page. One entry per pixel, or three.
+#[derive(Clone, Debug, Default)]
+pub struct SpanSums {
+    /// Frames that were added.
+    pub frames: u32,
+    /// Whether the pixel was static over every part of the span that was looked at.
+    pub(crate) is_open: Vec<bool>,
+    pub(crate) min_color: Vec<i16>,
+    pub(crate) max_color: Vec<i16>,
+    pub(crate) color: Vec<f32>,
+    pub(crate) min_inverse_depth: Vec<f32>,
+    pub(crate) max_inverse_depth: Vec<f32>,
+    pub(crate) inverse_depth: Vec<f64>,
+    /// Sums of [`summand`]; empty where the capture gives none.
+    pub(crate) normal: Vec<f64>,
+}
+
+impl SpanSums {
+    /// The sums over the first `pixels` pixels of some frames, of which there is at least one.
+    #[must_use]
+    pub fn of(frames: &[FrameRun<'_>], pixels: usize) -> Self {
+        let normals = frames.first().map_or(0, |frame| frame.normal.len().min(3 * pixels));
+        let mut sums = Self {
+            frames: frames.len() as u32,
+            is_open: vec![true; pixels],
+            min_color: vec![0; 3 * pixels],
+            max_color: vec![0; 3 * pixels],
+            color: vec![0.0; 3 * pixels],
+            min_inverse_depth: vec![0.0; pixels],
+            max_inverse_depth: vec![0.0; pixels],
+            inverse_depth: vec![0.0; pixels],
+            normal: vec![0.0; normals],
+        };
+        simd::run(Add { sums: &mut sums, frames });
+        sums
+    }
+
+    /// Pixels.
+    #[must_use]
+    pub fn pixels(&self) -> usize {
+        self.inverse_depth.len()
+    }
+
+    /// Whether any pixel has no depth in some frame.
+    #[must_use]
+    pub fn lacks_depth(&self) -> bool {
+        self.min_inverse_depth.iter().fold(false, |lacks, w| lacks | (*w < 0.0))
+    }
+
+    /// Whether the pixel is open and stays within the tolerance.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_static(&self, pixel: usize, test: &StaticTest) -> bool {
+        self.is_static_with(self, pixel, test)
+    }
+
+    /// Whether the pixel is open in both and stays within the tolerance over both together.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_static_with(&self, later: &Self, pixel: usize, test: &StaticTest) -> bool {
+        if !(self.is_open[pixel] & later.is_open[pixel]) {
+            return false;
+        }
+        let farthest = smaller(self.min_inverse_depth[pixel], later.min_inverse_depth[pixel]);
+        let nearest = larger(self.max_inverse_depth[pixel], later.max_inverse_depth[pixel]);
+        if relative_range(farthest, nearest) > test.granted_depth() {
+            return false;
+        }
+        let low =
+            |channel: usize| self.min_color[3 * pixel + channel].min(later.min_color[3 * pixel + channel]);
+        let high =
+            |channel: usize| self.max_color[3 * pixel + channel].max(later.max_color[3 * pixel + channel]);
+        test.is_color_static([0, 1, 2].map(low), [0, 1, 2].map(high))
+    }
+
+    /// Adds the frames that follow.
+    pub fn merge(&mut self, later: &Self) {
+        self.frames += later.frames;
+        simd::run(Merge { sums: self, later });
+    }
+
+    /// Takes the pixel out: no longer span is static there.
+    pub fn close(&mut self, pixel: usize) {
+        self.is_open[pixel] = false;
+    }
+
+    /// Whether no pixel was taken out.
+    #[must_use]
+    pub fn is_all_open(&self) -> bool {
+        self.is_open.iter().fold(true, |all, open| all & open)
+    }
+
+    /// Whether the pixel was not taken out, here or in a part of the span.
+    #[must_use]
+    pub fn is_open(&self, pixel: usize) -> bool {
+        self.is_open[pixel]
+    }
+}
+
+/// A range of inverse depth as a share of its maximum; infinite where the smallest says that there is none.
+#[inline(always)]
+pub(crate) fn relative_range(farthest: f32, nearest: f32) -> f32 {
+    if farthest < 0.0 {
+        f32::INFINITY
+    } else if nearest > farthest {
+        (nearest - farthest) / nearest
+    } else {
+        0.0
+    }
+}
+
+/// A component of a unit normal as a multiple of 2⁻⁴⁰: sums of up to 8192 of them are exact, whatever their order.
+#[inline(always)]
+#[must_use]
+pub(crate) fn summand(component: f32) -> f64 {
+    /// So large that what is added to it is rounded to multiples of 2⁻⁴⁰.
+    const ROUNDING: f64 = 6144.0;
+    f64::from(component) + ROUNDING - ROUNDING
+}
+
+/// The direction of a sum of normals.
+#[must_use]
+pub(crate) fn direction(sum: [f64; 3]) -> Vec3 {
+    Vec3::from(sum.map(|component| component as f32)).normalize_or_zero()
+}
+
+#[inline(always)]
+pub(crate) fn smaller(a: f32, b: f32) -> f32 {
+    if b < a { b } else { a }
+}
+
+#[inline(always)]
+pub(crate) fn larger(a: f32, b: f32) -> f32 {
+    if b > a { b } else { a }
+}
+
+/// Pixels whose sums are held in registers while frame after frame is added.
+pub(crate) const HELD: usize = 16;
+
+/// Frames are fetched so many pixels ahead.
+const AHEAD: usize = 96;
+
+/// Half floats in a cache line.
+const LINE_COLORS: usize = 32;
+
+/// Components of normals in a cache line.
+const LINE_NORMALS: usize = 16;
+
+struct Add<'a> {
+    sums: &'a mut SpanSums,
+    frames: &'a [FrameRun<'a>],
+}
+
+impl Work for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { sums, frames } = self;
+        let pixels = sums.pixels();
+        for first in (0..pixels).step_by(HELD) {
+            let count = HELD.min(pixels - first);
+            let mut held = Held::NOTHING;
+            for frame in frames {
+                // So many frames at once are more than the processor follows by itself.
+                simd::prefetch(frame.color, 3 * (first + AHEAD));
+                simd::prefetch(frame.color, 3 * (first + AHEAD) + LINE_COLORS);
+                simd::prefetch(frame.inverse_depth, first + AHEAD);
+                if let (Some(color), Some(w)) =
+                    (frame.color[3 * first..].first_chunk(), frame.inverse_depth[first..].first_chunk())
+                {
+                    held.add(color, w);
+                } else {
+                    let (mut color, mut w) = ([0; 3 * HELD], [0.0; HELD]);
+                    color[..3 * count].copy_from_slice(&frame.color[3 * first..][..3 * count]);
+                    w[..count].copy_from_slice(&frame.inverse_depth[first..][..count]);
+                    held.add(&color, &w);
+                }
+            }
+            held.give(sums, first, count);
+        }
+        add_normals(&mut sums.normal, frames);
+    }
+}
+
+/// Writes the sums of [`summand`] over all frames; of a frame without normals nothing is added.
+#[inline(always)]
+fn add_normals(sums: &mut [f64], frames: &[FrameRun<'_>]) {
+    for (first, sums) in (0..).step_by(3 * HELD).zip(sums.chunks_mut(3 * HELD)) {
+        let mut held = [0.0; 3 * HELD];
+        for frame in frames {
+            (0..3).for_each(|line| simd::prefetch(frame.normal, first + 3 * AHEAD + line * LINE_NORMALS));
+            let normal = frame.normal.get(first..).unwrap_or_default();
+            if let Some(normal) = normal.first_chunk::<{ 3 * HELD }>() {
+                for i in 0..3 * HELD {
+                    held[i] += summand(normal[i]);
+                }
+            } else {
+                held.iter_mut().zip(normal).for_each(|(sum, component)| *sum += summand(*component));
+            }
+        }
+        sums.copy_from_slice(&held[..sums.len()]);
+    }
+}
+
+/// The sums of some pixels, and their ranges.
+struct Held {
+    min_color: [i16; 3 * HELD],
+    max_color: [i16; 3 * HELD],
+    /// Sums of [`widened_small`].
+    color: [f32; 3 * HELD],
+    min_inverse_depth: [f32; HELD],
+    max_inverse_depth: [f32; HELD],
+    inverse_depth: [f64; HELD],
+}
+
+impl Held {
+    const NOTHING: Self = Self {
+        min_color: [i16::MAX; 3 * HELD],
+        max_color: [0; 3 * HELD],
+        color: [0.0; 3 * HELD],
+        min_inverse_depth: [f32::INFINITY; HELD],
+        max_inverse_depth: [INVALID_INVERSE_DEPTH; HELD],
+        inverse_depth: [0.0; HELD],
+    };
+
+    #[inline(always)]
+    fn add(&mut self, color: &[i16; 3 * HELD], inverse_depth: &[f32; HELD]) {
+        for i in 0..3 * HELD {
+            self.min_color[i] = self.min_color[i].min(color[i].max(0));
+        }
+        for i in 0..3 * HELD {
+            self.max_color[i] = self.max_color[i].max(color[i]);
+        }
+        for i in 0..3 * HELD {
+            self.color[i] += widened_small(color[i]);
+        }
+        for i in 0..HELD {
+            self.min_inverse_depth[i] = smaller(self.min_inverse_depth[i], inverse_depth[i]);
+            self.max_inverse_depth[i] = larger(self.max_inverse_depth[i], inverse_depth[i]);
+        }
+        for i in 0..HELD {
+            self.inverse_depth[i] += f64::from(inverse_depth[i]);
+        }
+    }
+
+    /// Writes the first `count` pixels to those of `sums` from `first` on.
+    #[inline(always)]
+    fn give(&self, sums: &mut SpanSums, first: usize, count: usize) {
+        let colors = 3 * first..3 * (first + count);
+        sums.min_color[colors.clone()].copy_from_slice(&self.min_color[..3 * count]);
+        sums.max_color[colors.clone()].copy_from_slice(&self.max_color[..3 * count]);
+        for (sum, held) in sums.color[colors].iter_mut().zip(&self.color) {
+            *sum = held * WIDENING;
+        }
+        let pixels = first..first + count;
+        sums.min_inverse_depth[pixels.clone()].copy_from_slice(&self.min_inverse_depth[..count]);
+        sums.max_inverse_depth[pixels.clone()].copy_from_slice(&self.max_inverse_depth[..count]);
+        sums.inverse_depth[pixels].copy_from_slice(&self.inverse_depth[..count]);
+    }
+}
+
+struct Merge<'a> {
+    sums: &'a mut SpanSums,
+    later: &'a SpanSums,
+}
+
+impl Work for Merge<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { sums, later } = self;
+        for (open, &other) in sums.is_open.iter_mut().zip(&later.is_open) {
+            *open &= other;
+        }
+        for (low, &other) in sums.min_color.iter_mut().zip(&later.min_color) {
+            *low = (*low).min(other);
+        }
+        for (high, &other) in sums.max_color.iter_mut().zip(&later.max_color) {
+            *high = (*high).max(other);
+        }
+        for (sum, &other) in sums.color.iter_mut().zip(&later.color) {
+            *sum += other;
+        }
+        for (low, &other) in sums.min_inverse_depth.iter_mut().zip(&later.min_inverse_depth) {
+            *low = smaller(*low, other);
+        }
+        for (high, &other) in sums.max_inverse_depth.iter_mut().zip(&later.max_inverse_depth) {
+            *high = larger(*high, other);
+        }
+        for (sum, &other) in sums.inverse_depth.iter_mut().zip(&later.inverse_depth) {
+            *sum += other;
+        }
+        for (sum, &other) in sums.normal.iter_mut().zip(&later.normal) {
+            *sum += other;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use half::f16;
+
+    use super::*;
+    use crate::color::widened;
+    use crate::preprocess::temporal::span_means::mean_color;
+
+    #[test]
+    fn sums_of_normals_are_the_same_in_any_order_and_those_of_equal_ones_point_where_they_do() {
+        let mut state = 1_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        let normals: Vec<Vec3> = (0..4000)
+            .map(|_| Vec3::new(random().powi(9), random().powi(5), random().powi(3)).normalize_or_zero())
+            .collect();
+        let sum = |normals: &mut dyn Iterator<Item = &Vec3>| {
+            let mut sum = [0.0; 3];
+            normals.for_each(|n| (0..3).for_each(|axis| sum[axis] += summand(n[axis])));
+            sum.map(f64::to_bits)
+        };
+        assert_eq!(sum(&mut normals.iter()), sum(&mut normals.iter().rev()));
+        for normal in &normals {
+            let sum = normal.to_array().map(|component| 16.0 * summand(component));
+            assert!(direction(sum).abs_diff_eq(*normal, 4e-7), "{normal}");
+        }
+    }
+
+    #[test]
+    fn half_floats_are_widened_and_added_up_exactly() {
+        let halves: Vec<f16> = (0..=u16::MAX).map(f16::from_bits).filter(|half| half.is_finite()).collect();
+        let bits: Vec<i16> = halves.iter().map(|half| half.to_bits() as i16).collect();
+        for (half, bits) in halves.iter().zip(&bits) {
+            assert_eq!(widened(*bits).to_bits(), half.to_f32().to_bits(), "{half:?}");
+        }
+        let pixels = halves.len() / 3;
+        let inverse_depth = vec![1.0; pixels];
+        let run = FrameRun { color: &bits, inverse_depth: &inverse_depth, normal: &[] };
+        let sums = SpanSums::of(&[run; 4], pixels);
+        for pixel in 0..pixels {
+            assert_eq!(
+                mean_color(&sums, pixel),
+                [0, 1, 2].map(|channel| halves[3 * pixel + channel]),
+                "{pixel}"
+            );
+        }
+    }
+}

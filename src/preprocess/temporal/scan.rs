@@ -1,0 +1,253 @@
+//! Temporal redundancy (the paper, §3.2): which pixels stay the same, and for how long.
+//!
+//! Purpose: one pass over the frames of every camera. For the tree of spans ([`split`](super::tree_split)) it gives the samples of
+//! every span; for the paper's two lengths ([`ranges`](super::two_level)) the range and mean of every pixel over all frames,
+//! from which the background follows.
+//!
+//! Thresholds multiply the noise, which the tree therefore has to know before: it is measured on three pairs of successive
+//! frames (`noise_frames.rs`). These frames are kept until their turn comes, so that every frame is decoded
+//! once, unless pictures are repeated.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use super::batch::BATCH;
+use super::range_histogram::RangeShares;
+use super::span_store::SpanStore;
+use super::span_tree::SpanTree;
+use super::staticness::StaticTest;
+use super::tree_split::Split;
+use super::two_level::{CameraSum, Ranges};
+use crate::capture::{Capture, Frame};
+use crate::error::Result;
+use crate::job::Job;
+use crate::preprocess::noise::{Noise, NoiseFrames, measure_pairs};
+use crate::preprocess::normals::{NormalErrors, compare_with_given};
+use crate::samples::samples_in_memory;
+use crate::settings::{Settings, SpanLevels, SpanSettings};
+
+/// What a pass over all frames told of one camera.
+#[derive(Debug)]
+pub struct CameraScan {
+    /// Range and mean of every pixel over all frames; for the paper's two lengths only.
+    pub ranges: Option<Ranges>,
+    /// How far the ranges of all pixels reach; for the tree of spans only.
+    pub shares: Option<RangeShares>,
+    /// Pixels without depth, over all frames.
+    pub invalid: u64,
+    /// The coarsest quantization step of depth met in any frame, relative; where a tree of spans was built, in those that were
+    /// looked at before.
+    pub depth_step_relative: f32,
+    /// Noise of static pixels.
+    pub noise: Noise,
+    /// Estimated against given normals on the first frame, with the settings of the scan; empty where none are given.
+    pub normal_errors: Vec<NormalErrors>,
+}
+
+/// What a pass over all frames told.
+#[derive(Debug)]
+pub struct TemporalScan {
+    /// Frames that were scanned.
+    pub frames: usize,
+    /// Per camera, in the capture's order.
+    pub cameras: Vec<CameraScan>,
+    /// The samples of every span of the tree; for the tree only.
+    pub spans: Option<SpanStore>,
+    made_with: SpanSettings,
+    /// The edge threshold that [`CameraScan::normal_errors`] goes with.
+    pub(crate) edge: f32,
+}
+
+impl TemporalScan {
+    /// Whether the scan serves these settings, or another pass over the frames is needed.
+    #[must_use]
+    pub fn serves(&self, settings: &SpanSettings) -> bool {
+        match self.made_with.levels {
+            SpanLevels::Tree => self.made_with == *settings,
+            SpanLevels::Paper | SpanLevels::Off => settings.levels != SpanLevels::Tree,
+        }
+    }
+
+    /// The settings closest to `settings` that the scan serves.
+    #[must_use]
+    pub fn served(&self, settings: &SpanSettings) -> SpanSettings {
+        if self.serves(settings) { settings.clone() } else { self.made_with.clone() }
+    }
+
+    /// The spans under `settings`.
+    #[must_use]
+    pub fn tree(&self, settings: &SpanSettings) -> SpanTree {
+        SpanTree::new(self.frames, settings.levels)
+    }
+
+    /// When a pixel of `camera` counts as static under `settings`.
+    #[must_use]
+    pub fn static_test(&self, camera: usize, settings: &SpanSettings) -> StaticTest {
+        let scan = &self.cameras[camera];
+        StaticTest::new(settings, &scan.noise, scan.depth_step_relative, self.frames)
+    }
+}
+
+/// One pass over all frames of all cameras. Deterministic whatever the thread count.
+///
+/// # Errors
+/// Whatever the capture gives (naming file and frame), `Io` where a temporary file cannot be written, and `Cancelled`.
+pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<TemporalScan> {
+    let frames = capture.frame_count();
+    job.start("Reading frames", frames * capture.cameras.len());
+    let (cameras, spans) = if settings.spans.levels == SpanLevels::Tree {
+        let store = Mutex::new(SpanStore::new(samples_in_memory(settings)));
+        let cameras = scan_cameras(capture, |camera| scan_spans(capture, camera, settings, &store, job))?;
+        (cameras, Some(store.into_inner().unwrap_or_else(PoisonError::into_inner)))
+    } else {
+        (scan_cameras(capture, |camera| scan_ranges(capture, camera, settings, job))?, None)
+    };
+    let (made_with, edge) = (settings.spans.clone(), settings.normals.edge);
+    Ok(TemporalScan { frames, cameras, spans, made_with, edge })
+}
+
+/// Cameras that are scanned side by side: while one waits for the last frame of a batch, the other has work.
+const SIDE_BY_SIDE: usize = 2;
+
+fn scan_cameras(
+    capture: &Capture,
+    scan: impl Fn(usize) -> Result<CameraScan> + Sync,
+) -> Result<Vec<CameraScan>> {
+    let mut cameras = Vec::with_capacity(capture.cameras.len());
+    let indices: Vec<usize> = (0..capture.cameras.len()).collect();
+    for indices in indices.chunks(SIDE_BY_SIDE) {
+        let scanned: Vec<Result<CameraScan>> = indices.par_iter().map(|&camera| scan(camera)).collect();
+        // One after the other, so that of two errors the first camera's is told.
+        for scan in scanned {
+            cameras.push(scan?);
+        }
+    }
+    Ok(cameras)
+}
+
+/// Frames of this camera that are held at a time: a power of two that takes a moderate share of the memory, since the next
+/// batch is decoded while one is split.
+fn batch_size(capture: &Capture, camera: usize, settings: &Settings) -> usize {
+    let pixel_bytes = if capture.has_normals { 22 } else { 10 };
+    let frame_bytes = capture.cameras[camera].intrinsics.pixel_count().max(1) * pixel_bytes;
+    let affordable = ((settings.capture.cache as usize) << 20) / 4 / SIDE_BY_SIDE / (2 * frame_bytes);
+    BATCH.min(1 << affordable.max(1).ilog2())
+}
+
+/// What is known of a camera before the pass over its frames.
+struct Preview {
+    noise: Noise,
+    depth_step_relative: f32,
+    normal_errors: Vec<NormalErrors>,
+    /// The frames that were looked at, by their index.
+    held: BTreeMap<usize, Arc<Frame>>,
+}
+
+impl Preview {
+    fn of(capture: &Capture, camera: usize, settings: &Settings, job: &Job) -> Result<Self> {
+        let frames = NoiseFrames::of(capture.frame_count(), |frame| {
+            job.check()?;
+            capture.frame(camera, frame)
+        })?;
+        let noise = measure_pairs(&frames.pairs());
+        let held = frames.held;
+        Ok(Self {
+            noise,
+            // Of whole numbers the step grows with the nearest thing there is. A tree of spans is built as frames come and
+            // goes by those that are known before.
+            depth_step_relative: held.values().map(|frame| frame.depth_step_relative).fold(0.0, f32::max),
+            normal_errors: held.get(&0).map_or_else(Vec::new, |first| {
+                compare_with_given(first, &capture.cameras[camera], &settings.normals)
+            }),
+            held,
+        })
+    }
+
+    /// With what the pass over the frames told.
+    fn with(self, ranges: Option<Ranges>, shares: Option<RangeShares>, invalid: u64) -> CameraScan {
+        let Self { noise, depth_step_relative, normal_errors, held: _ } = self;
+        CameraScan { ranges, shares, invalid, depth_step_relative, noise, normal_errors }
+    }
+}
+
+fn scan_ranges(capture: &Capture, camera: usize, settings: &Settings, job: &Job) -> Result<CameraScan> {
+    let preview = Preview::of(capture, camera, settings, job)?;
+    let (width, height) = capture.cameras[camera].intrinsics.size();
+    let mut sum = CameraSum::new(width, height);
+    let mut coarsest = 0.0_f32;
+    pass_over((capture, camera), &preview.held, settings, job, |frames| {
+        for frame in frames {
+            coarsest = coarsest.max(frame.depth_step_relative);
+            sum.add(frame);
+        }
+        Ok(())
+    })?;
+    let (ranges, invalid) = sum.finish(capture.frame_count());
+    Ok(CameraScan { depth_step_relative: coarsest, ..preview.with(Some(ranges), None, invalid) })
+}
+
+fn scan_spans(
+    capture: &Capture,
+    camera: usize,
+    settings: &Settings,
+    store: &Mutex<SpanStore>,
+    job: &Job,
+) -> Result<CameraScan> {
+    let preview = Preview::of(capture, camera, settings, job)?;
+    let frames = capture.frame_count();
+    let test = StaticTest::new(&settings.spans, &preview.noise, preview.depth_step_relative, frames);
+    let mut split = Split::new(capture.cameras[camera].intrinsics.pixel_count(), frames, test);
+    pass_over((capture, camera), &preview.held, settings, job, |frames| {
+        let given = split.add(frames);
+        let mut store = store.lock().unwrap_or_else(PoisonError::into_inner);
+        given.into_iter().try_for_each(|(span, samples)| store.insert(camera, span, samples))
+    })?;
+    Ok(preview.with(None, Some(split.shares()), split.invalid()))
+}
+
+/// Gives all frames of a camera to `take`, a batch at a time; meanwhile the next batch is decoded.
+fn pass_over(
+    (capture, camera): (&Capture, usize),
+    held: &BTreeMap<usize, Arc<Frame>>,
+    settings: &Settings,
+    job: &Job,
+    mut take: impl FnMut(&[Arc<Frame>]) -> Result<()> + Send,
+) -> Result<()> {
+    let frames = capture.frame_count();
+    let batch = batch_size(capture, camera, settings);
+    let range_from = |start: usize| start..(start + batch).min(frames);
+    let mut done = 0;
+    let mut current = decode(capture, camera, range_from(0), held, job)?;
+    while done < frames {
+        done += current.len();
+        let (taken, decoded) =
+            rayon::join(|| take(&current), || decode(capture, camera, range_from(done), held, job));
+        taken?;
+        current = decoded?;
+    }
+    Ok(())
+}
+
+/// Frames of a camera, those that are `held` already from there.
+fn decode(
+    capture: &Capture,
+    camera: usize,
+    frames: std::ops::Range<usize>,
+    held: &BTreeMap<usize, Arc<Frame>>,
+    job: &Job,
+) -> Result<Vec<Arc<Frame>>> {
+    frames
+        .into_par_iter()
+        .map(|frame| {
+            job.check()?;
+            let decoded = match held.get(&frame) {
+                Some(frame) => Ok(frame.clone()),
+                None => capture.frame(camera, frame),
+            };
+            job.advance(1);
+            decoded
+        })
+        .collect()
+}

@@ -1,0 +1,313 @@
+//! Temporal redundancy, generalized (the paper, §3.2): every pixel lives in the longest spans over which it is static.
+//!
+//! Purpose: one pass over the frames of a camera finds, for every pixel, the longest spans of the [`SpanTree`] over which it is
+//! static; at every frame exactly one of them holds. Images in memory: a batch of frames, and one per level of the tree.
+//!
+//! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.2, which knows two spans, all frames
+//! (background) and one (foreground). What differs: the lengths between, and the mean over the span as the sample's value.
+//!
+//! ```text
+//! frames ─▶ batch of 16 ─▶ static over the batch? ── no ─▶ down into halves until static: samples of short spans
+//!                                  │ yes                                    (all longer spans are ruled out)
+//!                                  ▼
+//!                 range and sum, one image per level, merged as a binary counter carries:
+//!                 both halves static, and their union too? ── no ─▶ the static halves become samples
+//! ```
+//!
+//! A sample is given out when the span twice as long fails, not before; what is still static at the end is the background.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::batch::Batch;
+use super::batch_split::ShortSpans;
+use super::pixel_stats::{FrameRun, SpanSums};
+use super::prefilter::list_doubtful;
+use super::range_histogram::RangeShares;
+use super::root_buffer::{RootBand, RootSamples};
+use super::span_means::{
+    color_ranges_steps, depth_ranges_relative, granted_color_steps, mean_color, mean_inverse_depth,
+    mean_normal,
+};
+use super::span_store::SpanSamples;
+use super::span_tree::SpanTree;
+use super::staticness::StaticTest;
+use crate::capture::Frame;
+use crate::samples::Span;
+use crate::settings::SpanLevels;
+
+/// Pixels whose sums are worked on together: they stay in the cache of one core.
+const CHUNK: usize = 2048;
+
+/// Pixels that one task works on.
+const BAND: usize = 4 * CHUNK;
+
+/// Bands that are worked on one after the other, at most.
+const JOB_BANDS: usize = 8;
+
+/// Samples that a span has room for at first.
+const ROOM: usize = 256;
+
+/// The split of one camera while its frames come in.
+pub struct Split {
+    tree: SpanTree,
+    test: StaticTest,
+    added: u32,
+    bands: Vec<Band>,
+    /// Spans that wait for the one beside them; each band holds the sums of each.
+    open: Vec<Span>,
+}
+
+struct Band {
+    first: usize,
+    pixels: usize,
+    /// `[chunk][open span]`
+    chunks: Vec<Vec<SpanSums>>,
+    invalid: u64,
+    shares: RangeShares,
+}
+
+/// Samples of some spans, in no order of spans.
+pub type Given = Vec<(Span, SpanSamples)>;
+
+impl Split {
+    /// A split of `pixels` pixels over `frames` frames.
+    #[must_use]
+    pub fn new(pixels: usize, frames: usize, test: StaticTest) -> Self {
+        let bands = (0..pixels).step_by(BAND).map(|first| {
+            let count = BAND.min(pixels - first);
+            Band {
+                first,
+                pixels: count,
+                chunks: vec![Vec::new(); count.div_ceil(CHUNK)],
+                invalid: 0,
+                shares: RangeShares::default(),
+            }
+        });
+        Self {
+            tree: SpanTree::new(frames, SpanLevels::Tree),
+            test,
+            added: 0,
+            bands: bands.collect(),
+            open: Vec::new(),
+        }
+    }
+
+    /// Adds the frames that follow: [`BATCH`](super::batch::BATCH) of them, or a smaller power of two each time; at the end, what is left. Gives
+    /// the samples of the spans that are settled now.
+    pub fn add(&mut self, frames: &[Arc<Frame>]) -> Given {
+        let span = Span { start: self.added, end: self.added + frames.len() as u32 };
+        self.added = span.end;
+        let carry = self.carry(span);
+        let batch = Batch {
+            frames,
+            span,
+            test: &self.test,
+            carry: &carry,
+            is_last: span.end == self.tree.root().end,
+        };
+        let pixels = self.bands.iter().map(|band| band.pixels).sum();
+        let normals = frames.first().is_some_and(|frame| frame.normal_in_world.is_some());
+        let mut root = RootSamples::of(if batch.is_last { pixels } else { 0 }, normals);
+        let mut roots: Vec<Option<RootBand<'_>>> = root.bands(BAND).into_iter().map(Some).collect();
+        roots.resize_with(self.bands.len(), || None);
+        let bands = self.bands.par_iter_mut().zip(&mut roots).with_max_len(JOB_BANDS);
+        let found = bands.fold(
+            || Found::new(&batch),
+            |mut found, (band, root)| {
+                band.add(&batch, root.as_mut(), &mut found);
+                found
+            },
+        );
+        let found: Vec<Found> = found.collect();
+        let counts: Vec<usize> = roots.iter().flatten().map(RootBand::count).collect();
+        let mut joined = join(found, &batch);
+        let root = root.joined(&counts, BAND);
+        if !root.is_empty() {
+            joined.push((self.tree.root(), root));
+        }
+        joined
+    }
+
+    /// Pixels without depth, over all frames added.
+    #[must_use]
+    pub fn invalid(&self) -> u64 {
+        self.bands.iter().map(|band| band.invalid).sum()
+    }
+
+    /// How far the ranges of all pixels reach, once all frames are added.
+    #[must_use]
+    pub fn shares(&self) -> RangeShares {
+        let mut all = RangeShares::default();
+        self.bands.iter().for_each(|band| all.join(&band.shares));
+        all
+    }
+
+    /// Pairs of spans that become one once `span` is complete, in order.
+    fn carry(&mut self, span: Span) -> Vec<[Span; 2]> {
+        let mut carry = Vec::new();
+        let mut right = span;
+        while let Some(&left) = self.open.last() {
+            let union = Span { start: left.start, end: right.end };
+            if self.tree.parent(right) != Some(union) {
+                break;
+            }
+            self.open.pop();
+            carry.push([left, right]);
+            right = union;
+        }
+        self.open.push(right);
+        carry
+    }
+}
+
+/// The samples that were found in bands that follow one another.
+struct Found {
+    short: ShortSpans,
+    /// For each pair of spans in [`Batch::carry`].
+    long: Vec<[SpanSamples; 2]>,
+    /// Pixels of a chunk that need a look of their own.
+    doubtful: Vec<u16>,
+}
+
+impl Found {
+    fn new(batch: &Batch<'_>) -> Self {
+        let room = || SpanSamples::with_capacity(ROOM);
+        Self {
+            short: ShortSpans::new(batch, ROOM),
+            long: batch.carry.iter().map(|_| [room(), room()]).collect(),
+            doubtful: Vec::with_capacity(CHUNK),
+        }
+    }
+
+    fn given(self, batch: &Batch<'_>) -> Given {
+        let long =
+            batch.carry.iter().zip(self.long).flat_map(|(spans, given)| spans.iter().copied().zip(given));
+        self.short.given.into_iter().chain(long).collect()
+    }
+}
+
+/// The samples of all bands, those of a span together.
+fn join(found: Vec<Found>, batch: &Batch<'_>) -> Given {
+    let mut parts = found.into_iter().map(|found| found.given(batch));
+    let Some(mut joined) = parts.next() else { return Given::new() };
+    let later: Vec<Given> = parts.collect();
+    joined.par_iter_mut().enumerate().for_each(|(nth, (_, samples))| {
+        let later = || later.iter().map(|given| &given[nth].1);
+        samples.reserve(later().map(SpanSamples::len).sum());
+        later().for_each(|later| samples.extend(later));
+    });
+    joined.retain(|(_, samples)| !samples.is_empty());
+    joined
+}
+
+impl Band {
+    /// `root` is there with the last frames.
+    fn add(&mut self, batch: &Batch<'_>, mut root: Option<&mut RootBand<'_>>, found: &mut Found) {
+        let Found { short, long, doubtful } = found;
+        for (index, open) in self.chunks.iter_mut().enumerate() {
+            let first = self.first + index * CHUNK;
+            let pixels = CHUNK.min(self.first + self.pixels - first);
+            let runs: Vec<FrameRun<'_>> = batch.frames.iter().map(|frame| run_of(frame, first)).collect();
+            let count_invalid =
+                |run: &FrameRun<'_>| run.inverse_depth[..pixels].iter().filter(|w| **w < 0.0).count();
+            let mut sums = SpanSums::of(&runs, pixels);
+            list_doubtful([&sums, &sums], batch.test, doubtful);
+            for &pixel in doubtful.iter() {
+                let pixel = pixel as usize;
+                if !sums.is_static(pixel, batch.test) {
+                    short.push(batch, &runs, first, pixel);
+                    sums.close(pixel);
+                }
+            }
+            short.descend(batch, &runs, first);
+            if sums.lacks_depth() {
+                self.invalid += runs.iter().map(|run| count_invalid(run) as u64).sum::<u64>();
+            }
+            for given in &mut *long {
+                let Some(left) = open.pop() else { break };
+                list_doubtful([&left, &sums], batch.test, doubtful);
+                sums = union(left, &sums, batch.test, (first, doubtful), given);
+            }
+            if let Some(root) = &mut root {
+                let (color, depth) = (color_ranges_steps(&sums), depth_ranges_relative(&sums));
+                self.shares.count(&color, &depth, &granted_color_steps(&sums, batch.test), batch.test);
+                root.write(first, &sums);
+                root.take(&sums);
+            } else {
+                open.push(sums);
+            }
+        }
+    }
+}
+
+fn run_of(frame: &Frame, first: usize) -> FrameRun<'_> {
+    let color: &[i16] = bytemuck::cast_slice(&frame.color.as_slice()[first..]);
+    let normal = frame.normal_in_world.as_ref();
+    FrameRun {
+        color,
+        inverse_depth: &frame.inverse_depth.as_slice()[first..],
+        normal: normal.map_or(&[], |n| bytemuck::cast_slice(&n.as_slice()[first..])),
+    }
+}
+
+/// The sums over two spans together. Where they are not static, which is asked of the `doubtful` pixels, the static ones of the two
+/// become samples.
+fn union(
+    mut left: SpanSums,
+    right: &SpanSums,
+    test: &StaticTest,
+    (first, doubtful): (usize, &[u16]),
+    given: &mut [SpanSamples; 2],
+) -> SpanSums {
+    for pixel in doubtful.iter().map(|pixel| *pixel as usize) {
+        if left.is_static_with(right, pixel, test) {
+            continue;
+        }
+        for (sums, given) in [&left, right].into_iter().zip(&mut *given) {
+            if sums.is_open(pixel) {
+                give(given, first, pixel, sums);
+            }
+        }
+        left.close(pixel);
+    }
+    left.merge(right);
+    left
+}
+
+fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums) {
+    samples.pixels.push((first + pixel) as u32);
+    samples.color.push(mean_color(sums, pixel));
+    samples.inverse_depth.push(mean_inverse_depth(sums, pixel));
+    if let Some(normal) = mean_normal(sums, pixel) {
+        samples.normal.push(normal);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{Demo, DemoSpec};
+    use crate::preprocess::noise::measure_pairs;
+    use crate::preprocess::temporal::batch::BATCH;
+    use crate::settings::{CaptureSettings, SpanSettings};
+    use crate::simd;
+
+    #[test]
+    fn every_instruction_set_finds_the_same_spans() {
+        let spec = DemoSpec::new("nine-cameras").cameras(1).frames(40).size((75, 50));
+        let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
+        let frames: Vec<_> = (0..40).map(|frame| capture.frame(0, frame).unwrap()).collect();
+        let noise = measure_pairs(&[[&frames[0], &frames[1]]]);
+        let test = StaticTest::new(&SpanSettings::default(), &noise, 0.0, frames.len());
+        let found = simd::at_every_level(|| {
+            let mut split = Split::new(75 * 50, frames.len(), test.clone());
+            let given: Vec<Given> = frames.chunks(BATCH).map(|frames| split.add(frames)).collect();
+            (given, split.shares().facts(&test))
+        });
+        let short = found[0].0.iter().flatten().filter(|(span, _)| span.len() < 40);
+        assert!(short.map(|(_, samples)| samples.len()).sum::<usize>() > 500);
+        assert!(found.iter().all(|other| *other == found[0]));
+    }
+}

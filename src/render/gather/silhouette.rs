@@ -1,0 +1,218 @@
+//! The silhouette stage: where a nearer surface ends.
+//!
+//! A footprint reaches half a pixel of its camera beyond the last sample of a surface, whether the surface does or not, and
+//! the z-buffer keeps what any camera claims: surfaces grow. Here every pixel at a step in depth is put to all cameras: how
+//! much of the 2×2 samples around the claimed point shows that surface, and how much shows what is behind it? The share that
+//! supports the nearer surface is the pixel's blend between the two. Cracks, a pixel of the farther surface between two of
+//! a nearer one, are judged in the same way, and so is the fringe of magnified samples, which covers wider gaps.
+//!
+//! Source: for free space seen by one camera that overrules what another claims, Merrell et al., *Real-Time Visibility-Based
+//! Fusion of Depth Maps*, ICCV 2007. What differs: votes are bilinear shares instead of counts, so that the boundary comes
+//! out finer than a pixel and is painted as a blend.
+
+use super::view_weights::BLOCK;
+use super::visibility_votes::Votes;
+use crate::render::splat::{CORE, inverse_depth_of, key, nearness, slot_of};
+use crate::simd::joined;
+
+/// A pixel is the nearer surface's by `LEAST + SLOPE · s` for a supporting share `s`. Fitted once to how often the nearer
+/// surface was truly there, on a rendered capture: shares understate it, as samples beside an edge agree less exactly.
+const LEAST: f32 = 0.15;
+const SLOPE: f32 = 1.2;
+
+/// A surface is carried on beyond its edge as long as it recedes by no more than this many tolerances a pixel.
+const STEEPEST: f32 = 8.0;
+
+/// Votes that weigh less than this share of what the camera that counts most could say decide nothing.
+const FEWEST_VOTES: f32 = 0.02;
+
+/// What stands in a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Pixel {
+    /// Nothing, or nothing that bears scrutiny.
+    Hole,
+    /// One surface.
+    Surface(u64),
+    /// A nearer surface over a farther one, and the share of the nearer.
+    Edge { near: u64, far: u64, share: f32 },
+}
+
+/// What cameras are asked about a pixel at a step in depth.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Question {
+    /// Nothing.
+    Settled(Pixel),
+    /// Whether two neighbors' nearer surface goes on between them, over `own`; 0 where that is a hole.
+    Crack { own: u64, crack: u64 },
+    /// How much of it is still `own`'s surface and how much the farther one's; 0 where that is a hole.
+    Rim { own: u64, far: u64 },
+}
+
+impl Question {
+    /// The surface that cameras vote on.
+    #[inline(always)]
+    pub(crate) fn claim(&self) -> Option<u64> {
+        match *self {
+            Self::Settled(_) => None,
+            Self::Crack { crack, .. } => Some(crack),
+            Self::Rim { own, .. } => Some(own),
+        }
+    }
+
+    /// What stands in the pixel, by the votes on what is claimed.
+    #[inline(always)]
+    pub(crate) fn answer(&self, votes: Votes) -> Pixel {
+        let decides = votes.all > FEWEST_VOTES * votes.most;
+        let share = decides.then(|| (LEAST + SLOPE * votes.agree / votes.all).clamp(0.0, 1.0));
+        match *self {
+            Self::Settled(pixel) => pixel,
+            Self::Crack { own, crack } => {
+                let share = share.unwrap_or(1.0);
+                // What the votes do not carry is no crack: the gap is there.
+                match own {
+                    0 if share < 0.5 => Pixel::Hole,
+                    0 => Pixel::Surface(crack),
+                    far if share < 0.5 => Pixel::Surface(far),
+                    far => Pixel::Edge { near: crack, far, share },
+                }
+            }
+            Self::Rim { own, far } => match share {
+                None => Pixel::Surface(own),
+                Some(share) if far == 0 && share < 0.5 => Pixel::Hole,
+                Some(_) if far == 0 => Pixel::Surface(own),
+                Some(share) => Pixel::Edge { near: own, far, share },
+            },
+        }
+    }
+}
+
+/// A key, unless it is of a fringe: 0 then, as of a hole.
+#[inline(always)]
+fn core_of(key: u64) -> u64 {
+    if key >> 63 == 1 { key } else { 0 }
+}
+
+/// Pixels around a block that decisions in it look at.
+pub(crate) const RING: usize = 2;
+
+/// Columns and rows of a block with its ring.
+pub(crate) const SIDE: usize = BLOCK + 2 * RING;
+
+/// The z-buffer of a block of pixels and a ring around it; beyond the picture its border goes on.
+#[derive(Debug)]
+pub(crate) struct Patch {
+    pub(crate) keys: [[u64; SIDE]; SIDE],
+    /// Column and row in the picture of the block's first pixel.
+    pub(crate) left: usize,
+    pub(crate) top: usize,
+    /// What lies behind this part of an inverse depth is another surface.
+    pub(crate) surface_ratio: f32,
+}
+
+impl Patch {
+    /// Of holes.
+    pub(crate) fn empty() -> Self {
+        Self { keys: [[0; SIDE]; SIDE], left: 0, top: 0, surface_ratio: 1.0 }
+    }
+
+    #[inline(always)]
+    fn key(&self, x: usize, y: usize, (dx, dy): (isize, isize)) -> u64 {
+        core_of(self.keys[(y + RING).wrapping_add_signed(dy)][(x + RING).wrapping_add_signed(dx)])
+    }
+
+    /// For every pixel of the block whether there is more than one surface, or none, in the 3×3 pixels around it: a mask of
+    /// columns per row.
+    #[inline(always)]
+    pub(crate) fn edges(&self) -> [u16; BLOCK] {
+        let (mut far, mut near) = ([[0.0_f32; BLOCK]; SIDE], [[0.0_f32; BLOCK]; SIDE]);
+        for (row, keys) in self.keys.iter().enumerate() {
+            let mut w = [0.0_f32; SIDE];
+            for x in 0..SIDE {
+                w[x] = inverse_depth_of(core_of(keys[x]));
+            }
+            for x in 0..BLOCK {
+                far[row][x] = w[x + 1].min(w[x + 2]).min(w[x + 3]);
+                near[row][x] = w[x + 1].max(w[x + 2]).max(w[x + 3]);
+            }
+        }
+        let mut edges = [0; BLOCK];
+        for y in 0..BLOCK {
+            let mut bits = [0_u32; BLOCK];
+            for x in 0..BLOCK {
+                let far = far[y + 1][x].min(far[y + 2][x]).min(far[y + 3][x]);
+                let near = near[y + 1][x].max(near[y + 2][x]).max(near[y + 3][x]);
+                bits[x] = u32::from(far < near * self.surface_ratio) << x;
+            }
+            edges[y] = joined(&bits) as u16;
+        }
+        edges
+    }
+
+    /// What is to be decided about pixel `(x, y)` of the block.
+    #[inline(always)]
+    pub(crate) fn question(&self, x: usize, y: usize) -> Question {
+        let own = self.key(x, y, (0, 0));
+        let own_w = inverse_depth_of(own);
+        if let Some(crack) = self.crack(own_w, x, y) {
+            return Question::Crack { own, crack };
+        }
+        if own == 0 {
+            // What a fringe claims is put to the vote like a crack.
+            return match self.keys[y + RING][x + RING] {
+                0 => Question::Settled(Pixel::Hole),
+                fringe => Question::Crack { own, crack: fringe | u64::from(CORE) << 32 },
+            };
+        }
+        match self.farther(own_w, x, y) {
+            None => Question::Settled(Pixel::Surface(own)),
+            Some(far) => Question::Rim { own, far },
+        }
+    }
+
+    /// The surface behind `own_w` that a neighbor shows, carried on to `(x, y)`; 0 where only holes are beside the surface,
+    /// `None` where nothing is.
+    #[inline(always)]
+    fn farther(&self, own_w: f32, x: usize, y: usize) -> Option<u64> {
+        let limit = own_w * self.surface_ratio;
+        let mut farthest: Option<(f32, u64)> = None;
+        let mut beside_hole = false;
+        for step in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)] {
+            let neighbor = self.key(x, y, step);
+            beside_hole |= neighbor == 0;
+            if neighbor == 0 || inverse_depth_of(neighbor) >= limit {
+                continue;
+            }
+            let w = self.carried_on(neighbor, (x, y), step);
+            if w < limit && farthest.is_none_or(|(farthest, _)| w < farthest) {
+                farthest = Some((w, key(nearness(w, CORE), slot_of(neighbor))));
+            }
+        }
+        farthest.map(|(_, key)| key).or(beside_hole.then_some(0))
+    }
+
+    /// Inverse depth at `(x, y)` of the surface that the neighbor in direction `(dx, dy)` shows, by the one behind that.
+    #[inline(always)]
+    fn carried_on(&self, neighbor: u64, (x, y): (usize, usize), (dx, dy): (isize, isize)) -> f32 {
+        let w = inverse_depth_of(neighbor);
+        let beyond = self.key(x, y, (2 * dx, 2 * dy));
+        let step = w - inverse_depth_of(beyond);
+        let steepest = STEEPEST * (1.0 - self.surface_ratio) * w;
+        if beyond != 0 && step.abs() <= steepest { (w + step).max(0.0) } else { w }
+    }
+
+    /// The surface before `own_w` that two opposite neighbors show alike.
+    #[inline(always)]
+    fn crack(&self, own_w: f32, x: usize, y: usize) -> Option<u64> {
+        let mut nearest: Option<(f32, u64)> = None;
+        for (dx, dy) in [(1, 0), (0, 1), (1, 1), (1, -1)] {
+            let (a, b) = (self.key(x, y, (dx, dy)), self.key(x, y, (-dx, -dy)));
+            let (wa, wb) = (inverse_depth_of(a), inverse_depth_of(b));
+            let mean = 0.5 * (wa + wb);
+            let alike = a != 0 && b != 0 && wa.min(wb) >= wa.max(wb) * self.surface_ratio;
+            if alike && own_w < mean * self.surface_ratio && nearest.is_none_or(|(w, _)| mean > w) {
+                nearest = Some((mean, key(nearness(mean, CORE), slot_of(a))));
+            }
+        }
+        nearest.map(|(_, key)| key)
+    }
+}

@@ -1,0 +1,205 @@
+//! Culling: which tiles of samples can touch which rows of the vantage.
+//!
+//! A tile and the bounds of its depths make a box, `(column, row, inverse depth)`, whose projection lies between those of its
+//! eight corners as long as all of them are in front of the vantage. The picture is cut into bands of rows; a band's list
+//! holds the tiles that may touch it, in the order of the samples. Each band is painted by one thread into rows of its own: no
+//! two threads write to one cache line, no buffer is merged, and sums run in the order of the samples whatever the number of
+//! threads.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::project::Projector;
+use crate::capture::Camera;
+use crate::render::input::{FrameSamples, FrameTile};
+use crate::samples::TILE;
+use crate::simd::{self, Work};
+
+/// Pixels `[left, right) × [top, bottom)` of the target that a tile may touch, cut to the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Bounds {
+    pub(crate) left: u32,
+    pub(crate) right: u32,
+    pub(crate) top: u32,
+    pub(crate) bottom: u32,
+}
+
+impl Bounds {
+    /// Whether there is no pixel in it.
+    pub(crate) fn is_empty(self) -> bool {
+        self.left >= self.right || self.top >= self.bottom
+    }
+}
+
+/// Rows of the picture and the tiles that may touch them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Band {
+    pub(crate) rows: Range<usize>,
+    /// Numbers of tiles in [`FrameSamples`], ascending.
+    pub(crate) tiles: Vec<u32>,
+}
+
+/// How far from the projected pixel of a sample its footprint reaches.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    /// In target pixels, at least.
+    pub(crate) pixels: f32,
+    /// In projected source pixels.
+    pub(crate) source_pixels: f32,
+}
+
+/// Tiles that are bounded together.
+const TOGETHER: usize = 16;
+
+/// Where each of some tiles may touch the target, in their order; empty where they cannot.
+pub(crate) fn bounds(
+    frame: &FrameSamples<'_>,
+    tiles: Range<usize>,
+    projectors: &[Projector],
+    target: &Camera,
+    reach: Reach,
+) -> Vec<Bounds> {
+    let tiles = frame.tiles(tiles);
+    let mut bounds = vec![Bounds::default(); tiles.len()];
+    let parts = bounds.par_chunks_mut(64 * TOGETHER).zip(tiles.par_chunks(64 * TOGETHER));
+    parts.for_each(|(bounds, tiles)| simd::run(Bounding { tiles, projectors, target, reach, bounds }));
+    bounds
+}
+
+struct Bounding<'a> {
+    tiles: &'a [FrameTile<'a>],
+    projectors: &'a [Projector],
+    target: &'a Camera,
+    reach: Reach,
+    bounds: &'a mut [Bounds],
+}
+
+impl Work for Bounding<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (tiles, bounds) in self.tiles.chunks(TOGETHER).zip(self.bounds.chunks_mut(TOGETHER)) {
+            let boxes = Boxes::of(tiles, self.projectors);
+            boxes.bounds(self.target, self.reach, bounds);
+        }
+    }
+}
+
+/// Boxes of `(column, row, inverse depth)` in the target before the division, one a lane.
+struct Boxes {
+    /// The first corner.
+    corner: [[f32; TOGETHER]; 3],
+    /// The edges along columns, rows and inverse depths.
+    edges: [[[f32; TOGETHER]; 3]; 3],
+    focal_ratio: [f32; TOGETHER],
+}
+
+impl Boxes {
+    #[inline(always)]
+    fn of(tiles: &[FrameTile<'_>], projectors: &[Projector]) -> Self {
+        let zero = [[0.0; TOGETHER]; 3];
+        let mut boxes = Self { corner: zero, edges: [zero; 3], focal_ratio: [0.0; TOGETHER] };
+        for (lane, tile) in tiles.iter().enumerate() {
+            let projector = &projectors[tile.camera as usize];
+            let (far, near) = tile.depths.bounds();
+            let first = projector.ray(tile.origin.0 as f32 - 0.5, tile.origin.1 as f32 - 0.5);
+            let vectors = [
+                first + projector.origin * far,
+                projector.per_column * TILE as f32,
+                projector.per_row * TILE as f32,
+                projector.origin * (near - far),
+            ];
+            for axis in 0..3 {
+                boxes.corner[axis][lane] = vectors[0][axis];
+                (0..3).for_each(|edge| boxes.edges[edge][axis][lane] = vectors[edge + 1][axis]);
+            }
+            boxes.focal_ratio[lane] = projector.focal_ratio;
+        }
+        boxes
+    }
+
+    #[inline(always)]
+    fn bounds(&self, target: &Camera, reach: Reach, bounds: &mut [Bounds]) {
+        let all = |value: f32| [value; TOGETHER];
+        let (mut min, mut max) = ([all(f32::INFINITY); 2], [all(f32::NEG_INFINITY); 2]);
+        let (mut nearest_z, mut behind) = (all(f32::INFINITY), [0_u32; TOGETHER]);
+        for corner in 0..8_usize {
+            let share = [0, 1, 2].map(|edge| (corner >> edge & 1) as f32);
+            for lane in 0..TOGETHER {
+                let point = [0, 1, 2].map(|axis| {
+                    let along = |edge: usize| self.edges[edge][axis][lane] * share[edge];
+                    self.corner[axis][lane] + along(0) + along(1) + along(2)
+                });
+                nearest_z[lane] = nearest_z[lane].min(point[2]);
+                behind[lane] += u32::from(point[2] <= 0.0);
+                let reciprocal = 1.0 / point[2];
+                for axis in 0..2 {
+                    min[axis][lane] = min[axis][lane].min(point[axis] * reciprocal);
+                    max[axis][lane] = max[axis][lane].max(point[axis] * reciprocal);
+                }
+            }
+        }
+        let size = [target.intrinsics.width as f32, target.intrinsics.height as f32];
+        let (mut low, mut high) = ([all(0.0); 2], [all(0.0); 2]);
+        for axis in 0..2 {
+            for lane in 0..TOGETHER {
+                let grow = reach.pixels + reach.source_pixels * self.focal_ratio[lane] / nearest_z[lane];
+                // A box that reaches behind the vantage may touch everything. So may one whose corners are no numbers.
+                let sound = (behind[lane] == 0)
+                    & (min[axis][lane].abs() < f32::MAX)
+                    & (max[axis][lane].abs() < f32::MAX);
+                let (first, last) = (min[axis][lane] - grow, max[axis][lane] + grow + 2.0);
+                let first = if sound { first } else { 0.0 };
+                let last = if sound { last } else { size[axis] };
+                low[axis][lane] = first.max(0.0).min(size[axis]);
+                high[axis][lane] = last.max(0.0).min(size[axis]);
+            }
+        }
+        for (lane, bounds) in bounds.iter_mut().enumerate() {
+            if behind[lane] < 8 {
+                *bounds = Bounds {
+                    left: low[0][lane] as u32,
+                    right: high[0][lane] as u32,
+                    top: low[1][lane] as u32,
+                    bottom: high[1][lane] as u32,
+                };
+            }
+        }
+    }
+}
+
+/// Cuts the picture into at most `count` bands with about as many tiles each.
+pub(crate) fn bands(bounds: &[Bounds], first_tile: usize, height: usize, count: usize) -> Vec<Band> {
+    let mut middles = vec![0_usize; height];
+    for place in bounds.iter().filter(|place| !place.is_empty()) {
+        middles[(place.top + place.bottom) as usize / 2] += 1;
+    }
+    let total: usize = middles.iter().sum();
+    let mut bands: Vec<Band> = Vec::new();
+    let (mut start, mut found) = (0, 0);
+    for (row, middle) in middles.iter().enumerate() {
+        found += middle;
+        let full = found * count >= total * (bands.len() + 1) && bands.len() + 1 < count;
+        if full || row + 1 == height {
+            bands.push(Band { rows: start..row + 1, tiles: Vec::new() });
+            start = row + 1;
+        }
+    }
+    bands.par_iter_mut().for_each(|band| {
+        let touches = |place: &Bounds| {
+            !place.is_empty()
+                && (place.top as usize) < band.rows.end
+                && place.bottom as usize > band.rows.start
+        };
+        let tiles: Vec<u32> = bounds
+            .iter()
+            .enumerate()
+            .filter(|(_, place)| touches(place))
+            .map(|(index, _)| (first_tile + index) as u32)
+            .collect();
+        band.tiles = tiles;
+    });
+    bands
+}

@@ -1,0 +1,9 @@
+//! Where samples lie in the picture, and how large they are there.
+
+mod cull;
+mod footprint;
+mod project;
+
+pub(crate) use cull::{Band, Bounds, Reach, bands, bounds};
+pub(crate) use footprint::{CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, footprints};
+pub(crate) use project::{ProjectedRow, Projector, focal, rays_in_world};

@@ -1,0 +1,398 @@
+//! Windows into the cameras' pictures: the tiles that were looked at last, unpacked.
+//!
+//! Neighboring points of the vantage are looked up in the same few tiles of a camera again and again. A tile is unpacked
+//! when the first of them asks for it; sixteen points at a time then read their 2×2 samples from plain arrays.
+//!
+//! ```text
+//! pixel (x, y) of a camera lies at (x mod 64, y mod 64) of its window: 4×4 tiles, each pushing out
+//! the one that lies a whole number of windows away
+//! ```
+
+use super::dense_tile::MISSING;
+use super::frame_tiles::FrameTile;
+use super::tile_grid::Lookup;
+use crate::samples::{TILE, TILE_SAMPLES};
+use crate::simd::joined;
+
+/// Points that are looked up together.
+pub(crate) const LANES: usize = 16;
+
+/// One number for each of them.
+pub(crate) type Lanes = [f32; LANES];
+
+/// Tiles along each side of a window.
+const TILES: usize = 4;
+const SIDE: usize = TILES * TILE;
+const AREA: usize = SIDE * SIDE;
+
+/// Stands in a place of a window that holds no tile yet: no camera is so large.
+const NO_CELL: u32 = u32::MAX;
+
+/// The 2×2 samples around each point: left above, right above, left below, right below.
+pub(crate) struct Quads {
+    /// Inverse depths in the camera; [`MISSING`] where there is no sample.
+    pub(crate) depth: [Lanes; 4],
+    /// Three half floats each, red lowest.
+    pub(crate) color: [[u64; LANES]; 4],
+}
+
+/// One camera's window.
+#[derive(Debug)]
+struct Window {
+    depth: [f32; AREA],
+    color: [u64; AREA],
+    /// Which tile of the camera is in each place: `row + 1 << 16 | column + 1`.
+    cells: [u32; TILES * TILES],
+    /// The same of tiles whose colors are there too.
+    colored: [u32; TILES * TILES],
+}
+
+/// A window for each camera that was asked for.
+#[derive(Debug)]
+pub(crate) struct Windows {
+    cameras: Vec<Option<Box<Window>>>,
+    packed: [f32; TILE_SAMPLES],
+}
+
+impl Windows {
+    /// For so many cameras, nothing unpacked.
+    pub(crate) fn new(cameras: usize) -> Self {
+        Self { cameras: std::iter::repeat_with(|| None).take(cameras).collect(), packed: [0.0; TILE_SAMPLES] }
+    }
+
+    /// Of how many cameras there may be one.
+    pub(crate) fn camera_count(&self) -> usize {
+        self.cameras.len()
+    }
+
+    /// Forgets what is unpacked.
+    pub(crate) fn forget(&mut self) {
+        for window in self.cameras.iter_mut().flatten() {
+            window.cells.fill(NO_CELL);
+            window.colored.fill(NO_CELL);
+        }
+    }
+
+    /// Asks for the memory of the tile around a pixel of a camera, where it is not unpacked yet.
+    #[inline(always)]
+    pub(crate) fn fetch_ahead(&self, lookup: &Lookup<'_>, camera: usize, (x, y): (i32, i32)) {
+        let (column, row) = (x >> 4, y >> 4);
+        let is_there = self.cameras[camera]
+            .as_ref()
+            .is_some_and(|window| window.cells[slot(column, row)] == cell(column, row));
+        if !is_there {
+            let mut at = lookup.first_at(camera, column, row);
+            while let Some(number) = at {
+                lookup.tile(number, &mut None).fetch_ahead();
+                at = lookup.next(number);
+            }
+        }
+    }
+
+    /// The samples of a camera at columns `x`, `x + 1` and rows `y`, `y + 1`, from −1 on, for the points of a mask; for
+    /// others anything. Colors only where `COLORS` asks for them.
+    #[inline(always)]
+    pub(crate) fn quads<const COLORS: bool>(
+        &mut self,
+        lookup: &Lookup<'_>,
+        camera: usize,
+        [x, y]: &[[i32; LANES]; 2],
+        asked: u32,
+    ) -> Quads {
+        let Self { cameras, packed } = self;
+        let window = cameras[camera].get_or_insert_with(Window::new);
+        let (near, corner, touched) = within((x, y), asked);
+        for row in touched[2]..=touched[3] {
+            for column in touched[0]..=touched[1] {
+                window.unpack::<COLORS>(lookup, camera, (corner.0 + column, corner.1 + row), packed);
+            }
+        }
+        let mut quads = window.read::<COLORS>((x, y));
+        // Points that lie too far from the first for the window to hold both are looked up one by one: unpacking tiles for them
+        // would push out those of their neighbors.
+        let mut left = asked & !near;
+        while left != 0 {
+            let i = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            for corner in 0..4 {
+                let pixel = (x[i] + (corner as i32 & 1), y[i] + (corner as i32 >> 1));
+                let (depth, color) = window.sample::<COLORS>(lookup, camera, pixel);
+                quads.depth[corner][i] = depth;
+                quads.color[corner][i] = color;
+            }
+        }
+        quads
+    }
+}
+
+/// Where a pixel of a camera lies in its window.
+#[inline(always)]
+fn place(x: i32, y: i32) -> usize {
+    let (column, row) = (x as u32 % SIDE as u32, y as u32 % SIDE as u32);
+    (row * SIDE as u32 + column) as usize % AREA
+}
+
+/// Which place of a window holds a tile of a camera.
+#[inline(always)]
+fn slot(column: i32, row: i32) -> usize {
+    let (column, row) = (column & (TILES as i32 - 1), row & (TILES as i32 - 1));
+    (row as usize * TILES + column as usize) % (TILES * TILES)
+}
+
+/// A tile of a camera in one number.
+#[inline(always)]
+fn cell(column: i32, row: i32) -> u32 {
+    ((row + 1) as u32) << 16 | (column + 1) as u32
+}
+
+/// Those points of a mask whose 2×2 samples lie in one window together with the first one's; the tile that the window begins
+/// with; and from there, the first and last columns and rows of tiles that they touch.
+#[inline(always)]
+fn within((x, y): (&[i32; LANES], &[i32; LANES]), which: u32) -> (u32, (i32, i32), [i32; 4]) {
+    let first = which.trailing_zeros() as usize % LANES;
+    let corner = ((x[first] >> 4) - 1, (y[first] >> 4) - 1);
+    let (mut near, mut touched) = ([0_u32; LANES], [[1; LANES]; 4]);
+    for i in 0..LANES {
+        let (left, right) = ((x[i] >> 4) - corner.0, ((x[i] + 1) >> 4) - corner.0);
+        let (above, below) = ((y[i] >> 4) - corner.1, ((y[i] + 1) >> 4) - corner.1);
+        let inside = (left >= 0) & (right < TILES as i32) & (above >= 0) & (below < TILES as i32);
+        let is_near = inside & (which >> i & 1 == 1);
+        near[i] = u32::from(is_near) << i;
+        touched[0][i] = if is_near { left } else { 1 };
+        touched[1][i] = if is_near { right } else { 1 };
+        touched[2][i] = if is_near { above } else { 1 };
+        touched[3][i] = if is_near { below } else { 1 };
+    }
+    let near = joined(&near);
+    let mut ends = [1; 4];
+    for i in 0..LANES {
+        ends[0] = ends[0].min(touched[0][i]);
+        ends[1] = ends[1].max(touched[1][i]);
+        ends[2] = ends[2].min(touched[2][i]);
+        ends[3] = ends[3].max(touched[3][i]);
+    }
+    (near, corner, ends)
+}
+
+impl Window {
+    #[expect(
+        clippy::large_stack_arrays,
+        reason = "48 KiB on their way to the heap, once per camera and thread"
+    )]
+    fn new() -> Box<Self> {
+        Box::new(Self {
+            depth: [MISSING; AREA],
+            color: [0; AREA],
+            cells: [NO_CELL; TILES * TILES],
+            colored: [NO_CELL; TILES * TILES],
+        })
+    }
+
+    /// Puts a tile of the camera into its place, where it is not there yet; those beside the picture are empty. Its colors only
+    /// where `COLORS` asks for them: who votes does not.
+    #[inline(always)]
+    fn unpack<const COLORS: bool>(
+        &mut self,
+        lookup: &Lookup<'_>,
+        camera: usize,
+        (column, row): (i32, i32),
+        packed: &mut [f32; TILE_SAMPLES],
+    ) {
+        let (slot, cell) = (slot(column, row), cell(column, row));
+        let corner = (slot / TILES * SIDE + slot % TILES) * TILE;
+        let mut at = None;
+        let mut is_new = false;
+        if self.cells[slot] != cell {
+            (self.cells[slot], is_new) = (cell, true);
+            at = lookup.first_at(camera, column, row);
+            let first = at.filter(|number| lookup.tile(*number, &mut None).color.len() == TILE_SAMPLES);
+            if first.is_none() {
+                self.empty(corner);
+            }
+        }
+        if COLORS && self.colored[slot] != cell {
+            self.colored[slot] = cell;
+            at = lookup.first_at(camera, column, row);
+        }
+        while let Some(number) = at {
+            let mut made = None;
+            let tile = lookup.tile(number, &mut made);
+            if is_new {
+                tile.depths.unpack(packed);
+                self.unpack_tile::<COLORS>(tile, corner, packed);
+            } else {
+                self.unpack_colors(tile, corner);
+            }
+            at = lookup.next(number);
+        }
+    }
+
+    /// The sample of a camera at a pixel, out of the window where its tile is unpacked, else from where it lies.
+    #[inline(always)]
+    fn sample<const COLORS: bool>(
+        &self,
+        lookup: &Lookup<'_>,
+        camera: usize,
+        (x, y): (i32, i32),
+    ) -> (f32, u64) {
+        let (slot, cell) = (slot(x >> 4, y >> 4), cell(x >> 4, y >> 4));
+        if self.cells[slot] == cell && (!COLORS || self.colored[slot] == cell) {
+            let at = place(x, y);
+            return (self.depth[at], self.color[at]);
+        }
+        let (column, row) = ((x & 15) as usize, (y & 15) as usize);
+        let mut at = lookup.first_at(camera, x >> 4, y >> 4);
+        while let Some(number) = at {
+            let mut made = None;
+            let tile = lookup.tile(number, &mut made);
+            if tile.rows[row] >> column & 1 == 1 {
+                let nth = tile.rank(column, row);
+                let color = if COLORS { FrameTile::bits_of(tile.color[nth]) } else { 0 };
+                return (tile.depths.get(nth), color);
+            }
+            at = lookup.next(number);
+        }
+        (MISSING, 0)
+    }
+
+    /// Takes everything out of a tile's place.
+    #[inline(always)]
+    fn empty(&mut self, corner: usize) {
+        for row in 0..TILE {
+            self.depth[corner + row * SIDE..][..TILE].fill(MISSING);
+        }
+    }
+
+    #[inline(always)]
+    fn unpack_tile<const COLORS: bool>(
+        &mut self,
+        tile: &FrameTile<'_>,
+        corner: usize,
+        packed: &[f32; TILE_SAMPLES],
+    ) {
+        let (mut depths, mut colors) = (packed.as_slice(), tile.color);
+        for (row, &mask) in tile.rows.iter().enumerate() {
+            let at = corner + row * SIDE;
+            let count = mask.count_ones() as usize;
+            let (row_depths, rest_of_depths) = depths.split_at(count);
+            let (row_colors, rest_of_colors) = colors.split_at(count);
+            (depths, colors) = (rest_of_depths, rest_of_colors);
+            let (to_depths, to_colors) = (&mut self.depth[at..][..TILE], &mut self.color[at..][..TILE]);
+            if mask == u16::MAX {
+                to_depths.copy_from_slice(row_depths);
+                if COLORS {
+                    for (to, color) in to_colors.iter_mut().zip(row_colors) {
+                        *to = FrameTile::bits_of(*color);
+                    }
+                }
+                continue;
+            }
+            let mut left = mask;
+            for (depth, color) in row_depths.iter().zip(row_colors) {
+                let column = left.trailing_zeros() as usize % TILE;
+                left &= left.wrapping_sub(1);
+                to_depths[column] = *depth;
+                if COLORS {
+                    to_colors[column] = FrameTile::bits_of(*color);
+                }
+            }
+        }
+    }
+
+    /// The colors of a tile whose depths are there.
+    #[inline(always)]
+    fn unpack_colors(&mut self, tile: &FrameTile<'_>, corner: usize) {
+        let mut colors = tile.color;
+        for (row, &mask) in tile.rows.iter().enumerate() {
+            let to = &mut self.color[corner + row * SIDE..][..TILE];
+            let count = mask.count_ones() as usize;
+            if mask == u16::MAX {
+                for (to, color) in to.iter_mut().zip(colors) {
+                    *to = FrameTile::bits_of(*color);
+                }
+            } else {
+                let mut left = mask;
+                for color in &colors[..count] {
+                    to[left.trailing_zeros() as usize % TILE] = FrameTile::bits_of(*color);
+                    left &= left.wrapping_sub(1);
+                }
+            }
+            colors = &colors[count..];
+        }
+    }
+
+    /// Reads the 2×2 samples of all points; those of points that are not in the window are anything.
+    #[inline(always)]
+    fn read<const COLORS: bool>(&self, (x, y): (&[i32; LANES], &[i32; LANES])) -> Quads {
+        // One corner after the other, not in a loop: that would be turned into reading the four corners of one point after
+        // another, and scattering them.
+        let (depth_a, color_a) = self.read_corner::<COLORS>((x, y), (0, 0));
+        let (depth_b, color_b) = self.read_corner::<COLORS>((x, y), (1, 0));
+        let (depth_c, color_c) = self.read_corner::<COLORS>((x, y), (0, 1));
+        let (depth_d, color_d) = self.read_corner::<COLORS>((x, y), (1, 1));
+        Quads { depth: [depth_a, depth_b, depth_c, depth_d], color: [color_a, color_b, color_c, color_d] }
+    }
+
+    /// Reads the samples of all points that lie `right` and `below` of their first.
+    #[inline(always)]
+    fn read_corner<const COLORS: bool>(
+        &self,
+        (x, y): (&[i32; LANES], &[i32; LANES]),
+        (right, below): (i32, i32),
+    ) -> (Lanes, [u64; LANES]) {
+        let (mut at, mut depth, mut color) = ([0_u32; LANES], [0.0; LANES], [0; LANES]);
+        for i in 0..LANES {
+            at[i] = place(x[i] + right, y[i] + below) as u32;
+        }
+        for i in 0..LANES {
+            depth[i] = self.depth[at[i] as usize % AREA];
+        }
+        if COLORS {
+            for i in 0..LANES {
+                color[i] = self.color[at[i] as usize % AREA];
+            }
+        }
+        (depth, color)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{Demo, DemoSpec};
+    use crate::job::Job;
+    use crate::preprocess::preprocess;
+    use crate::render::input::frame_tiles::FrameSamples;
+    use crate::render::input::tile_grid::CellTable;
+    use crate::settings::Settings;
+
+    #[test]
+    fn points_far_apart_read_what_each_of_them_reads_alone() {
+        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((160, 120));
+        let demo = Demo::new(&spec).unwrap();
+        let settings = Settings::default();
+        let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
+        let frame = FrameSamples::at(&samples, 1).unwrap();
+        let table = CellTable::empty(&samples.cameras).with(&frame, 0..frame.tile_count());
+        let lookup = Lookup { table, frame: &frame };
+        let corners: [[i32; LANES]; 2] = [(53, 161), (37, 121)]
+            .map(|(step, count)| std::array::from_fn(|i| (i as i32 * step) % count - 1));
+        let together = Windows::new(2).quads::<true>(&lookup, 0, &corners, 0xffff);
+        let mut found = 0;
+        for i in 0..LANES {
+            let alone = Windows::new(2).quads::<true>(&lookup, 0, &corners, 1 << i);
+            for corner in 0..4 {
+                let depth = alone.depth[corner][i];
+                assert_eq!(together.depth[corner][i], depth, "point {i}, corner {corner}");
+                if depth >= 0.0 {
+                    found += 1;
+                    assert_eq!(
+                        together.color[corner][i], alone.color[corner][i],
+                        "point {i}, corner {corner}"
+                    );
+                }
+            }
+        }
+        assert!(found > 16, "{found}");
+    }
+}

@@ -1,0 +1,7 @@
+//! What is read from a finished picture.
+
+mod pick;
+mod png;
+
+pub use pick::{Picked, pick};
+pub use png::write_png;

@@ -1,0 +1,145 @@
+//! Picking: from a pixel of a rendered picture back to the sample that painted it.
+//!
+//! A picture remembers for every pixel which image's sample is nearest and at which depth. That gives the surface point;
+//! carried into the image's own camera it falls beside the sample, which is then the nearest of those around. No stage of
+//! painting has to keep anything for this.
+
+use glam::{DVec2, DVec3};
+
+use crate::render::vantage::{NO_IMAGE, Picture, Vantage};
+use crate::samples::{SampleImage, SampleSet, TILE};
+
+/// Samples this many pixels around the position are looked at: a footprint seen from the side reaches that far, and where
+/// there is none, a gap between samples that gathering closed lies within the farther reach.
+const REACHES: [i64; 2] = [3, 12];
+
+/// The sample that painted a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Picked {
+    /// Index in [`SampleSet::images`].
+    pub image: usize,
+    /// Index of the camera in [`SampleSet::cameras`].
+    pub camera: usize,
+    /// Column of the sample in its camera's picture.
+    pub x: usize,
+    /// Row of the sample in its camera's picture.
+    pub y: usize,
+    /// Index of the sample in the planes of its image.
+    pub index: usize,
+    /// The surface point that the pixel shows, world space; `None` at infinity.
+    pub point_in_world: Option<DVec3>,
+}
+
+/// The sample that painted pixel `(x, y)` of `picture`, which `samples` gave at `vantage`; `None` in holes.
+#[must_use]
+pub fn pick(samples: &SampleSet, vantage: &Vantage, picture: &Picture, x: usize, y: usize) -> Option<Picked> {
+    let image_index = *picture.image.get(x, y)?;
+    if image_index == NO_IMAGE {
+        return None;
+    }
+    let image = samples.images.get(image_index as usize)?;
+    let source = samples.cameras.get(image.camera as usize)?;
+    let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+    let inverse_depth = f64::from(picture.inverse_depth[(x, y)]);
+    let point = (inverse_depth > 0.0).then(|| vantage.camera.unproject(pixel, 1.0 / inverse_depth));
+    let position = if let Some(point) = point {
+        source.project(point)?.0
+    } else {
+        let direction =
+            vantage.camera.world_from_camera.matrix3 * vantage.camera.intrinsics.ray_in_camera(pixel);
+        source.intrinsics.project(source.camera_from_world().matrix3 * direction)?
+    };
+    let (column, row) = (position.x.floor() as i64, position.y.floor() as i64);
+    let nearest = |reach: i64| {
+        let rows = row - reach..=row + reach;
+        let around = rows.flat_map(|y| (column - reach..=column + reach).map(move |x| (x, y)));
+        let found = around.filter_map(|(x, y)| {
+            let (index, sample_inverse_depth) = sample_at(image, x, y)?;
+            let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+            let distance = match point {
+                Some(point) if sample_inverse_depth > 0.0 => {
+                    (source.unproject(center, 1.0 / f64::from(sample_inverse_depth)) - point).length()
+                }
+                // A sample at infinity never shows a point that is not; the one that does may lie within the farther reach.
+                Some(_) => return None,
+                None => (center - position).length(),
+            };
+            Some((distance, x as usize, y as usize, index))
+        });
+        found.min_by(|(a, ..), (b, ..)| a.total_cmp(b))
+    };
+    let (_, x, y, index) = REACHES.into_iter().find_map(nearest)?;
+    Some(Picked {
+        image: image_index as usize,
+        camera: image.camera as usize,
+        x,
+        y,
+        index,
+        point_in_world: point,
+    })
+}
+
+/// Index and inverse depth of the sample at pixel `(x, y)`, where the image holds one.
+fn sample_at(image: &SampleImage, x: i64, y: i64) -> Option<(usize, f32)> {
+    let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
+    let (tile_x, tile_y) = (x / TILE, y / TILE);
+    let place = image
+        .tiles
+        .binary_search_by_key(&(tile_y, tile_x), |tile| (usize::from(tile.tile_y), usize::from(tile.tile_x)))
+        .ok()?;
+    let tile = &image.tiles[place];
+    let (row, column) = (y % TILE, x % TILE);
+    if tile.rows[row] >> column & 1 == 0 {
+        return None;
+    }
+    let before: u32 = tile.rows[..row].iter().map(|mask| mask.count_ones()).sum();
+    let nth = (before + (tile.rows[row] & ((1 << column) - 1)).count_ones()) as usize;
+    let inverse_depth = image.depth.tile(place, tile.first, tile.count()).get(nth);
+    Some((tile.first as usize + nth, inverse_depth))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use half::f16;
+
+    use super::*;
+    use crate::capture::{Camera, Intrinsics};
+    use crate::samples::{DepthPlane, SampleTile, Span};
+    use crate::settings::Settings;
+
+    #[test]
+    fn a_finite_point_is_never_said_to_be_shown_by_sky_that_lies_nearer() {
+        let lens = Intrinsics::from_horizontal_angle(16, 16, 1.0);
+        let camera = Camera::look_at("c", lens, DVec3::ZERO, DVec3::Y, DVec3::Z);
+        let mut rows = [0; TILE];
+        rows[8] = 1 << 7 | 1 << 13;
+        let tiles = vec![SampleTile { tile_x: 0, tile_y: 0, first: 0, rows }];
+        let image = SampleImage {
+            camera: 0,
+            span: Span { start: 0, end: 1 },
+            color: vec![[f16::ONE; 3]; 2],
+            depth: DepthPlane::pack(&tiles, &[0.0, 0.5]),
+            normal: None,
+            tiles,
+        };
+        let samples = SampleSet {
+            name: "test".to_owned(),
+            cameras: vec![camera.clone()],
+            frame_numbers: vec![0],
+            up_in_world: DVec3::Z,
+            settings: Settings::default(),
+            images: vec![Arc::new(image)],
+        };
+        let vantage = Vantage { camera, frame: 0 };
+        let mut picture = Picture::empty(16, 16);
+        picture.image[(8, 8)] = 0;
+        let mut picked = |inverse_depth: f32| {
+            picture.inverse_depth[(8, 8)] = inverse_depth;
+            pick(&samples, &vantage, &picture, 8, 8).map(|picked| (picked.x, picked.point_in_world.is_some()))
+        };
+        assert_eq!(picked(0.5), Some((13, true)));
+        assert_eq!(picked(0.0), Some((7, false)));
+    }
+}

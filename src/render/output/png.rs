@@ -1,0 +1,52 @@
+//! A picture as an 8-bit sRGB PNG file, as a display shows it.
+
+use std::path::Path;
+
+use image::{ImageFormat, Rgba, RgbaImage};
+
+use crate::color::srgb8_from_linear;
+use crate::error::{Error, Result};
+use crate::render::vantage::Picture;
+use crate::whole_file;
+
+/// Writes a picture as 8-bit sRGB with alpha. Alpha is 0 only in holes that were not filled: the file is made to be looked at. It takes
+/// its name once it is whole.
+///
+/// # Errors
+/// `Io` where the file cannot be written, `Invalid` where a PNG cannot hold the picture.
+pub fn write_png(path: &Path, picture: &Picture) -> Result<()> {
+    whole_file::write(path, |writer| {
+        png_of(picture).write_to(writer, ImageFormat::Png).map_err(|error| match error {
+            image::ImageError::IoError(error) => Error::io(path, error),
+            error => Error::invalid(path.display(), error.to_string()),
+        })
+    })
+}
+
+fn png_of(picture: &Picture) -> RgbaImage {
+    let (width, height) = picture.color.size();
+    RgbaImage::from_fn(width as u32, height as u32, |x, y| {
+        let pixel = (x as usize, y as usize);
+        let [r, g, b] = picture.color[pixel].map(srgb8_from_linear);
+        Rgba([r, g, b, if picture.shows(pixel) { 255 } else { 0 }])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::Grid;
+    use crate::render::vantage::NO_IMAGE;
+
+    #[test]
+    fn holes_are_transparent_until_they_are_filled() {
+        let picture = Picture {
+            color: Grid::filled(3, 1, [1.0, 0.0, 0.25]),
+            inverse_depth: Grid::from_vec(3, 1, vec![1.0, -1.0, 0.0]),
+            image: Grid::from_vec(3, 1, vec![0, NO_IMAGE, NO_IMAGE]),
+        };
+        let png = png_of(&picture);
+        assert_eq!([0, 1, 2].map(|x| png[(x, 0)].0[3]), [255, 0, 255]);
+        assert_eq!(png[(0, 0)].0, [255, 0, 137, 255]);
+    }
+}

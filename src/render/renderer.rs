@@ -1,0 +1,409 @@
+//! What paints: the CPU or the GPU, chosen by hand or by measurement, with the CPU as the one that always works.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::cpu::CpuRenderer;
+use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
+use super::supersample::{averaged, finer, times_as_fine};
+use super::vantage::{Picture, RenderStats, Vantage};
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::samples::SampleSet;
+use crate::settings::{Backend, Fill, Kernel, RenderSettings};
+
+/// Something that has painted a picture.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+pub struct Painter {
+    /// `Cpu` or `Gpu`.
+    pub backend: Backend,
+    /// Name of the graphics adapter, where one painted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adapter: Option<String>,
+}
+
+impl Painter {
+    /// The processor.
+    #[must_use]
+    pub fn cpu() -> Self {
+        Self { backend: Backend::Cpu, adapter: None }
+    }
+
+    fn gpu(gpu: &GpuRenderer) -> Self {
+        Self { backend: Backend::Gpu, adapter: Some(gpu.adapter_name().to_owned()) }
+    }
+}
+
+impl std::fmt::Display for Painter {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match &self.adapter {
+            Some(adapter) => write!(f, "GPU ({adapter})"),
+            None => write!(f, "CPU"),
+        }
+    }
+}
+
+/// The adapter, as far as it is known.
+#[derive(Debug, Default)]
+enum Adapter {
+    /// Not asked for yet.
+    #[default]
+    Unknown,
+    /// There is no graphics card; there may be a program that stands in for one.
+    NoCard,
+    /// There is none, or it was lost: why the CPU paints instead.
+    Missing(String),
+    Open(Box<GpuRenderer>),
+}
+
+/// Paints with what [`RenderSettings::backend`] asks for, and on the CPU where that fails.
+#[derive(Debug, Default)]
+pub struct Renderer {
+    cpu: CpuRenderer,
+    adapter: Adapter,
+    /// What `auto` found to be faster, per kernel.
+    faster: HashMap<Kernel, Backend>,
+    notice: Option<String>,
+    painter: Option<Painter>,
+    /// The window's device.
+    shared: Option<SharedDevice>,
+}
+
+/// A picture for a window.
+#[derive(Clone, Debug)]
+pub enum Shown {
+    /// On the window's own device, holes hatched.
+    OnAdapter(ScreenTexture),
+    /// In memory, still to be colored and sent.
+    InMemory(Arc<Picture>),
+}
+
+/// One picture that is asked for.
+#[derive(Clone, Copy)]
+struct Request<'a> {
+    samples: &'a Arc<SampleSet>,
+    vantage: &'a Vantage,
+    settings: &'a RenderSettings,
+    job: &'a Job,
+}
+
+type Painted = (Arc<Picture>, RenderStats);
+
+impl Renderer {
+    /// A renderer with nothing cached, which opens an adapter when one is first needed.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// As [`Renderer::new`], but where the GPU is asked for by name it is opened at once.
+    ///
+    /// # Errors
+    /// `Gpu` where it is asked for and there is none.
+    pub fn strict(backend: Backend) -> Result<Self> {
+        let adapter = match backend {
+            Backend::Gpu => Adapter::Open(Box::new(GpuRenderer::new(AdapterChoice::Any)?)),
+            Backend::Auto | Backend::Cpu => Adapter::Unknown,
+        };
+        Ok(Self { adapter, ..Self::default() })
+    }
+
+    /// As [`Renderer::new`], but paints on the device that a window draws with, where it can.
+    #[must_use]
+    pub fn sharing(shared: Option<SharedDevice>) -> Self {
+        Self { shared, ..Self::default() }
+    }
+
+    /// What painted the last picture; `None` before the first.
+    #[must_use]
+    pub fn painter(&self) -> Option<&Painter> {
+        self.painter.as_ref()
+    }
+
+    /// Why the GPU, though asked for, does not paint; `None` while all is well.
+    #[must_use]
+    pub fn notice(&self) -> Option<&str> {
+        self.notice.as_deref()
+    }
+
+    /// Drops what was kept of earlier pictures, so that the next one is painted anew.
+    pub fn forget_background(&mut self) {
+        self.cpu = CpuRenderer::new();
+        if let Adapter::Open(gpu) = &mut self.adapter {
+            gpu.forget_background();
+        }
+    }
+
+    /// Sends the samples of the coming frames ahead, where the GPU paints. What fails here fails again, and is told, when the
+    /// frame is painted.
+    pub fn prefetch(&mut self, samples: &SampleSet, frames: std::ops::Range<usize>) {
+        if let (Adapter::Open(gpu), Some(Painter { backend: Backend::Gpu, .. })) =
+            (&mut self.adapter, &self.painter)
+            && let Err(error) = gpu.prefetch(samples, frames)
+        {
+            log::warn!("{error}");
+        }
+    }
+
+    /// Paints the samples of the vantage's frame.
+    ///
+    /// # Errors
+    /// As [`CpuRenderer::render`]: a GPU that fails is replaced by the CPU, see [`Renderer::notice`].
+    pub fn render(
+        &mut self,
+        samples: &Arc<SampleSet>,
+        vantage: &Vantage,
+        settings: &RenderSettings,
+        job: &Job,
+    ) -> Result<Painted> {
+        let started = Instant::now();
+        let times = times_as_fine(samples, vantage, settings);
+        if times == 1 {
+            return self.paint(&Request { samples, vantage, settings, job });
+        }
+        let finer = finer(vantage, times);
+        let (picture, stats) = self.paint(&Request { samples, vantage: &finer, settings, job })?;
+        let picture = averaged(&picture, times);
+        let milliseconds = started.elapsed().as_secs_f64() * 1e3;
+        let stats = RenderStats { holes: picture.holes(), milliseconds, ..stats };
+        Ok((Arc::new(picture), stats))
+    }
+
+    fn paint(&mut self, request: &Request<'_>) -> Result<Painted> {
+        match request.settings.backend {
+            Backend::Cpu => self.on_cpu_by_choice(request),
+            Backend::Gpu => {
+                self.open(AdapterChoice::Any);
+                self.on_gpu_if_possible(request)
+            }
+            Backend::Auto => self.on_the_faster(request),
+        }
+    }
+
+    /// Paints for a window in motion: on its own device where the GPU paints there, so that nothing is copied, else as
+    /// [`Renderer::render`]; as coarse as the window is, since the next picture follows at once.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn show(
+        &mut self,
+        samples: &Arc<SampleSet>,
+        vantage: &Vantage,
+        settings: &RenderSettings,
+        holes: &HolePattern,
+        job: &Job,
+    ) -> Result<(Shown, RenderStats)> {
+        let gpu_is_faster = || self.faster.get(&settings.kernel) == Some(&Backend::Gpu);
+        let on_gpu = match settings.backend {
+            Backend::Cpu => false,
+            Backend::Gpu => true,
+            Backend::Auto => gpu_is_faster(),
+        };
+        if on_gpu {
+            self.open(AdapterChoice::Any);
+        }
+        if let Adapter::Open(gpu) = &mut self.adapter
+            && on_gpu
+            && gpu.is_shared()
+            && settings.fill == Fill::None
+        {
+            match gpu.show(samples, vantage, settings, holes, job) {
+                Ok((texture, stats)) => {
+                    self.painter = Some(Painter::gpu(gpu));
+                    self.notice = None;
+                    return Ok((Shown::OnAdapter(texture), stats));
+                }
+                // Whatever failed fails again below, where the CPU takes over.
+                Err(Error::Gpu { .. }) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        let (picture, stats) = self.paint(&Request { samples, vantage, settings, job })?;
+        Ok((Shown::InMemory(picture), stats))
+    }
+
+    fn on_the_faster(&mut self, request: &Request<'_>) -> Result<Painted> {
+        self.open(AdapterChoice::Hardware);
+        let hardware = matches!(&self.adapter, Adapter::Open(gpu) if !gpu.is_software());
+        match self.faster.get(&request.settings.kernel) {
+            // Where the card was lost since, this says so.
+            Some(Backend::Gpu) => self.on_gpu_if_possible(request),
+            None if hardware => self.measure(request),
+            _ => self.on_cpu_by_choice(request),
+        }
+    }
+
+    /// Paints on both, everything anew, and remembers which was faster. The GPU paints twice, as its first time includes
+    /// sending the samples, which later pictures do not.
+    fn measure(&mut self, request: &Request<'_>) -> Result<Painted> {
+        self.on_gpu_if_possible(request)?;
+        self.forget_background();
+        let (picture, gpu) = self.on_gpu_if_possible(request)?;
+        if self.painter.as_ref().is_none_or(|painter| painter.backend == Backend::Cpu) {
+            return Ok((picture, gpu));
+        }
+        self.forget_background();
+        let on_gpu = self.painter.clone();
+        let (cpu_picture, cpu) = self.on_cpu(request)?;
+        let backend = if gpu.milliseconds < cpu.milliseconds { Backend::Gpu } else { Backend::Cpu };
+        self.faster.insert(request.settings.kernel, backend);
+        log::info!(
+            "{}: {:.1} ms on the GPU, {:.1} ms on the CPU",
+            request.settings.kernel,
+            gpu.milliseconds,
+            cpu.milliseconds
+        );
+        if backend == Backend::Cpu {
+            return Ok((cpu_picture, cpu));
+        }
+        self.painter = on_gpu;
+        Ok((picture, gpu))
+    }
+
+    /// Opens an adapter, where that was not tried before.
+    fn open(&mut self, choice: AdapterChoice) {
+        match (&self.adapter, choice) {
+            (Adapter::Unknown, _) | (Adapter::NoCard, AdapterChoice::Any) => {}
+            _ => return,
+        }
+        let options = GpuOptions { adapter: choice, ..GpuOptions::default() };
+        let shared = self.shared.as_ref().map(|shared| GpuRenderer::sharing(shared, &options));
+        let opened = match shared {
+            Some(Ok(gpu)) => Ok(gpu),
+            Some(Err(_)) | None => GpuRenderer::with_options(&options),
+        };
+        self.adapter = match opened {
+            Ok(gpu) => Adapter::Open(Box::new(gpu)),
+            Err(_) if choice == AdapterChoice::Hardware => Adapter::NoCard,
+            Err(error) => Adapter::Missing(error.to_string()),
+        };
+    }
+
+    fn on_cpu_by_choice(&mut self, request: &Request<'_>) -> Result<Painted> {
+        self.notice = None;
+        self.on_cpu(request)
+    }
+
+    fn on_cpu(&mut self, request: &Request<'_>) -> Result<Painted> {
+        let painted = self.cpu.render(request.samples, request.vantage, request.settings, request.job)?;
+        self.painter = Some(Painter::cpu());
+        Ok(painted)
+    }
+
+    fn on_gpu_if_possible(&mut self, request: &Request<'_>) -> Result<Painted> {
+        let gpu = match &mut self.adapter {
+            Adapter::Open(gpu) => gpu,
+            Adapter::Missing(why) => {
+                self.notice = Some(format!("the CPU paints: {why}"));
+                return self.on_cpu(request);
+            }
+            Adapter::Unknown | Adapter::NoCard => return self.on_cpu(request),
+        };
+        match gpu.render(request.samples, request.vantage, request.settings, request.job) {
+            Ok(painted) => {
+                self.painter = Some(Painter::gpu(gpu));
+                self.notice = None;
+                Ok(painted)
+            }
+            Err(Error::Gpu { what }) => {
+                self.notice = Some(format!("the CPU paints: {what}"));
+                if gpu.is_lost() {
+                    self.adapter = Adapter::Missing(what);
+                }
+                self.on_cpu(request)
+            }
+            Err(error) => Err(error),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{Demo, DemoSpec};
+    use crate::preprocess::preprocess;
+    use crate::render::gpu::opened;
+    use crate::settings::Settings;
+    use crate::simd::skip::skip;
+
+    fn scene() -> (Arc<SampleSet>, Vantage) {
+        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((48, 36));
+        let demo = Demo::new(&spec).unwrap();
+        let settings = Settings::default();
+        let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
+        (samples, Vantage { camera: demo.home(), frame: 0 })
+    }
+
+    fn settings(backend: Backend) -> RenderSettings {
+        RenderSettings { backend, ..RenderSettings::default() }
+    }
+
+    fn any_adapter() -> Option<GpuRenderer> {
+        opened(GpuRenderer::new(AdapterChoice::Any))
+    }
+
+    #[test]
+    fn the_cpu_paints_where_it_is_asked_for_and_where_there_is_no_graphics_card() {
+        let (samples, vantage) = scene();
+        let mut renderer = Renderer::new();
+        renderer.render(&samples, &vantage, &settings(Backend::Cpu), &Job::new()).unwrap();
+        assert_eq!(renderer.painter(), Some(&Painter::cpu()));
+        let mut renderer = Renderer { adapter: Adapter::NoCard, ..Renderer::default() };
+        renderer.render(&samples, &vantage, &settings(Backend::Auto), &Job::new()).unwrap();
+        assert_eq!((renderer.painter(), renderer.notice()), (Some(&Painter::cpu()), None));
+    }
+
+    #[test]
+    fn a_software_adapter_is_never_chosen_by_itself() {
+        let Some(gpu) = any_adapter() else { return };
+        if !gpu.is_software() {
+            skip(None, &format!("{} is no software adapter", gpu.adapter_name()));
+            return;
+        }
+        let (samples, vantage) = scene();
+        let mut renderer = Renderer { adapter: Adapter::Open(Box::new(gpu)), ..Renderer::default() };
+        renderer.render(&samples, &vantage, &settings(Backend::Auto), &Job::new()).unwrap();
+        assert_eq!(renderer.painter(), Some(&Painter::cpu()));
+    }
+
+    #[test]
+    fn a_notice_goes_when_the_cpu_paints_by_choice() {
+        let (samples, vantage) = scene();
+        let why = || Adapter::Missing("there is none".to_owned());
+        let mut renderer = Renderer { adapter: why(), ..Renderer::default() };
+        let mut notice = |backend| {
+            renderer.render(&samples, &vantage, &settings(backend), &Job::new()).unwrap();
+            renderer.notice().map(str::to_owned)
+        };
+        assert_eq!(notice(Backend::Gpu).as_deref(), Some("the CPU paints: there is none"));
+        assert_eq!(notice(Backend::Auto), None);
+        // A card that was found to be faster, and is gone, is missed.
+        let faster = HashMap::from([(settings(Backend::Auto).kernel, Backend::Gpu)]);
+        let mut renderer = Renderer { adapter: why(), faster, ..Renderer::default() };
+        renderer.render(&samples, &vantage, &settings(Backend::Auto), &Job::new()).unwrap();
+        assert!(renderer.notice().is_some());
+    }
+
+    #[test]
+    fn the_cpu_takes_over_with_a_notice_when_the_adapter_is_lost() {
+        let Some(gpu) = any_adapter() else { return };
+        let (samples, vantage) = scene();
+        let mut renderer = Renderer { adapter: Adapter::Open(Box::new(gpu)), ..Renderer::default() };
+        let paint = |renderer: &mut Renderer| {
+            renderer.render(&samples, &vantage, &settings(Backend::Gpu), &Job::new()).unwrap().0
+        };
+        paint(&mut renderer);
+        assert_eq!(renderer.painter().unwrap().backend, Backend::Gpu);
+        assert_eq!(renderer.notice(), None);
+        let Adapter::Open(gpu) = &renderer.adapter else { panic!("the adapter is gone") };
+        gpu.lose();
+        for _ in 0..2 {
+            let picture = paint(&mut renderer);
+            assert_eq!(renderer.painter(), Some(&Painter::cpu()));
+            assert!(renderer.notice().unwrap().starts_with("the CPU paints: "), "{:?}", renderer.notice());
+            assert!(picture.holes() < 48 * 36);
+        }
+        assert!(matches!(renderer.adapter, Adapter::Missing(_)));
+    }
+}

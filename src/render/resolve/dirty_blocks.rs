@@ -1,0 +1,81 @@
+//! Blocks of 16×16 pixels of the picture: what is repainted when a foreground moves over a still background.
+
+use rayon::prelude::*;
+
+use crate::render::gather::BLOCK;
+use crate::render::geometry::Bounds;
+
+/// A set of blocks.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Blocks {
+    across: usize,
+    marked: Vec<bool>,
+}
+
+impl Blocks {
+    /// None of the blocks of a picture.
+    pub(crate) fn none(width: usize, height: usize) -> Self {
+        let across = width.div_ceil(BLOCK);
+        Self { across, marked: vec![false; across * height.div_ceil(BLOCK)] }
+    }
+
+    /// None of the blocks of the same picture.
+    pub(crate) fn emptied(&self) -> Self {
+        Self { across: self.across, marked: vec![false; self.marked.len()] }
+    }
+
+    /// All of them.
+    pub(crate) fn all(width: usize, height: usize) -> Self {
+        let mut blocks = Self::none(width, height);
+        blocks.marked.fill(true);
+        blocks
+    }
+
+    /// Adds the blocks that `bounds` touch, and those beside them as far as decisions at an edge reach.
+    pub(crate) fn mark(&mut self, bounds: &[Bounds], reach: usize) {
+        let down = self.marked.len().checked_div(self.across).unwrap_or(0);
+        for place in bounds.iter().filter(|place| !place.is_empty()) {
+            let first = |start: u32| (start as usize).saturating_sub(reach) / BLOCK;
+            let last = |end: u32, count: usize| ((end as usize - 1 + reach) / BLOCK).min(count - 1);
+            for row in first(place.top)..=last(place.bottom, down) {
+                let start = row * self.across;
+                self.marked[start + first(place.left)..=start + last(place.right, self.across)].fill(true);
+            }
+        }
+    }
+
+    /// Adds the blocks of another set of the same picture.
+    pub(crate) fn join(&mut self, other: &Self) {
+        self.marked.iter_mut().zip(&other.marked).for_each(|(mine, theirs)| *mine |= *theirs);
+    }
+
+    /// Sets the pixels of the blocks, in a buffer of `width` columns.
+    pub(crate) fn clear<T: Copy + Send + Sync>(&self, width: usize, buffer: &mut [T], value: T) {
+        buffer.par_chunks_mut(BLOCK * width).enumerate().for_each(|(row, strip)| {
+            for column in (0..self.across).filter(|column| self.contains(*column, row)) {
+                let (left, right) = (column * BLOCK, ((column + 1) * BLOCK).min(width));
+                strip.chunks_mut(width).for_each(|pixels| pixels[left..right].fill(value));
+            }
+        });
+    }
+
+    /// Pixels of the blocks for which `is` holds, in a plane of `width` columns.
+    pub(crate) fn count<T: Sync>(&self, width: usize, plane: &[T], is: impl Fn(&T) -> bool + Sync) -> u64 {
+        let strips = plane.par_chunks(BLOCK * width).enumerate();
+        let counts = strips.map(|(row, strip)| {
+            let columns = (0..self.across).filter(|column| self.contains(*column, row));
+            let blocks = columns.flat_map(|column| {
+                let (left, right) = (column * BLOCK, ((column + 1) * BLOCK).min(width));
+                strip.chunks(width).map(move |pixels| &pixels[left..right])
+            });
+            blocks.map(|pixels| pixels.iter().map(|pixel| u64::from(is(pixel))).sum::<u64>()).sum::<u64>()
+        });
+        counts.sum()
+    }
+
+    /// Whether a block is in the set.
+    #[inline(always)]
+    pub(crate) fn contains(&self, column: usize, row: usize) -> bool {
+        self.marked[row * self.across + column]
+    }
+}

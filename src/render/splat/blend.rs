@@ -1,0 +1,249 @@
+//! The blend stage: the colors of all samples of the nearest surface, weighted and summed in every pixel.
+//!
+//! `block` weighs bilinearly over the 2×2 pixels around a sample (the paper, §3.3, "a coarse blending within a 4-pixel
+//! region"). `surfel` weighs by the sample's oriented footprint; by its sampling rate, which falls with distance and with the
+//! angle of incidence; by the angle between its camera's line of sight and the vantage's; and less beside another surface.
+//!
+//! Source: for screen-space filters joined with projected footprints, Zwicker et al., *Surface Splatting*, SIGGRAPH 2001,
+//! equation 11. What differs: the kernel is `(1 − q/q₀)²` instead of a Gaussian, so that it ends, and only samples within a
+//! tolerance of the nearest surface take part.
+
+use std::ops::Range;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::surface::{Stage, split_at_bands};
+use super::zkey::inverse_depth_of;
+use crate::error::Result;
+use crate::render::geometry::{Band, MAX_STRETCH, ProjectedRow, Projector, Reach, footprints};
+use crate::render::input::{DenseTile, FrameTile, beside_edges, slopes};
+use crate::samples::TILE;
+use crate::settings::Kernel;
+use crate::simd::{self, Work};
+
+/// One pixel's sum of weighted colors, and of weights.
+pub(crate) type Sum = [f32; 4];
+
+/// Weights that sum to less are no color: the GPU, which sums in fixed point, has too few digits of them. Those of samples that
+/// lie so far apart in the picture that none is blended with another, and of ends of kernels that brush a pixel.
+pub(crate) const LEAST_WEIGHT: f32 = 1.0 / 65536.0;
+
+/// Variance of the reconstruction filter, squared source pixels, and of the screen filter, squared target pixels.
+const SOURCE_VARIANCE: f32 = 0.15;
+const SCREEN_VARIANCE: f32 = 0.1;
+
+/// The squared distance, in standard deviations, at which a footprint's weight has fallen to 0.
+const KERNEL_END: f32 = 6.0;
+
+/// Footprints reach no farther, in target pixels.
+const MAX_REACH: f32 = 64.0;
+
+/// How far a sample's weight reaches: the filter alone, and with it two of the widest footprints.
+pub(crate) const BLEND_REACH: Reach = Reach { pixels: 1.5, source_pixels: 2.0 * MAX_STRETCH };
+
+/// Adds up the pixels of `bands` over the samples that are no farther than `surface_ratio` of the nearest depth in `keys`.
+///
+/// # Errors
+/// `Cancelled`.
+pub(crate) fn blend(
+    stage: &Stage<'_>,
+    bands: &[Band],
+    keys: &[u64],
+    surface_ratio: f32,
+    sums: &mut [Sum],
+) -> Result<()> {
+    let parts: Vec<BandBlend<'_>> = split_at_bands(bands, stage.width, sums)
+        .into_iter()
+        .map(|(band, sums)| {
+            let keys = &keys[band.rows.start * stage.width..band.rows.end * stage.width];
+            BandBlend { stage, band, keys, surface_ratio, sums }
+        })
+        .collect();
+    parts.into_par_iter().try_for_each(simd::run)
+}
+
+struct BandBlend<'a> {
+    stage: &'a Stage<'a>,
+    band: &'a Band,
+    keys: &'a [u64],
+    surface_ratio: f32,
+    sums: &'a mut [Sum],
+}
+
+impl Work for BandBlend<'_> {
+    type Output = Result<()>;
+
+    #[inline(always)]
+    fn run(self) -> Result<()> {
+        let Self { stage, band, keys, surface_ratio, sums } = self;
+        let mut dense = DenseTile::new();
+        let mut canvas = Canvas { width: stage.width, rows: band.rows.clone(), keys, surface_ratio, sums };
+        for &number in &band.tiles {
+            stage.job.check()?;
+            let tile = stage.frame.tile(number as usize);
+            let camera = tile.camera as usize;
+            let projector = &stage.projectors[camera];
+            dense.unpack(tile);
+            let (x, y) = tile.origin;
+            let mut nth = 0;
+            for row in (0..TILE).filter(|row| tile.rows[*row] != 0) {
+                let w = dense.row(row);
+                let ray = projector.ray(x as f32, (y as usize + row) as f32);
+                let projected = projector.row(ray, w);
+                let samples = Samples { mask: tile.rows[row], first: nth, tile, w };
+                if stage.kernel == Kernel::Surfel {
+                    let slopes = slopes(&dense, row, stage.per_footprint[camera]);
+                    let mut trust = cosines(&stage.rays_in_world, projector, ray, &projected);
+                    let beside = beside_edges(&dense, row, stage.per_footprint[camera]);
+                    for i in 0..TILE {
+                        trust[i] *= if beside[i] { BESIDE_EDGE } else { 1.0 };
+                    }
+                    canvas.footprints(projector, &projected, (&slopes, &trust), &samples);
+                } else {
+                    canvas.blocks(&projected, &samples);
+                }
+                nth += tile.rows[row].count_ones() as usize;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The samples of a row.
+struct Samples<'a> {
+    mask: u16,
+    first: usize,
+    tile: &'a FrameTile<'a>,
+    w: &'a [f32; TILE],
+}
+
+impl Samples<'_> {
+    /// Column, inverse depth and color of every sample.
+    #[inline(always)]
+    fn for_each(&self, mut visit: impl FnMut(usize, f32, [f32; 3])) {
+        let (mut left, mut nth) = (self.mask, self.first);
+        while left != 0 {
+            let column = left.trailing_zeros() as usize;
+            visit(column, self.w[column], self.tile.color(nth));
+            left &= left - 1;
+            nth += 1;
+        }
+    }
+}
+
+/// Samples beside another surface may be blended with it: they count less than clean ones. Measured: most is gained at a half.
+const BESIDE_EDGE: f32 = 0.5;
+
+/// The least that a line of sight counts.
+const LEAST_COSINE: f32 = 0.01;
+
+/// Cosines between the camera's and the vantage's lines of sight to the samples of a row, whose first is carried by `ray`.
+#[inline(always)]
+fn cosines(
+    rays_in_world: &[Vec3; 3],
+    projector: &Projector,
+    ray: Vec3,
+    projected: &ProjectedRow,
+) -> [f32; TILE] {
+    let [corner, across, down] = *rays_in_world;
+    let mut cosines = [0.0; TILE];
+    for i in 0..TILE {
+        let image = ray + projector.per_column * i as f32;
+        let from_camera = across * image.x + down * image.y + corner * image.z;
+        let from_vantage = across * projected.u[i] + down * projected.v[i] + corner;
+        let lengths = (from_camera.length_squared() * from_vantage.length_squared()).sqrt();
+        cosines[i] = (from_camera.dot(from_vantage) / lengths).max(LEAST_COSINE);
+    }
+    cosines
+}
+
+struct Canvas<'a> {
+    width: usize,
+    rows: Range<usize>,
+    keys: &'a [u64],
+    surface_ratio: f32,
+    sums: &'a mut [Sum],
+}
+
+impl Canvas<'_> {
+    #[inline(always)]
+    fn add(&mut self, x: usize, y: usize, depth: f32, weight: f32, color: [f32; 3]) {
+        let pixel = (y - self.rows.start) * self.width + x;
+        let nearest = inverse_depth_of(self.keys[pixel]);
+        // Neither what lies behind the surface nor what ends beside it: a nearer sample whose kernel only brushes the pixel.
+        if depth >= nearest * self.surface_ratio && depth * self.surface_ratio <= nearest {
+            let sum = &mut self.sums[pixel];
+            let parts = [color[0] * weight, color[1] * weight, color[2] * weight, weight];
+            (0..4).for_each(|channel| sum[channel] += parts[channel]);
+        }
+    }
+
+    #[inline(always)]
+    fn blocks(&mut self, projected: &ProjectedRow, samples: &Samples<'_>) {
+        let (width, top, bottom) = (self.width as f32, self.rows.start as f32, self.rows.end as f32);
+        samples.for_each(|i, w, color| {
+            let (u, v, reciprocal) = (projected.u[i] - 0.5, projected.v[i] - 0.5, projected.reciprocal[i]);
+            let (left, above) = (u.floor(), v.floor());
+            let inside = left >= -1.0 && left < width && above >= top - 1.0 && above < bottom;
+            if !inside || reciprocal <= 0.0 {
+                return;
+            }
+            let (along, down) = (u - left, v - above);
+            for (dy, share_y) in [(0.0, 1.0 - down), (1.0, down)] {
+                for (dx, share_x) in [(0.0, 1.0 - along), (1.0, along)] {
+                    let (x, y) = (left + dx, above + dy);
+                    if x >= 0.0 && x < width && y >= top && y < bottom {
+                        self.add(x as usize, y as usize, w * reciprocal, share_x * share_y, color);
+                    }
+                }
+            }
+        });
+    }
+
+    #[inline(always)]
+    fn footprints(
+        &mut self,
+        projector: &Projector,
+        projected: &ProjectedRow,
+        (slopes, trust): (&[[f32; TILE]; 2], &[f32; TILE]),
+        samples: &Samples<'_>,
+    ) {
+        let found = footprints(projector, projected, samples.w, slopes);
+        let (width, top, bottom) = (self.width as f32, self.rows.start as f32, self.rows.end as f32);
+        samples.for_each(|i, _, color| {
+            if projected.reciprocal[i] <= 0.0 {
+                return;
+            }
+            let [a, b, c, d] = [0, 1, 2, 3].map(|entry| found.jacobian[entry][i]);
+            let xx = SOURCE_VARIANCE * (a * a + b * b) + SCREEN_VARIANCE;
+            let yy = SOURCE_VARIANCE * (c * c + d * d) + SCREEN_VARIANCE;
+            let xy = SOURCE_VARIANCE * (a * c + b * d);
+            let area = (a * d - b * c).abs().max(0.05);
+            let determinant = xx * yy - xy * xy;
+            let (half_width, half_height) = ((KERNEL_END * xx).sqrt(), (KERNEL_END * yy).sqrt());
+            // Not beyond the bounds that tiles are culled by: what is painted must not depend on how the picture is cut.
+            let limit = (BLEND_REACH.pixels
+                + BLEND_REACH.source_pixels * projector.focal_ratio * projected.reciprocal[i])
+                .min(MAX_REACH);
+            let (half_width, half_height) = (half_width.min(limit), half_height.min(limit));
+            let (u, v) = (projected.u[i], projected.v[i]);
+            let left = (u - half_width - 0.5).ceil().max(0.0);
+            let right = (u + half_width - 0.5).floor().min(width - 1.0);
+            let above = (v - half_height - 0.5).ceil().max(top);
+            let below = (v + half_height - 0.5).floor().min(bottom - 1.0);
+            if !(left <= right && above <= below) {
+                return;
+            }
+            for y in above as usize..=below as usize {
+                for x in left as usize..=right as usize {
+                    let (dx, dy) = (x as f32 + 0.5 - u, y as f32 + 0.5 - v);
+                    let q = (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / determinant;
+                    let share = (1.0 - q / KERNEL_END).max(0.0);
+                    let depth = found.inverse_depth[i] + found.slope_x[i] * dx + found.slope_y[i] * dy;
+                    self.add(x, y, depth, share * share * trust[i] / area, color);
+                }
+            }
+        });
+    }
+}

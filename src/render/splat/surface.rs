@@ -1,0 +1,401 @@
+//! The surface stage: which sample is nearest in each pixel.
+//!
+//! Kernels differ in the pixels that a sample touches: `point` the one it falls into; `block` the 2×2 around it (the paper,
+//! §3.3); `surfel` and `gather` those whose centers lie in its oriented footprint, each at the depth of its plane there.
+
+use std::ops::Range;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::zkey::{CORE, key, nearness};
+use crate::error::Result;
+use crate::job::Job;
+use crate::render::geometry::{
+    Band, CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedRow, Projector,
+    footprints,
+};
+use crate::render::input::{DenseTile, FrameSamples, slopes};
+use crate::samples::TILE;
+use crate::settings::Kernel;
+use crate::simd::{self, Work, joined, whole};
+
+/// A sample belongs to the core of a pixel that gets at least this share of it by bilinear weights, and else to its
+/// fringe. The fringe fills pixels that are no sample's core; elsewhere it stays away, so that silhouettes do not grow.
+const CORE_SHARE: f32 = 0.06;
+
+/// What the stages of one picture share.
+pub(crate) struct Stage<'a> {
+    pub(crate) frame: &'a FrameSamples<'a>,
+    /// Carries each camera into the target.
+    pub(crate) projectors: &'a [Projector],
+    /// Reciprocal focal length of each camera: the size of its footprints at unit distance.
+    pub(crate) per_footprint: &'a [f32],
+    /// World-space ray of the target's corner, and its growth by column and row.
+    pub(crate) rays_in_world: [Vec3; 3],
+    /// Columns of the target.
+    pub(crate) width: usize,
+    pub(crate) kernel: Kernel,
+    pub(crate) job: &'a Job,
+}
+
+/// Cuts a buffer of `width` columns into the rows of each band; bands ascend.
+pub(crate) fn split_at_bands<'a, 'b, T>(
+    bands: &'a [Band],
+    width: usize,
+    buffer: &'b mut [T],
+) -> Vec<(&'a Band, &'b mut [T])> {
+    let (mut rest, mut row) = (buffer, 0);
+    let mut parts = Vec::with_capacity(bands.len());
+    for band in bands {
+        let (_, from) = rest.split_at_mut((band.rows.start - row) * width);
+        let (part, after) = from.split_at_mut(band.rows.len() * width);
+        parts.push((band, part));
+        (rest, row) = (after, band.rows.end);
+    }
+    parts
+}
+
+/// Raises the keys of the pixels of `bands` to those of their samples.
+///
+/// # Errors
+/// `Cancelled`.
+pub(crate) fn surface(stage: &Stage<'_>, bands: &[Band], keys: &mut [u64]) -> Result<()> {
+    split_at_bands(bands, stage.width, keys).into_par_iter().try_for_each(|(band, keys)| {
+        let window = Window::of(stage.width, &band.rows);
+        match stage.kernel {
+            Kernel::Point => simd::run(BandSurface { stage, band, keys, splat: Points(window) }),
+            Kernel::Block => simd::run(BandSurface { stage, band, keys, splat: Squares(window) }),
+            Kernel::Surfel | Kernel::Gather => simd::run(BandSurface {
+                stage,
+                band,
+                keys,
+                splat: Planes { window, fringe: stage.kernel == Kernel::Gather && stage.frame.is_pruned() },
+            }),
+        }
+    })
+}
+
+/// One band of the picture.
+struct BandSurface<'a, S> {
+    stage: &'a Stage<'a>,
+    band: &'a Band,
+    keys: &'a mut [u64],
+    splat: S,
+}
+
+/// Where the keys of a band are raised, and to what.
+struct Raised<'a> {
+    /// Pixels of the band that the samples of a row touch: their first, second, third and fourth; or, where samples touch
+    /// one pixel alone, those of sixteen rows.
+    pixels: [[u32; TILE]; TILE],
+    /// A key of which the larger stays; 0 changes nothing.
+    new: [[u64; TILE]; TILE],
+    keys: &'a mut [u64],
+}
+
+/// How the samples of a kernel touch pixels.
+trait Splat {
+    /// Raises the keys of what a row of a tile touches; `slots` is that of the row's first pixel.
+    fn row(&self, row: &Row<'_>, slots: u32, raised: &mut Raised<'_>);
+
+    /// Ends a tile.
+    #[inline(always)]
+    fn end(&self, _raised: &mut Raised<'_>) {}
+}
+
+/// A row of a tile.
+struct Row<'a> {
+    projector: &'a Projector,
+    /// Reciprocal focal length of the camera.
+    per_footprint: f32,
+    tile: &'a DenseTile,
+    /// Where the tile holds samples: a mask of columns per row.
+    rows: &'a [u16; TILE],
+    nth: usize,
+    projected: ProjectedRow,
+}
+
+/// Samples are asked for so many tiles before they are read.
+const TILES_AHEAD: usize = 4;
+
+impl<S: Splat> Work for BandSurface<'_, S> {
+    type Output = Result<()>;
+
+    #[inline(always)]
+    fn run(self) -> Result<()> {
+        let Self { stage, band, keys, splat } = self;
+        let mut dense = DenseTile::new();
+        let mut raised = Raised { pixels: [[0; TILE]; TILE], new: [[0; TILE]; TILE], keys };
+        for (nth, &number) in band.tiles.iter().enumerate() {
+            stage.job.check()?;
+            if let Some(&later) = band.tiles.get(nth + TILES_AHEAD) {
+                stage.frame.tile(later as usize).fetch_depths_ahead();
+            }
+            let tile = stage.frame.tile(number as usize);
+            let camera = tile.camera as usize;
+            let projector = &stage.projectors[camera];
+            dense.unpack(tile);
+            let (x, y) = (tile.origin.0 as f32, tile.origin.1 as usize);
+            for row in (0..TILE).filter(|row| tile.rows[*row] != 0) {
+                let w = dense.row(row);
+                let projected = projector.row(projector.ray(x, (y + row) as f32), w);
+                let per_footprint = stage.per_footprint[camera];
+                let line =
+                    Row { projector, per_footprint, tile: &dense, rows: &tile.rows, nth: row, projected };
+                splat.row(&line, number << 8 | (row as u32) << 4, &mut raised);
+            }
+            splat.end(&mut raised);
+        }
+        Ok(())
+    }
+}
+
+impl Raised<'_> {
+    /// Raises the keys of the `nth` pixels of all samples.
+    #[inline(always)]
+    fn raise_all(&mut self, nth: usize) {
+        for (pixel, new) in self.pixels[nth].iter().zip(&self.new[nth]) {
+            let key = &mut self.keys[*pixel as usize];
+            *key = (*key).max(*new);
+        }
+    }
+
+    /// Raises the keys of the `nth` pixels of some samples: a mask of columns.
+    #[inline(always)]
+    fn raise_some(&mut self, nth: usize, mut which: u32) {
+        while which != 0 {
+            let i = which.trailing_zeros() as usize % TILE;
+            which &= which - 1;
+            let key = &mut self.keys[self.pixels[nth][i] as usize];
+            *key = (*key).max(self.new[nth][i]);
+        }
+    }
+}
+
+/// The rows of the picture that are being painted.
+#[derive(Clone, Copy)]
+struct Window {
+    width: u32,
+    right: f32,
+    top: f32,
+    bottom: f32,
+    /// The last pixel of the band.
+    last: u32,
+}
+
+impl Window {
+    fn of(width: usize, rows: &Range<usize>) -> Self {
+        Self {
+            width: width as u32,
+            right: (width - 1) as f32,
+            top: rows.start as f32,
+            bottom: (rows.end - 1) as f32,
+            last: (width * rows.len() - 1) as u32,
+        }
+    }
+
+    /// The pixel of the band at column `x` and row `y` (whole numbers), and whether it lies in the band. Where it does not,
+    /// or is no number, it is some pixel that does: another one for each of sixteen neighbors `i`, as changing one and the
+    /// same again and again is slow.
+    #[inline(always)]
+    fn pixel(&self, x: f32, y: f32, i: usize) -> (u32, bool) {
+        let inside = (x >= 0.0) & (x <= self.right) & (y >= self.top) & (y <= self.bottom);
+        // What lies outside may wrap: it is not used.
+        let pixel = whole(y - self.top).wrapping_mul(self.width).wrapping_add(whole(x));
+        (if inside { pixel } else { (i as u32).min(self.last) }, inside)
+    }
+}
+
+impl Window {
+    /// Raises the keys of the pixels from the first to the last column and row of `edges` to what `key_at` gives.
+    #[inline(always)]
+    fn raise(&self, keys: &mut [u64], edges: [f32; 4], key_at: impl Fn(f32, f32) -> u64) {
+        let clamp = |value: f32, low: f32, end: f32| value.max(low).min(end) as usize;
+        let [left, right, top, bottom] = edges;
+        let (end, below) = (self.right + 1.0, self.bottom + 1.0);
+        let columns = clamp(left, 0.0, end)..clamp(right + 1.0, 0.0, end);
+        for y in clamp(top, self.top, below)..clamp(bottom + 1.0, self.top, below) {
+            for x in columns.clone() {
+                let key_there = &mut keys[(y - self.top as usize) * self.width as usize + x];
+                *key_there = (*key_there).max(key_at(x as f32, y as f32));
+            }
+        }
+    }
+}
+
+/// `point`: a sample touches the pixel that it falls into.
+struct Points(Window);
+
+impl Splat for Points {
+    #[inline(always)]
+    fn row(&self, row: &Row<'_>, slots: u32, raised: &mut Raised<'_>) {
+        let (w, projected) = (row.tile.row(row.nth), &row.projected);
+        for i in 0..TILE {
+            let (pixel, inside) = self.0.pixel(projected.u[i].floor(), projected.v[i].floor(), i);
+            let seen = inside & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
+            let full = key(nearness(w[i] * projected.reciprocal[i], CORE), slots | i as u32);
+            raised.pixels[row.nth][i] = pixel;
+            raised.new[row.nth][i] = if seen { full } else { 0 };
+        }
+    }
+
+    /// A tile is projected as a whole before its keys are compared: the first is work for vectors, the second is not. Rows
+    /// without samples hold those of an earlier tile, which change nothing any more.
+    #[inline(always)]
+    fn end(&self, raised: &mut Raised<'_>) {
+        (0..TILE).for_each(|row| raised.raise_all(row));
+    }
+}
+
+/// `block`: a sample touches the 2×2 pixels around it.
+struct Squares(Window);
+
+impl Splat for Squares {
+    #[inline(always)]
+    fn row(&self, row: &Row<'_>, slots: u32, raised: &mut Raised<'_>) {
+        let (w, projected) = (row.tile.row(row.nth), &row.projected);
+        for corner in 0..4 {
+            let (right, below) = ((corner & 1) as f32, (corner >> 1) as f32);
+            for i in 0..TILE {
+                let (left, top) = ((projected.u[i] - 0.5).floor(), (projected.v[i] - 0.5).floor());
+                let (along, down) = (projected.u[i] - 0.5 - left, projected.v[i] - 0.5 - top);
+                let share_x = if corner & 1 == 1 { along } else { 1.0 - along };
+                let share_y = if corner >> 1 == 1 { down } else { 1.0 - down };
+                let tier = if share_x * share_y >= CORE_SHARE { CORE } else { 0 };
+                let (pixel, inside) = self.0.pixel(left + right, top + below, i);
+                let seen = inside & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
+                let full = key(nearness(w[i] * projected.reciprocal[i], tier), slots | i as u32);
+                raised.pixels[corner][i] = pixel;
+                raised.new[corner][i] = if seen { full } else { 0 };
+            }
+        }
+        (0..4).for_each(|corner| raised.raise_all(corner));
+    }
+}
+
+/// `surfel` and `gather`: a sample touches the pixels whose centers its footprint covers, at the depth of its plane.
+struct Planes {
+    window: Window,
+    /// Whether magnified samples have a fringe, which fills pixels that are in no footprint, where neighbors may have been dropped.
+    /// What of it is surface has to be decided afterwards, see [`crate::render::gather`].
+    fringe: bool,
+}
+
+impl Splat for Planes {
+    #[inline(always)]
+    fn row(&self, row: &Row<'_>, slots: u32, raised: &mut Raised<'_>) {
+        let (w, projected) = (row.tile.row(row.nth), &row.projected);
+        let slopes = slopes(row.tile, row.nth, row.per_footprint);
+        let found = footprints(row.projector, projected, w, &slopes);
+        // First and last column and row whose centers the footprint covers: always one, at most two unless it is large.
+        let mut edges = [[0.0_f32; TILE]; 4];
+        let (mut large, mut columns, mut rows) = ([0_u32; TILE], [0_u32; TILE], [0_u32; TILE]);
+        for i in 0..TILE {
+            let (half_width, half_height) = (found.half_width[i].max(0.5), found.half_height[i].max(0.5));
+            let seen = (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
+            edges[0][i] = (projected.u[i] - half_width - 0.5).ceil();
+            edges[1][i] = (projected.u[i] + half_width - 0.5).floor();
+            edges[2][i] = (projected.v[i] - half_height - 0.5).ceil();
+            edges[3][i] = (projected.v[i] + half_height - 0.5).floor();
+            let wide = (edges[1][i] > edges[0][i] + 1.0) | (edges[3][i] > edges[2][i] + 1.0);
+            large[i] = u32::from(wide & seen) << i;
+            columns[i] = u32::from((edges[0][i] != edges[1][i]) & seen) << i;
+            rows[i] = u32::from((edges[2][i] != edges[3][i]) & seen) << i;
+        }
+        let (mut large, columns, rows) = (joined(&large), joined(&columns), joined(&rows));
+        // Most footprints cover one column and one row alone.
+        let further = [u32::MAX, columns, rows, columns & rows];
+        let mut touched = [0_u32; 4];
+        for corner in (0..4_usize).filter(|corner| further[*corner] != 0) {
+            let (columns, rows) = (&edges[corner & 1], &edges[2 + (corner >> 1)]);
+            for i in 0..TILE {
+                let (x, y) = (columns[i], rows[i]);
+                let (pixel, inside) = self.window.pixel(x, y, i);
+                let PlaneAt { inverse_depth: depth, is_core: covered, .. } =
+                    found.plane_at(projected, i, (x, y), 1.0);
+                let is_further = further[corner] >> i & 1 == 1;
+                let seen = inside & covered & is_further & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
+                raised.pixels[corner][i] = pixel;
+                raised.new[corner][i] = if seen { key(nearness(depth, CORE), slots | i as u32) } else { 0 };
+                touched[corner] |= u32::from(seen) << i;
+            }
+        }
+        raised.raise_all(0);
+        (1..4).for_each(|corner| raised.raise_some(corner, touched[corner]));
+        while large != 0 {
+            let i = large.trailing_zeros() as usize % TILE;
+            large &= large - 1;
+            let own = Large { found: &found, projected, i, slot: slots | i as u32 };
+            self.window.raise(raised.keys, edges.map(|edges| edges[i]), |x, y| own.core(x, y));
+            if self.fringe && own.has_fringe() {
+                let reach = row.reach(i);
+                self.window.raise(raised.keys, own.edges_of_fringe(reach), |x, y| own.fringe(x, y, reach));
+            }
+        }
+    }
+}
+
+/// A sample whose footprint covers many pixels.
+struct Large<'a> {
+    found: &'a Footprints,
+    projected: &'a ProjectedRow,
+    /// Its place in the row.
+    i: usize,
+    slot: u32,
+}
+
+impl Large<'_> {
+    /// Its key at the center of pixel `(x, y)`, 0 where the footprint does not cover that.
+    #[inline(always)]
+    fn core(&self, x: f32, y: f32) -> u64 {
+        let at = self.found.plane_at(self.projected, self.i, (x, y), 1.0);
+        if at.is_core { key(nearness(at.inverse_depth, CORE), self.slot) } else { 0 }
+    }
+
+    /// The same of its fringe, which begins where the footprint ends and reaches so many source pixels to the left, right, up and down.
+    #[inline(always)]
+    fn fringe(&self, x: f32, y: f32, reach: [f32; 4]) -> u64 {
+        let at = self.found.plane_at(self.projected, self.i, (x, y), FRINGE / CORE_REACH);
+        let reaches = !at.is_core
+            && (-reach[0]..=reach[1]).contains(&at.across)
+            && (-reach[2]..=reach[3]).contains(&at.down);
+        if reaches { key(nearness(at.inverse_depth, 0), self.slot) } else { 0 }
+    }
+
+    /// Whether it is magnified, and not seen edge on: nothing is known of the surface beside it then.
+    #[inline(always)]
+    fn has_fringe(&self) -> bool {
+        let is_known = self.found.inverse.iter().any(|part| part[self.i] != 0.0);
+        is_known && self.found.largest[self.i] >= MAX_STRETCH * MAGNIFIED
+    }
+
+    /// First and last column and row whose centers the fringe may cover.
+    #[inline(always)]
+    fn edges_of_fringe(&self, reach: [f32; 4]) -> [f32; 4] {
+        let [a, b, c, d] = self.found.jacobian.map(|part| part[self.i]);
+        let largest = self.found.largest[self.i];
+        let span = |middle: f32, per_column: f32, per_row: f32| {
+            let (left, right) = (-reach[0] * per_column, reach[1] * per_column);
+            let (above, below) = (-reach[2] * per_row, reach[3] * per_row);
+            let before = (left.min(right) + above.min(below)).max(-largest).min(-0.5);
+            let after = (left.max(right) + above.max(below)).min(largest).max(0.5);
+            [(middle + before - 0.5).ceil(), (middle + after - 0.5).floor()]
+        };
+        let [left, right] = span(self.projected.u[self.i], a, b);
+        let [top, bottom] = span(self.projected.v[self.i], c, d);
+        [left, right, top, bottom]
+    }
+}
+
+impl Row<'_> {
+    /// How far the footprint of sample `i` reaches with its fringe, in source pixels: to the left, right, up and down. There is none
+    /// toward samples of the same tile, whose own footprints are there.
+    #[inline(always)]
+    fn reach(&self, i: usize) -> [f32; 4] {
+        let row = |nth: usize| u32::from(*self.rows.get(nth).unwrap_or(&0)) << 1;
+        let (above, here, below) = (row(self.nth.wrapping_sub(1)), row(self.nth), row(self.nth + 1));
+        [here >> i, here >> (i + 2), above >> (i + 1), below >> (i + 1)]
+            .map(|closed| if closed & 1 == 1 { CORE_REACH } else { FRINGE })
+    }
+}

@@ -1,0 +1,171 @@
+//! Antialiasing: a picture that is coarser than what the cameras recorded is painted finer and averaged.
+//!
+//! Purpose: a pixel that covers many samples shows their mean, whatever surfaces they lie on. The gather stage by itself averages
+//! over sub-pixels of one surface at one depth, and a pixel has two surfaces at most, which its center decides.
+//!
+//! Source: supersampling on a regular grid with a box filter (Crow, *The Aliasing Problem in Computer-Generated Shaded Images*, CACM
+//! 1977). What differs: how fine the grid is depends on how densely the picture was recorded.
+
+use rayon::prelude::*;
+
+use super::geometry::Projector;
+use super::vantage::{NO_IMAGE, Picture, Vantage};
+use crate::capture::Intrinsics;
+use crate::grid::Grid;
+use crate::samples::{DepthTile, SampleImage, SampleSet, SampleTile, TILE};
+use crate::settings::{Kernel, RenderSettings};
+
+/// Recorded pixels along a pixel, from which on the picture is painted finer. Interpolation alone serves a little below this.
+const COARSE: f32 = 1.75;
+
+/// Recorded pixels along a pixel of the finer picture, at most, where [`MOST`] allows it.
+const FINE: f32 = 1.5;
+
+/// Columns and rows of the finer picture to a pixel, at most. Gathering averages over the rest.
+const MOST: usize = 4;
+
+/// Pixels of the finer picture, at most: what a picture of 1280×720 takes at three times its size.
+const MOST_PIXELS: usize = 1 << 23;
+
+/// How many columns and rows to a pixel the picture should be painted with; 1 where it is no coarser than what was recorded, and for
+/// kernels that are simple on purpose.
+pub(crate) fn times_as_fine(samples: &SampleSet, vantage: &Vantage, settings: &RenderSettings) -> usize {
+    let pixels = vantage.camera.intrinsics.pixel_count();
+    let filters = matches!(settings.kernel, Kernel::Gather | Kernel::Surfel);
+    if !settings.antialias || !filters || pixels == 0 || pixels > MOST_PIXELS / 4 {
+        return 1;
+    }
+    let rate = typical_rate(samples, vantage);
+    if rate < COARSE {
+        return 1;
+    }
+    let affordable = (MOST_PIXELS as f64 / pixels as f64).sqrt() as usize;
+    ((rate / FINE).ceil() as usize).clamp(1, MOST.min(affordable))
+}
+
+/// Recorded pixels along a pixel, at least, in half of what the vantage shows; 0 where it shows nothing.
+fn typical_rate(samples: &SampleSet, vantage: &Vantage) -> f32 {
+    let images = || samples.images_at(vantage.frame);
+    // What lasts, so that a picture does not change its fineness from frame to frame.
+    let has_lasting = images().any(|image| image.span.len() > 1 && !image.is_empty());
+    let chosen: Vec<_> = images().filter(|image| !has_lasting || image.span.len() > 1).collect();
+    let mut rates: Vec<(f32, f32)> =
+        chosen.par_iter().flat_map_iter(|image| rates(image, samples, vantage)).collect();
+    rates.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    let all: f64 = rates.iter().map(|(_, area)| f64::from(*area)).sum();
+    let mut covered = 0.0;
+    let half = rates.iter().find(|(_, area)| {
+        covered += f64::from(*area);
+        2.0 * covered >= all
+    });
+    half.map_or(0.0, |(rate, _)| *rate)
+}
+
+/// Of each tile whose middle is seen: recorded pixels along a pixel of the vantage, and the pixels that its samples take there.
+fn rates<'a>(
+    image: &'a SampleImage,
+    samples: &SampleSet,
+    vantage: &Vantage,
+) -> impl Iterator<Item = (f32, f32)> + 'a {
+    let target = &vantage.camera;
+    let projector = samples.cameras.get(image.camera as usize).map(|camera| Projector::new(camera, target));
+    let (width, height) = target.intrinsics.size();
+    let rate = move |(tile, place): (&SampleTile, &DepthTile)| {
+        let projector = projector?;
+        let middle = |tile: u16| f32::from(tile) * TILE as f32 + 0.5 * TILE as f32;
+        let inverse_depth = 0.5 * (f32::from_bits(place.farthest) + f32::from_bits(place.nearest));
+        let point =
+            projector.ray(middle(tile.tile_x), middle(tile.tile_y)) + projector.origin * inverse_depth;
+        let (u, v) = (point.x / point.z, point.y / point.z);
+        let is_seen = point.z > 0.0 && (0.0..width as f32).contains(&u) && (0.0..height as f32).contains(&v);
+        let rate = point.z / projector.focal_ratio;
+        is_seen.then(|| (rate, tile.count() as f32 / (rate * rate)))
+    };
+    image.tiles.iter().zip(image.depth.tiles()).filter_map(rate)
+}
+
+/// The same vantage with so many columns and rows to a pixel.
+pub(crate) fn finer(vantage: &Vantage, times: usize) -> Vantage {
+    let mut finer = vantage.clone();
+    let Intrinsics { width, height, fx, fy, cx, cy } = &mut finer.camera.intrinsics;
+    for side in [width, height] {
+        *side *= times as u32;
+    }
+    for length in [fx, fy, cx, cy] {
+        *length *= times as f64;
+    }
+    finer
+}
+
+/// A picture with so many columns and rows to a pixel, averaged. A pixel shows a sample, or what fills a hole, where half of it does;
+/// depth and image are those nearest its center.
+pub(crate) fn averaged(finer: &Picture, times: usize) -> Picture {
+    let (width, height) = (finer.color.width() / times, finer.color.height() / times);
+    let mut order: Vec<(usize, usize)> = (0..times * times).map(|nth| (nth % times, nth / times)).collect();
+    let off_center = |at: usize| (2 * at + 1).abs_diff(times);
+    order.sort_by_key(|&(x, y)| off_center(x).pow(2) + off_center(y).pow(2));
+    let pixel = |index: usize| {
+        let (left, top) = (index % width * times, index / width * times);
+        let parts = || order.iter().map(|(x, y)| (left + x, top + y));
+        let is_sampled = |at: &(usize, usize)| finer.image[*at] != NO_IMAGE;
+        let shown = || parts().filter(|at| finer.shows(*at));
+        let (sampled, shows) = (parts().filter(is_sampled).count(), shown().count());
+        let middle = match (2 * sampled >= order.len(), 2 * shows >= order.len()) {
+            (true, _) => parts().find(is_sampled),
+            (false, true) => shown().find(|at| !is_sampled(at)),
+            (false, false) => None,
+        };
+        let Some(at) = middle else { return ([0.0; 3], -1.0, NO_IMAGE) };
+        let mut sum = [0.0; 3];
+        for part in shown() {
+            (0..3).for_each(|channel| sum[channel] += finer.color[part][channel]);
+        }
+        (sum.map(|sum| sum / shows as f32), finer.inverse_depth[at], finer.image[at])
+    };
+    let pixels: Vec<([f32; 3], f32, u32)> = (0..width * height).into_par_iter().map(pixel).collect();
+    Picture {
+        color: Grid::from_vec(width, height, pixels.iter().map(|pixel| pixel.0).collect()),
+        inverse_depth: Grid::from_vec(width, height, pixels.iter().map(|pixel| pixel.1).collect()),
+        image: Grid::from_vec(width, height, pixels.iter().map(|pixel| pixel.2).collect()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_is_the_mean_of_what_shows_there_and_a_hole_where_less_than_half_does() {
+        let mut fine = Picture::empty(6, 2);
+        let mut put = |at, red, inverse_depth, image| {
+            fine.color[at] = [red, 0.0, 0.0];
+            fine.inverse_depth[at] = inverse_depth;
+            fine.image[at] = image;
+        };
+        // Two of four are sampled; of the next all are, of the last one.
+        put((1, 0), 0.2, 1.0, 7);
+        put((1, 1), 0.6, 2.0, 8);
+        for (nth, at) in [(2, 0), (3, 0), (2, 1), (3, 1)].into_iter().enumerate() {
+            put(at, nth as f32, 0.5, 3);
+        }
+        put((4, 0), 1.0, 1.0, 9);
+        let small = averaged(&fine, 2);
+        assert_eq!(small.color.as_slice(), [[0.4, 0.0, 0.0], [1.5, 0.0, 0.0], [0.0; 3]]);
+        assert_eq!(small.inverse_depth.as_slice(), [1.0, 0.5, -1.0]);
+        assert_eq!(small.image.as_slice(), [7, 3, NO_IMAGE]);
+    }
+
+    #[test]
+    fn what_fills_holes_is_averaged_too_and_stays_a_hole() {
+        let mut fine = Picture::empty(3, 3);
+        for y in 0..3 {
+            fine.inverse_depth[(0, y)] = 0.25;
+            fine.inverse_depth[(1, y)] = 0.5;
+            fine.color[(1, y)] = [0.0, 3.0, 0.0];
+        }
+        fine.image[(1, 1)] = 4;
+        let small = averaged(&fine, 3);
+        assert_eq!((small.image[(0, 0)], small.color[(0, 0)]), (NO_IMAGE, [0.0, 1.5, 0.0]));
+        assert_eq!((small.inverse_depth[(0, 0)], small.holes()), (0.5, 1));
+    }
+}

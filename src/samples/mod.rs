@@ -1,0 +1,15 @@
+//! The data model: samples of all cameras over spans of frames, in tiles, as preprocessing makes them, stores keep them and renderers paint them.
+
+mod depth_plane;
+mod image_buffer;
+mod oct_normal;
+mod sample_set;
+mod spill_file;
+mod tile;
+
+pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
+pub use image_buffer::{ImageFacts, Spool};
+pub use oct_normal::OctNormal;
+pub use sample_set::{Sample, SampleImage, SampleSet, Span};
+pub(crate) use spill_file::{Overflow, Place, Record, samples_in_memory};
+pub use tile::{SampleTile, TILE};

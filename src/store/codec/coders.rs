@@ -1,0 +1,180 @@
+//! What a walk over a block is done for: counting tokens, writing them, reading them. Each is a [`Coder`].
+
+use super::block_walk::Coder;
+use super::integers::{BitReader, BitWriter, join, split};
+use super::model::{Counts, MASK_CONTEXTS, MaskSplits, Model, Plane};
+use super::rans::{Decoder, Encoder};
+
+/// Counts tokens, so that a model can be fitted.
+pub struct Counter<'a>(pub &'a mut Counts);
+
+impl Coder for Counter<'_> {
+    fn held(&mut self, _: usize, context: usize, value: bool) -> bool {
+        self.0.add(Plane::Mask, context, u32::from(value));
+        value
+    }
+
+    fn code(&mut self, plane: Plane, context: usize, value: u32) -> u32 {
+        self.0.add(plane, context, value);
+        value
+    }
+}
+
+/// Writes a block by a model.
+///
+/// ```text
+/// u16 number of words | words, big-endian | plain bits
+/// ```
+pub struct ModelWriter<'a> {
+    model: &'a Model,
+    /// The coder's state that each token changes, where its slots begin and how many it has.
+    tokens: Vec<(u8, u16, u16)>,
+    bits: BitWriter,
+}
+
+impl<'a> ModelWriter<'a> {
+    /// For one block.
+    #[must_use]
+    pub fn new(model: &'a Model) -> Self {
+        Self { model, tokens: Vec::new(), bits: BitWriter::default() }
+    }
+
+    fn push(&mut self, lane: usize, plane: Plane, context: usize, token: usize) {
+        let (start, frequency) = self.model.table(plane, context).range(token);
+        self.tokens.push((lane as u8, start as u16, frequency as u16));
+    }
+
+    /// The block's code.
+    #[must_use]
+    pub fn finish(self) -> Vec<u8> {
+        let mut encoder = Encoder::default();
+        for (lane, start, frequency) in self.tokens.into_iter().rev() {
+            encoder.push(usize::from(lane), (u32::from(start), u32::from(frequency)));
+        }
+        let words = encoder.finish();
+        let mut code = Vec::from((words.len() as u16).to_be_bytes());
+        code.extend(words.into_iter().flat_map(u16::to_be_bytes));
+        code.extend(self.bits.finish());
+        code
+    }
+}
+
+impl Coder for ModelWriter<'_> {
+    fn held(&mut self, lane: usize, context: usize, value: bool) -> bool {
+        self.push(lane, Plane::Mask, context, usize::from(value));
+        value
+    }
+
+    fn code(&mut self, plane: Plane, context: usize, value: u32) -> u32 {
+        let (token, bits) = split(value);
+        self.push(plane.lane(), plane, context, token);
+        self.bits.push(value, bits);
+        value
+    }
+}
+
+/// Reads what [`ModelWriter`] wrote.
+pub struct ModelReader<'a> {
+    model: &'a Model,
+    mask: &'a MaskSplits,
+    tokens: Decoder<'a>,
+    bits: BitReader<'a>,
+}
+
+impl<'a> ModelReader<'a> {
+    /// Over all of `code`; `None` where it is cut short.
+    #[must_use]
+    pub fn new(model: &'a Model, code: &'a [u8]) -> Option<Self> {
+        let (count, rest) = code.split_first_chunk()?;
+        let (words, bits) = rest.split_at_checked(2 * usize::from(u16::from_be_bytes(*count)))?;
+        let tokens = Decoder::new(words.as_chunks().0);
+        Some(Self { model, mask: model.mask(), tokens, bits: BitReader::new(bits) })
+    }
+
+    /// Whether all of the code was read, and made sense.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.tokens.is_whole() && self.bits.is_whole()
+    }
+}
+
+impl Coder for ModelReader<'_> {
+    #[inline(always)]
+    fn held(&mut self, lane: usize, context: usize, _: bool) -> bool {
+        self.tokens.next_of_two(lane, self.mask[context % MASK_CONTEXTS])
+    }
+
+    #[inline(always)]
+    fn code(&mut self, plane: Plane, context: usize, _: u32) -> u32 {
+        let token = self.tokens.next(plane.lane(), self.model.table(plane, context));
+        let (base, bits) = join(token);
+        base | self.bits.next(bits)
+    }
+}
+
+/// Bits of a number of each plane that is written as it is.
+const fn plain_bits(plane: Plane) -> u32 {
+    match plane {
+        Plane::Mask => 1,
+        Plane::Depth => 32,
+        Plane::Green | Plane::Red | Plane::Blue => 16,
+        Plane::NormalX | Plane::NormalY => 8,
+    }
+}
+
+/// Writes numbers as they are: the off form.
+#[derive(Default)]
+pub struct PlainWriter(BitWriter);
+
+impl PlainWriter {
+    /// The block's code.
+    #[must_use]
+    pub fn finish(self) -> Vec<u8> {
+        self.0.finish()
+    }
+}
+
+impl Coder for PlainWriter {
+    const PREDICTS: bool = false;
+
+    fn held(&mut self, _: usize, _: usize, value: bool) -> bool {
+        self.0.push(u32::from(value), plain_bits(Plane::Mask));
+        value
+    }
+
+    fn code(&mut self, plane: Plane, _: usize, value: u32) -> u32 {
+        self.0.push(value, plain_bits(plane));
+        value
+    }
+}
+
+/// Reads what [`PlainWriter`] wrote.
+pub struct PlainReader<'a>(BitReader<'a>);
+
+impl<'a> PlainReader<'a> {
+    /// Over all of `code`.
+    #[must_use]
+    pub fn new(code: &'a [u8]) -> Self {
+        Self(BitReader::new(code))
+    }
+
+    /// Whether all of the code was read.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.0.is_whole()
+    }
+}
+
+impl Coder for PlainReader<'_> {
+    const PREDICTS: bool = false;
+
+    fn held(&mut self, _: usize, _: usize, _: bool) -> bool {
+        self.0.next(plain_bits(Plane::Mask)) != 0
+    }
+
+    fn code(&mut self, plane: Plane, _: usize, _: u32) -> u32 {
+        let value = self.0.next(plain_bits(plane));
+        // Coordinates of normals have a sign.
+        if matches!(plane, Plane::NormalX | Plane::NormalY) { value as u8 as i8 as u32 } else { value }
+    }
+}

@@ -1,0 +1,17 @@
+//! Lossless coding of the samples in a block of pixels: prediction from neighbors, then entropy coding of what is left.
+//!
+//! ```text
+//! block ─ walk: prediction, context ─▶ residual ─ integers ─▶ token + plain bits ─ rans, by the model of the context ─▶ bytes
+//! ```
+
+mod block_walk;
+mod coders;
+mod integers;
+mod model;
+mod neighborhood;
+mod rans;
+
+pub use block_walk::{Coder, Shape, Walker};
+pub use coders::{Counter, ModelReader, ModelWriter, PlainReader, PlainWriter};
+pub use model::{Counts, Model};
+pub use neighborhood::{BLOCK, Pixels, cell};

@@ -1,0 +1,407 @@
+//! What the decoder knows beforehand: how often each token occurs in each context.
+//!
+//! The tables are counted over the whole store and stand in it once. Blocks then need no time to learn, however small they
+//! are, and each is read without any other. Contexts are numbered so that neighbors resemble each other; those that are not
+//! worth a table of their own share one.
+
+use super::integers::{join, split};
+use super::rans::{SCALE, TOKENS, Table};
+use crate::store::container::{ByteReader, push_varint};
+
+/// Levels of activity that contexts tell apart; the last is *no neighbor*.
+pub const ACTIVITIES: usize = 17;
+
+/// The planes of an image, each with contexts of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    /// Which pixels hold a sample.
+    Mask,
+    /// Inverse depth.
+    Depth,
+    /// Green, coded before red and blue.
+    Green,
+    /// Red.
+    Red,
+    /// Blue.
+    Blue,
+    /// First octahedral coordinate.
+    NormalX,
+    /// Second octahedral coordinate.
+    NormalY,
+}
+
+impl Plane {
+    /// Every plane, in the order of its tables in the store.
+    pub const ALL: [Self; 7] =
+        [Self::Mask, Self::Depth, Self::Green, Self::Red, Self::Blue, Self::NormalX, Self::NormalY];
+
+    /// Contexts of the plane.
+    #[must_use]
+    pub const fn contexts(self) -> usize {
+        match self {
+            Self::Mask => 1 << 10,
+            Self::Depth => 11 * ACTIVITIES,
+            Self::Green => 6 * ACTIVITIES,
+            Self::Red | Self::Blue => 6 * ACTIVITIES * 8,
+            Self::NormalX | Self::NormalY => 3 * ACTIVITIES,
+        }
+    }
+
+    /// Tokens that the plane has at most: a pixel holds a sample or does not.
+    const fn tokens(self) -> usize {
+        if matches!(self, Self::Mask) { 2 } else { TOKENS }
+    }
+
+    /// Which of the coder's states the plane's tokens change, but for the mask's: of a sample, each color has one of its own.
+    #[must_use]
+    pub const fn lane(self) -> usize {
+        match self {
+            Self::Mask | Self::Depth | Self::NormalX | Self::NormalY => 0,
+            Self::Green => 1,
+            Self::Red => 2,
+            Self::Blue => 3,
+        }
+    }
+}
+
+/// How often each token was seen in each context of each plane.
+#[derive(Clone)]
+pub struct Counts([Vec<[u32; TOKENS]>; 7]);
+
+impl Default for Counts {
+    /// Nothing seen yet.
+    fn default() -> Self {
+        Self(Plane::ALL.map(|plane| vec![[0; TOKENS]; plane.contexts()]))
+    }
+}
+
+impl Counts {
+    /// Counts a token.
+    #[inline(always)]
+    pub fn add(&mut self, plane: Plane, context: usize, value: u32) {
+        let count = &mut self.0[plane as usize][context][split(value).0];
+        *count = count.saturating_add(1);
+    }
+
+    /// Adds what was counted elsewhere.
+    #[must_use]
+    pub fn plus(mut self, other: &Self) -> Self {
+        let counts = self.0.iter_mut().flatten().flatten();
+        for (count, more) in counts.zip(other.0.iter().flatten().flatten()) {
+            *count = count.saturating_add(*more);
+        }
+        self
+    }
+}
+
+/// The tables of one plane.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct PlaneModel {
+    /// Which table each context uses.
+    table_of: Vec<u16>,
+    tables: Vec<Table>,
+}
+
+/// Contexts of the mask.
+pub const MASK_CONTEXTS: usize = Plane::Mask.contexts();
+
+/// Per context of the mask, the slot from which on a pixel holds a sample.
+pub type MaskSplits = [u16; MASK_CONTEXTS];
+
+/// The tables of every plane.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Model {
+    planes: [PlaneModel; 7],
+    /// What the mask's tables say, in little room: most tokens are the mask's.
+    mask: Box<MaskSplits>,
+}
+
+impl Model {
+    /// The table of a context.
+    #[inline(always)]
+    #[must_use]
+    pub fn table(&self, plane: Plane, context: usize) -> &Table {
+        let model = &self.planes[plane as usize];
+        &model.tables[model.table_of[context] as usize]
+    }
+
+    /// See [`MaskSplits`].
+    #[must_use]
+    pub fn mask(&self) -> &MaskSplits {
+        &self.mask
+    }
+
+    /// From the planes in their order.
+    fn of(planes: Vec<PlaneModel>) -> Result<Self, String> {
+        let planes: [PlaneModel; 7] = planes.try_into().map_err(|_| "planes are missing")?;
+        let mut mask = Box::new([0; MASK_CONTEXTS]);
+        let model = &planes[Plane::Mask as usize];
+        for (split, &table) in mask.iter_mut().zip(&model.table_of) {
+            *split = model.tables[table as usize].frequency(0) as u16;
+        }
+        Ok(Self { planes, mask })
+    }
+
+    /// Tables with which what was counted is coded shortly.
+    ///
+    /// # Errors
+    /// Never for counts that were counted; the tables are checked as those of a file are.
+    pub fn fit(counts: &Counts) -> Result<Self, String> {
+        let mut models = Vec::with_capacity(Plane::ALL.len());
+        for contexts in &counts.0 {
+            let mut model = PlaneModel { table_of: Vec::new(), tables: Vec::new() };
+            for (length, histogram) in share_tables(contexts) {
+                model.table_of.resize(model.table_of.len() + length, model.tables.len() as u16);
+                model.tables.push(Table::new(&frequencies(&histogram))?);
+            }
+            models.push(model);
+        }
+        Self::of(models)
+    }
+
+    /// Bits that what was counted takes by these tables, plane by plane.
+    #[must_use]
+    pub fn bits(&self, counts: &Counts) -> [f64; 7] {
+        Plane::ALL.map(|plane| {
+            let contexts = counts.0[plane as usize].iter().enumerate();
+            let tokens = contexts.flat_map(|(context, histogram)| {
+                let table = self.table(plane, context);
+                let seen = histogram.iter().enumerate().filter(|(_, count)| **count > 0);
+                seen.map(move |(token, count)| {
+                    let entropy = f64::from(SCALE).log2() - f64::from(table.frequency(token).max(1)).log2();
+                    f64::from(*count) * (entropy + f64::from(join(token).1))
+                })
+            });
+            tokens.sum()
+        })
+    }
+
+    /// As FORMAT.md describes `MODL`.
+    #[must_use]
+    pub fn encode(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for plane in &self.planes {
+            push_varint(&mut bytes, plane.tables.len() as u64);
+            for (index, table) in plane.tables.iter().enumerate() {
+                push_varint(
+                    &mut bytes,
+                    plane.table_of.iter().filter(|of| **of == index as u16).count() as u64,
+                );
+                let listed = (0..TOKENS).rev().find(|token| table.frequency(*token) > 0).map_or(0, |t| t + 1);
+                push_varint(&mut bytes, listed as u64);
+                let mut token = 0;
+                while token < listed {
+                    let frequency = table.frequency(token);
+                    push_varint(&mut bytes, u64::from(frequency));
+                    token += 1;
+                    if frequency == 0 {
+                        let more = (token..listed).take_while(|token| table.frequency(*token) == 0).count();
+                        push_varint(&mut bytes, more as u64);
+                        token += more;
+                    }
+                }
+            }
+        }
+        bytes
+    }
+
+    /// Reads what [`Model::encode`] wrote.
+    ///
+    /// # Errors
+    /// Says what is wrong.
+    pub fn decode(bytes: &[u8]) -> Result<Self, String> {
+        let mut reader = ByteReader::new(bytes);
+        let mut models = Vec::with_capacity(Plane::ALL.len());
+        for plane in Plane::ALL {
+            let tables = reader.varint()? as usize;
+            if tables == 0 || tables > plane.contexts() {
+                return Err(format!("{tables} tables for {} contexts", plane.contexts()));
+            }
+            let mut model = PlaneModel { table_of: Vec::new(), tables: Vec::new() };
+            for index in 0..tables {
+                let length = reader.varint()?;
+                if length > (plane.contexts() - model.table_of.len()) as u64 {
+                    return Err("tables for more contexts than there are".to_owned());
+                }
+                model.table_of.resize(model.table_of.len() + length as usize, index as u16);
+                model.tables.push(decode_table(&mut reader, plane.tokens())?);
+            }
+            if model.table_of.len() < plane.contexts() {
+                return Err("a context without a table".to_owned());
+            }
+            models.push(model);
+        }
+        reader.finish()?;
+        Self::of(models)
+    }
+}
+
+fn decode_table(reader: &mut ByteReader, tokens: usize) -> Result<Table, String> {
+    let listed = reader.varint()?;
+    if listed > tokens as u64 {
+        return Err(format!("a table of {listed} tokens"));
+    }
+    let mut frequencies = Vec::with_capacity(TOKENS);
+    while frequencies.len() < listed as usize {
+        let frequency = reader.varint()?;
+        if frequency > u64::from(SCALE) {
+            return Err(format!("a frequency of {frequency}"));
+        }
+        frequencies.push(frequency as u16);
+        if frequency == 0 {
+            let more = reader.varint()?;
+            if more > listed - frequencies.len() as u64 {
+                return Err("more tokens in a table than it lists".to_owned());
+            }
+            frequencies.resize(frequencies.len() + more as usize, 0);
+        }
+    }
+    Table::new(&frequencies)
+}
+
+type Histogram = [u32; TOKENS];
+
+/// Bytes that a token costs in a stored table, about.
+const BYTES_PER_TOKEN: f64 = 1.4;
+
+/// Bytes that a table must save beyond its own: fewer tables decode faster, since they stay in the processor's cache.
+const BYTES_WORTH_A_TABLE: f64 = 30.0;
+
+/// What coding a histogram's tokens with a table of their own costs, table included, bits.
+fn cost(histogram: &Histogram) -> f64 {
+    let total: f64 = histogram.iter().map(|count| f64::from(*count)).sum();
+    if total == 0.0 {
+        return 0.0;
+    }
+    let used = histogram.iter().filter(|count| **count > 0);
+    let tokens: f64 = used.clone().map(|count| f64::from(*count) * (total / f64::from(*count)).log2()).sum();
+    tokens + 8.0 * (2.0 + BYTES_WORTH_A_TABLE + BYTES_PER_TOKEN * used.count() as f64)
+}
+
+fn sum(a: &Histogram, b: &Histogram) -> Histogram {
+    std::array::from_fn(|token| a[token].saturating_add(b[token]))
+}
+
+/// Joins neighboring contexts while that saves bits: how many contexts, and what was counted in them.
+///
+/// Greedy: the pair that saves most first. Contexts that were never seen cost nothing to join.
+fn share_tables(contexts: &[Histogram]) -> Vec<(usize, Histogram)> {
+    struct Run {
+        length: usize,
+        histogram: Histogram,
+        cost: f64,
+        /// Bits saved by joining the next run.
+        gain: f64,
+    }
+    let mut runs: Vec<Run> = Vec::new();
+    for histogram in contexts {
+        match runs.last_mut() {
+            Some(last) if histogram.iter().all(|count| *count == 0) => last.length += 1,
+            _ => runs.push(Run { length: 1, histogram: *histogram, cost: cost(histogram), gain: 0.0 }),
+        }
+    }
+    let gain = |a: &Run, b: &Run| a.cost + b.cost - cost(&sum(&a.histogram, &b.histogram));
+    for index in 1..runs.len() {
+        runs[index - 1].gain = gain(&runs[index - 1], &runs[index]);
+    }
+    while runs.len() > 1 {
+        let last = runs.len() - 1;
+        let best = (0..last).max_by(|a, b| runs[*a].gain.total_cmp(&runs[*b].gain)).unwrap_or(0);
+        if runs[best].gain < 0.0 {
+            break;
+        }
+        let joined = runs.remove(best + 1);
+        let run = &mut runs[best];
+        run.length += joined.length;
+        run.histogram = sum(&run.histogram, &joined.histogram);
+        run.cost = cost(&run.histogram);
+        if best + 1 < runs.len() {
+            runs[best].gain = gain(&runs[best], &runs[best + 1]);
+        }
+        if best > 0 {
+            runs[best - 1].gain = gain(&runs[best - 1], &runs[best]);
+        }
+    }
+    runs.into_iter().map(|run| (run.length, run.histogram)).collect()
+}
+
+/// Frequencies that add up to [`SCALE`], at least 1 for whatever was counted.
+fn frequencies(histogram: &Histogram) -> Vec<u16> {
+    let total: u64 = histogram.iter().map(|count| u64::from(*count)).sum();
+    let mut frequencies = vec![0_u16; TOKENS];
+    if total == 0 {
+        frequencies[0] = SCALE as u16;
+        return frequencies;
+    }
+    for (frequency, &count) in frequencies.iter_mut().zip(histogram) {
+        let share = (u64::from(count) * u64::from(SCALE) + total / 2) / total;
+        *frequency = if count == 0 { 0 } else { share.max(1) as u16 };
+    }
+    // What rounding left over goes to, or comes from, whoever feels it least: the most frequent.
+    let mut sum: i32 = frequencies.iter().map(|frequency| i32::from(*frequency)).sum();
+    while sum != SCALE as i32 {
+        let most = (0..TOKENS).max_by_key(|token| frequencies[*token]).unwrap_or(0);
+        let change = (SCALE as i32 - sum).max(-i32::from(frequencies[most]) / 2);
+        frequencies[most] = (i32::from(frequencies[most]) + change) as u16;
+        sum += change;
+    }
+    frequencies
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn counted() -> Counts {
+        let mut counts = Counts::default();
+        for nth in 0..3000_u32 {
+            counts.add(Plane::Depth, (nth % 187) as usize, nth * nth % 97);
+            counts.add(Plane::Mask, (nth % 5) as usize, u32::from(nth % 7 == 0));
+            counts.add(Plane::Red, 800, if nth == 9 { u32::MAX } else { 0 });
+        }
+        counts
+    }
+
+    #[test]
+    fn whatever_was_counted_can_be_coded_and_tables_come_back() {
+        let counts = counted();
+        let model = Model::fit(&counts).unwrap();
+        for plane in Plane::ALL {
+            for (context, histogram) in counts.0[plane as usize].iter().enumerate() {
+                for (token, count) in histogram.iter().enumerate() {
+                    assert!(*count == 0 || model.table(plane, context).frequency(token) > 0);
+                }
+            }
+        }
+        assert_eq!(Model::decode(&model.encode()).unwrap(), model);
+    }
+
+    #[test]
+    fn contexts_share_tables_until_they_are_worth_their_own() {
+        let mut counts = Counts::default();
+        assert!(Model::fit(&counts).unwrap().encode().len() < 60);
+        for nth in 0..20_000 {
+            counts.add(Plane::Depth, 3, nth % 4);
+            counts.add(Plane::Depth, 4, 12 + nth % 4);
+            counts.add(Plane::Green, 3, nth % 4);
+            counts.add(Plane::Green, 4, nth % 4);
+        }
+        let model = Model::fit(&counts).unwrap();
+        assert_ne!(model.table(Plane::Depth, 3), model.table(Plane::Depth, 4));
+        assert_eq!(model.planes[Plane::Green as usize].tables.len(), 1);
+    }
+
+    #[test]
+    fn damaged_tables_are_refused() {
+        let bytes = Model::fit(&counted()).unwrap().encode();
+        for length in 0..bytes.len() {
+            assert!(Model::decode(&bytes[..length]).is_err());
+        }
+        assert!(Model::decode(&[bytes.as_slice(), &[0]].concat()).is_err());
+        for position in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[position] ^= 0x55;
+            let _ = Model::decode(&damaged);
+        }
+    }
+}

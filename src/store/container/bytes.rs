@@ -1,0 +1,120 @@
+//! Big-endian numbers and texts taken from a chunk without ever reading past its end.
+
+use super::iff::ChunkId;
+
+/// What is left of a payload.
+pub(crate) struct ByteReader<'a> {
+    pub(crate) rest: &'a [u8],
+}
+
+impl<'a> ByteReader<'a> {
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
+        Self { rest: bytes }
+    }
+
+    pub(crate) fn take(&mut self, count: usize) -> Result<&'a [u8], String> {
+        let (taken, rest) = self.rest.split_at_checked(count).ok_or("the chunk is too short")?;
+        self.rest = rest;
+        Ok(taken)
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], String> {
+        let (taken, rest) = self.rest.split_first_chunk().ok_or("the chunk is too short")?;
+        self.rest = rest;
+        Ok(*taken)
+    }
+
+    pub(crate) fn u8(&mut self) -> Result<u8, String> {
+        self.array().map(u8::from_be_bytes)
+    }
+
+    pub(crate) fn u16(&mut self) -> Result<u16, String> {
+        self.array().map(u16::from_be_bytes)
+    }
+
+    pub(crate) fn u32(&mut self) -> Result<u32, String> {
+        self.array().map(u32::from_be_bytes)
+    }
+
+    pub(crate) fn u64(&mut self) -> Result<u64, String> {
+        self.array().map(u64::from_be_bytes)
+    }
+
+    /// Seven bits a byte, lowest first; the highest bit is set in all bytes but the last.
+    pub(crate) fn varint(&mut self) -> Result<u64, String> {
+        let mut value = 0;
+        for shift in (0..63).step_by(7) {
+            let byte = self.u8()?;
+            value |= u64::from(byte & 0x7F) << shift;
+            if byte & 0x80 == 0 {
+                return Ok(value);
+            }
+        }
+        Err("a number is too long".to_owned())
+    }
+
+    pub(crate) fn i64(&mut self) -> Result<i64, String> {
+        self.array().map(i64::from_be_bytes)
+    }
+
+    pub(crate) fn f64(&mut self) -> Result<f64, String> {
+        let value = self.array().map(f64::from_be_bytes)?;
+        if value.is_finite() { Ok(value) } else { Err("a number is not finite".to_owned()) }
+    }
+
+    pub(crate) fn text(&mut self) -> Result<String, String> {
+        let length = self.u32()? as usize;
+        let bytes = self.take(length)?;
+        String::from_utf8(bytes.to_vec()).map_err(|_| "a name is not UTF-8".to_owned())
+    }
+
+    /// A count of things that take at least `bytes_each`: never more than the rest can hold.
+    pub(crate) fn count(&mut self, bytes_each: usize) -> Result<usize, String> {
+        let count = self.u32()? as usize;
+        if count > self.rest.len() / bytes_each {
+            return Err(format!("{count} entries do not fit into the chunk"));
+        }
+        Ok(count)
+    }
+
+    pub(crate) fn finish(&self) -> Result<(), String> {
+        if self.rest.is_empty() {
+            Ok(())
+        } else {
+            Err(format!("{} bytes too many in the chunk", self.rest.len()))
+        }
+    }
+}
+
+/// See [`ByteReader::varint`].
+pub(crate) fn push_varint(target: &mut Vec<u8>, mut value: u64) {
+    while value >= 0x80 {
+        target.push(value as u8 | 0x80);
+        value >>= 7;
+    }
+    target.push(value as u8);
+}
+
+pub(crate) fn push_text(target: &mut Vec<u8>, text: &str) {
+    target.extend_from_slice(&(text.len() as u32).to_be_bytes());
+    target.extend_from_slice(text.as_bytes());
+}
+
+/// `FORM` type of a store.
+pub(crate) const STORE: ChunkId = *b"OVLK";
+/// Version, cameras, frames.
+pub(crate) const HEAD: ChunkId = *b"HEAD";
+/// How the set was made, TOML.
+pub(crate) const SETTINGS: ChunkId = *b"SETT";
+/// What was dropped and why, JSON.
+pub(crate) const REPORT: ChunkId = *b"REPT";
+/// Where each image stands.
+pub(crate) const INDEX: ChunkId = *b"INDX";
+/// One sample image.
+pub(crate) const IMAGE: ChunkId = *b"IMAG";
+/// Frequencies of tokens.
+pub(crate) const MODEL: ChunkId = *b"MODL";
+/// The halves that colors are made of.
+pub(crate) const PALETTE: ChunkId = *b"PALT";
+/// What the store was made from, JSON.
+pub(crate) const PROVENANCE: ChunkId = *b"PROV";

@@ -1,0 +1,282 @@
+//! The chunks that say what a store holds: `HEAD` and `INDX`. FORMAT.md lists their bytes.
+
+use std::collections::BTreeSet;
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use crate::capture::{Camera, Intrinsics, is_believable_size};
+use crate::samples::{ImageFacts, SampleSet, Span};
+
+use crate::store::container::{ByteReader, push_text};
+
+/// Version of the format. Another major version cannot be read; a minor one only adds chunks that may be skipped.
+pub const VERSION: (u16, u16) = (3, 0);
+
+/// Most pixels that one picture of every camera may have together: what is drawn takes a table of them.
+const MAX_TOTAL_PIXELS: usize = 1 << 34;
+/// How far axes may be from those of a rotation, and `up` from unit length.
+const RIGID_TOLERANCE: f64 = 1e-3;
+
+/// What `HEAD` says.
+pub(crate) struct Head {
+    pub(crate) name: String,
+    pub(crate) up_in_world: DVec3,
+    pub(crate) cameras: Vec<Camera>,
+    pub(crate) frame_numbers: Vec<i64>,
+}
+
+/// Where one sample image stands, and what it holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ImageEntry {
+    /// Index of the camera.
+    pub camera: u32,
+    /// Frames over which every sample of the image holds.
+    pub span: Span,
+    /// Samples in the image.
+    pub samples: u32,
+    /// Tiles that hold a sample.
+    pub tiles: u32,
+    /// The image that this one is predicted from: of the same camera, ending where this one starts.
+    pub reference: Option<u32>,
+    /// Bytes from the start of the file to the image's chunk.
+    pub offset: u64,
+    /// Bytes of the chunk's payload.
+    pub length: u32,
+    /// Bytes of the payload's head, which says where its blocks are.
+    pub head: u32,
+}
+
+/// Images that must be read before one can be: no chain of references is longer.
+pub const MAX_REFERENCES: usize = 7;
+
+/// Stands for no reference in the index.
+const NO_REFERENCE: u32 = u32::MAX;
+
+pub(crate) fn encode_head(samples: &SampleSet) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    bytes.extend_from_slice(&VERSION.0.to_be_bytes());
+    bytes.extend_from_slice(&VERSION.1.to_be_bytes());
+    push_text(&mut bytes, &samples.name);
+    push_numbers(&mut bytes, &samples.up_in_world.to_array());
+    bytes.extend_from_slice(&(samples.cameras.len() as u32).to_be_bytes());
+    for camera in &samples.cameras {
+        let intrinsics = &camera.intrinsics;
+        push_text(&mut bytes, &camera.name);
+        bytes.extend_from_slice(&intrinsics.width.to_be_bytes());
+        bytes.extend_from_slice(&intrinsics.height.to_be_bytes());
+        push_numbers(&mut bytes, &[intrinsics.fx, intrinsics.fy, intrinsics.cx, intrinsics.cy]);
+        push_numbers(&mut bytes, &camera.world_from_camera.to_cols_array());
+    }
+    bytes.extend_from_slice(&(samples.frame_numbers.len() as u32).to_be_bytes());
+    for number in &samples.frame_numbers {
+        bytes.extend_from_slice(&number.to_be_bytes());
+    }
+    // Whatever the reader would refuse is refused before it is written.
+    decode_head(&bytes)?;
+    Ok(bytes)
+}
+
+pub(crate) fn decode_head(bytes: &[u8]) -> Result<Head, String> {
+    let mut reader = ByteReader::new(bytes);
+    let _version = (reader.u16()?, reader.u16()?);
+    let name = reader.text()?;
+    let up_in_world = DVec3::new(reader.f64()?, reader.f64()?, reader.f64()?);
+    let cameras = (0..reader.count(4 + 8 + 4 * 8 + 12 * 8)?)
+        .map(|_| decode_camera(&mut reader))
+        .collect::<Result<Vec<_>, _>>()?;
+    let frame_numbers = (0..reader.count(8)?).map(|_| reader.i64()).collect::<Result<Vec<_>, _>>()?;
+    reader.finish()?;
+    if (up_in_world.length() - 1.0).abs() > RIGID_TOLERANCE {
+        return Err("up is no unit vector".to_owned());
+    }
+    let mut names = BTreeSet::new();
+    if let Some(camera) = cameras.iter().find(|camera| !names.insert(camera.name.as_str())) {
+        return Err(format!("two cameras are called '{}'", camera.name));
+    }
+    let pixels: usize = cameras.iter().map(|camera| camera.intrinsics.pixel_count()).sum();
+    if pixels > MAX_TOTAL_PIXELS {
+        return Err(format!("the pictures of the cameras have {pixels} pixels together"));
+    }
+    if let Some(name) =
+        [&name].into_iter().chain(cameras.iter().map(|camera| &camera.name)).find(|name| has_controls(name))
+    {
+        return Err(format!("a name holds control characters: {name:?}"));
+    }
+    if !frame_numbers.is_sorted_by(|a, b| a < b) {
+        return Err("the frame numbers do not ascend".to_owned());
+    }
+    Ok(Head { name, up_in_world, cameras, frame_numbers })
+}
+
+/// Whether a name would break a line or steer a terminal.
+fn has_controls(name: &str) -> bool {
+    name.contains(char::is_control)
+}
+
+fn decode_camera(reader: &mut ByteReader) -> Result<Camera, String> {
+    let name = reader.text()?;
+    let (width, height) = (reader.u32()?, reader.u32()?);
+    if !is_believable_size(width as usize, height as usize) {
+        return Err(format!("camera '{name}' has {width}×{height} pixels"));
+    }
+    let [fx, fy, cx, cy] = read_numbers(reader)?;
+    if fx <= 0.0 || fy <= 0.0 {
+        return Err(format!("camera '{name}' has a focal length of {fx}×{fy} pixels"));
+    }
+    let columns: [f64; 12] = read_numbers(reader)?;
+    let world_from_camera = DAffine3 {
+        matrix3: DMat3::from_cols_slice(&columns[..9]),
+        translation: DVec3::from_slice(&columns[9..]),
+    };
+    let axes = world_from_camera.matrix3;
+    let product = axes.transpose() * axes;
+    if !product.abs_diff_eq(DMat3::IDENTITY, RIGID_TOLERANCE) || axes.determinant() < 0.0 {
+        return Err(format!("the axes of camera '{name}' are no rotation"));
+    }
+    Ok(Camera { name, intrinsics: Intrinsics { width, height, fx, fy, cx, cy }, world_from_camera })
+}
+
+/// The version, which stands first whatever else changes.
+pub(crate) fn decode_version(head: &[u8]) -> Result<(u16, u16), String> {
+    let mut reader = ByteReader::new(head);
+    Ok((reader.u16()?, reader.u16()?))
+}
+
+/// The index of a file of `file_size` bytes.
+pub(crate) fn encode_index(entries: &[ImageEntry], file_size: u64) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(12 + entries.len() * ENTRY_BYTES);
+    bytes.extend_from_slice(&file_size.to_be_bytes());
+    bytes.extend_from_slice(&(entries.len() as u32).to_be_bytes());
+    for entry in entries {
+        let ImageEntry { camera, span, samples, tiles, reference, offset, length, head } = *entry;
+        let reference = reference.unwrap_or(NO_REFERENCE);
+        for number in [camera, span.start, span.end, samples, tiles, reference] {
+            bytes.extend_from_slice(&number.to_be_bytes());
+        }
+        bytes.extend_from_slice(&offset.to_be_bytes());
+        bytes.extend_from_slice(&length.to_be_bytes());
+        bytes.extend_from_slice(&head.to_be_bytes());
+    }
+    bytes
+}
+
+const ENTRY_BYTES: usize = 10 * 4;
+
+pub(crate) fn decode_index(
+    bytes: &[u8],
+    file_size: u64,
+    cameras: usize,
+    frames: usize,
+) -> Result<Vec<ImageEntry>, String> {
+    let mut reader = ByteReader::new(bytes);
+    let stated = reader.u64()?;
+    if stated != file_size {
+        return Err(format!("the file says it has {stated} bytes but has {file_size}; copy it again"));
+    }
+    let entries = (0..reader.count(ENTRY_BYTES)?)
+        .map(|_| {
+            Ok(ImageEntry {
+                camera: reader.u32()?,
+                span: Span { start: reader.u32()?, end: reader.u32()? },
+                samples: reader.u32()?,
+                tiles: reader.u32()?,
+                reference: Some(reader.u32()?).filter(|reference| *reference != NO_REFERENCE),
+                offset: reader.u64()?,
+                length: reader.u32()?,
+                head: reader.u32()?,
+            })
+        })
+        .collect::<Result<Vec<_>, String>>()?;
+    reader.finish()?;
+    for entry in &entries {
+        let Span { start, end } = entry.span;
+        if entry.camera as usize >= cameras || start >= end || end as usize > frames {
+            return Err(format!("no camera {} or no frames {start} to {end}", entry.camera));
+        }
+        if entry.head > entry.length {
+            return Err("an image is shorter than its head".to_owned());
+        }
+    }
+    check_held_once(&entries)?;
+    // Two entries for one chunk would let a small file stand for any number of samples.
+    let end = |entry: &ImageEntry| entry.offset.saturating_add(u64::from(entry.length));
+    if !entries.is_sorted_by(|a, b| end(a) <= b.offset) {
+        return Err("images overlap or are out of order".to_owned());
+    }
+    let chain = (0..entries.len()).map(|index| chain(&entries, index).map(|chain| chain.len()));
+    if chain.into_iter().any(|length| length.is_none_or(|length| length > MAX_REFERENCES + 1)) {
+        return Err(
+            "an image is predicted from one that does not come before it, or from too many".to_owned()
+        );
+    }
+    Ok(entries)
+}
+
+/// A camera has at most one image of a span: two would say its pixels twice.
+pub(crate) fn check_held_once(entries: &[ImageEntry]) -> Result<(), String> {
+    let mut held = BTreeSet::new();
+    match entries.iter().find(|entry| !held.insert((entry.camera, entry.span))) {
+        None => Ok(()),
+        Some(ImageEntry { camera, span: Span { start, end }, .. }) => {
+            Err(format!("two images of camera {camera} hold frames {start} to {end}"))
+        }
+    }
+}
+
+/// An image and those it is predicted from, itself first; `None` where a reference is not what it must be.
+pub(crate) fn chain(entries: &[ImageEntry], index: usize) -> Option<Vec<usize>> {
+    let mut chain = vec![index];
+    let mut entry = entries.get(index)?;
+    while let Some(reference) = entry.reference
+        && chain.len() <= MAX_REFERENCES + 1
+    {
+        let before = entries.get(reference as usize)?;
+        // References lead back in time, so that no chain is a ring.
+        if before.camera != entry.camera || before.span.end != entry.span.start {
+            return None;
+        }
+        chain.push(reference as usize);
+        entry = before;
+    }
+    Some(chain)
+}
+
+/// Chooses what each image is predicted from: of the same camera, ending where it starts, the one with most samples; none where
+/// too many would have to be read before it.
+pub(crate) fn choose_references(images: &[&ImageFacts]) -> Vec<Option<u32>> {
+    let mut ending_at = std::collections::BTreeMap::<(u32, u32), usize>::new();
+    for (index, image) in images.iter().enumerate() {
+        let best = ending_at.entry((image.camera, image.span.end)).or_insert(index);
+        if image.samples > images[*best].samples {
+            *best = index;
+        }
+    }
+    let mut order: Vec<usize> = (0..images.len()).collect();
+    order.sort_by_key(|index| images[*index].span.start);
+    let mut references = vec![None; images.len()];
+    let mut before = vec![0; images.len()];
+    for index in order {
+        let image = &images[index];
+        if let Some(&reference) = ending_at.get(&(image.camera, image.span.start))
+            && before[reference] < MAX_REFERENCES
+        {
+            before[index] = before[reference] + 1;
+            references[index] = Some(reference as u32);
+        }
+    }
+    references
+}
+
+fn push_numbers(bytes: &mut Vec<u8>, numbers: &[f64]) {
+    for number in numbers {
+        bytes.extend_from_slice(&number.to_be_bytes());
+    }
+}
+
+fn read_numbers<const N: usize>(reader: &mut ByteReader) -> Result<[f64; N], String> {
+    let mut numbers = [0.0; N];
+    for number in &mut numbers {
+        *number = reader.f64()?;
+    }
+    Ok(numbers)
+}

@@ -1,0 +1,106 @@
+//! What takes a store as a whole: all its images, or all its chunks.
+
+use rayon::prelude::*;
+
+use super::chunks::{REQUIRED, from_iff};
+use super::header::chain;
+use super::reader::Store;
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::preprocess::diagnostics::Report;
+use crate::samples::SampleSet;
+use crate::store::container::{ChunkId, FORM_HEADER, IMAGE};
+use crate::store::image::Decoded;
+
+impl Store {
+    /// Chunks that this Overlook does not know, for whoever writes the store again: id and payload as it is.
+    ///
+    /// # Errors
+    /// `Io`; `Invalid` where the chunks do not follow one another to the end of the file.
+    pub fn unknown_chunks(&self) -> Result<Vec<(ChunkId, Vec<u8>)>> {
+        let mut unknown = Vec::new();
+        let mut offset = FORM_HEADER;
+        while let Some(header) = self.form.header_at(offset).map_err(|error| from_iff(&self.path, error))? {
+            if header.id != IMAGE && !REQUIRED.contains(&header.id) {
+                unknown.push((header.id, self.bytes(&header, 0..header.length)?));
+            }
+            offset = header.end();
+        }
+        Ok(unknown)
+    }
+
+    /// Walks over every chunk of the file; says where they do not follow one another, and which images the index does not have.
+    ///
+    /// # Errors
+    /// `Io`.
+    pub(crate) fn walk(&self) -> Result<Vec<String>> {
+        let mut damage = Vec::new();
+        let mut offset = FORM_HEADER;
+        loop {
+            match self.form.header_at(offset).map_err(|error| from_iff(&self.path, error)) {
+                Ok(None) => return Ok(damage),
+                Ok(Some(header)) => {
+                    let listed =
+                        |at| self.info.images.binary_search_by_key(&at, |image| image.offset).is_ok();
+                    if header.id == IMAGE && !listed(offset) {
+                        damage.push(format!(
+                            "{}: at byte {offset}: chunk 'IMAG' is not in the index",
+                            self.path.display()
+                        ));
+                    }
+                    offset = header.end();
+                }
+                Err(error @ Error::Io { .. }) => return Err(error),
+                Err(error) => {
+                    damage.push(error.to_string());
+                    return Ok(damage);
+                }
+            }
+        }
+    }
+
+    /// Reads every image. Tiles that are damaged are missing: see [`Store::damage`].
+    ///
+    /// # Errors
+    /// `Io` and `Cancelled`.
+    pub fn read_all(&self, job: &Job) -> Result<(SampleSet, Report)> {
+        let count = self.info.images.len();
+        job.start("Reading the store", count);
+        let depths: Vec<usize> = (0..count)
+            .map(|index| chain(&self.info.images, index).map_or(0, |chain| chain.len() - 1))
+            .collect();
+        let mut decoded: Vec<Option<Decoded>> = vec![None; count];
+        // Those that need no other first, then those that need one of these, and so on.
+        for depth in 0..=depths.iter().copied().max().unwrap_or(0) {
+            let ready: Vec<usize> = (0..count).filter(|index| depths[*index] == depth).collect();
+            let read = ready.par_iter().map(|&index| {
+                job.check()?;
+                let before =
+                    self.info.images[index].reference.and_then(|before| decoded[before as usize].as_ref());
+                let image = self.decode(index, None, before, None)?;
+                job.advance(1);
+                Ok(image)
+            });
+            let read: Result<Vec<Decoded>> = read.collect();
+            for (index, image) in ready.into_iter().zip(read?) {
+                decoded[index] = Some(image);
+            }
+        }
+        let mut samples = self.outline();
+        let images = decoded.into_iter().flatten().map(|decoded| decoded.image);
+        samples.images = images.filter(|image| !image.is_empty()).collect();
+        Ok((samples, self.info.report.clone()))
+    }
+
+    /// As [`Store::read_all`], where nothing may be damaged.
+    ///
+    /// # Errors
+    /// `Io`, `Invalid` naming what is damaged, `Cancelled`.
+    pub fn read_undamaged(&self, job: &Job) -> Result<(SampleSet, Report)> {
+        let read = self.read_all(job)?;
+        match self.damage().first() {
+            None => Ok(read),
+            Some(damage) => Err(Error::invalid(self.path.display(), damage)),
+        }
+    }
+}

@@ -1,0 +1,373 @@
+//! Reads a store image by image.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::DVec3;
+
+use super::chunks::{Chunks, decode_settings, from_iff, in_chunk};
+use super::header::{Head, ImageEntry, chain, decode_head, decode_index};
+use super::provenance::Provenance;
+use crate::capture::Camera;
+use crate::error::{Error, Result};
+use crate::preprocess::diagnostics::Report;
+use crate::samples::{DepthPlane, SampleImage, SampleSet};
+use crate::settings::Settings;
+use crate::store::codec::Model;
+use crate::store::container::{
+    ChunkHeader, FormReader, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, ReadAt, SETTINGS, STORE,
+};
+use crate::store::image::{self, BlockEntry, Coding, Damage, Decoded, ImageHead, Palette};
+use crate::store::playback::Places;
+
+/// What a store says of itself before any image is read.
+#[derive(Clone, Debug)]
+pub struct StoreInfo {
+    /// Major and minor version of the format.
+    pub version: (u16, u16),
+    /// Name of the capture.
+    pub name: String,
+    /// The cameras.
+    pub cameras: Vec<Camera>,
+    /// The number each frame bears in the capture, ascending.
+    pub frame_numbers: Vec<i64>,
+    /// Up in world space, unit length.
+    pub up_in_world: DVec3,
+    /// How the store was made.
+    pub settings: Settings,
+    /// Settings that the store was made with and this Overlook does not have, one line each.
+    pub warnings: Vec<String>,
+    /// What was dropped and why.
+    pub report: Report,
+    /// What it was made from.
+    pub provenance: Provenance,
+    /// The images, in the order they are painted in.
+    pub images: Vec<ImageEntry>,
+    /// Size of the file, bytes.
+    pub bytes: u64,
+    /// Bytes of it that say how it was made: settings, report and provenance. Their length says nothing of the samples.
+    pub record_bytes: u64,
+}
+
+impl StoreInfo {
+    /// Samples in all images.
+    #[must_use]
+    pub fn sample_count(&self) -> u64 {
+        self.images.iter().map(|image| u64::from(image.samples)).sum()
+    }
+
+    /// Distinct spans.
+    #[must_use]
+    pub fn span_count(&self) -> usize {
+        self.images.iter().map(|image| image.span).collect::<std::collections::BTreeSet<_>>().len()
+    }
+}
+
+/// An open store, from which images are read one by one. Reading from several threads is fine.
+pub struct Store {
+    pub(crate) path: PathBuf,
+    pub(crate) info: StoreInfo,
+    model: Model,
+    palette: Palette,
+    pub(crate) form: FormReader<Box<dyn ReadAt>>,
+    /// What could not be read so far, by image.
+    damage: Mutex<BTreeMap<usize, Vec<String>>>,
+    blocks_read: AtomicU64,
+}
+
+impl Store {
+    /// Whether the file at `path` is an IFF file, as every store is: told by its first four bytes, whatever its name.
+    ///
+    /// # Errors
+    /// `Io` where it cannot be read.
+    pub fn is_store(path: &Path) -> Result<bool> {
+        if path.is_dir() {
+            return Ok(false);
+        }
+        let mut start = [0; 4];
+        let mut file = File::open(path).map_err(|error| Error::io(path, error))?;
+        Ok(file.read_exact(&mut start).is_ok() && start == *b"FORM")
+    }
+
+    /// Reads what the store says of itself, and no image.
+    ///
+    /// # Errors
+    /// `Io`, `Invalid` (naming file, byte offset and chunk), `Unsupported` (a newer version).
+    pub fn open(path: &Path) -> Result<Self> {
+        let file = File::open(path).map_err(|error| Error::io(path, error))?;
+        let is_folder = file.metadata().is_ok_and(|metadata| metadata.is_dir());
+        if is_folder {
+            let place = path.display();
+            return Err(Error::invalid(
+                &place,
+                format!(
+                    "is a folder, not a store; make one of a capture with overlook preprocess {place} --out scene.ovl"
+                ),
+            ));
+        }
+        Self::over(path, Box::new(file))
+    }
+
+    /// As [`Store::open`], over bytes that stand elsewhere; `path` is named in errors.
+    ///
+    /// # Errors
+    /// As [`Store::open`].
+    pub fn over(path: &Path, source: Box<dyn ReadAt>) -> Result<Self> {
+        let form = FormReader::open(source, STORE).map_err(|error| from_iff(path, error))?;
+        let chunks = Chunks::collect(&form, path)?;
+        let Head { name, up_in_world, cameras, frame_numbers } =
+            decode_head(chunks.get(HEAD)).map_err(|what| in_chunk(path, HEAD, what))?;
+        let (settings, warnings) =
+            decode_settings(chunks.get(SETTINGS)).map_err(|what| in_chunk(path, SETTINGS, what))?;
+        let json = |id| move |error: serde_json::Error| in_chunk(path, id, error);
+        let report = serde_json::from_slice(chunks.get(REPORT)).map_err(json(REPORT))?;
+        let provenance = serde_json::from_slice(chunks.get(PROVENANCE)).map_err(json(PROVENANCE))?;
+        let palette = Palette::decode(chunks.get(PALETTE)).map_err(|what| in_chunk(path, PALETTE, what))?;
+        let model = Model::decode(chunks.get(MODEL)).map_err(|what| in_chunk(path, MODEL, what))?;
+        let images = decode_index(chunks.get(INDEX), form.size(), cameras.len(), frame_numbers.len())
+            .map_err(|what| in_chunk(path, INDEX, what))?;
+        let info = StoreInfo {
+            version: chunks.version,
+            name,
+            cameras,
+            frame_numbers,
+            up_in_world,
+            settings,
+            warnings,
+            report,
+            provenance,
+            images,
+            bytes: form.size(),
+            record_bytes: chunks.bytes(&[SETTINGS, REPORT, PROVENANCE]),
+        };
+        Ok(Self {
+            path: path.to_path_buf(),
+            info,
+            model,
+            palette,
+            form,
+            damage: Mutex::default(),
+            blocks_read: AtomicU64::new(0),
+        })
+    }
+
+    /// What the store says of itself.
+    #[must_use]
+    pub fn info(&self) -> &StoreInfo {
+        &self.info
+    }
+
+    /// Blocks of 64×64 pixels that were decoded so far.
+    #[must_use]
+    pub fn blocks_read(&self) -> u64 {
+        self.blocks_read.load(Relaxed)
+    }
+
+    /// What could not be read of the images so far, one line each.
+    #[must_use]
+    pub fn damage(&self) -> Vec<String> {
+        let damage = self.damage.lock().unwrap_or_else(PoisonError::into_inner);
+        damage.values().flatten().cloned().collect()
+    }
+
+    /// Reads one image, by its place in [`StoreInfo::images`], and those it is predicted from; the others are not touched.
+    /// Tiles that are damaged are missing in it: see [`Store::damage`].
+    ///
+    /// # Errors
+    /// `Io`; `Invalid` where there is no such image.
+    pub fn image(&self, index: usize) -> Result<SampleImage> {
+        let chain = chain(&self.info.images, index).ok_or_else(|| {
+            let count = self.info.images.len();
+            Error::invalid(self.path.display(), format!("there is no image {index}; there are {count}"))
+        })?;
+        let mut before = None;
+        for index in chain.into_iter().rev() {
+            before = Some(self.decode(index, None, before.as_ref(), None)?);
+        }
+        let image = before.map(|decoded| Arc::unwrap_or_clone(decoded.image));
+        image.ok_or_else(|| self.damaged(index, "there is no image"))
+    }
+
+    /// Reads the blocks of an image at some places, or all, given what was read `so_far` and the image it is predicted from, of
+    /// which the same places were read.
+    ///
+    /// # Errors
+    /// `Io`.
+    pub(crate) fn decode(
+        &self,
+        index: usize,
+        so_far: Option<&Decoded>,
+        before: Option<&Decoded>,
+        places: Option<&Places>,
+    ) -> Result<Decoded> {
+        let decoded = match so_far {
+            Some(so_far) => Ok(so_far.clone()),
+            None => self.begin(index),
+        };
+        match decoded.and_then(|decoded| self.go_on(index, decoded, before, places)) {
+            Err(Error::Invalid { what, .. }) => {
+                self.tell(index, vec![format!("{}: nothing of it can be shown", self.damaged(index, &what))]);
+                let image = Arc::new(self.placeholder(index));
+                Ok(Decoded { image, head: None, read: Vec::new(), damage: Vec::new() })
+            }
+            decoded => decoded,
+        }
+    }
+
+    /// An image of which only the head was read.
+    fn begin(&self, index: usize) -> Result<Decoded> {
+        let head = self.head(index)?;
+        Ok(Decoded {
+            image: Arc::new(self.placeholder(index)),
+            read: vec![false; head.blocks.len()],
+            head: Some(Arc::new(head)),
+            damage: Vec::new(),
+        })
+    }
+
+    fn go_on(
+        &self,
+        index: usize,
+        mut decoded: Decoded,
+        before: Option<&Decoded>,
+        places: Option<&Places>,
+    ) -> Result<Decoded> {
+        let Some(head) = decoded.head.clone() else { return Ok(decoded) };
+        let missing = decoded.missing(places);
+        let (Some(first), Some(last)) = (missing.first(), missing.last()) else { return Ok(decoded) };
+        if before.is_some_and(|before| before.head.is_none()) {
+            return Err(self.damaged(index, "the image it is predicted from is lost"));
+        }
+        let unlike =
+            |other: &ImageHead| (other.normals, other.depth_shift) != (head.normals, head.depth_shift);
+        if before.and_then(|before| before.head.as_deref()).is_some_and(unlike) {
+            return Err(self.damaged(index, "it is coded otherwise than the image it is predicted from"));
+        }
+        let from = first.start;
+        let range = from as u64..(last.start + last.length) as u64;
+        let codes = self.bytes(&self.chunk(index)?, range)?;
+        let code = |block: &BlockEntry| {
+            let code = codes.get(block.start - from..).and_then(|rest| rest.get(..block.length));
+            code.ok_or("it is cut short".to_owned())
+        };
+        let reference = before.map(|before| (&*before.image, before.damage.as_slice()));
+        let coding = self.coding(&self.info.images[index], &head);
+        let (image, damage) = image::decode(&decoded.image, &head, reference, &coding, code, &missing);
+        debug_assert_eq!(image::check(&image, &self.info.cameras, self.info.frame_numbers.len()), Ok(()));
+        self.blocks_read.fetch_add(missing.len() as u64, Relaxed);
+        decoded.image = Arc::new(image);
+        decoded.damage.extend(damage);
+        let wanted = |block: &BlockEntry| places.is_none_or(|places| places.has(block.place));
+        head.blocks.iter().zip(&mut decoded.read).for_each(|(block, read)| *read |= wanted(block));
+        self.tell(index, decoded.damage.iter().map(|damage| self.damaged_block(index, damage)).collect());
+        Ok(decoded)
+    }
+
+    fn coding(&self, entry: &ImageEntry, head: &ImageHead) -> Coding<'_> {
+        Coding {
+            model: &self.model,
+            palette: &self.palette,
+            depth_shift: head.depth_shift,
+            normals: head.normals,
+            plain: head.plain,
+            size: self.info.cameras[entry.camera as usize].intrinsics.size(),
+        }
+    }
+
+    /// The chunk of an image.
+    fn chunk(&self, index: usize) -> Result<ChunkHeader> {
+        let entry = &self.info.images[index];
+        let header = self.form.header_at(entry.offset).map_err(|error| from_iff(&self.path, error))?;
+        let header = header.filter(|header| header.id == IMAGE && header.length == u64::from(entry.length));
+        header.ok_or_else(|| self.damaged(index, "there is no image of the length that the index says"))
+    }
+
+    pub(crate) fn bytes(&self, chunk: &ChunkHeader, range: std::ops::Range<u64>) -> Result<Vec<u8>> {
+        self.form.plain_payload(chunk, range).map_err(|error| from_iff(&self.path, error))
+    }
+
+    fn head_of(&self, index: usize, bytes: &[u8]) -> Result<ImageHead> {
+        let entry = &self.info.images[index];
+        let camera = &self.info.cameras[entry.camera as usize];
+        let head = image::decode_head(bytes, entry.length as usize, camera)
+            .map_err(|what| self.damaged(index, &what))?;
+        let samples: u64 = head.blocks.iter().map(|block| u64::from(block.samples)).sum();
+        let tiles: u32 = head.blocks.iter().map(|block| block.tiles.count_ones()).sum();
+        if (samples, tiles) != (u64::from(entry.samples), entry.tiles) {
+            return Err(self.damaged(index, "the index says something else"));
+        }
+        Ok(head)
+    }
+
+    /// Where the blocks of an image are and between which depths, without any sample of them.
+    ///
+    /// # Errors
+    /// `Io`; `Invalid` where there is no such image and where its head is damaged.
+    pub fn head(&self, index: usize) -> Result<ImageHead> {
+        let entry = self
+            .info
+            .images
+            .get(index)
+            .ok_or_else(|| Error::invalid(self.path.display(), format!("there is no image {index}")))?;
+        let head = self.bytes(&self.chunk(index)?, 0..u64::from(entry.head))?;
+        self.head_of(index, &head)
+    }
+
+    /// An image of the right camera and span without any sample.
+    pub(crate) fn placeholder(&self, index: usize) -> SampleImage {
+        let entry = &self.info.images[index];
+        SampleImage {
+            camera: entry.camera,
+            span: entry.span,
+            tiles: Vec::new(),
+            color: Vec::new(),
+            depth: DepthPlane::default(),
+            normal: None,
+        }
+    }
+
+    fn tell(&self, index: usize, damage: Vec<String>) {
+        if !damage.is_empty() {
+            self.damage.lock().unwrap_or_else(PoisonError::into_inner).insert(index, damage);
+        }
+    }
+
+    fn place(&self, index: usize) -> String {
+        let entry = &self.info.images[index];
+        let frames = &self.info.frame_numbers;
+        let (first, last) = (frames[entry.span.start as usize], frames[entry.span.end as usize - 1]);
+        format!(
+            "{}: at byte {}: chunk 'IMAG' of camera '{}', frames {first} to {last}",
+            self.path.display(),
+            entry.offset,
+            self.info.cameras[entry.camera as usize].name
+        )
+    }
+
+    fn damaged(&self, index: usize, what: &str) -> Error {
+        Error::invalid(self.place(index), what)
+    }
+
+    fn damaged_block(&self, index: usize, ((x, y), what): &Damage) -> String {
+        let (left, top) = (u32::from(*x) * 64, u32::from(*y) * 64);
+        format!("{}: the 64×64 pixels from ({left}, {top}) are missing: {what}", self.place(index))
+    }
+
+    /// A set with every image in its place and no sample in any.
+    pub(crate) fn outline(&self) -> SampleSet {
+        let placeholders = (0..self.info.images.len()).map(|index| Arc::new(self.placeholder(index)));
+        SampleSet {
+            name: self.info.name.clone(),
+            cameras: self.info.cameras.clone(),
+            frame_numbers: self.info.frame_numbers.clone(),
+            up_in_world: self.info.up_in_world,
+            settings: self.info.settings.clone(),
+            images: placeholders.collect(),
+        }
+    }
+}

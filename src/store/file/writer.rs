@@ -1,0 +1,295 @@
+//! Writes a store, atomically.
+//!
+//! ```text
+//! images ─ precision ─▶ colors that occur ─▶ palette ─▶ tokens counted ─▶ model ─▶ blocks coded ─▶ chunks
+//! ```
+
+use std::fs::File;
+use std::io::{BufWriter, Seek, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::chunks::from_iff;
+use super::header::{ImageEntry, check_held_once, choose_references, encode_head, encode_index};
+use super::provenance::{PlaneBytes, Provenance};
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::preprocess::diagnostics::Report;
+use crate::samples::{ImageFacts, SampleImage, SampleSet, Span, Spool};
+use crate::settings::{self, StoreSettings};
+use crate::store::codec::{Counts, Model};
+use crate::store::container::{
+    ChunkId, FormWriter, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE,
+};
+use crate::store::image::{self, Coding, Palette, Used};
+use crate::whole_file;
+
+/// Images that are encoded at a time: enough for every thread, few enough to be held in memory.
+const BATCH: usize = 64;
+
+/// What is written beside the samples and their report.
+#[derive(Clone, Debug, Default)]
+pub struct Extras {
+    /// What the store was made from.
+    pub provenance: Provenance,
+    /// Chunks of another store that this Overlook does not know, to be kept: id and payload as it is.
+    pub unknown: Vec<(ChunkId, Vec<u8>)>,
+    /// What a store held the samples to from which they were read: what the new one grants counts from the samples as they were
+    /// before. `None` where they come from no store.
+    pub held_to: Option<StoreSettings>,
+}
+
+/// Writes a store: to a temporary file beside `path`, which is synced and then renamed over it. Gives its size in bytes.
+///
+/// The same set gives the same bytes, whatever the number of threads: [`Report::seconds`] is written as 0. How much of the
+/// samples is kept is said by [`settings::StoreSettings`] in the set's settings.
+///
+/// # Errors
+/// `Io` (a full disk among them), `Invalid` where the set breaks the promises of [`SampleImage`], `Cancelled`. Whatever stood
+/// at `path` is untouched then.
+pub fn write(path: &Path, samples: &SampleSet, report: &Report, job: &Job) -> Result<u64> {
+    write_with(path, samples, report, &Extras::default(), job)
+}
+
+/// As [`write()`], with what is to stand beside the samples.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_with(
+    path: &Path,
+    samples: &SampleSet,
+    report: &Report,
+    extras: &Extras,
+    job: &Job,
+) -> Result<u64> {
+    write_spooled(path, samples, &Spool::of(&samples.images), report, extras, job)
+}
+
+/// As [`write_with`], of images that may be in a file; those of the set itself are not asked for.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_spooled(
+    path: &Path,
+    samples: &SampleSet,
+    images: &Spool,
+    report: &Report,
+    extras: &Extras,
+    job: &Job,
+) -> Result<u64> {
+    let temporary = whole_file::beside(path, ".tmp")?;
+    let input = Input { path, samples, images, extras, job };
+    let size = input.write_to(BufWriter::new(temporary.as_file()), report)?;
+    temporary.as_file().sync_all().map_err(|error| Error::io(path, error))?;
+    job.check()?;
+    whole_file::persist(temporary.into_temp_path(), path)?;
+    // The new name is on the disk once its folder is; where folders cannot be synced the file is whole all the same.
+    let place = whole_file::place_of(path);
+    let _ = File::open(whole_file::folder_of(&place)).and_then(|folder| folder.sync_all());
+    Ok(size)
+}
+
+/// Writes a store to anything that can be written at any place; `path` is named in errors. Gives its size in bytes.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_to(
+    target: impl Write + Seek,
+    path: &Path,
+    samples: &SampleSet,
+    report: &Report,
+    extras: &Extras,
+    job: &Job,
+) -> Result<u64> {
+    Input { path, samples, images: &Spool::of(&samples.images), extras, job }.write_to(target, report)
+}
+
+/// What is written, for whom, and under which name errors speak of it.
+struct Input<'a> {
+    path: &'a Path,
+    /// Everything but the images.
+    samples: &'a SampleSet,
+    images: &'a Spool,
+    extras: &'a Extras,
+    job: &'a Job,
+}
+
+impl Input<'_> {
+    fn write_to(&self, target: impl Write + Seek, report: &Report) -> Result<u64> {
+        let Self { path, samples, images, extras, job } = *self;
+        let invalid = |what: String| Error::invalid(path.display(), format!("cannot be written: {what}"));
+        let iff = |error| from_iff(path, error);
+        let head = encode_head(samples).map_err(invalid)?;
+        let report = encode_report(report).map_err(invalid)?;
+        job.start("Writing the store", 2 * images.len());
+        if let Some(before) = &extras.held_to {
+            let again = image::check_again(&samples.settings.store, before, &samples.cameras);
+            again.map_err(|what| Error::invalid(path.display(), what))?;
+        }
+        let palette = self.palette()?;
+        let reduced = self.reduced(&palette)?;
+        let prepared = self.prepare(reduced.as_ref().unwrap_or(images), palette)?;
+
+        let is_plain = samples.settings.store.coding == crate::settings::Coding::Plain;
+        let planes = (!is_plain).then_some(prepared.planes);
+        let provenance = Provenance { planes, ..extras.provenance.clone() };
+        let provenance = serde_json::to_vec(&provenance).map_err(|error| invalid(error.to_string()))?;
+
+        let mut form = FormWriter::new(target, STORE).map_err(iff)?;
+        form.chunk(HEAD, &head).map_err(iff)?;
+        form.chunk(SETTINGS, samples.settings.to_toml().as_bytes()).map_err(iff)?;
+        form.chunk(REPORT, &report).map_err(iff)?;
+        form.chunk(PROVENANCE, &provenance).map_err(iff)?;
+        form.chunk(PALETTE, &prepared.palette.encode()).map_err(iff)?;
+        form.chunk(MODEL, &prepared.model.encode()).map_err(iff)?;
+        for (id, payload) in &extras.unknown {
+            form.plain_chunk(*id, payload).map_err(iff)?;
+        }
+        // The index stands before the images, so that opening a store reads its first few kilobytes only; it has its final
+        // length from the start and is filled in at the end.
+        let mut entries: Vec<ImageEntry> =
+            (0..prepared.images.len()).map(|index| prepared.entry(index)).collect();
+        check_held_once(&entries).map_err(invalid)?;
+        let index = form.chunk(INDEX, &encode_index(&entries, 0)).map_err(iff)?;
+        for start in (0..entries.len()).step_by(BATCH) {
+            let batch = start..entries.len().min(start + BATCH);
+            let encode = |index| job.check().and_then(|()| prepared.encode(samples, index));
+            let payloads: Result<Vec<_>> = batch.clone().into_par_iter().map(encode).collect();
+            for (index, (payload, head)) in batch.clone().zip(payloads?) {
+                let offset = form.plain_chunk(IMAGE, &payload).map_err(iff)?;
+                let (length, head) = (payload.len() as u32, head as u32);
+                entries[index] = ImageEntry { offset, length, head, ..entries[index] };
+            }
+            job.advance(batch.len());
+        }
+        let size = form.position();
+        form.replace(index, INDEX, &encode_index(&entries, size)).map_err(iff)?;
+        form.finish().map_err(iff)?;
+        Ok(size)
+    }
+
+    /// The colors that occur, as far as the settings leave them apart; checks every image.
+    fn palette(&self) -> Result<Palette> {
+        let cameras = &self.samples.cameras;
+        let used = (0..self.images.len()).into_par_iter().try_fold(Used::new, |mut used, index| {
+            self.job.check()?;
+            let image = &*self.images.get(index)?;
+            image::check(image, cameras, self.samples.frame_count()).map_err(|what| {
+                Error::invalid(place_of(image, self.path), format!("cannot be written: {what}"))
+            })?;
+            used.add(image);
+            Ok(used)
+        });
+        let used = used.try_reduce(Used::new, |used, more| Ok::<_, Error>(used.plus(&more)))?;
+        Ok(Palette::within(&used, self.color_room()))
+    }
+
+    /// By how much a color may be moved, 8-bit steps.
+    fn color_room(&self) -> f32 {
+        image::color_room(&self.samples.settings.store, self.extras.held_to.as_ref())
+    }
+
+    /// The images as they are stored, where the settings ask for less than all of them.
+    fn reduced(&self, palette: &Palette) -> Result<Option<Spool>> {
+        let settings = &self.samples.settings.store;
+        if settings.precision == crate::settings::Precision::Lossless {
+            return Ok(None);
+        }
+        let color_room = self.color_room();
+        let reduce = |image: &SampleImage| {
+            let camera = &self.samples.cameras[image.camera as usize];
+            image::reduce(image, camera, palette, color_room, settings)
+                .map_err(|what| Error::invalid(place_of(image, self.path), what))
+        };
+        self.images.map(reduce).map(Some)
+    }
+
+    /// Chooses references and fits a model to `images`, whose colors are those of the palette.
+    fn prepare<'a>(&self, images: &'a Spool, palette: Palette) -> Result<Prepared<'a>> {
+        let fit =
+            |counts: &Counts| Model::fit(counts).map_err(|what| Error::invalid(self.path.display(), what));
+        let mut prepared = Prepared {
+            references: choose_references(&images.facts().collect::<Vec<_>>()),
+            images,
+            palette,
+            model: fit(&Counts::default())?,
+            planes: PlaneBytes::default(),
+        };
+        let counted = (0..images.len()).into_par_iter().try_fold(Counts::default, |mut counts, index| {
+            self.job.check()?;
+            let (image, reference) = prepared.with_reference(index)?;
+            let coding = prepared.coding(self.samples, &image);
+            image::count(&image, reference.as_deref(), &coding, &mut counts);
+            self.job.advance(1);
+            Ok(counts)
+        });
+        let counted =
+            counted.try_reduce(Counts::default, |counts, more| Ok::<_, Error>(counts.plus(&more)))?;
+        prepared.model = fit(&counted)?;
+        prepared.planes = PlaneBytes::of_bits(prepared.model.bits(&counted));
+        Ok(prepared)
+    }
+}
+
+fn place_of(image: &SampleImage, path: &Path) -> String {
+    let SampleImage { camera, span: Span { start, end }, .. } = image;
+    format!("{}: the image of camera {camera} for frames {start}..{end}", path.display())
+}
+
+/// All that is decided before the first sample is written.
+struct Prepared<'a> {
+    images: &'a Spool,
+    references: Vec<Option<u32>>,
+    palette: Palette,
+    model: Model,
+    planes: PlaneBytes,
+}
+
+impl Prepared<'_> {
+    /// What the index says of an image that stands nowhere yet.
+    fn entry(&self, index: usize) -> ImageEntry {
+        let ImageFacts { camera, span, samples, tiles, .. } = *self.images.facts_of(index);
+        let reference = self.references[index];
+        let (samples, tiles) = (samples as u32, tiles as u32);
+        ImageEntry { camera, span, samples, tiles, reference, offset: 0, length: 0, head: 0 }
+    }
+
+    /// An image, and the one that it is predicted from.
+    fn with_reference(&self, index: usize) -> Result<(Arc<SampleImage>, Option<Arc<SampleImage>>)> {
+        let reference = self.references[index].map(|reference| self.images.get(reference as usize));
+        Ok((self.images.get(index)?, reference.transpose()?))
+    }
+
+    fn coding(&self, samples: &SampleSet, image: &SampleImage) -> Coding<'_> {
+        let camera = &samples.cameras[image.camera as usize];
+        let settings = &samples.settings.store;
+        Coding {
+            model: &self.model,
+            palette: &self.palette,
+            depth_shift: image::depth_shift(camera, settings),
+            normals: image.normal.is_some(),
+            plain: settings.coding == crate::settings::Coding::Plain,
+            size: camera.intrinsics.size(),
+        }
+    }
+
+    fn encode(&self, samples: &SampleSet, index: usize) -> Result<(Vec<u8>, usize)> {
+        let (image, reference) = self.with_reference(index)?;
+        let camera = &samples.cameras[image.camera as usize];
+        Ok(image::encode(&image, reference.as_deref(), camera, &self.coding(samples, &image)))
+    }
+}
+
+/// How long the work took is no property of its result: without it, the same input gives the same bytes.
+///
+/// JSON knows no NaN: a report that would not come back as it is must not be written.
+fn encode_report(report: &Report) -> Result<Vec<u8>, String> {
+    let timeless = Report { seconds: 0.0, ..report.clone() };
+    let json = serde_json::to_vec(&timeless).map_err(|error| error.to_string())?;
+    match serde_json::from_slice::<Report>(&json) {
+        Ok(read) if read == timeless => Ok(json),
+        _ => Err("the report holds a number that is not finite".to_owned()),
+    }
+}

@@ -1,0 +1,362 @@
+//! The samples of an image block by block, as the coders want them, and back.
+
+use half::f16;
+
+use super::color_ranks::Palette;
+use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, TILE, TILE_SAMPLES};
+use crate::simd;
+use crate::store::codec::{
+    BLOCK, Coder, Counter, Counts, Model, ModelReader, ModelWriter, Pixels, PlainReader, PlainWriter, Shape,
+    Walker, cell,
+};
+
+/// Tiles across a block, and down.
+pub(crate) const TILES: usize = BLOCK / TILE;
+
+/// The largest bits of a finite inverse depth.
+const LARGEST_DEPTH: u32 = 0x7F7F_FFFF;
+
+/// What all blocks of an image share.
+#[derive(Clone, Copy)]
+pub(crate) struct Coding<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) palette: &'a Palette,
+    pub(crate) depth_shift: u32,
+    pub(crate) normals: bool,
+    pub(crate) plain: bool,
+    /// Columns and rows of the camera's pictures.
+    pub(crate) size: (usize, usize),
+}
+
+/// The tiles of one block of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct BlockTiles {
+    /// Column and row of the block; blocks are ordered row by row.
+    pub(crate) place: (u16, u16),
+    /// Bit `4 y + x`: whether the block has the tile in column `x`, row `y`.
+    pub(crate) tiles: u16,
+    /// Index of each tile in its image.
+    index: [u32; TILES * TILES],
+}
+
+/// One block of an image, with its samples.
+#[derive(Clone, Copy)]
+pub(crate) struct Block<'a> {
+    pub(crate) image: &'a SampleImage,
+    pub(crate) tiles: &'a BlockTiles,
+}
+
+/// Working memory of one thread.
+pub(crate) struct Scratch {
+    walker: Walker,
+    pixels: Pixels,
+    reference: Pixels,
+}
+
+impl Scratch {
+    fn new() -> Self {
+        Self { walker: Walker::default(), pixels: Pixels::default(), reference: Pixels::default() }
+    }
+
+    /// Runs `work` with this thread's scratch memory. `work` must not wait for other threads' work.
+    pub(crate) fn with<R>(work: impl FnOnce(&mut Self) -> R) -> R {
+        thread_local! {
+            static SCRATCH: std::cell::RefCell<Scratch> = std::cell::RefCell::new(Scratch::new());
+        }
+        SCRATCH.with_borrow_mut(work)
+    }
+}
+
+/// The blocks of an image that hold a sample, row by row.
+pub(crate) fn blocks_of(image: &SampleImage) -> Vec<BlockTiles> {
+    let place = |tile: &SampleTile| (tile.tile_y / TILES as u16, tile.tile_x / TILES as u16);
+    let mut order: Vec<u32> = (0..image.tiles.len() as u32).collect();
+    order.sort_by_key(|index| place(&image.tiles[*index as usize]));
+    let mut blocks: Vec<BlockTiles> = Vec::new();
+    for index in order {
+        let tile = &image.tiles[index as usize];
+        let (y, x) = place(tile);
+        if blocks.last().is_none_or(|block| block.place != (x, y)) {
+            blocks.push(BlockTiles { place: (x, y), tiles: 0, index: [u32::MAX; TILES * TILES] });
+        }
+        let inside = tile.tile_y as usize % TILES * TILES + tile.tile_x as usize % TILES;
+        if let Some(block) = blocks.last_mut() {
+            block.tiles |= 1 << inside;
+            block.index[inside] = index;
+        }
+    }
+    blocks
+}
+
+/// The block at `place`, among those of an image.
+pub(crate) fn find<'a>(
+    image: &'a SampleImage,
+    blocks: &'a [BlockTiles],
+    place: (u16, u16),
+) -> Option<Block<'a>> {
+    let order = |block: &BlockTiles| (block.place.1, block.place.0);
+    let index = blocks.binary_search_by_key(&(place.1, place.0), order).ok()?;
+    Some(Block { image, tiles: &blocks[index] })
+}
+
+/// Samples in a block, and the bits of its smallest and largest inverse depth.
+pub(crate) fn summary(image: &SampleImage, block: &BlockTiles) -> (usize, u32, u32) {
+    block.index.iter().filter(|index| **index != u32::MAX).fold(
+        (0, u32::MAX, 0),
+        |(count, low, high), &index| {
+            let depths = image.depth.tiles()[index as usize];
+            let samples = image.tiles[index as usize].count();
+            (count + samples, low.min(depths.farthest), high.max(depths.nearest))
+        },
+    )
+}
+
+impl Coding<'_> {
+    fn shape(&self, place: (u16, u16), tiles: u16) -> Shape {
+        let (left, top) = (place.0 as usize * BLOCK, place.1 as usize * BLOCK);
+        Shape {
+            width: self.size.0.saturating_sub(left).min(BLOCK),
+            height: self.size.1.saturating_sub(top).min(BLOCK),
+            tiles,
+            depth_shift: self.depth_shift,
+            colors: self.palette.len(),
+            normals: self.normals,
+        }
+    }
+
+    /// Puts the samples of a block where a walk finds them.
+    fn spread(&self, Block { image, tiles }: Block<'_>, pixels: &mut Pixels) {
+        pixels.clear();
+        let mut depths = [0.0; TILE_SAMPLES];
+        for (inside, &index) in tiles.index.iter().enumerate().filter(|(_, index)| **index != u32::MAX) {
+            let tile = &image.tiles[index as usize];
+            let count = tile.count();
+            image.depth.tile(index as usize, tile.first, count).unpack(&mut depths);
+            let mut nth = 0;
+            for (row, &mask) in tile.rows.iter().enumerate() {
+                let (left, y) = (inside % TILES * TILE, inside / TILES * TILE + row);
+                pixels.rows[y] |= u64::from(mask) << left;
+                for column in columns(mask) {
+                    let at = cell(left + column, y);
+                    let sample = tile.first as usize + nth;
+                    let [red, green, blue] = image.color[sample].map(|half| self.palette.rank(half));
+                    let depth = (depths[nth].to_bits() >> self.depth_shift) as i32;
+                    let normal = image.normal.as_ref().map_or([0; 2], |normals| normals[sample].0);
+                    let numbers = [depth, green, red, blue, i32::from(normal[0]), i32::from(normal[1])];
+                    let used = if self.normals { 6 } else { 4 };
+                    for (values, number) in pixels.values.iter_mut().zip(numbers).take(used) {
+                        values[at] = number;
+                    }
+                    nth += 1;
+                }
+            }
+        }
+    }
+
+    /// Counts the tokens of a block.
+    pub(crate) fn count(&self, block: Block<'_>, reference: Option<Block<'_>>, counts: &mut Counts) {
+        Scratch::with(|scratch| self.walk(&mut Counter(counts), scratch, block, reference));
+    }
+
+    /// The code of a block.
+    pub(crate) fn encode(&self, block: Block<'_>, reference: Option<Block<'_>>) -> Vec<u8> {
+        Scratch::with(|scratch| {
+            if self.plain {
+                let mut writer = PlainWriter::default();
+                self.walk(&mut writer, scratch, block, reference);
+                writer.finish()
+            } else {
+                let mut writer = ModelWriter::new(self.model);
+                self.walk(&mut writer, scratch, block, reference);
+                writer.finish()
+            }
+        })
+    }
+
+    fn walk<C: Coder>(
+        &self,
+        coder: &mut C,
+        scratch: &mut Scratch,
+        block: Block<'_>,
+        reference: Option<Block<'_>>,
+    ) {
+        self.spread(block, &mut scratch.pixels);
+        let reference = reference.map(|block| {
+            self.spread(block, &mut scratch.reference);
+            &scratch.reference
+        });
+        let shape = self.shape(block.tiles.place, block.tiles.tiles);
+        scratch.walker.walk(coder, &shape, &mut scratch.pixels, reference);
+    }
+
+    /// The samples that `code` stands for.
+    ///
+    /// # Errors
+    /// Says what is wrong with the code.
+    pub(crate) fn decode(
+        &self,
+        place: (u16, u16),
+        tiles: u16,
+        code: &[u8],
+        reference: Option<Block<'_>>,
+    ) -> Result<BlockSamples, String> {
+        Scratch::with(|scratch| {
+            scratch.pixels.clear();
+            let reference = reference.map(|block| {
+                self.spread(block, &mut scratch.reference);
+                &scratch.reference
+            });
+            let shape = self.shape(place, tiles);
+            let (walker, pixels) = (&mut scratch.walker, &mut scratch.pixels);
+            let whole = if self.plain {
+                let mut reader = PlainReader::new(code);
+                walker.walk(&mut reader, &shape, pixels, reference);
+                reader.is_whole()
+            } else {
+                let reader = ModelReader::new(self.model, code).ok_or("its code is cut short")?;
+                simd::run(Decoding { reader, walker, shape: &shape, pixels, reference })
+            };
+            if !whole {
+                return Err("its code does not end where it should".to_owned());
+            }
+            self.gather(place, tiles, pixels)
+        })
+    }
+
+    /// Takes the samples of a block from where a walk left them.
+    fn gather(&self, place: (u16, u16), tiles: u16, pixels: &Pixels) -> Result<BlockSamples, String> {
+        let count = pixels.rows.iter().map(|row| row.count_ones() as usize).sum();
+        let mut samples = BlockSamples::with_capacity(tiles.count_ones() as usize, count, self.normals);
+        let mut depths = [0.0; TILE_SAMPLES];
+        for inside in (0..TILES * TILES).filter(|inside| tiles >> inside & 1 == 1) {
+            let (left, top) = (inside % TILES * TILE, inside / TILES * TILE);
+            let rows = std::array::from_fn(|row| (pixels.rows[top + row] >> left) as u16);
+            let tile = SampleTile {
+                tile_x: place.0 * TILES as u16 + (inside % TILES) as u16,
+                tile_y: place.1 * TILES as u16 + (inside / TILES) as u16,
+                first: samples.color.len() as u32,
+                rows,
+            };
+            if tile.rows == [0; TILE] {
+                return Err("a tile is empty".to_owned());
+            }
+            let mut nth = 0;
+            let mut largest = 0;
+            for (row, &mask) in rows.iter().enumerate() {
+                let start = cell(left, top + row);
+                for column in columns(mask) {
+                    let at = start + column;
+                    let color = [2, 1, 3].map(|number: usize| self.palette.color(pixels.values[number][at]));
+                    let [Some(red), Some(green), Some(blue)] = color else {
+                        return Err("a color is not in the palette".to_owned());
+                    };
+                    samples.color.push([red, green, blue]);
+                    let bits = u64::from(pixels.values[0][at] as u32) << self.depth_shift;
+                    largest = bits.max(largest);
+                    depths[nth] = f32::from_bits(bits as u32);
+                    nth += 1;
+                    if let Some(normals) = &mut samples.normal {
+                        let normal = [4, 5].map(|number: usize| i8::try_from(pixels.values[number][at]));
+                        let [Ok(x), Ok(y)] = normal else {
+                            return Err("a normal is out of range".to_owned());
+                        };
+                        normals.push(OctNormal([x, y]));
+                    }
+                }
+            }
+            if largest > u64::from(LARGEST_DEPTH) {
+                return Err("an inverse depth is negative or not finite".to_owned());
+            }
+            samples.depth.push_tile(&depths[..nth]);
+            samples.tiles.push(tile);
+        }
+        Ok(samples)
+    }
+}
+
+/// Reading one block's code, the store's hottest loop.
+struct Decoding<'a> {
+    reader: ModelReader<'a>,
+    walker: &'a mut Walker,
+    shape: &'a Shape,
+    pixels: &'a mut Pixels,
+    reference: Option<&'a Pixels>,
+}
+
+impl simd::Work for Decoding<'_> {
+    /// Whether the code was whole.
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(mut self) -> bool {
+        self.walker.walk(&mut self.reader, self.shape, self.pixels, self.reference);
+        self.reader.is_whole()
+    }
+}
+
+/// Columns of the set bits of a mask.
+fn columns(mut mask: u16) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (mask != 0).then(|| {
+            let column = mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            column
+        })
+    })
+}
+
+/// The samples of one block, or of several put together; `first` of its tiles counts from 0.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BlockSamples {
+    pub(crate) tiles: Vec<SampleTile>,
+    pub(crate) color: Vec<[f16; 3]>,
+    pub(crate) depth: DepthPlane,
+    normal: Option<Vec<OctNormal>>,
+}
+
+impl BlockSamples {
+    fn with_capacity(tiles: usize, samples: usize, normals: bool) -> Self {
+        Self {
+            tiles: Vec::with_capacity(tiles),
+            color: Vec::with_capacity(samples),
+            depth: DepthPlane::with_capacity(tiles, samples),
+            normal: normals.then(|| Vec::with_capacity(samples)),
+        }
+    }
+
+    /// Bits of the smallest and the largest inverse depth.
+    pub(crate) fn depth_bounds(&self) -> (u32, u32) {
+        self.depth.tiles().iter().fold((u32::MAX, 0), |(farthest, nearest), tile| {
+            (farthest.min(tile.farthest), nearest.max(tile.nearest))
+        })
+    }
+}
+
+/// Puts blocks together, tiles in their order, with those that an image of the same camera and span has already.
+pub(crate) fn assemble(image: &SampleImage, normals: bool, blocks: &[BlockSamples]) -> SampleImage {
+    /// The tiles, colors, depths and normals that a tile is taken from.
+    type Planes<'a> = (&'a [SampleTile], &'a [[f16; 3]], &'a DepthPlane, Option<&'a [OctNormal]>);
+    let of_image: Planes<'_> = (&image.tiles, &image.color, &image.depth, image.normal.as_deref());
+    let of_blocks = blocks.iter().map(|block| {
+        let BlockSamples { tiles, color, depth, normal } = block;
+        (tiles.as_slice(), color.as_slice(), depth, normal.as_deref())
+    });
+    let parts = std::iter::once(of_image).chain(of_blocks);
+    let mut order: Vec<(&SampleTile, usize, Planes<'_>)> = parts
+        .flat_map(|part| part.0.iter().enumerate().map(move |(index, tile)| (tile, index, part)))
+        .collect();
+    order.sort_unstable_by_key(|(tile, ..)| (tile.tile_y, tile.tile_x));
+    let count = image.len() + blocks.iter().map(|block| block.color.len()).sum::<usize>();
+    let mut all = BlockSamples::with_capacity(order.len(), count, normals);
+    for (tile, index, (_, color, depth, normal)) in order {
+        let samples = tile.first as usize..tile.first as usize + tile.count();
+        all.tiles.push(SampleTile { first: all.color.len() as u32, ..*tile });
+        all.color.extend_from_slice(&color[samples.clone()]);
+        all.depth.push_packed(&depth.tile(index, tile.first, samples.len()));
+        if let (Some(all), Some(normal)) = (&mut all.normal, normal) {
+            all.extend_from_slice(&normal[samples]);
+        }
+    }
+    let BlockSamples { tiles, color, depth, normal } = all;
+    SampleImage { camera: image.camera, span: image.span, tiles, color, depth, normal }
+}

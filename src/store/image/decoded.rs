@@ -1,0 +1,32 @@
+//! An image of a store, as far as it was read.
+
+use std::sync::Arc;
+
+use super::image_chunk::{BlockEntry, Damage, ImageHead};
+use crate::samples::SampleImage;
+use crate::store::playback::Places;
+
+/// An image as far as it was read, and what of it could not be.
+#[derive(Clone, Debug)]
+pub(crate) struct Decoded {
+    pub(crate) image: Arc<SampleImage>,
+    /// Where its blocks are; `None` where not even that could be read.
+    pub(crate) head: Option<Arc<ImageHead>>,
+    /// For every block of the head, whether it was read.
+    pub(crate) read: Vec<bool>,
+    pub(crate) damage: Vec<Damage>,
+}
+
+impl Decoded {
+    /// The blocks at some places (all where `None`) that have not been read.
+    pub(crate) fn missing(&self, places: Option<&Places>) -> Vec<&BlockEntry> {
+        let blocks = self.head.iter().flat_map(|head| &head.blocks).zip(&self.read);
+        let wanted = |block: &BlockEntry| places.is_none_or(|places| places.has(block.place));
+        blocks.filter(|(block, read)| !**read && wanted(block)).map(|(block, _)| block).collect()
+    }
+
+    /// Whether the blocks at some places, or all, have been read.
+    pub(crate) fn has(&self, places: Option<&Places>) -> bool {
+        self.missing(places).is_empty()
+    }
+}

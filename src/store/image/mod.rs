@@ -1,0 +1,14 @@
+//! The samples of one image as bytes, and back.
+
+mod blocks;
+mod color_ranks;
+mod decoded;
+mod image_chunk;
+mod precision;
+
+pub(crate) use blocks::Coding;
+pub(crate) use color_ranks::{Palette, Used};
+pub(crate) use decoded::Decoded;
+pub use image_chunk::{BlockEntry, ImageHead};
+pub(crate) use image_chunk::{Damage, check, count, decode, decode_head, encode};
+pub(crate) use precision::{check_again, color_room, depth_shift, reduce};

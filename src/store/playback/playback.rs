@@ -1,0 +1,190 @@
+//! A store played from disk: of all images only those of the shown frame, and as many others as a bounded cache holds.
+//!
+//! ```text
+//! frame ─▶ images of its span path ─▶ cache, or file: at most MAX_REFERENCES images before each ─▶ SampleSet of that frame
+//!                  read_ahead_from does the same for the frames to come, on whatever thread asks for it
+//! ```
+//!
+//! The set of a frame has every image of the store in its place, those of other frames without samples. Images that two frames
+//! share are the very same in both sets, as long as the cache holds them, so that what a renderer keeps of a background stays good. Asked for what a vantage needs
+//! ([`Playback::seen_from`]), an image holds the blocks that any vantage has needed so far; others are decoded when they are asked for.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use quick_cache::Weighter;
+use quick_cache::sync::Cache;
+use rayon::prelude::*;
+
+use super::visible_blocks::{self, Places};
+use crate::capture::{Camera, EXPECTED_IN_ONE_PIECE};
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::samples::SampleSet;
+use crate::store::file::{Store, chain};
+use crate::store::image::Decoded;
+
+#[derive(Clone)]
+struct BytesWeighter;
+
+impl Weighter<usize, Arc<Decoded>> for BytesWeighter {
+    fn weight(&self, _index: &usize, decoded: &Arc<Decoded>) -> u64 {
+        let blocks = decoded.head.as_ref().map_or(0, |head| size_of_val(head.blocks.as_slice()));
+        (decoded.image.bytes() + blocks) as u64 + 1
+    }
+}
+
+/// Bytes of decoded images that are kept unless told otherwise.
+pub const DEFAULT_CACHE_BYTES: u64 = 1 << 30;
+
+/// An open store whose frames are read when they are asked for. Asking from several threads is fine.
+pub struct Playback {
+    store: Store,
+    /// Every image in its place, none with a sample.
+    outline: Arc<SampleSet>,
+    cache: Cache<usize, Arc<Decoded>, BytesWeighter>,
+}
+
+impl Playback {
+    /// Plays `store`, keeping at most `cache_bytes` of decoded images.
+    #[must_use]
+    pub fn new(store: Store, cache_bytes: u64) -> Self {
+        let outline = Arc::new(store.outline());
+        Self {
+            store,
+            outline,
+            cache: Cache::with_weighter(EXPECTED_IN_ONE_PIECE, cache_bytes, BytesWeighter),
+        }
+    }
+
+    /// The store, which also says what of it could not be read.
+    #[must_use]
+    pub fn store(&self) -> &Store {
+        &self.store
+    }
+
+    /// A set with every image of the store in its place and no sample in any.
+    #[must_use]
+    pub fn outline(&self) -> &Arc<SampleSet> {
+        &self.outline
+    }
+
+    /// Bytes of decoded images held now.
+    #[must_use]
+    pub fn cached_bytes(&self) -> u64 {
+        self.cache.weight()
+    }
+
+    /// The samples at a frame; tiles that are damaged are missing.
+    ///
+    /// # Errors
+    /// `Invalid` where there is no such frame, `Io`, `Cancelled`.
+    pub fn at(&self, frame: usize, job: &Job) -> Result<Arc<SampleSet>> {
+        let path = self.checked_path(frame)?;
+        self.set(path, |_| None, job)
+    }
+
+    /// The samples at a frame that painting it from a vantage needs: the picture is the same as with all. Blocks of 64×64 pixels that it
+    /// does not need stay undecoded, unless they were decoded before.
+    ///
+    /// # Errors
+    /// As [`Playback::at`].
+    pub fn seen_from(&self, vantage: &Camera, frame: usize, job: &Job) -> Result<Arc<SampleSet>> {
+        let path = self.checked_path(frame)?;
+        let places = self.needed(vantage, &path, job)?;
+        self.set(path, |camera| places.get(camera), job)
+    }
+
+    /// For each camera, the blocks of some images that a vantage needs.
+    fn needed(&self, vantage: &Camera, path: &[usize], job: &Job) -> Result<Vec<Places>> {
+        let images = &self.store.info().images;
+        let cameras = &self.outline.cameras;
+        let heads: Result<Vec<_>> = path
+            .iter()
+            .map(|&index| {
+                job.check()?;
+                let camera = images[index].camera as usize;
+                if let Some(decoded) = self.cache.get(&index) {
+                    return Ok((camera, decoded));
+                }
+                // At no place: the head alone is read.
+                let decoded = Arc::new(self.store.decode(index, None, None, Some(&Places::default()))?);
+                self.cache.insert(index, decoded.clone());
+                Ok((camera, decoded))
+            })
+            .collect();
+        let heads = heads?;
+        let blocks = heads.iter().flat_map(|(camera, decoded)| {
+            let blocks = decoded.head.iter().flat_map(|head| &head.blocks);
+            blocks.map(|block| (*camera, block))
+        });
+        Ok(visible_blocks::needed(vantage, cameras, blocks))
+    }
+
+    /// The outline with some images in it, read at those places of their cameras, or all.
+    fn set<'a>(
+        &self,
+        path: Vec<usize>,
+        places: impl Fn(usize) -> Option<&'a Places> + Sync,
+        job: &Job,
+    ) -> Result<Arc<SampleSet>> {
+        let camera = |index: usize| self.store.info().images[index].camera as usize;
+        let decoded: Result<Vec<_>> =
+            path.par_iter().map(|&index| self.image(index, places(camera(index)), job)).collect();
+        let mut set = (*self.outline).clone();
+        for (index, decoded) in path.into_iter().zip(decoded?) {
+            set.images[index] = decoded.image.clone();
+        }
+        Ok(Arc::new(set))
+    }
+
+    /// Decodes what painting some frames from a vantage needs, so that [`Playback::seen_from`] finds it in the cache.
+    ///
+    /// # Errors
+    /// As [`Playback::at`].
+    pub fn read_ahead_from(&self, vantage: &Camera, frames: Range<usize>, job: &Job) -> Result<()> {
+        for frame in frames.start..frames.end.min(self.outline.frame_count()) {
+            self.seen_from(vantage, frame, job)?;
+        }
+        Ok(())
+    }
+
+    /// The images whose span contains a frame.
+    fn path(&self, frame: usize) -> Vec<usize> {
+        let images = self.store.info().images.iter().enumerate();
+        images.filter(|(_, image)| image.span.contains(frame)).map(|(index, _)| index).collect()
+    }
+
+    fn checked_path(&self, frame: usize) -> Result<Vec<usize>> {
+        let frames = self.outline.frame_count();
+        if frame >= frames {
+            return Err(Error::invalid(
+                &self.outline.name,
+                format!("there is no frame {frame}; there are {frames}"),
+            ));
+        }
+        Ok(self.path(frame))
+    }
+
+    /// An image with its blocks at some places, or all: from the cache, or decoded from the nearest of its references that is there.
+    fn image(&self, index: usize, places: Option<&Places>, job: &Job) -> Result<Arc<Decoded>> {
+        let mut missing = Vec::new();
+        let mut before = None;
+        for index in chain(&self.store.info().images, index).unwrap_or_default() {
+            let cached = self.cache.get(&index);
+            if cached.as_ref().is_some_and(|cached| cached.has(places)) {
+                before = cached;
+                break;
+            }
+            missing.push((index, cached));
+        }
+        for (index, cached) in missing.into_iter().rev() {
+            job.check()?;
+            let decoded = self.store.decode(index, cached.as_deref(), before.as_deref(), places)?;
+            let decoded = Arc::new(decoded);
+            self.cache.insert(index, decoded.clone());
+            before = Some(decoded);
+        }
+        before.ok_or_else(|| Error::invalid(&self.outline.name, format!("there is no image {index}")))
+    }
+}
