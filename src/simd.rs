@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::settings::Instructions;
 
 /// A loop that profits from wide vectors. `run` must be `#[inline(always)]`, and so must what it calls.
-pub(crate) trait Work {
+pub(crate) trait VectorLoop {
     /// What it gives.
     type Output;
 
@@ -24,13 +24,13 @@ pub(crate) trait Work {
 
 /// A set of instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Level {
+enum InstructionSet {
     Portable,
     Avx2,
     Avx512,
 }
 
-impl Level {
+impl InstructionSet {
     const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
     /// The widest that this processor has.
@@ -67,7 +67,7 @@ impl Level {
     }
 }
 
-/// The widest level that may be used, as an index of [`Level::ALL`]. Loops that are at work while it changes give the same
+/// The widest level that may be used, as an index of [`InstructionSet::ALL`]. Loops that are at work while it changes give the same
 /// either way.
 static LIMIT: AtomicUsize = AtomicUsize::new(2);
 
@@ -84,12 +84,12 @@ pub(crate) fn limited<T>(instructions: Instructions, work: impl FnOnce() -> Resu
         }
     }
     let level = match instructions {
-        Instructions::Auto => Level::best(),
-        Instructions::Avx512 => Level::Avx512,
-        Instructions::Avx2 => Level::Avx2,
-        Instructions::Portable => Level::Portable,
+        Instructions::Auto => InstructionSet::best(),
+        Instructions::Avx512 => InstructionSet::Avx512,
+        Instructions::Avx2 => InstructionSet::Avx2,
+        Instructions::Portable => InstructionSet::Portable,
     };
-    if level > Level::best() {
+    if level > InstructionSet::best() {
         return Err(Error::unsupported(
             format!("instructions '{instructions}'"),
             format!("this processor goes up to '{}'", widest()),
@@ -103,16 +103,16 @@ pub(crate) fn limited<T>(instructions: Instructions, work: impl FnOnce() -> Resu
 
 /// The instructions that hot loops use now; never `Auto`.
 pub(crate) fn widest() -> Instructions {
-    match Level::allowed() {
-        Level::Portable => Instructions::Portable,
-        Level::Avx2 => Instructions::Avx2,
-        Level::Avx512 => Instructions::Avx512,
+    match InstructionSet::allowed() {
+        InstructionSet::Portable => Instructions::Portable,
+        InstructionSet::Avx2 => Instructions::Avx2,
+        InstructionSet::Avx512 => Instructions::Avx512,
     }
 }
 
 /// Does the work with the widest instructions that may be used.
-pub(crate) fn run<W: Work>(work: W) -> W::Output {
-    run_at(Level::allowed(), work)
+pub(crate) fn run<W: VectorLoop>(work: W) -> W::Output {
+    run_at(InstructionSet::allowed(), work)
 }
 
 /// All bits together.
@@ -158,14 +158,14 @@ pub(crate) fn prefetch<T>(plane: &[T], index: usize) {
 
 /// Does the work at a level, or at the best there is where that is less.
 #[inline]
-fn run_at<W: Work>(level: Level, work: W) -> W::Output {
+fn run_at<W: VectorLoop>(level: InstructionSet, work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
-    match level.min(Level::best()) {
-        Level::Portable => {}
-        // SAFETY: `Level::best` has just found every feature that `avx2` is compiled for.
-        Level::Avx2 => return unsafe { avx2(work) },
-        // SAFETY: `Level::best` has just found every feature that `avx512` is compiled for.
-        Level::Avx512 => return unsafe { avx512(work) },
+    match level.min(InstructionSet::best()) {
+        InstructionSet::Portable => {}
+        // SAFETY: `InstructionSet::best` has just found every feature that `avx2` is compiled for.
+        InstructionSet::Avx2 => return unsafe { avx2(work) },
+        // SAFETY: `InstructionSet::best` has just found every feature that `avx512` is compiled for.
+        InstructionSet::Avx512 => return unsafe { avx512(work) },
     }
     #[cfg(not(target_arch = "x86_64"))]
     let _ = level;
@@ -174,13 +174,13 @@ fn run_at<W: Work>(level: Level, work: W) -> W::Output {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn avx2<W: Work>(work: W) -> W::Output {
+fn avx2<W: VectorLoop>(work: W) -> W::Output {
     work.run()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
-fn avx512<W: Work>(work: W) -> W::Output {
+fn avx512<W: VectorLoop>(work: W) -> W::Output {
     work.run()
 }
 
@@ -206,11 +206,11 @@ mod tests {
 
     #[test]
     fn loops_use_no_wider_instructions_than_asked_for_and_the_widest_again_afterwards() {
-        let best = Level::best();
+        let best = InstructionSet::best();
         for instructions in [Instructions::Portable, Instructions::Avx2, Instructions::Avx512] {
             match limited(instructions, || Ok(widest())) {
                 Ok(used) => assert_eq!(used, instructions),
-                Err(Error::Unsupported { .. }) => assert_ne!(best, Level::Avx512),
+                Err(Error::Unsupported { .. }) => assert_ne!(best, InstructionSet::Avx512),
                 Err(error) => panic!("{error}"),
             }
         }

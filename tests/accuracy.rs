@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use overlook::capture::transforms::{open, open_views};
-use overlook::capture::{Capture, View};
-use overlook::evaluate::{Compared, compare, evaluate};
+use overlook::capture::{Capture, TruthView};
+use overlook::evaluate::{MethodScore, compare, evaluate};
 use overlook::job::Job;
 use overlook::preprocess::diagnostics::Report;
 use overlook::preprocess::normals::NormalErrors;
@@ -32,13 +32,13 @@ struct Bounds {
     margin_db: f64,
 }
 
-fn compare_rules(capture: &Capture, views: &[View], kernel: Kernel, bounds: &Bounds) {
+fn compare_rules(capture: &Capture, views: &[TruthView], kernel: Kernel, bounds: &Bounds) {
     let mut settings = Settings::default();
     settings.render.kernel = kernel;
     let comparison = compare(capture, views, &settings, &Job::new()).unwrap();
-    let mean = |compared: &Compared| compared.evaluation.mean.clone();
+    let mean = |compared: &MethodScore| compared.evaluation.mean.clone();
     let all = mean(&comparison.no_pruning);
-    let lost = |compared: &Compared| {
+    let lost = |compared: &MethodScore| {
         let mean = mean(compared);
         (
             all.psnr_db.unwrap() - mean.psnr_db.unwrap(),

@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
 use overlook::error::Result;
 use overlook::job::Job;
-use overlook::preprocess::diagnostics::{Doubt, Report, doubts};
+use overlook::preprocess::diagnostics::{CalibrationWarning, Report, doubts};
 use overlook::preprocess::{inspect_frame, preprocess, scan};
 use overlook::settings::{NormalSource, PruningMethod, Settings};
 use scene::{Scene, Sphere, arc};
@@ -70,7 +70,7 @@ fn report_of(capture: &Capture) -> Report {
     preprocess(capture, &Settings::default(), &Job::new()).unwrap().report
 }
 
-fn doubts_of(report: &Report) -> Vec<Doubt> {
+fn doubts_of(report: &Report) -> Vec<CalibrationWarning> {
     doubts(&report.residuals)
 }
 

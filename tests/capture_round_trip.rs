@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use half::f16;
 use overlook::capture::transforms::{self, write_capture};
-use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, View};
+use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, TruthView};
 use overlook::error::{Error, Result};
 use overlook::grid::Grid;
 use overlook::job::Job;
@@ -42,7 +42,7 @@ impl FrameSource for Numbers {
     }
 }
 
-fn numbers() -> (Capture, Vec<View>) {
+fn numbers() -> (Capture, Vec<TruthView>) {
     let camera = |index: usize| {
         let intrinsics =
             Intrinsics { width: 5 + index as u32, height: 3, fx: 4.0, fy: 4.5, cx: 2.25, cy: 1.5 };
@@ -59,7 +59,7 @@ fn numbers() -> (Capture, Vec<View>) {
         warnings: vec![],
         source: Arc::new(Numbers),
     };
-    let view = |index: usize, with_truth: bool| View {
+    let view = |index: usize, with_truth: bool| TruthView {
         file_path: format!("v/{index}.png"),
         camera: camera(index),
         frame_number: 5,

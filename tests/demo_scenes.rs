@@ -7,7 +7,7 @@ use half::f16;
 use overlook::capture::{Camera, Capture, Frame};
 use overlook::color::steps_from_linear;
 use overlook::demo::{Demo, DemoSpec, MAX_CAMERAS, MAX_FRAMES, SCENES};
-use overlook::preprocess::noise::{Noise, measure_pairs};
+use overlook::preprocess::noise::{CameraNoise, measure_pairs};
 use overlook::settings::CaptureSettings;
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
@@ -322,7 +322,7 @@ fn recorded(scene: &str) -> Demo {
 }
 
 /// What [`measure_pairs`] says of some frames and those after them.
-fn measured(demo: &Demo, camera: usize, frames: [usize; 3]) -> Noise {
+fn measured(demo: &Demo, camera: usize, frames: [usize; 3]) -> CameraNoise {
     let capture = capture(demo);
     let pairs = frames.map(|first| [first, first + 1].map(|frame| capture.frame(camera, frame).unwrap()));
     let pairs: Vec<[&Frame; 2]> = pairs.iter().map(|[before, after]| [&**before, &**after]).collect();

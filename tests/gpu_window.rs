@@ -15,7 +15,7 @@ use overlook::color::srgb8_from_linear;
 use overlook::job::Job;
 use overlook::preprocess::preprocess;
 use overlook::render::gpu::{GpuOptions, GpuRenderer, HolePattern, SharedDevice, device_descriptor};
-use overlook::render::{CpuRenderer, NO_IMAGE, Renderer, Shown, Vantage};
+use overlook::render::{CpuRenderer, NO_IMAGE, Renderer, Vantage, WindowPicture};
 use overlook::samples::SampleSet;
 use overlook::settings::{Backend, Fill, Kernel, RenderSettings, Settings};
 use scene::{Scene, arc, camera};
@@ -137,7 +137,7 @@ fn what_cannot_be_shown_from_the_adapter_comes_through_memory() {
     let mut is_on_adapter = |backend, fill| {
         let settings = RenderSettings { backend, fill, ..RenderSettings::default() };
         let (shown, _) = renderer.show(&samples, &vantage, &settings, &HOLES, &Job::new()).unwrap();
-        matches!(shown, Shown::OnAdapter(_))
+        matches!(shown, WindowPicture::OnAdapter(_))
     };
     assert!(is_on_adapter(Backend::Gpu, Fill::None));
     assert!(!is_on_adapter(Backend::Gpu, Fill::PushPull));
@@ -145,5 +145,5 @@ fn what_cannot_be_shown_from_the_adapter_comes_through_memory() {
     let mut apart = Renderer::new();
     let settings = RenderSettings { backend: Backend::Gpu, ..RenderSettings::default() };
     let (shown, _) = apart.show(&samples, &vantage, &settings, &HOLES, &Job::new()).unwrap();
-    assert!(matches!(shown, Shown::InMemory(_)));
+    assert!(matches!(shown, WindowPicture::InMemory(_)));
 }

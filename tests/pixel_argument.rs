@@ -5,7 +5,7 @@ use overlook::capture::Capture;
 use overlook::demo::{Demo, DemoSpec};
 use overlook::job::Job;
 use overlook::preprocess::inspect::{
-    FrameInspection, PixelArgument, Testimony, pair_quantities, pixel_argument,
+    CameraEvidence, FrameInspection, PixelExplanation, pair_quantities, pixel_argument,
 };
 use overlook::preprocess::pruning::{Rule, Verdict};
 use overlook::preprocess::registration::Outcome;
@@ -40,12 +40,12 @@ fn cases() -> [(Capture, Settings); 2] {
 }
 
 /// Whose samples yield to whose, however dense: clean ones last.
-fn class(row: &Testimony) -> (bool, bool) {
+fn class(row: &CameraEvidence) -> (bool, bool) {
     (row.is_blended, row.is_unsure)
 }
 
 /// The arguments of every fifth pixel of every camera.
-fn arguments(inspection: &FrameInspection) -> Vec<PixelArgument> {
+fn arguments(inspection: &FrameInspection) -> Vec<PixelExplanation> {
     let mut arguments = Vec::new();
     for (camera, inspected) in inspection.cameras.iter().enumerate() {
         let (width, height) = inspected.verdict.size();

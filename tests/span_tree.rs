@@ -10,7 +10,7 @@ use overlook::capture::{Capture, Frame, INVALID_INVERSE_DEPTH};
 use overlook::grid::Grid;
 use overlook::job::Job;
 use overlook::preprocess::inspect::PixelClass;
-use overlook::preprocess::noise::Noise;
+use overlook::preprocess::noise::CameraNoise;
 use overlook::preprocess::temporal::{BATCH, Given, Split, StaticTest};
 use overlook::preprocess::{Preprocessed, Spooled, inspect_frame, preprocess, preprocess_spooled, scan};
 use overlook::samples::Span;
@@ -71,7 +71,7 @@ fn readings(width: usize, frames: usize, seed: u64) -> Vec<Arc<Frame>> {
         .collect()
 }
 
-fn split(frames: &[Arc<Frame>], batch: usize, noise: &Noise) -> Given {
+fn split(frames: &[Arc<Frame>], batch: usize, noise: &CameraNoise) -> Given {
     let test = StaticTest::new(&with_levels(SpanLevels::Tree).spans, noise, 0.0, frames.len());
     let mut split = Split::new(frames[0].inverse_depth.len(), frames.len(), test);
     let mut given: Given = frames.chunks(batch).flat_map(|frames| split.add(frames)).collect();
@@ -104,7 +104,7 @@ proptest! {
     ) {
         let frames = readings(width, count, seed);
         let mut holds = vec![0_u32; width * count];
-        for (span, samples) in split(&frames, BATCH, &Noise::default()) {
+        for (span, samples) in split(&frames, BATCH, &CameraNoise::default()) {
             prop_assert!(samples.pixels.is_sorted_by(|a, b| a < b));
             for pixel in samples.pixels {
                 (span.start..span.end).for_each(|frame| holds[frame as usize * width + pixel as usize] += 1);
@@ -121,7 +121,7 @@ proptest! {
     fn a_sample_lives_in_the_longest_span_over_which_it_is_static(count in 2_usize..70, seed in any::<u64>()) {
         let frames = readings(20, count, seed);
         let tree = overlook::preprocess::temporal::SpanTree::new(count, SpanLevels::Tree);
-        for (span, samples) in split(&frames, BATCH, &Noise::default()) {
+        for (span, samples) in split(&frames, BATCH, &CameraNoise::default()) {
             for pixel in samples.pixels {
                 prop_assert!(is_static(&frames, span, pixel as usize));
                 if let Some(longer) = tree.parent(span) {
@@ -138,7 +138,7 @@ proptest! {
         let frames = readings(40, count, seed);
         // Classes of brightness that are unlike each other: what is granted depends on where a color is.
         let color_steps = std::array::from_fn(|class| if class % 2 == 0 { 3.0 } else { 0.0 });
-        let noise = Noise { color_steps, color_steps_overall: 3.0, depth_relative: 1e-3 };
+        let noise = CameraNoise { color_steps, color_steps_overall: 3.0, depth_relative: 1e-3 };
         prop_assert_eq!(split(&frames, 1 << batch, &noise), split(&frames, BATCH, &noise));
     }
 }
@@ -151,7 +151,7 @@ fn a_thousand_frames_take_a_handful_of_spans_a_pixel() {
     lit.color = Grid::filled(64, 1, [f16::ONE; 3]);
     still[617] = Arc::new(lit);
     let with_depth = frames[0].inverse_depth.as_slice().iter().filter(|w| **w >= 0.0).count();
-    let samples: usize = split(&still, BATCH, &Noise::default()).iter().map(|(_, s)| s.len()).sum();
+    let samples: usize = split(&still, BATCH, &CameraNoise::default()).iter().map(|(_, s)| s.len()).sum();
     assert!(samples <= with_depth * 2 * 10, "{samples} samples of {with_depth} pixels");
 }
 

@@ -9,7 +9,7 @@ use super::{views, window};
 
 /// Something to look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-pub(super) enum View {
+pub(super) enum DockView {
     /// What a camera saw.
     Source,
     /// What is left, from anywhere.
@@ -40,7 +40,7 @@ pub(super) enum View {
     Log,
 }
 
-impl View {
+impl DockView {
     /// Every view, in the order of the menu.
     pub(super) const ALL: [Self; 14] = [
         Self::Source,
@@ -111,7 +111,7 @@ impl View {
 
 /// Where the views lie.
 pub(super) struct Dock {
-    tree: Tree<View>,
+    tree: Tree<DockView>,
 }
 
 /// Shares of the window's width and height at first: what suits 1280 × 800.
@@ -122,7 +122,7 @@ impl Dock {
     /// The layout of a first run.
     pub(super) fn new() -> Self {
         let mut tiles = Tiles::default();
-        let tabs = |tiles: &mut Tiles<View>, views: &[View]| {
+        let tabs = |tiles: &mut Tiles<DockView>, views: &[DockView]| {
             let panes: Vec<TileId> = views.iter().map(|view| tiles.insert_pane(*view)).collect();
             let id = tiles.insert_tab_tile(panes.clone());
             if let (Some(Tile::Container(Container::Tabs(tabs))), Some(first)) =
@@ -132,13 +132,21 @@ impl Dock {
             }
             id
         };
-        let source = tabs(&mut tiles, &[View::Source]);
-        let live = tabs(&mut tiles, &[View::Live, View::Compare]);
+        let source = tabs(&mut tiles, &[DockView::Source]);
+        let live = tabs(&mut tiles, &[DockView::Live, DockView::Compare]);
         let lower = tabs(
             &mut tiles,
-            &[View::Pixel, View::Cameras, View::Matrix, View::Time, View::Memory, View::Path, View::Log],
+            &[
+                DockView::Pixel,
+                DockView::Cameras,
+                DockView::Matrix,
+                DockView::Time,
+                DockView::Memory,
+                DockView::Path,
+                DockView::Log,
+            ],
         );
-        let side = tabs(&mut tiles, &[View::Thresholds, View::Report]);
+        let side = tabs(&mut tiles, &[DockView::Thresholds, DockView::Report]);
         let upper = tiles.insert_container(Linear::new(LinearDir::Horizontal, vec![source, live]));
         let left = tiles.insert_container(Linear::new_binary(
             LinearDir::Vertical,
@@ -152,7 +160,7 @@ impl Dock {
 
     /// A layout as [`Dock::to_json`] gave it; that of a first run where it cannot be read or shows nothing.
     pub(super) fn from_json(text: &str) -> Self {
-        match serde_json::from_str::<Tree<View>>(text) {
+        match serde_json::from_str::<Tree<DockView>>(text) {
             Ok(tree) if tree.root().is_some() && !tree.tiles.is_empty() => Self { tree },
             _ => Self::new(),
         }
@@ -164,17 +172,17 @@ impl Dock {
     }
 
     /// The views that can be seen now.
-    pub(super) fn visible(&self) -> Vec<View> {
+    pub(super) fn visible(&self) -> Vec<DockView> {
         self.tree.active_tiles().into_iter().filter_map(|id| self.tree.tiles.get_pane(&id).copied()).collect()
     }
 
     /// Whether a view is somewhere in the layout.
-    pub(super) fn holds(&self, view: View) -> bool {
+    pub(super) fn holds(&self, view: DockView) -> bool {
         self.tree.tiles.find_pane(&view).is_some()
     }
 
     /// Brings a view to the front, wherever it is; puts it beside its neighbor where it is nowhere.
-    pub(super) fn open(&mut self, view: View) {
+    pub(super) fn open(&mut self, view: DockView) {
         if !self.holds(view) {
             let pane = self.tree.tiles.insert_pane(view);
             let beside = self
@@ -216,8 +224,8 @@ struct Desk<'a> {
     commands: &'a mut Vec<Command>,
 }
 
-impl Behavior<View> for Desk<'_> {
-    fn pane_ui(&mut self, ui: &mut Ui, _tile: TileId, view: &mut View) -> UiResponse {
+impl Behavior<DockView> for Desk<'_> {
+    fn pane_ui(&mut self, ui: &mut Ui, _tile: TileId, view: &mut DockView) -> UiResponse {
         let tokens = Tokens::in_ui(ui);
         Frame::new().fill(tokens.surface).inner_margin(Margin::same(space::MEDIUM as i8)).show(ui, |ui| {
             ui.set_min_size(ui.available_size());
@@ -226,13 +234,13 @@ impl Behavior<View> for Desk<'_> {
         UiResponse::None
     }
 
-    fn tab_title_for_pane(&mut self, view: &View) -> WidgetText {
+    fn tab_title_for_pane(&mut self, view: &DockView) -> WidgetText {
         view.name().into()
     }
 
     fn on_tab_button(
         &mut self,
-        tiles: &mut Tiles<View>,
+        tiles: &mut Tiles<DockView>,
         tile: TileId,
         response: egui::Response,
     ) -> egui::Response {
@@ -244,7 +252,7 @@ impl Behavior<View> for Desk<'_> {
 
     fn top_bar_right_ui(
         &mut self,
-        tiles: &Tiles<View>,
+        tiles: &Tiles<DockView>,
         ui: &mut Ui,
         _tile: TileId,
         tabs: &egui_tiles::Tabs,
@@ -252,13 +260,13 @@ impl Behavior<View> for Desk<'_> {
     ) {
         ui.add_space(space::MEDIUM);
         match tabs.active.and_then(|active| tiles.get_pane(&active)) {
-            Some(View::Source) => views::cameras_ui(ui, self.state, self.commands),
-            Some(View::Live) => views::places_ui(ui, self.state, self.commands),
+            Some(DockView::Source) => views::cameras_ui(ui, self.state, self.commands),
+            Some(DockView::Live) => views::places_ui(ui, self.state, self.commands),
             _ => {}
         }
     }
 
-    fn is_tab_closable(&self, tiles: &Tiles<View>, tile: TileId) -> bool {
+    fn is_tab_closable(&self, tiles: &Tiles<DockView>, tile: TileId) -> bool {
         // A row of crosses would be louder than the names: the tab in front has one, if it can be missed.
         let in_front = tiles
             .parent_of(tile)
@@ -267,7 +275,7 @@ impl Behavior<View> for Desk<'_> {
         in_front
             && !matches!(
                 tiles.get_pane(&tile),
-                Some(View::Source | View::Live | View::Thresholds | View::Pixel)
+                Some(DockView::Source | DockView::Live | DockView::Thresholds | DockView::Pixel)
             )
     }
 
@@ -291,12 +299,12 @@ impl Behavior<View> for Desk<'_> {
         Tokens::of(visuals.dark_mode).background
     }
 
-    fn tab_bg_color(&self, visuals: &Visuals, _: &Tiles<View>, _: TileId, tab: &TabState) -> Color32 {
+    fn tab_bg_color(&self, visuals: &Visuals, _: &Tiles<DockView>, _: TileId, tab: &TabState) -> Color32 {
         let tokens = Tokens::of(visuals.dark_mode);
         if tab.active { tokens.surface } else { tokens.background }
     }
 
-    fn tab_outline_stroke(&self, _: &Visuals, _: &Tiles<View>, _: TileId, _: &TabState) -> Stroke {
+    fn tab_outline_stroke(&self, _: &Visuals, _: &Tiles<DockView>, _: TileId, _: &TabState) -> Stroke {
         Stroke::NONE
     }
 
@@ -304,7 +312,7 @@ impl Behavior<View> for Desk<'_> {
         Stroke::new(1.0, Tokens::of(visuals.dark_mode).border)
     }
 
-    fn tab_text_color(&self, visuals: &Visuals, _: &Tiles<View>, _: TileId, tab: &TabState) -> Color32 {
+    fn tab_text_color(&self, visuals: &Visuals, _: &Tiles<DockView>, _: TileId, tab: &TabState) -> Color32 {
         let tokens = Tokens::of(visuals.dark_mode);
         if tab.active { tokens.text } else { tokens.text_weak }
     }
@@ -317,20 +325,22 @@ mod tests {
     #[test]
     fn a_layout_survives_being_saved_and_nonsense_gives_the_first_one() {
         let mut dock = Dock::new();
-        dock.open(View::Tradeoff);
+        dock.open(DockView::Tradeoff);
         let again = Dock::from_json(&dock.to_json());
-        assert!(again.holds(View::Tradeoff));
-        assert!(!Dock::from_json("{").holds(View::Tradeoff) && Dock::from_json("{").holds(View::Live));
+        assert!(again.holds(DockView::Tradeoff));
+        assert!(
+            !Dock::from_json("{").holds(DockView::Tradeoff) && Dock::from_json("{").holds(DockView::Live)
+        );
     }
 
     #[test]
     fn every_view_can_be_opened_once() {
         let mut dock = Dock::new();
-        for view in View::ALL.into_iter().chain(View::ALL) {
+        for view in DockView::ALL.into_iter().chain(DockView::ALL) {
             dock.open(view);
             assert!(dock.holds(view), "{view:?}");
         }
         let panes = dock.tree.tiles.tiles().filter(|tile| matches!(tile, Tile::Pane(_))).count();
-        assert_eq!(panes, View::ALL.len());
+        assert_eq!(panes, DockView::ALL.len());
     }
 }

@@ -38,10 +38,10 @@ use crate::settings::Settings;
 use control::Memory;
 use dock::Dock;
 use model::{
-    Busy, Command, FIRST_SIZE, LiveLook, Message, NoticeKind, SourceLook, State, Stopwatch, Texture,
-    Timeline, TypedPath, Work,
+    Busy, Command, FIRST_SIZE, LiveLook, Message, NoticeKind, SourceLook, State, StoppableWork, Stopwatch,
+    Texture, Timeline, TypedPath,
 };
-use work::{Lanes, Outbox, Plan};
+use work::{Outbox, Scheduled, Workers};
 
 /// Answers that may wait for the window at once: more than there are lanes, so that none of them waits.
 const MESSAGES: usize = 32;
@@ -66,8 +66,8 @@ pub enum Start {
 /// The window's contents.
 pub struct OverlookApp {
     state: State,
-    lanes: Lanes,
-    plan: Plan,
+    lanes: Workers,
+    plan: Scheduled,
     dock: Dock,
     inbox: Receiver<Message>,
     commands: Vec<Command>,
@@ -101,7 +101,7 @@ impl OverlookApp {
             device: window.device.clone(),
             queue: window.queue.clone(),
         });
-        let lanes = Lanes::start(&Outbox::new(sender, ctx.clone()), shared)?;
+        let lanes = Workers::start(&Outbox::new(sender, ctx.clone()), shared)?;
         let mut state = fresh_state();
         state.live.shares_device = window.is_some();
         let dock = Memory::load(storage).restore(&mut state);
@@ -112,7 +112,7 @@ impl OverlookApp {
         let mut app = Self {
             state,
             lanes,
-            plan: Plan::default(),
+            plan: Scheduled::default(),
             dock,
             inbox,
             commands: Vec::new(),
@@ -258,14 +258,18 @@ impl OverlookApp {
     fn watch_work(&mut self, ctx: &egui::Context) {
         let lanes = &self.lanes;
         let watched = [
-            (Work::Open, lanes.open.progress(), true),
-            (Work::Whole, lanes.whole.progress(), true),
-            (Work::File, lanes.file.progress(), true),
-            (Work::Export, lanes.inspector.export.progress(), true),
-            (Work::Study, lanes.inspector.study.progress(), true),
+            (StoppableWork::Open, lanes.open.progress(), true),
+            (StoppableWork::Whole, lanes.whole.progress(), true),
+            (StoppableWork::File, lanes.file.progress(), true),
+            (StoppableWork::Export, lanes.inspector.export.progress(), true),
+            (StoppableWork::Study, lanes.inspector.study.progress(), true),
             // Only where it reads the capture again, which takes long.
-            (Work::Compare, lanes.inspector.compare.progress().filter(|progress| progress.total > 0), true),
-            (Work::Measure, lanes.measure.progress(), false),
+            (
+                StoppableWork::Compare,
+                lanes.inspector.compare.progress().filter(|progress| progress.total > 0),
+                true,
+            ),
+            (StoppableWork::Measure, lanes.measure.progress(), false),
         ];
         self.state.busy = watched
             .into_iter()
@@ -331,10 +335,10 @@ impl eframe::App for OverlookApp {
 }
 
 /// How long the rest takes at the pace so far; `None` while too little is done to tell.
-fn secs_left(work: Work, progress: &crate::job::Progress, elapsed: Duration) -> Option<f32> {
+fn secs_left(work: StoppableWork, progress: &crate::job::Progress, elapsed: Duration) -> Option<f32> {
     let share = progress.fraction();
     // Measuring is a row of stages, of which each would tell only its own end.
-    (work != Work::Study && share > 0.02 && elapsed > Duration::from_millis(500))
+    (work != StoppableWork::Study && share > 0.02 && elapsed > Duration::from_millis(500))
         .then(|| elapsed.as_secs_f32() * (1.0 - share) / share)
 }
 

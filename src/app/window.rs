@@ -2,7 +2,7 @@
 
 use egui::{CentralPanel, Frame, Margin, Panel};
 
-use super::dock::{Dock, View};
+use super::dock::{Dock, DockView};
 use super::model::{Command, State};
 use super::theme::{Tokens, space};
 use super::views;
@@ -48,22 +48,22 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
 }
 
 /// One view.
-pub(crate) fn view_ui(ui: &mut egui::Ui, view: View, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands: &mut Vec<Command>) {
     match view {
-        View::Source => views::source_view_ui(ui, state, commands),
-        View::Live => views::live_view_ui(ui, state, commands),
-        View::Compare => views::compare_view_ui(ui, state, commands),
-        View::Path => super::panels::path_ui(ui, state, commands),
-        View::Tradeoff => views::tradeoff_ui(ui, state, commands),
-        View::Stability => views::stability_ui(ui, state, commands),
-        View::Pixel => views::pixel_view_ui(ui, state, commands),
-        View::Cameras => views::cameras_view_ui(ui, state, commands),
-        View::Matrix => super::panels::matrix_view_ui(ui, state),
-        View::Time => super::panels::time_ui(ui, state, commands),
-        View::Memory => super::panels::memory_ui(ui, state),
-        View::Thresholds => super::panels::settings_ui(ui, state, commands),
-        View::Report => super::panels::report_ui(ui, state),
-        View::Log => super::panels::log_ui(ui, state),
+        DockView::Source => views::source_view_ui(ui, state, commands),
+        DockView::Live => views::live_view_ui(ui, state, commands),
+        DockView::Compare => views::compare_view_ui(ui, state, commands),
+        DockView::Path => super::panels::path_ui(ui, state, commands),
+        DockView::Tradeoff => views::tradeoff_ui(ui, state, commands),
+        DockView::Stability => views::stability_ui(ui, state, commands),
+        DockView::Pixel => views::pixel_view_ui(ui, state, commands),
+        DockView::Cameras => views::cameras_view_ui(ui, state, commands),
+        DockView::Matrix => super::panels::matrix_view_ui(ui, state),
+        DockView::Time => super::panels::time_ui(ui, state, commands),
+        DockView::Memory => super::panels::memory_ui(ui, state),
+        DockView::Thresholds => super::panels::settings_ui(ui, state, commands),
+        DockView::Report => super::panels::report_ui(ui, state),
+        DockView::Log => super::panels::log_ui(ui, state),
     }
 }
 

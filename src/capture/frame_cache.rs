@@ -9,13 +9,13 @@ use super::frame::Frame;
 use crate::error::Result;
 
 /// `(camera, frame)`, as the source counts them.
-pub type FrameKey = (usize, usize);
+pub type CameraFrame = (usize, usize);
 
 #[derive(Clone)]
-struct BytesWeighter;
+struct FrameBytes;
 
-impl Weighter<FrameKey, Arc<Frame>> for BytesWeighter {
-    fn weight(&self, _key: &FrameKey, frame: &Arc<Frame>) -> u64 {
+impl Weighter<CameraFrame, Arc<Frame>> for FrameBytes {
+    fn weight(&self, _key: &CameraFrame, frame: &Arc<Frame>) -> u64 {
         frame.bytes() as u64
     }
 }
@@ -26,7 +26,7 @@ impl Weighter<FrameKey, Arc<Frame>> for BytesWeighter {
 /// cache that made the second wait could wait forever, since the first may need the second's thread to go on (work that
 /// is split over a thread pool while it loads).
 pub struct FrameCache {
-    cache: Cache<FrameKey, Arc<Frame>, BytesWeighter>,
+    cache: Cache<CameraFrame, Arc<Frame>, FrameBytes>,
 }
 
 /// Number of things that a cache of heavy ones sizes its tables for; more or fewer work as well. For more than these it would be
@@ -38,14 +38,14 @@ impl FrameCache {
     /// A cache that holds at most `capacity_bytes` of decoded frames.
     #[must_use]
     pub fn new(capacity_bytes: usize) -> Self {
-        Self { cache: Cache::with_weighter(EXPECTED_IN_ONE_PIECE, capacity_bytes as u64, BytesWeighter) }
+        Self { cache: Cache::with_weighter(EXPECTED_IN_ONE_PIECE, capacity_bytes as u64, FrameBytes) }
     }
 
     /// The frame from the cache, or decoded by `load` and kept where it fits.
     ///
     /// # Errors
     /// Whatever `load` gives; errors are not cached, so that a mended file is read again.
-    pub fn get_or_load(&self, key: FrameKey, load: impl FnOnce() -> Result<Frame>) -> Result<Arc<Frame>> {
+    pub fn get_or_load(&self, key: CameraFrame, load: impl FnOnce() -> Result<Frame>) -> Result<Arc<Frame>> {
         if let Some(frame) = self.cache.get(&key) {
             return Ok(frame);
         }

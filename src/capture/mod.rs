@@ -188,12 +188,12 @@ impl Capture {
     }
 }
 
-/// Loads the true picture of a [`View`].
+/// Loads the true picture of a [`TruthView`].
 pub type TruthLoader = Arc<dyn Fn() -> Result<Frame> + Send + Sync>;
 
 /// A vantage to be rendered, and where it is known what it truly looks like.
 #[derive(Clone)]
-pub struct View {
+pub struct TruthView {
     /// Name of the picture, relative, with its extension as the manifest has it.
     pub file_path: String,
     /// Where from.

@@ -44,7 +44,7 @@ const USAGE: &str = "overlook [OPTIONS] [PATH]\n       overlook [OPTIONS] <COMMA
 #[command(version, after_help = EXAMPLES, override_usage = USAGE)]
 struct Cli {
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<CliCommand>,
 
     /// What the window opens: a capture (a folder or its transforms.json) or a store.
     path: Option<PathBuf>,
@@ -55,7 +55,7 @@ struct Cli {
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {
+enum CliCommand {
     /// Write a built-in scene as a capture: EXR, transforms.json, and truth vantages in DIR/novel.
     Demo(commands::DemoArgs),
     /// Say what a capture or a store holds.
@@ -95,13 +95,13 @@ struct SettingsArgs {
 
 impl SettingsArgs {
     /// These settings over `base`.
-    fn over(&self, base: Settings) -> Result<Settings, Failure> {
+    fn over(&self, base: Settings) -> Result<Settings, CommandError> {
         let mut settings = match &self.settings {
             Some(path) => Settings::load(path)?,
             None => base,
         };
         for assignment in &self.set {
-            settings.set_text(assignment).map_err(|error| Failure::Usage(error.to_string()))?;
+            settings.set_text(assignment).map_err(|error| CommandError::Usage(error.to_string()))?;
         }
         Ok(settings)
     }
@@ -113,11 +113,13 @@ impl SettingsArgs {
 
     /// Refuses to --set what is not in the one section that a command uses: it would change nothing. A file of settings may say
     /// more, as it serves other commands too.
-    fn only(&self, section: &str) -> Result<(), Failure> {
+    fn only(&self, section: &str) -> Result<(), CommandError> {
         for assignment in &self.set {
-            Settings::default().set_text(assignment).map_err(|error| Failure::Usage(error.to_string()))?;
+            Settings::default()
+                .set_text(assignment)
+                .map_err(|error| CommandError::Usage(error.to_string()))?;
             if assignment.split('.').next().map(str::trim) != Some(section) {
-                return Err(Failure::Usage(format!(
+                return Err(CommandError::Usage(format!(
                     "--set {assignment}: of a store that is there, this command uses settings of '{section}' alone; the others are \
                      those it was preprocessed with"
                 )));
@@ -128,7 +130,7 @@ impl SettingsArgs {
 }
 
 /// Opens a capture and says on stderr what is odd about it.
-fn open_capture(path: &Path, settings: &CaptureSettings) -> Result<Capture, Failure> {
+fn open_capture(path: &Path, settings: &CaptureSettings) -> Result<Capture, CommandError> {
     let capture = transforms::open(path, settings)?;
     output::warn(&capture.warnings);
     Ok(capture)
@@ -136,14 +138,14 @@ fn open_capture(path: &Path, settings: &CaptureSettings) -> Result<Capture, Fail
 
 /// Why a command ends early.
 #[derive(Debug)]
-enum Failure {
+enum CommandError {
     /// The command line makes no sense: exit code 2.
     Usage(String),
     /// The input is bad, or the work failed: exit code 1.
     Work(Error),
 }
 
-impl From<Error> for Failure {
+impl From<Error> for CommandError {
     fn from(error: Error) -> Self {
         Self::Work(error)
     }
@@ -165,11 +167,11 @@ pub fn run(open_window: OpenWindow) -> ExitCode {
     };
     match cli.run(open_window) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::Usage(what)) => {
+        Err(CommandError::Usage(what)) => {
             output::tell(&what);
             ExitCode::from(2)
         }
-        Err(Failure::Work(error)) => {
+        Err(CommandError::Work(error)) => {
             output::tell(&error.to_string().replace('\n', " "));
             if matches!(error, Error::Cancelled) {
                 ExitCode::from(output::STOPPED)
@@ -196,31 +198,31 @@ impl Cli {
         }
     }
 
-    fn run(self, open_window: OpenWindow) -> Result<(), Failure> {
+    fn run(self, open_window: OpenWindow) -> Result<(), CommandError> {
         use_threads(self.threads)?;
         match self.command {
-            Some(Command::Demo(args)) => args.run(),
-            Some(Command::Info(args)) => args.run(),
-            Some(Command::Preprocess(args)) => args.run(),
-            Some(Command::Render(args)) => args.run(),
-            Some(Command::Evaluate(args)) => args.run(),
-            Some(Command::Sweep(args)) => args.run(),
-            Some(Command::Stress(args)) => args.run(),
-            Some(Command::Tune(args)) => args.run(),
-            Some(Command::Export(args)) => args.run(),
-            Some(Command::Verify(args)) => args.run(),
-            Some(Command::Bench(args)) => args.run(),
-            Some(Command::Settings(args)) => args.run(),
+            Some(CliCommand::Demo(args)) => args.run(),
+            Some(CliCommand::Info(args)) => args.run(),
+            Some(CliCommand::Preprocess(args)) => args.run(),
+            Some(CliCommand::Render(args)) => args.run(),
+            Some(CliCommand::Evaluate(args)) => args.run(),
+            Some(CliCommand::Sweep(args)) => args.run(),
+            Some(CliCommand::Stress(args)) => args.run(),
+            Some(CliCommand::Tune(args)) => args.run(),
+            Some(CliCommand::Export(args)) => args.run(),
+            Some(CliCommand::Verify(args)) => args.run(),
+            Some(CliCommand::Bench(args)) => args.run(),
+            Some(CliCommand::Settings(args)) => args.run(),
             None => explore(self.path, open_window),
         }
     }
 }
 
-fn explore(path: Option<PathBuf>, open_window: OpenWindow) -> Result<(), Failure> {
+fn explore(path: Option<PathBuf>, open_window: OpenWindow) -> Result<(), CommandError> {
     if let Some(path) = &path
         && !path.exists()
     {
-        return Err(Failure::Work(Error::invalid(
+        return Err(CommandError::Work(Error::invalid(
             path.display(),
             "is neither a command nor a capture or store; see overlook --help",
         )));
@@ -228,12 +230,12 @@ fn explore(path: Option<PathBuf>, open_window: OpenWindow) -> Result<(), Failure
     Ok(open_window(path)?)
 }
 
-fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
+fn use_threads(threads: Option<u16>) -> Result<(), CommandError> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads.map_or(0, usize::from))
         .thread_name(|index| format!("worker {index}"))
         .build_global()
-        .map_err(|error| Failure::Work(Error::unsupported("--threads", error.to_string())))
+        .map_err(|error| CommandError::Work(Error::unsupported("--threads", error.to_string())))
 }
 
 #[cfg(test)]
@@ -251,14 +253,14 @@ mod tests {
             |arguments: &str| Cli::read(format!("overlook {arguments}").split(' ').map(OsString::from));
         for arguments in ["--threads 2 bench", "bench --threads 2", "--threads=2 bench --quick"] {
             let cli = read(arguments).unwrap();
-            assert!(matches!(cli.command, Some(Command::Bench(_))) && cli.path.is_none(), "{arguments}");
+            assert!(matches!(cli.command, Some(CliCommand::Bench(_))) && cli.path.is_none(), "{arguments}");
             assert_eq!(cli.threads, Some(2), "{arguments}");
         }
         for arguments in
             ["--threads 2 preprocess scene --out x.ovl", "preprocess scene --threads 2 --out x.ovl"]
         {
             let cli = read(arguments).unwrap();
-            assert!(matches!(cli.command, Some(Command::Preprocess(_))), "{arguments}");
+            assert!(matches!(cli.command, Some(CliCommand::Preprocess(_))), "{arguments}");
             assert_eq!(cli.threads, Some(2), "{arguments}");
         }
         for arguments in ["--threads 2 scene", "scene --threads 2"] {
@@ -293,7 +295,7 @@ mod tests {
         args.settings = None;
         assert_eq!(args.over(base).unwrap().pruning.normal_tolerance, 50.0);
         args.set.push("pruning.nonsense=1".to_owned());
-        assert!(matches!(args.over(Settings::default()), Err(Failure::Usage(_))));
+        assert!(matches!(args.over(Settings::default()), Err(CommandError::Usage(_))));
     }
 
     /// The long help of a command and of those below it, each after its name.
@@ -331,12 +333,12 @@ mod tests {
             ("store.precision=bits8", "render"),
             ("render.kernel=block", "store"),
         ] {
-            let Err(Failure::Usage(said)) = set(assignment).only(section) else {
+            let Err(CommandError::Usage(said)) = set(assignment).only(section) else {
                 panic!("{assignment} passed")
             };
             assert!(said.contains(assignment) && said.contains(section), "{said}");
         }
-        let Err(Failure::Usage(said)) = set("render.nonsense=1").only("store") else {
+        let Err(CommandError::Usage(said)) = set("render.nonsense=1").only("store") else {
             panic!("nonsense passed")
         };
         assert!(said.contains("no such setting"), "{said}");

@@ -14,12 +14,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, View};
+use crate::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, TruthView};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
-use scenes::Rig;
-use tracer::trace::Picture;
-use tracer::{Builder, CameraNoise, World};
+use scenes::SceneCameras;
+use tracer::trace::WantedPlanes;
+use tracer::{Builder, RenderNoise, World};
 
 /// Names and one-line descriptions of the built-in scenes, the default first.
 pub const SCENES: &[(&str, &str)] = &[
@@ -54,12 +54,12 @@ pub struct DemoSpec {
 
 /// A scene and the way it is recorded unless told otherwise.
 #[derive(Debug)]
-struct Scene {
+struct DemoScene {
     name: &'static str,
     description: &'static str,
     /// The solids at a moment of the animation, 0 to 1, in the same order at every moment.
     stage: fn(f64) -> Builder,
-    rig: fn() -> Rig,
+    rig: fn() -> SceneCameras,
     frames: usize,
     size: (u32, u32),
     noise: f32,
@@ -101,14 +101,14 @@ impl DemoSpec {
     }
 }
 
-impl Scene {
+impl DemoScene {
     /// The scene at a moment of its animation, 0 to 1.
     fn world(&self, moment: f64) -> World {
         (self.stage)(moment).build()
     }
 }
 
-const ORRERY: Scene = Scene {
+const ORRERY: DemoScene = DemoScene {
     name: "orrery",
     description: "a brass orrery on a table: 5 cameras, 48 frames that loop, normals",
     stage: scenes::orrery::stage,
@@ -121,7 +121,7 @@ const ORRERY: Scene = Scene {
     seed: 1,
 };
 
-const NINE_CAMERAS: Scene = Scene {
+const NINE_CAMERAS: DemoScene = DemoScene {
     name: "nine-cameras",
     description: "a living room with a toy train: 9 cameras, 60 frames, anti-aliased and noisy color, no normals",
     stage: scenes::nine_cameras::stage,
@@ -134,7 +134,7 @@ const NINE_CAMERAS: Scene = Scene {
     seed: 2,
 };
 
-const FOUR_CAMERAS: Scene = Scene {
+const FOUR_CAMERAS: DemoScene = DemoScene {
     name: "four-cameras",
     description: "crystals that grow on a laboratory bench: 4 cameras, 300 frames, normals",
     stage: scenes::four_cameras::stage,
@@ -147,12 +147,12 @@ const FOUR_CAMERAS: Scene = Scene {
     seed: 3,
 };
 
-const ALL: [&Scene; 3] = [&ORRERY, &NINE_CAMERAS, &FOUR_CAMERAS];
+const ALL: [&DemoScene; 3] = [&ORRERY, &NINE_CAMERAS, &FOUR_CAMERAS];
 
 /// A built-in scene with its recording decided.
 #[derive(Clone, Debug)]
 pub struct Demo {
-    scene: &'static Scene,
+    scene: &'static DemoScene,
     cameras: Vec<Camera>,
     novel: Vec<Camera>,
     frames: usize,
@@ -205,7 +205,7 @@ impl Demo {
 
     /// Vantages where no camera stands, with truth: three, each at up to five frames spread over the animation.
     #[must_use]
-    pub fn truth_views(&self) -> Vec<View> {
+    pub fn truth_views(&self) -> Vec<TruthView> {
         let count = TRUTH_FRAMES.min(self.frames);
         let mut views = Vec::with_capacity(self.novel.len() * count);
         for (index, camera) in self.novel.iter().enumerate() {
@@ -214,7 +214,7 @@ impl Demo {
                 let mut camera = camera.clone();
                 camera.name = format!("novel{index}");
                 let (demo, truth_camera) = (self.clone(), camera.clone());
-                views.push(View {
+                views.push(TruthView {
                     file_path: format!("novel{index}/{frame:04}.exr"),
                     camera,
                     frame_number: frame as i64,
@@ -237,15 +237,15 @@ impl Demo {
         self.picture(camera, frame, None)
     }
 
-    fn picture(&self, camera: &Camera, frame: usize, noise: Option<CameraNoise>) -> Frame {
-        let wanted = Picture { antialiased: self.scene.antialiased, normals: self.scene.normals, noise };
+    fn picture(&self, camera: &Camera, frame: usize, noise: Option<RenderNoise>) -> Frame {
+        let wanted = WantedPlanes { antialiased: self.scene.antialiased, normals: self.scene.normals, noise };
         tracer::trace::picture(&self.scene.world(frame as f64 / self.frames as f64), camera, wanted)
     }
 }
 
 impl FrameSource for Demo {
     fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
-        let noise = CameraNoise::new(self.noise, self.scene.seed, camera, frame);
+        let noise = RenderNoise::new(self.noise, self.scene.seed, camera, frame);
         Ok(self.picture(&self.cameras[camera], frame, noise))
     }
 
@@ -254,7 +254,7 @@ impl FrameSource for Demo {
     }
 }
 
-fn check(scene: &Scene, what: &str, value: f64, range: std::ops::RangeInclusive<f64>) -> Result<()> {
+fn check(scene: &DemoScene, what: &str, value: f64, range: std::ops::RangeInclusive<f64>) -> Result<()> {
     if range.contains(&value) {
         return Ok(());
     }

@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::capture::{Camera, Capture, View};
+use crate::capture::{Camera, Capture, TruthView};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess;
@@ -104,7 +104,7 @@ pub struct Scoreboard {
 impl Scoreboard {
     /// Adds what was painted of `view`. Views of one vantage must follow each other for flicker to be seen; see
     /// [`vantage_order`].
-    pub fn add(&mut self, view: &View, painted: PaintedView) {
+    pub fn add(&mut self, view: &TruthView, painted: PaintedView) {
         if let Some(pair) = &painted.pair {
             self.flicker.add(&view.camera, pair);
         }
@@ -138,7 +138,7 @@ impl Scoreboard {
 /// Indices of the views such that those of one vantage follow each other, each by frame; vantages in the order in which they
 /// first come. So flicker is seen with one picture kept, however many vantages there are.
 #[must_use]
-pub fn vantage_order(views: &[&View]) -> Vec<usize> {
+pub fn vantage_order(views: &[&TruthView]) -> Vec<usize> {
     let mut vantages: Vec<&Camera> = Vec::new();
     let mut order: Vec<(usize, i64, usize)> = Vec::with_capacity(views.len());
     for (index, view) in views.iter().enumerate() {
@@ -177,7 +177,7 @@ pub struct PaintedView {
 ///
 /// # Errors
 /// `Invalid` naming the view where it is not.
-pub fn frame_of(view: &View, name: &str, frame_numbers: &[i64]) -> Result<usize> {
+pub fn frame_of(view: &TruthView, name: &str, frame_numbers: &[i64]) -> Result<usize> {
     frame_numbers.binary_search(&view.frame_number).map_err(|_| {
         let frames = match frame_numbers {
             [] => "none".to_owned(),
@@ -192,7 +192,7 @@ pub fn frame_of(view: &View, name: &str, frame_numbers: &[i64]) -> Result<usize>
 }
 
 /// That a view takes no part in the scores.
-fn says_nothing(view: &View) -> String {
+fn says_nothing(view: &TruthView) -> String {
     format!(
         "view '{}' is left out of the scores: no pixel of its true picture is known, or was seen by a camera",
         view.file_path
@@ -200,7 +200,7 @@ fn says_nothing(view: &View) -> String {
 }
 
 /// The views whose true picture is there; that others are passed over is told.
-fn with_truth<'a>(views: &'a [View], job: &Job) -> Vec<&'a View> {
+fn with_truth<'a>(views: &'a [TruthView], job: &Job) -> Vec<&'a TruthView> {
     let (known, others): (Vec<_>, Vec<_>) = views.iter().partition(|view| view.truth.is_some());
     if let Some(first) = others.first() {
         job.warn(format!(
@@ -223,7 +223,7 @@ fn with_truth<'a>(views: &'a [View], job: &Job) -> Vec<&'a View> {
 pub fn render_view(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,
-    view: &View,
+    view: &TruthView,
     settings: &RenderSettings,
     job: &Job,
 ) -> Result<PaintedView> {
@@ -254,7 +254,7 @@ pub fn render_view(
 fn painted(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,
-    view: &View,
+    view: &TruthView,
     settings: &RenderSettings,
     job: &Job,
 ) -> Result<(Arc<Picture>, RenderStats)> {
@@ -270,7 +270,7 @@ fn painted(
 /// As [`render_view`]; `Invalid` where no view has truth; `Gpu` where the settings ask for a GPU and there is none.
 pub fn evaluate(
     samples: &Arc<SampleSet>,
-    views: &[View],
+    views: &[TruthView],
     settings: &RenderSettings,
     job: &Job,
 ) -> Result<Evaluation> {
@@ -280,7 +280,7 @@ pub fn evaluate(
 fn evaluate_with(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,
-    views: &[View],
+    views: &[TruthView],
     settings: &RenderSettings,
     job: &Job,
 ) -> Result<Evaluation> {
@@ -316,7 +316,7 @@ impl Evaluation {
 
 /// One way to prune: what it costs and how close to the truth it stays.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Compared {
+pub struct MethodScore {
     /// Name of the pruning method.
     pub method: PruningMethod,
     /// Samples kept.
@@ -332,13 +332,13 @@ pub struct Compared {
 
 /// The given settings beside the two ends they must be held against.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Comparison {
+pub struct MethodComparison {
     /// As the settings say.
-    pub as_set: Compared,
+    pub as_set: MethodScore,
     /// Every sample kept: the most accurate, and the largest.
-    pub no_pruning: Compared,
+    pub no_pruning: MethodScore,
     /// The first camera that saw a point keeps it, whatever its sampling rate: what a layered depth image does.
-    pub first_camera: Compared,
+    pub first_camera: MethodScore,
 }
 
 /// Scores the given settings, no pruning, and first camera wins. The frames are scanned once. What is painted has been through
@@ -347,7 +347,12 @@ pub struct Comparison {
 /// # Errors
 /// As [`preprocess::preprocess`], [`crate::store::file::write`] and [`evaluate`]; a view at a frame that the capture lacks is told before
 /// anything is scanned.
-pub fn compare(capture: &Capture, views: &[View], settings: &Settings, job: &Job) -> Result<Comparison> {
+pub fn compare(
+    capture: &Capture,
+    views: &[TruthView],
+    settings: &Settings,
+    job: &Job,
+) -> Result<MethodComparison> {
     let mut renderer = Renderer::strict(settings.render.backend)?;
     for view in with_truth(views, job) {
         frame_of(view, &capture.name, &capture.frame_numbers)?;
@@ -357,13 +362,13 @@ pub fn compare(capture: &Capture, views: &[View], settings: &Settings, job: &Job
         let mut settings = settings.clone();
         settings.pruning.method = method;
         let pruned = preprocess::prune(capture, &scan, &settings, job)?;
-        let trial::Model { samples, bytes: bytes_store, .. } =
+        let trial::FoldSamples { samples, bytes: bytes_store, .. } =
             trial::stored(&pruned.samples, &pruned.report, job)?;
         let evaluation = evaluate_with(&mut renderer, &samples, views, &settings.render, job)?;
         let (samples_kept, bytes_memory) = (samples.sample_count(), samples.bytes());
-        Ok(Compared { method, samples_kept, bytes_memory, bytes_store, evaluation })
+        Ok(MethodScore { method, samples_kept, bytes_memory, bytes_store, evaluation })
     };
-    Ok(Comparison {
+    Ok(MethodComparison {
         as_set: compared(settings.pruning.method)?,
         no_pruning: compared(PruningMethod::Off)?,
         first_camera: compared(PruningMethod::FirstCamera)?,
@@ -386,7 +391,7 @@ mod tests {
         let by_vantage = demo.truth_views();
         let mut by_frame = by_vantage.clone();
         by_frame.sort_by_key(|view| view.frame_number);
-        let of = |views: &[View]| evaluate(&samples, views, &render, &Job::new()).unwrap();
+        let of = |views: &[TruthView]| evaluate(&samples, views, &render, &Job::new()).unwrap();
         let scored = of(&by_frame);
         assert!(scored.mean.flicker_steps.is_some());
         assert_eq!(scored.mean.flicker_steps, of(&by_vantage).mean.flicker_steps);

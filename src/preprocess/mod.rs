@@ -36,13 +36,13 @@ use crate::grid::Grid;
 use crate::job::Job;
 use crate::settings::Settings;
 
-use crate::samples::{Spool, samples_in_memory};
+use crate::samples::{ImageBuffer, samples_in_memory};
 use diagnostics::{Residuals, Tally};
 use interactive::{CameraPlanes, FrameLayers, FrameVerdicts};
-use layers::Layer;
-use pruning::{Background, Decided, Descent, Masks, load_frame};
-use registration::Rig;
-use temporal::{Level, ROOT, SpanTree, all_frames};
+use layers::CameraLayer;
+use pruning::{Decided, Masks, PrunedBackground, SpanStack, load_frame};
+use registration::CameraPairs;
+use temporal::{ROOT, SpanLevel, SpanTree, all_frames};
 
 use crate::samples::{SampleImage, SampleSet, Span};
 use diagnostics::Report;
@@ -63,7 +63,7 @@ pub struct Spooled {
     /// All but the samples: a set without images.
     pub outline: SampleSet,
     /// The kept samples, ordered as [`SampleSet::images`].
-    pub images: Spool,
+    pub images: ImageBuffer,
     /// The account.
     pub report: Report,
 }
@@ -81,7 +81,7 @@ impl Spooled {
 /// # Errors
 /// Whatever the capture gives (naming file and frame), `Io` where a temporary file cannot be used, and `Cancelled`.
 pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<Preprocessed> {
-    preprocess_into(Spool::new(usize::MAX), capture, settings, job)?.into_memory()
+    preprocess_into(ImageBuffer::new(usize::MAX), capture, settings, job)?.into_memory()
 }
 
 /// The same for a sequence of any length: what is kept waits in a temporary file where it takes more than a share of the memory
@@ -90,10 +90,15 @@ pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<P
 /// # Errors
 /// As [`preprocess`].
 pub fn preprocess_spooled(capture: &Capture, settings: &Settings, job: &Job) -> Result<Spooled> {
-    preprocess_into(Spool::new(samples_in_memory(settings)), capture, settings, job)
+    preprocess_into(ImageBuffer::new(samples_in_memory(settings)), capture, settings, job)
 }
 
-fn preprocess_into(images: Spool, capture: &Capture, settings: &Settings, job: &Job) -> Result<Spooled> {
+fn preprocess_into(
+    images: ImageBuffer,
+    capture: &Capture,
+    settings: &Settings,
+    job: &Job,
+) -> Result<Spooled> {
     let started = Instant::now();
     let scan = scan(capture, settings, job)?;
     let mut spooled = prune_into(images, (capture, &scan), settings, job)?;
@@ -116,11 +121,11 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<Pre
 /// # Errors
 /// As [`preprocess`].
 pub fn prune(capture: &Capture, scan: &PreparedScan, settings: &Settings, job: &Job) -> Result<Preprocessed> {
-    prune_into(Spool::new(usize::MAX), (capture, scan), settings, job)?.into_memory()
+    prune_into(ImageBuffer::new(usize::MAX), (capture, scan), settings, job)?.into_memory()
 }
 
 fn prune_into(
-    mut images: Spool,
+    mut images: ImageBuffer,
     (capture, scan): (&Capture, &PreparedScan),
     settings: &Settings,
     job: &Job,
@@ -135,15 +140,15 @@ fn prune_into(
         &other
     };
     job.start("Pruning the background", 1);
-    let background = Background::of(capture, scan, settings, job)?;
+    let background = PrunedBackground::of(capture, scan, settings, job)?;
     let normal_errors = scan.normal_errors(capture, &settings.normals, job)?;
     let mut tally = Tally::new((capture, scan), &normal_errors, settings);
     tally.add(scan.tree(&settings.spans).root(), &background.decided);
     pack_all(all_frames(scan.frames), &background.layers, &background.decided, settings, &mut images)?;
-    let rig = Rig::new(&capture.cameras);
+    let rig = CameraPairs::new(&capture.cameras);
     let mut residuals = Residuals::new(&rig, scan.frames);
     residuals.add_lasting(&background.layers, job)?;
-    let descent = Descent::new(capture, Some(scan), &rig, settings, background);
+    let descent = SpanStack::new(capture, Some(scan), &rig, settings, background);
     job.start("Pruning frames", scan.frames);
     let mut traversal =
         SpanTraversal { tree: descent.tree(), descent, tally, residuals, images, settings, job };
@@ -159,17 +164,17 @@ fn prune_into(
 /// Goes over all spans, parents before children, and decides what lives in each.
 struct SpanTraversal<'a> {
     tree: SpanTree,
-    descent: Descent<'a>,
+    descent: SpanStack<'a>,
     tally: Tally,
     residuals: Residuals<'a>,
-    images: Spool,
+    images: ImageBuffer,
     settings: &'a Settings,
     job: &'a Job,
 }
 
 impl SpanTraversal<'_> {
     /// Everything that lives in shorter spans within `span`, which lies at `level`.
-    fn below(&mut self, span: Span, level: Level) -> Result<()> {
+    fn below(&mut self, span: Span, level: SpanLevel) -> Result<()> {
         for child in self.tree.children(span) {
             let step = self.descent.enter(child, level + 1, self.job)?;
             self.tally.add(child, &step.decided);
@@ -211,7 +216,7 @@ pub fn inspect_frame(
     }
     let spans = scan.map_or_else(|| settings.spans.clone(), |scan| scan.served(&settings.spans));
     let settings = &Settings { spans, ..settings.clone() };
-    let rig = Rig::new(&capture.cameras);
+    let rig = CameraPairs::new(&capture.cameras);
     let frames = load_frame(capture, frame, job)?;
     let complete = match scan {
         Some(scan) => scan.frame_layers(capture, &rig, settings, frame, job)?,
@@ -262,17 +267,17 @@ pub fn prepare_frame(
     if frame >= capture.frame_count() || !scan.serves(&settings.spans) {
         return Ok(None);
     }
-    let rig = Rig::new(&capture.cameras);
+    let rig = CameraPairs::new(&capture.cameras);
     scan.frame_layers(capture, &rig, settings, frame, job)?.prepare(&rig, settings, job)
 }
 
 /// Adds the kept samples of every camera over one span.
 fn pack_all(
     span: Span,
-    layers: &[Layer],
+    layers: &[CameraLayer],
     decided: &[Decided],
     settings: &Settings,
-    images: &mut Spool,
+    images: &mut ImageBuffer,
 ) -> Result<()> {
     let cameras = layers.par_iter().zip(decided).enumerate();
     let packed = cameras.filter_map(|(camera, (layer, decided))| {

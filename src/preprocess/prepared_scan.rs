@@ -7,10 +7,10 @@ use std::sync::{Arc, Mutex};
 use rayon::prelude::*;
 
 use super::interactive::FrameLayers;
-use super::layers::Layer;
+use super::layers::CameraLayer;
 use super::normals::{NormalErrors, compare_with_given};
-use super::pruning::{Background, Descent, StaticLayer, rated, static_layers};
-use super::registration::Rig;
+use super::pruning::{PrunedBackground, SpanStack, StaticLayer, rated, static_layers};
+use super::registration::CameraPairs;
 use super::temporal::TemporalScan;
 use crate::capture::{Camera, Capture};
 use crate::error::Result;
@@ -22,7 +22,7 @@ use crate::settings::{MixedPixels, NormalSettings, PruningMethod, RateModel, Set
 pub struct PreparedScan {
     scan: TemporalScan,
     static_layers: Last<StaticKey, Arc<Vec<StaticLayer>>>,
-    frame: Last<FrameKey, Arc<FrameLayers>>,
+    frame: Last<PreparedFrameKey, Arc<FrameLayers>>,
     normal_errors: Last<f32, AllNormalErrors>,
 }
 
@@ -47,7 +47,7 @@ type AllNormalErrors = Arc<Vec<Vec<NormalErrors>>>;
 
 /// What the layers of a frame depend on.
 #[derive(Clone, Debug, PartialEq)]
-struct FrameKey {
+struct PreparedFrameKey {
     frame: usize,
     normals: NormalSettings,
     spans: SpanSettings,
@@ -85,16 +85,16 @@ impl PreparedScan {
     /// the frame stay.
     ///
     /// # Errors
-    /// As [`Descent::enter`].
+    /// As [`SpanStack::enter`].
     pub fn frame_layers(
         &self,
         capture: &Capture,
-        rig: &Rig<'_>,
+        rig: &CameraPairs<'_>,
         settings: &Settings,
         frame: usize,
         job: &Job,
     ) -> Result<Arc<FrameLayers>> {
-        let key = FrameKey {
+        let key = PreparedFrameKey {
             frame,
             normals: settings.normals.clone(),
             spans: settings.spans.clone(),
@@ -106,15 +106,15 @@ impl PreparedScan {
         if let Some(layers) = self.frame.get(&key) {
             return Ok(layers);
         }
-        let background = Background::undecided(self.rated_layers(capture, settings, job)?);
-        let descent = Descent::new(capture, Some(&self.scan), rig, settings, background);
+        let background = PrunedBackground::undecided(self.rated_layers(capture, settings, job)?);
+        let descent = SpanStack::new(capture, Some(&self.scan), rig, settings, background);
         let layers = Arc::new(FrameLayers::at(frame, descent, job)?);
         self.frame.set(key, layers.clone());
         Ok(layers)
     }
 
     /// Every camera's static pixels, ready to be pruned.
-    fn rated_layers(&self, capture: &Capture, settings: &Settings, job: &Job) -> Result<Vec<Layer>> {
+    fn rated_layers(&self, capture: &Capture, settings: &Settings, job: &Job) -> Result<Vec<CameraLayer>> {
         let key = (settings.normals.clone(), settings.spans.clone());
         let layers = if let Some(layers) = self.static_layers.get(&key) {
             layers

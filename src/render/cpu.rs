@@ -11,9 +11,11 @@ use std::time::Instant;
 
 use super::fill::fill;
 use super::gather::{Gather, RING, Scratches};
-use super::geometry::{Bounds, MAX_STRETCH, Projector, Reach, bands, bounds, focal, rays_in_world};
+use super::geometry::{
+    FootprintReach, MAX_STRETCH, Projector, TileBounds, bands, bounds, focal, rays_in_world,
+};
 use super::input::{CellTable, FrameImages, FrameSamples, Numbers};
-use super::resolve::{Blocks, Layer, Resolve};
+use super::resolve::{Blocks, PaintedTiles, Resolve};
 use super::splat::{BLEND_REACH, Stage, blend, surface};
 use super::vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 use crate::capture::Camera;
@@ -44,20 +46,20 @@ struct Still {
     numbers: Numbers,
     /// Where these tiles lie in the cameras, for kernels that gather.
     cells: Option<CellTable>,
-    background: Layer,
+    background: PaintedTiles,
     /// The background alone, and its holes; made when the first frame follows at the same vantage.
     background_picture: Option<(Picture, u64)>,
-    foreground: Layer,
+    foreground: PaintedTiles,
     /// The blocks that the foreground has touched.
     touched: Blocks,
     /// The last picture, and before it one that whoever asked for it may still hold: while they look at one, the other is
     /// painted over instead of copied.
-    pictures: Vec<Painted>,
+    pictures: Vec<PaintedBlocks>,
 }
 
 /// A picture, and the blocks in which it may differ from the background's.
 #[derive(Debug)]
-struct Painted {
+struct PaintedBlocks {
     picture: Arc<Picture>,
     touched: Blocks,
     /// Pixels of the picture without a sample.
@@ -65,7 +67,7 @@ struct Painted {
 }
 
 /// What the stages of one picture are made of.
-struct Painting<'a> {
+struct PictureInput<'a> {
     frame: &'a FrameSamples<'a>,
     target: &'a Camera,
     settings: &'a RenderSettings,
@@ -76,7 +78,7 @@ struct Painting<'a> {
     job: &'a Job,
 }
 
-impl<'a> Painting<'a> {
+impl<'a> PictureInput<'a> {
     fn new(
         frame: &'a FrameSamples<'a>,
         (target, settings): (&'a Camera, &'a RenderSettings),
@@ -104,18 +106,18 @@ impl<'a> Painting<'a> {
         matches!(self.settings.kernel, Kernel::Block | Kernel::Surfel)
     }
 
-    fn bounds(&self, tiles: Range<usize>) -> Vec<Bounds> {
+    fn bounds(&self, tiles: Range<usize>) -> Vec<TileBounds> {
         let reach = match self.settings.kernel {
-            Kernel::Point => Reach { pixels: 0.0, source_pixels: 0.0 },
-            Kernel::Block => Reach { pixels: 1.0, source_pixels: 0.0 },
+            Kernel::Point => FootprintReach { pixels: 0.0, source_pixels: 0.0 },
+            Kernel::Block => FootprintReach { pixels: 1.0, source_pixels: 0.0 },
             Kernel::Surfel => BLEND_REACH,
-            Kernel::Gather => Reach { pixels: 1.0, source_pixels: MAX_STRETCH },
+            Kernel::Gather => FootprintReach { pixels: 1.0, source_pixels: MAX_STRETCH },
         };
         bounds(self.frame, tiles, &self.projectors, self.target, reach)
     }
 
     /// Paints some tiles into a layer, over what is there.
-    fn paint(&self, first_tile: usize, bounds: &[Bounds], layer: &mut Layer) -> Result<()> {
+    fn paint(&self, first_tile: usize, bounds: &[TileBounds], layer: &mut PaintedTiles) -> Result<()> {
         let (width, height) = self.size();
         let stage = Stage {
             frame: self.frame,
@@ -144,8 +146,8 @@ impl<'a> Painting<'a> {
     /// Resolves some blocks of a picture; without a foreground, those of the background alone.
     fn resolve(
         &self,
-        (background, cells): (&Layer, Option<&CellTable>),
-        foreground: Option<&Layer>,
+        (background, cells): (&PaintedTiles, Option<&CellTable>),
+        foreground: Option<&PaintedTiles>,
         background_picture: Option<&Picture>,
         (which, picture): (&Blocks, &mut Picture),
     ) -> Result<()> {
@@ -202,12 +204,12 @@ impl CpuRenderer {
             .map(|still| std::mem::take(&mut still.numbers));
         let background_reused = reused.is_some();
         let frame = FrameSamples::of(samples, vantage.frame, images, reused)?;
-        let painting = Painting::new(&frame, (&vantage.camera, settings), &self.scratches, job);
+        let painting = PictureInput::new(&frame, (&vantage.camera, settings), &self.scratches, job);
         let mut still = match still {
             Some(still) if background_reused => repaint(&painting, still)?,
             still => paint_anew(&painting, samples, still.map(Buffers::of).unwrap_or_default())?,
         };
-        let Painted { picture, holes, .. } = &still.pictures[0];
+        let PaintedBlocks { picture, holes, .. } = &still.pictures[0];
         let (mut picture, holes) = (picture.clone(), *holes);
         let painted = if background_reused { frame.passing() } else { 0..frame.tile_count() };
         let painted = frame.sample_count(painted);
@@ -244,11 +246,11 @@ impl Still {
     }
 
     /// A picture that nobody else holds; of the others, the last one is kept.
-    fn free_picture(&mut self, background: &Picture) -> Painted {
-        let is_free = |painted: &mut Painted| Arc::get_mut(&mut painted.picture).is_some();
+    fn free_picture(&mut self, background: &Picture) -> PaintedBlocks {
+        let is_free = |painted: &mut PaintedBlocks| Arc::get_mut(&mut painted.picture).is_some();
         let free = self.pictures.iter_mut().position(is_free).map(|nth| self.pictures.remove(nth));
         self.pictures.truncate(1);
-        free.unwrap_or_else(|| Painted {
+        free.unwrap_or_else(|| PaintedBlocks {
             touched: self.touched.emptied(),
             picture: Arc::new(background.clone()),
             holes: 0,
@@ -259,8 +261,8 @@ impl Still {
 /// What an earlier picture leaves for the next: memory that need not be asked for again.
 #[derive(Default)]
 struct Buffers {
-    background: Layer,
-    foreground: Layer,
+    background: PaintedTiles,
+    foreground: PaintedTiles,
     picture: Option<Picture>,
 }
 
@@ -273,7 +275,7 @@ impl Buffers {
 }
 
 /// Background and foreground.
-fn paint_anew(painting: &Painting<'_>, samples: &Arc<SampleSet>, buffers: Buffers) -> Result<Still> {
+fn paint_anew(painting: &PictureInput<'_>, samples: &Arc<SampleSet>, buffers: Buffers) -> Result<Still> {
     let (width, height) = painting.size();
     let frame = painting.frame;
     let Buffers { mut background, mut foreground, picture } = buffers;
@@ -283,7 +285,7 @@ fn paint_anew(painting: &Painting<'_>, samples: &Arc<SampleSet>, buffers: Buffer
     let mut touched = Blocks::none(width, height);
     if frame.passing().is_empty() {
         // When the next frame is painted over, only blocks that are touched are cleared: nothing may be left in others.
-        foreground = Layer::default();
+        foreground = PaintedTiles::default();
     } else {
         foreground.reset(pixels, sums);
         let bounds = painting.bounds(frame.passing());
@@ -307,7 +309,7 @@ fn paint_anew(painting: &Painting<'_>, samples: &Arc<SampleSet>, buffers: Buffer
         background,
         background_picture: None,
         foreground,
-        pictures: vec![Painted {
+        pictures: vec![PaintedBlocks {
             holes: picture.holes(),
             picture: Arc::new(picture),
             touched: touched.clone(),
@@ -317,13 +319,13 @@ fn paint_anew(painting: &Painting<'_>, samples: &Arc<SampleSet>, buffers: Buffer
 }
 
 /// The foreground alone, over the background that is there.
-fn repaint(painting: &Painting<'_>, mut still: Still) -> Result<Still> {
+fn repaint(painting: &PictureInput<'_>, mut still: Still) -> Result<Still> {
     let (width, height) = painting.size();
     let cells = still.cells.take();
     let (background_picture, background_holes) = if let Some(kept) = still.background_picture.take() {
         kept
     } else {
-        let Painted { picture, touched, .. } = &still.pictures[0];
+        let PaintedBlocks { picture, touched, .. } = &still.pictures[0];
         let mut picture = (**picture).clone();
         painting.resolve((&still.background, cells.as_ref()), None, None, (touched, &mut picture))?;
         let holes = picture.holes();

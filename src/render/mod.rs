@@ -26,7 +26,7 @@ mod supersample;
 mod vantage;
 
 pub use cpu::{CpuRenderer, MAX_PIXELS};
-pub use renderer::{Painter, Renderer, Shown};
+pub use renderer::{Painter, Renderer, WindowPicture};
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 
 use fill::fill;

@@ -72,7 +72,7 @@ pub struct Renderer {
 
 /// A picture for a window.
 #[derive(Clone, Debug)]
-pub enum Shown {
+pub enum WindowPicture {
     /// On the window's own device, holes hatched.
     OnAdapter(ScreenTexture),
     /// In memory, still to be colored and sent.
@@ -88,7 +88,7 @@ struct Request<'a> {
     job: &'a Job,
 }
 
-type Painted = (Arc<Picture>, RenderStats);
+type PaintedBy = (Arc<Picture>, RenderStats);
 
 impl Renderer {
     /// A renderer with nothing cached, which opens an adapter when one is first needed.
@@ -156,7 +156,7 @@ impl Renderer {
         vantage: &Vantage,
         settings: &RenderSettings,
         job: &Job,
-    ) -> Result<Painted> {
+    ) -> Result<PaintedBy> {
         let started = Instant::now();
         let times = times_as_fine(samples, vantage, settings);
         if times == 1 {
@@ -170,7 +170,7 @@ impl Renderer {
         Ok((Arc::new(picture), stats))
     }
 
-    fn paint(&mut self, request: &Request<'_>) -> Result<Painted> {
+    fn paint(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
         match request.settings.backend {
             Backend::Cpu => self.on_cpu_by_choice(request),
             Backend::Gpu => {
@@ -193,7 +193,7 @@ impl Renderer {
         settings: &RenderSettings,
         holes: &HolePattern,
         job: &Job,
-    ) -> Result<(Shown, RenderStats)> {
+    ) -> Result<(WindowPicture, RenderStats)> {
         let gpu_is_faster = || self.faster.get(&settings.kernel) == Some(&Backend::Gpu);
         let on_gpu = match settings.backend {
             Backend::Cpu => false,
@@ -212,7 +212,7 @@ impl Renderer {
                 Ok((texture, stats)) => {
                     self.painter = Some(Painter::gpu(gpu));
                     self.notice = None;
-                    return Ok((Shown::OnAdapter(texture), stats));
+                    return Ok((WindowPicture::OnAdapter(texture), stats));
                 }
                 // Whatever failed fails again below, where the CPU takes over.
                 Err(Error::Gpu { .. }) => {}
@@ -220,10 +220,10 @@ impl Renderer {
             }
         }
         let (picture, stats) = self.paint(&Request { samples, vantage, settings, job })?;
-        Ok((Shown::InMemory(picture), stats))
+        Ok((WindowPicture::InMemory(picture), stats))
     }
 
-    fn on_the_faster(&mut self, request: &Request<'_>) -> Result<Painted> {
+    fn on_the_faster(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
         self.open(AdapterChoice::Hardware);
         let hardware = matches!(&self.adapter, Adapter::Open(gpu) if !gpu.is_software());
         match self.faster.get(&request.settings.kernel) {
@@ -236,7 +236,7 @@ impl Renderer {
 
     /// Paints on both, everything anew, and remembers which was faster. The GPU paints twice, as its first time includes
     /// sending the samples, which later pictures do not.
-    fn measure(&mut self, request: &Request<'_>) -> Result<Painted> {
+    fn measure(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
         self.on_gpu_if_possible(request)?;
         self.forget_background();
         let (picture, gpu) = self.on_gpu_if_possible(request)?;
@@ -280,18 +280,18 @@ impl Renderer {
         };
     }
 
-    fn on_cpu_by_choice(&mut self, request: &Request<'_>) -> Result<Painted> {
+    fn on_cpu_by_choice(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
         self.notice = None;
         self.on_cpu(request)
     }
 
-    fn on_cpu(&mut self, request: &Request<'_>) -> Result<Painted> {
+    fn on_cpu(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
         let painted = self.cpu.render(request.samples, request.vantage, request.settings, request.job)?;
         self.painter = Some(Painter::cpu());
         Ok(painted)
     }
 
-    fn on_gpu_if_possible(&mut self, request: &Request<'_>) -> Result<Painted> {
+    fn on_gpu_if_possible(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
         let gpu = match &mut self.adapter {
             Adapter::Open(gpu) => gpu,
             Adapter::Missing(why) => {

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::depth_plane::{DepthPlane, DepthTile};
 use super::oct_normal::OctNormal;
 use super::sample_set::{SampleImage, Span};
-use super::spill_file::{Overflow, Place, Record};
+use super::spill_file::{Record, RecordPlace, SpillFile};
 use super::tile::SampleTile;
 use crate::error::Result;
 
@@ -97,27 +97,27 @@ impl Record for SampleImage {
     }
 }
 
-/// Sample images, in the order they are painted once [`Spool::sort`] was called.
+/// Sample images, in the order they are painted once [`ImageBuffer::sort`] was called.
 #[derive(Debug)]
-pub struct Spool {
-    images: Vec<(ImageFacts, Place<SampleImage>)>,
-    overflow: Overflow,
+pub struct ImageBuffer {
+    images: Vec<(ImageFacts, RecordPlace<SampleImage>)>,
+    overflow: SpillFile,
 }
 
 /// Images that are worked on at a time: enough for every thread, few enough to be held in memory.
 const BATCH: usize = 64;
 
-impl Spool {
+impl ImageBuffer {
     /// An empty spool that holds at most `bound` bytes in memory.
     #[must_use]
     pub fn new(bound: usize) -> Self {
-        Self { images: Vec::new(), overflow: Overflow::new(bound) }
+        Self { images: Vec::new(), overflow: SpillFile::new(bound) }
     }
 
     /// Images that are in memory already, in their order.
     #[must_use]
     pub fn of(images: &[Arc<SampleImage>]) -> Self {
-        let place = |image: &Arc<SampleImage>| (ImageFacts::of(image), Place::Memory(image.clone()));
+        let place = |image: &Arc<SampleImage>| (ImageFacts::of(image), RecordPlace::Memory(image.clone()));
         Self { images: images.iter().map(place).collect(), ..Self::new(usize::MAX) }
     }
 
@@ -169,7 +169,7 @@ impl Spool {
     /// The images after `change`, in the same order and within the same bound.
     ///
     /// # Errors
-    /// Whatever `change` gives; `Io` as [`Spool::push`] and [`Spool::get`].
+    /// Whatever `change` gives; `Io` as [`ImageBuffer::push`] and [`ImageBuffer::get`].
     pub fn map(&self, change: impl Fn(&SampleImage) -> Result<SampleImage> + Sync) -> Result<Self> {
         let mut changed = Self::new(self.overflow.bound);
         for first in (0..self.len()).step_by(BATCH) {
@@ -183,7 +183,7 @@ impl Spool {
     /// All images, in memory.
     ///
     /// # Errors
-    /// `Io` as [`Spool::get`].
+    /// `Io` as [`ImageBuffer::get`].
     pub fn into_images(self) -> Result<Vec<Arc<SampleImage>>> {
         (0..self.len()).map(|index| self.get(index)).collect()
     }
@@ -220,10 +220,10 @@ mod tests {
     fn images_come_back_bit_for_bit_and_in_order_from_memory_and_from_the_file() {
         let pushed: Vec<SampleImage> = (0..8).map(|n| image(n % 2, 14 - n / 2 * 2, n % 3 == 0)).collect();
         for bound in [0, 3 * pushed[0].bytes(), usize::MAX] {
-            let mut spool = Spool::new(bound);
+            let mut spool = ImageBuffer::new(bound);
             pushed.iter().cloned().try_for_each(|image| spool.push(image)).unwrap();
             spool.sort();
-            let in_memory = spool.images.iter().filter(|(_, place)| matches!(place, Place::Memory(_)));
+            let in_memory = spool.images.iter().filter(|(_, place)| matches!(place, RecordPlace::Memory(_)));
             let bytes: usize = in_memory.map(|(facts, _)| facts.bytes).sum();
             assert!(bytes <= bound && (bound == 0 || bytes > 0), "{bytes} of {bound}");
             let facts: Vec<ImageFacts> = spool.facts().copied().collect();

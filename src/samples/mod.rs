@@ -8,8 +8,8 @@ mod spill_file;
 mod tile;
 
 pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
-pub use image_buffer::{ImageFacts, Spool};
+pub use image_buffer::{ImageBuffer, ImageFacts};
 pub use oct_normal::OctNormal;
 pub use sample_set::{Sample, SampleImage, SampleSet, Span};
-pub(crate) use spill_file::{Overflow, Place, Record, samples_in_memory};
+pub(crate) use spill_file::{Record, RecordPlace, SpillFile, samples_in_memory};
 pub use tile::{SampleTile, TILE};

@@ -31,7 +31,7 @@ pub(crate) trait Record: Sized {
 
 /// Where a record is.
 #[derive(Debug)]
-pub(crate) enum Place<T: Record> {
+pub(crate) enum RecordPlace<T: Record> {
     /// Within the bound.
     Memory(Arc<T>),
     /// In the file, from a byte on.
@@ -40,14 +40,14 @@ pub(crate) enum Place<T: Record> {
 
 /// A bound on memory, and the file for what is beyond it.
 #[derive(Debug)]
-pub(crate) struct Overflow {
+pub(crate) struct SpillFile {
     /// Bytes that are held in memory, and how many may be.
     held: usize,
     pub(crate) bound: usize,
     file: TemporaryFile,
 }
 
-impl Overflow {
+impl SpillFile {
     /// Nothing is held yet, and at most `bound` bytes will be.
     pub(crate) fn new(bound: usize) -> Self {
         Self { held: 0, bound, file: TemporaryFile::default() }
@@ -57,23 +57,23 @@ impl Overflow {
     ///
     /// # Errors
     /// `Io` naming the folder of temporary files.
-    pub(crate) fn put<T: Record>(&mut self, record: T) -> Result<Place<T>> {
+    pub(crate) fn put<T: Record>(&mut self, record: T) -> Result<RecordPlace<T>> {
         let held = self.held.saturating_add(record.bytes());
         if held <= self.bound {
             self.held = held;
-            return Ok(Place::Memory(Arc::new(record)));
+            return Ok(RecordPlace::Memory(Arc::new(record)));
         }
-        Ok(Place::File(self.file.append(&record.planes())?, record.shape()))
+        Ok(RecordPlace::File(self.file.append(&record.planes())?, record.shape()))
     }
 
     /// A record, bit for bit as it was put.
     ///
     /// # Errors
-    /// As [`Overflow::put`].
-    pub(crate) fn get<T: Record>(&self, place: &Place<T>) -> Result<Arc<T>> {
+    /// As [`SpillFile::put`].
+    pub(crate) fn get<T: Record>(&self, place: &RecordPlace<T>) -> Result<Arc<T>> {
         match place {
-            Place::Memory(record) => Ok(record.clone()),
-            Place::File(offset, shape) => {
+            RecordPlace::Memory(record) => Ok(record.clone()),
+            RecordPlace::File(offset, shape) => {
                 T::read(shape, |planes| self.file.read(*offset, planes)).map(Arc::new)
             }
         }

@@ -19,7 +19,7 @@ pub use choices::{
     Backend, Coding, Fill, Instructions, Kernel, MixedPixels, NormalEstimator, NormalSource, Precision,
     PruningMethod, RateModel, SpanLevels,
 };
-pub use section::{Field, Kind};
+pub use section::{Field, ValueKind};
 
 use std::path::Path;
 
@@ -32,7 +32,7 @@ section! {
     /// Reading the capture.
     pub struct CaptureSettings in "capture" {
         /// Memory for decoded frames that may be asked for again.
-        cache: u32 = 1024, "MiB", Kind::Integer { min: 16, max: 65536 };
+        cache: u32 = 1024, "MiB", ValueKind::Integer { min: 16, max: 65536 };
     }
 }
 
@@ -40,11 +40,11 @@ section! {
     /// Surface normals.
     pub struct NormalSettings in "normals" {
         /// Where normals come from.
-        source: NormalSource = NormalSource::Auto, "", Kind::Choice(NormalSource::NAMES);
+        source: NormalSource = NormalSource::Auto, "", ValueKind::Choice(NormalSource::NAMES);
         /// How normals are estimated where none are given.
-        estimator: NormalEstimator = NormalEstimator::Plane, "", Kind::Choice(NormalEstimator::NAMES);
+        estimator: NormalEstimator = NormalEstimator::Plane, "", ValueKind::Choice(NormalEstimator::NAMES);
         /// Two neighbors belong to one surface while their depths differ by less than this many pixel footprints.
-        edge: f32 = 8.0, "footprints", Kind::Number { min: 1.0, max: 64.0, log: true };
+        edge: f32 = 8.0, "footprints", ValueKind::Number { min: 1.0, max: 64.0, log: true };
     }
 }
 
@@ -52,14 +52,14 @@ section! {
     /// Temporal redundancy: which pixels stay the same, and for how long.
     pub struct SpanSettings in "spans" {
         /// Which spans of frames a sample may live in.
-        levels: SpanLevels = SpanLevels::Tree, "", Kind::Choice(SpanLevels::NAMES);
+        levels: SpanLevels = SpanLevels::Tree, "", ValueKind::Choice(SpanLevels::NAMES);
         /// A pixel is static while its color stays within this range over the span, beyond what noise explains.
-        color_tolerance: f32 = 2.0, "8-bit steps", Kind::Number { min: 0.0, max: 64.0, log: false };
+        color_tolerance: f32 = 2.0, "8-bit steps", ValueKind::Number { min: 0.0, max: 64.0, log: false };
         /// A pixel is static while its depth stays within this relative range over the span, beyond what noise explains.
-        depth_tolerance: f32 = 0.001, "relative", Kind::Number { min: 0.0, max: 0.1, log: true };
+        depth_tolerance: f32 = 0.001, "relative", ValueKind::Number { min: 0.0, max: 0.1, log: true };
         /// How many times the measured noise is granted on top of the tolerances, over time and between cameras; 0 trusts the
         /// tolerances alone.
-        noise: f32 = 1.0, "× measured", Kind::Number { min: 0.0, max: 4.0, log: false };
+        noise: f32 = 1.0, "× measured", ValueKind::Number { min: 0.0, max: 4.0, log: false };
     }
 }
 
@@ -67,24 +67,24 @@ section! {
     /// Spatial redundancy: which samples show the same surface point, and which of them stays.
     pub struct PruningSettings in "pruning" {
         /// Which of two samples of the same surface point stays.
-        method: PruningMethod = PruningMethod::HighestRate, "", Kind::Choice(PruningMethod::NAMES);
+        method: PruningMethod = PruningMethod::HighestRate, "", ValueKind::Choice(PruningMethod::NAMES);
         /// How the sampling rate of a pixel is measured.
-        rate: RateModel = RateModel::Auto, "", Kind::Choice(RateModel::NAMES);
+        rate: RateModel = RateModel::Auto, "", ValueKind::Choice(RateModel::NAMES);
         /// Two samples show the same surface while one lies this close to the other's tangent plane.
-        depth_tolerance: f32 = 1.0, "footprints", Kind::Number { min: 0.05, max: 16.0, log: true };
+        depth_tolerance: f32 = 1.0, "footprints", ValueKind::Number { min: 0.05, max: 16.0, log: true };
         /// Two samples show the same surface while their normals differ by less than this.
-        normal_tolerance: f32 = 30.0, "degrees", Kind::Number { min: 1.0, max: 90.0, log: false };
+        normal_tolerance: f32 = 30.0, "degrees", ValueKind::Number { min: 1.0, max: 90.0, log: false };
         /// Two samples show the same surface while their colors differ by less than this.
-        color_tolerance: f32 = 24.0, "8-bit steps", Kind::Number { min: 1.0, max: 255.0, log: true };
+        color_tolerance: f32 = 24.0, "8-bit steps", ValueKind::Number { min: 1.0, max: 255.0, log: true };
         /// The cosine of incidence never counts as less than this: grazing views and poor normals stay comparable.
-        cosine_floor: f32 = 0.1, "", Kind::Number { min: 0.01, max: 1.0, log: true };
+        cosine_floor: f32 = 0.1, "", ValueKind::Number { min: 0.01, max: 1.0, log: true };
         /// Whether a foreground sample may be dropped for a background sample that shows the same point.
-        across_spans: bool = true, "", Kind::Switch;
+        across_spans: bool = true, "", ValueKind::Switch;
         /// Whether a sample is dropped only where its witness's camera shows the surface on all four pixels around the
         /// point: what is left then overlaps by a pixel at seams and silhouettes, and can be interpolated there.
-        overlap: bool = true, "", Kind::Switch;
+        overlap: bool = true, "", ValueKind::Switch;
         /// What happens to samples whose color is blended across a silhouette.
-        mixed_pixels: MixedPixels = MixedPixels::Yield, "", Kind::Choice(MixedPixels::NAMES);
+        mixed_pixels: MixedPixels = MixedPixels::Yield, "", ValueKind::Choice(MixedPixels::NAMES);
     }
 }
 
@@ -92,13 +92,13 @@ section! {
     /// The file that the kept samples are written to.
     pub struct StoreSettings in "store" {
         /// Whether normals are stored with the samples.
-        normals: bool = false, "", Kind::Switch;
+        normals: bool = false, "", ValueKind::Switch;
         /// How much of color and depth is kept.
-        precision: Precision = Precision::Lossless, "", Kind::Choice(Precision::NAMES);
+        precision: Precision = Precision::Lossless, "", ValueKind::Choice(Precision::NAMES);
         /// Depth errs by no more than this where the precision is not lossless.
-        depth_precision: f32 = 0.0625, "footprints", Kind::Number { min: 0.001, max: 1.0, log: true };
+        depth_precision: f32 = 0.0625, "footprints", ValueKind::Number { min: 0.001, max: 1.0, log: true };
         /// How samples are coded.
-        coding: Coding = Coding::Modeled, "", Kind::Choice(Coding::NAMES);
+        coding: Coding = Coding::Modeled, "", ValueKind::Choice(Coding::NAMES);
     }
 }
 
@@ -106,15 +106,15 @@ section! {
     /// Painting the kept samples into a vantage.
     pub struct RenderSettings in "render" {
         /// How a sample is painted into the picture.
-        kernel: Kernel = Kernel::Gather, "", Kind::Choice(Kernel::NAMES);
+        kernel: Kernel = Kernel::Gather, "", ValueKind::Choice(Kernel::NAMES);
         /// How pixels without any sample are filled.
-        fill: Fill = Fill::None, "", Kind::Choice(Fill::NAMES);
+        fill: Fill = Fill::None, "", ValueKind::Choice(Fill::NAMES);
         /// Samples this close behind the nearest one belong to the same surface and are blended with it.
-        depth_tolerance: f32 = 4.0, "footprints", Kind::Number { min: 0.1, max: 64.0, log: true };
+        depth_tolerance: f32 = 4.0, "footprints", ValueKind::Number { min: 0.1, max: 64.0, log: true };
         /// Whether a picture that is coarser than what was recorded is painted finer and averaged, by kernels that interpolate.
-        antialias: bool = true, "", Kind::Switch;
+        antialias: bool = true, "", ValueKind::Switch;
         /// What paints.
-        backend: Backend = Backend::Auto, "", Kind::Choice(Backend::NAMES);
+        backend: Backend = Backend::Auto, "", ValueKind::Choice(Backend::NAMES);
     }
 }
 
@@ -196,7 +196,7 @@ impl Settings {
             Error::invalid(&place, format!("there is no such setting; there are {}", names.join(", ")))
         })?;
         let value = match (field.kind, value) {
-            (Kind::Number { .. }, toml::Value::Integer(whole)) => toml::Value::Float(whole as f64),
+            (ValueKind::Number { .. }, toml::Value::Integer(whole)) => toml::Value::Float(whole as f64),
             (_, value) => value,
         };
         let mut table =
@@ -242,8 +242,8 @@ impl Settings {
             let Some((section, name)) = field.path.split_once('.') else { continue };
             let value = table.get(section).and_then(|section| section.get(name));
             let (number, min, max) = match (field.kind, value) {
-                (Kind::Number { min, max, .. }, Some(toml::Value::Float(number))) => (*number, min, max),
-                (Kind::Integer { min, max }, Some(toml::Value::Integer(whole))) => {
+                (ValueKind::Number { min, max, .. }, Some(toml::Value::Float(number))) => (*number, min, max),
+                (ValueKind::Integer { min, max }, Some(toml::Value::Integer(whole))) => {
                     (*whole as f64, min as f64, max as f64)
                 }
                 _ => continue,

@@ -3,7 +3,7 @@
 
 /// What kind of value a setting takes, and its sensible range.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub enum ValueKind {
     /// A number; sliders run from `min` to `max`, logarithmically where `log`.
     Number {
         /// Smallest value that is accepted.
@@ -36,10 +36,10 @@ pub struct Field {
     /// Help text.
     pub help: &'static str,
     /// What it takes.
-    pub kind: Kind,
+    pub kind: ValueKind,
 }
 
-/// Declares a settings section: each field has a doc comment, a type, a default, a unit and a [`Kind`].
+/// Declares a settings section: each field has a doc comment, a type, a default, a unit and a [`ValueKind`].
 macro_rules! section {
     (
         $(#[$meta:meta])*

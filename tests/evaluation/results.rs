@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use overlook::capture::transforms::{open, open_views};
-use overlook::evaluate::sweep::{self, Plan, Series};
+use overlook::evaluate::sweep::{self, Series, SweepPlan};
 use overlook::evaluate::truth::Truth;
 use overlook::job::Job;
 use overlook::settings::{CaptureSettings, Kernel, Settings};
@@ -16,7 +16,7 @@ fn small_table() -> String {
     let capture = open(&folder, &CaptureSettings::default()).unwrap();
     let truth = Truth::Views(open_views(&folder.join("novel/transforms.json")).unwrap());
     let settings = Settings::default();
-    let mut plan = Plan::grid(&settings, &[], &capture).unwrap();
+    let mut plan = SweepPlan::grid(&settings, &[], &capture).unwrap();
     plan.trials.retain(|planned| {
         planned.trial.settings.render.kernel == Kernel::Gather || planned.series == Series::Paper
     });

@@ -1,6 +1,6 @@
 //! Disturbances: each does nothing at the start of its dial and something at the end, and tells where methods fail.
 
-use overlook::evaluate::stress::{self, Disturbance, Plan, StressPoint};
+use overlook::evaluate::stress::{self, Disturbance, StressPlan, StressPoint};
 use overlook::evaluate::truth::Truth;
 use overlook::job::Job;
 use overlook::settings::Settings;
@@ -34,7 +34,10 @@ fn every_disturbance_leaves_the_capture_alone_at_the_start_of_its_dial_and_not_a
 #[test]
 fn a_pose_error_costs_accuracy_and_the_point_of_failure_lies_on_the_dial() {
     let scene = orrery(2);
-    let plan = Plan { disturbances: vec![Disturbance::CameraPose], ..Plan::standard(&Settings::default()) };
+    let plan = StressPlan {
+        disturbances: vec![Disturbance::CameraPose],
+        ..StressPlan::standard(&Settings::default())
+    };
     let mut told = 0;
     let points = stress::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, (known, total)| {
         told += 1;
@@ -58,7 +61,7 @@ fn a_pose_error_costs_accuracy_and_the_point_of_failure_lies_on_the_dial() {
         assert_eq!(point.point.pareto, !points.iter().any(beats), "{}", point.point.label);
     }
     assert!(points.iter().any(|point| !point.point.pareto), "some method is beaten somewhere");
-    let again = Plan { done: points.clone(), ..plan };
+    let again = StressPlan { done: points.clone(), ..plan };
     let job = Job::new();
     job.cancel();
     let told_anew = |_: &StressPoint, _| panic!("what is known is told again");
@@ -71,7 +74,7 @@ fn a_value_that_leaves_nothing_to_compare_has_no_points_and_only_a_plan_of_such_
     let scene = orrery(2);
     let alone = scene.capture.with_cameras(|index, _| index == 0);
     let disturbances = vec![Disturbance::MissingCamera, Disturbance::FewerCameras];
-    let mut plan = Plan { disturbances, ..Plan::standard(&Settings::default()) };
+    let mut plan = StressPlan { disturbances, ..StressPlan::standard(&Settings::default()) };
     plan.methods.truncate(2);
     let (job, mut told) = (Job::new(), Vec::new());
     let points = stress::run(&alone, &plan, &scene.truth, &job, |_, known| told.push(known)).unwrap();
@@ -94,7 +97,10 @@ fn one_decibel_is_interpolated_between_values_of_the_dial() {
     let scene = orrery(2);
     let Truth::Views(views) = &scene.truth else { panic!("the orrery has views") };
     let truth = Truth::Views(views[..2].to_vec());
-    let mut plan = Plan { disturbances: vec![Disturbance::Exposure], ..Plan::standard(&Settings::default()) };
+    let mut plan = StressPlan {
+        disturbances: vec![Disturbance::Exposure],
+        ..StressPlan::standard(&Settings::default())
+    };
     plan.methods.truncate(1);
     let mut points = stress::run(&scene.capture, &plan, &truth, &Job::new(), |_, _| ()).unwrap();
     for (point, loss_db) in points.iter_mut().zip([0.0, 0.5, 1.5, 9.0]) {
@@ -108,8 +114,10 @@ fn one_decibel_is_interpolated_between_values_of_the_dial() {
 #[test]
 fn cameras_go_one_by_one_until_as_few_are_left_as_the_truth_needs() {
     let scene = still(1);
-    let mut plan =
-        Plan { disturbances: vec![Disturbance::FewerCameras], ..Plan::standard(&Settings::default()) };
+    let mut plan = StressPlan {
+        disturbances: vec![Disturbance::FewerCameras],
+        ..StressPlan::standard(&Settings::default())
+    };
     plan.methods.truncate(1);
     let points = stress::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, _| ()).unwrap();
     let gone: Vec<f64> = points.iter().map(|point| point.dial).collect();
@@ -136,8 +144,10 @@ fn cameras_go_one_by_one_until_as_few_are_left_as_the_truth_needs() {
 fn loss_is_over_the_views_that_are_left_and_the_warning_names_the_dial_at_which_others_are_not() {
     let scene = orrery(2);
     let alone = scene.capture.with_cameras(|index, _| index == 0);
-    let mut plan =
-        Plan { disturbances: vec![Disturbance::MissingCamera], ..Plan::standard(&Settings::default()) };
+    let mut plan = StressPlan {
+        disturbances: vec![Disturbance::MissingCamera],
+        ..StressPlan::standard(&Settings::default())
+    };
     plan.methods.truncate(1);
     let job = Job::new();
     let points = stress::run(&alone, &plan, &scene.truth, &job, |_, _| ()).unwrap();
@@ -161,7 +171,7 @@ fn what_cannot_disturb_a_capture_is_left_out_with_a_word_and_nothing_else_is_no_
     let Scene { mut capture, truth } = orrery(1);
     capture.has_normals = false;
     let idle = vec![Disturbance::NormalsMissing, Disturbance::NormalsNoisy, Disturbance::OutOfSync];
-    let mut plan = Plan { disturbances: idle, ..Plan::standard(&Settings::default()) };
+    let mut plan = StressPlan { disturbances: idle, ..StressPlan::standard(&Settings::default()) };
     plan.methods.truncate(1);
     let job = Job::new();
     let error = stress::run(&capture, &plan, &truth, &job, |_, _| ()).unwrap_err().to_string();

@@ -1,6 +1,6 @@
 //! Sweeps: baselines keep as many samples as they may, a sweep that was cut short goes on, the front is the front.
 
-use overlook::evaluate::sweep::{self, Plan, Point, Series};
+use overlook::evaluate::sweep::{self, Point, Series, SweepPlan};
 use overlook::evaluate::trial::{Trial, Workbench};
 use overlook::evaluate::truth::Recorded;
 use overlook::job::Job;
@@ -24,7 +24,7 @@ fn without_times(points: &[Point]) -> Vec<Point> {
 #[test]
 fn a_sweep_measures_settings_and_baselines_and_goes_on_where_it_was_cut_short() {
     let scene = orrery(1);
-    let mut plan = Plan::grid(&Settings::default(), &axes(), &scene.capture).unwrap();
+    let mut plan = SweepPlan::grid(&Settings::default(), &axes(), &scene.capture).unwrap();
     let whole = sweep::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, _| ()).unwrap();
 
     let job = Job::new();
@@ -108,7 +108,7 @@ fn what_keeps_as_many_samples_as_another_reference_is_not_known() {
     let with = |method: PruningMethod| {
         let mut settings = Settings::default();
         settings.pruning.method = method;
-        let mut plan = Plan::list(&settings, Vec::new(), &scene.capture);
+        let mut plan = SweepPlan::list(&settings, Vec::new(), &scene.capture);
         plan.trials.retain(|planned| {
             let kernel = planned.trial.settings.render.kernel;
             kernel == Kernel::Gather && matches!(planned.series, Series::Reference | Series::Random)
@@ -117,7 +117,7 @@ fn what_keeps_as_many_samples_as_another_reference_is_not_known() {
     };
     let (one, mut other) = (with(Settings::default().pruning.method), with(PruningMethod::FirstCamera));
     assert_eq!(other.trials[1], one.trials[1], "settings do not tell the references apart");
-    let run = |plan: &Plan| {
+    let run = |plan: &SweepPlan| {
         let mut measured = 0;
         let points =
             sweep::run(&scene.capture, plan, &scene.truth, &Job::new(), |_, _| measured += 1).unwrap();
@@ -141,7 +141,7 @@ fn what_keeps_as_many_samples_as_another_reference_is_not_known() {
 #[test]
 fn the_standard_sweep_has_sixty_settings_and_every_baseline() {
     let scene = orrery(2);
-    let plan = Plan::standard(&Settings::default(), &scene.capture);
+    let plan = SweepPlan::standard(&Settings::default(), &scene.capture);
     assert!(plan.trials.len() >= 60 + 7);
     for series in Series::ALL {
         assert!(plan.trials.iter().any(|planned| planned.series == series), "{series:?}");

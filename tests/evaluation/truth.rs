@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use overlook::capture::transforms::{open_views, write_capture};
-use overlook::capture::{INVALID_INVERSE_DEPTH, View};
+use overlook::capture::{INVALID_INVERSE_DEPTH, TruthView};
 use overlook::evaluate::truth::Truth;
 use overlook::evaluate::{evaluate, vantage_order};
 use overlook::job::Job;
@@ -20,12 +20,12 @@ fn a_view_whose_true_picture_knows_no_pixel_is_left_out_of_the_means_and_told() 
     let samples = preprocess(&scene.capture, &settings, &Job::new()).unwrap().samples;
     let mut truth = views[0].truth.as_ref().unwrap()().unwrap();
     truth.inverse_depth.as_mut_slice().fill(INVALID_INVERSE_DEPTH);
-    let blank = View {
+    let blank = TruthView {
         file_path: "blank.exr".to_owned(),
         truth: Some(Arc::new(move || Ok(truth.clone()))),
         ..views[0].clone()
     };
-    let score = |views: &[View]| {
+    let score = |views: &[TruthView]| {
         let job = Job::new();
         let evaluation = evaluate(&samples, views, &settings.render, &job).unwrap();
         (evaluation, job.warnings())

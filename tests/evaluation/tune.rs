@@ -1,7 +1,7 @@
 //! Tuning: the same answer every time, no camera too many, and nothing claimed that is not so.
 
 use overlook::evaluate::sweep::Point;
-use overlook::evaluate::tune::{self, Budget, Plan, Tuned};
+use overlook::evaluate::tune::{self, TuneBudget, TunePlan, Tuned};
 use overlook::job::Job;
 use overlook::preprocess::preprocess;
 use overlook::settings::{Settings, SpanLevels};
@@ -9,11 +9,17 @@ use overlook::store;
 
 use crate::scenes::{Scene, flashing, one_too_many, orrery, still};
 
-fn plan() -> Plan {
-    Plan { settings: Settings::default(), budget: None, whole: None, drop_cameras: true, done: Vec::new() }
+fn plan() -> TunePlan {
+    TunePlan {
+        settings: Settings::default(),
+        budget: None,
+        whole: None,
+        drop_cameras: true,
+        done: Vec::new(),
+    }
 }
 
-fn tuned(scene: &Scene, plan: &Plan) -> Tuned {
+fn tuned(scene: &Scene, plan: &TunePlan) -> Tuned {
     let tuned = tune::run(&scene.capture, plan, &scene.truth, &Job::new(), |_| ()).unwrap();
     println!("{}", tuned.words.join("\n"));
     tuned
@@ -45,7 +51,7 @@ fn a_redundant_camera_is_dropped_and_no_other_and_the_answer_is_the_same_every_t
 fn what_changes_nothing_is_not_turned() {
     let scene = orrery(2);
     let one = Scene { capture: scene.capture.with_cameras(|index, _| index == 0), truth: scene.truth };
-    let pruning = tuned(&one, &Plan { drop_cameras: false, ..plan() }).settings.pruning;
+    let pruning = tuned(&one, &TunePlan { drop_cameras: false, ..plan() }).settings.pruning;
     let default = Settings::default().pruning;
     // A camera alone has nothing to prune, by whatever rule.
     assert_eq!(
@@ -57,7 +63,7 @@ fn what_changes_nothing_is_not_turned() {
 
 #[test]
 fn a_scene_at_rest_ends_with_one_span() {
-    let tuned = tuned(&still(4), &Plan { drop_cameras: false, ..plan() });
+    let tuned = tuned(&still(4), &TunePlan { drop_cameras: false, ..plan() });
     assert_ne!(tuned.settings.spans.levels, SpanLevels::Off);
     assert_eq!((tuned.chosen.spans, tuned.chosen.samples_shared), (1, tuned.chosen.samples));
     assert!(tuned.words.iter().any(|line| line.contains("single span")), "{:?}", tuned.words);
@@ -65,7 +71,7 @@ fn a_scene_at_rest_ends_with_one_span() {
 
 #[test]
 fn a_scene_that_changes_everywhere_is_not_called_still() {
-    let tuned = tuned(&flashing(4), &Plan { drop_cameras: false, ..plan() });
+    let tuned = tuned(&flashing(4), &TunePlan { drop_cameras: false, ..plan() });
     let shared = tuned.chosen.samples_shared as f64 / tuned.chosen.samples as f64;
     assert!(shared < 0.01 && tuned.chosen.spans >= 4, "{shared} of the samples are said to stay the same");
     assert!(!tuned.words.iter().any(|line| line.contains("single span")), "{:?}", tuned.words);
@@ -74,7 +80,7 @@ fn a_scene_that_changes_everywhere_is_not_called_still() {
 #[test]
 fn a_budget_is_kept_and_one_that_cannot_be_kept_is_refused() {
     let scene = orrery(2);
-    let free = tuned(&scene, &Plan { drop_cameras: false, ..plan() });
+    let free = tuned(&scene, &TunePlan { drop_cameras: false, ..plan() });
     let folder = tempfile::tempdir().unwrap();
     let size = |settings: &Settings| {
         let made = preprocess(&scene.capture, settings, &Job::new()).unwrap();
@@ -83,7 +89,7 @@ fn a_budget_is_kept_and_one_that_cannot_be_kept_is_refused() {
     };
     let bytes = size(&Settings::default()) * 9 / 10;
     let within =
-        Plan { budget: Some(Budget::Bytes(bytes)), drop_cameras: false, done: free.points, ..plan() };
+        TunePlan { budget: Some(TuneBudget::Bytes(bytes)), drop_cameras: false, done: free.points, ..plan() };
     let kept = tuned(&scene, &within);
     assert!(kept.limit_db.is_none());
     let whole = kept.bytes_whole.unwrap();
@@ -93,7 +99,7 @@ fn a_budget_is_kept_and_one_that_cannot_be_kept_is_refused() {
     let best = best.map(|point| point.psnr_filled_db).fold(0.0, f64::max);
     assert!(kept.chosen.psnr_filled_db >= best);
 
-    let absurd = Plan { budget: Some(Budget::Bytes(10)), ..within };
+    let absurd = TunePlan { budget: Some(TuneBudget::Bytes(10)), ..within };
     let error = tune::run(&scene.capture, &absurd, &scene.truth, &Job::new(), |_| ()).unwrap_err();
     assert!(error.to_string().contains("10 bytes"), "{error}");
 }

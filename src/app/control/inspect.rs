@@ -1,8 +1,9 @@
 //! Carries out the commands of the inspector: the pixel, settings as they were, the camera path.
 
-use crate::app::dock::View;
+use crate::app::dock::DockView;
 use crate::app::model::{
-    self, Command, ExportRequest, NoticeKind, PRESETS, PathKey, Purpose, Study, Target, setting_names,
+    self, Command, ExportRequest, ExportTarget, NoticeKind, PRESETS, Purpose, SavedPathKey, Study,
+    setting_names,
 };
 use crate::app::work::{Spot, StudyRequest};
 use crate::app::{OverlookApp, views};
@@ -167,17 +168,18 @@ impl OverlookApp {
         self.state.warn_of_scene(title, text);
     }
 
-    fn add_key(&mut self, key: PathKey) {
+    fn add_key(&mut self, key: SavedPathKey) {
         let keys = &mut self.state.inspector.path.keys;
         keys.push(key);
         let added = format!("Key {} added", keys.len());
-        if !self.dock.visible().contains(&View::Path) {
+        if !self.dock.visible().contains(&DockView::Path) {
             self.state.notify(NoticeKind::Done, added, "The Camera path view plays and exports the path.");
         }
     }
 
     fn apply_to_path(&mut self, command: Command) -> Option<Command> {
-        let here = self.state.live.rig.clone().map(|rig| PathKey { rig, frame: self.state.timeline.frame });
+        let here =
+            self.state.live.rig.clone().map(|rig| SavedPathKey { rig, frame: self.state.timeline.frame });
         let path = &mut self.state.inspector.path;
         match command {
             Command::AddKey => {
@@ -209,13 +211,13 @@ impl OverlookApp {
     }
 
     /// Stands where a key of the path does.
-    pub(crate) fn stand_at(&mut self, key: PathKey) {
+    pub(crate) fn stand_at(&mut self, key: SavedPathKey) {
         self.state.live.rig = Some(key.rig);
         self.state.timeline.frame = key.frame.min(self.state.frame_count().saturating_sub(1));
     }
 
     /// Exports the camera path.
-    pub(crate) fn export_path(&mut self, target: Target) {
+    pub(crate) fn export_path(&mut self, target: ExportTarget) {
         // Thresholds may have been changed while a path was chosen.
         if self.refuses(Purpose::ExportPictures) {
             return;

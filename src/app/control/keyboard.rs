@@ -6,7 +6,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 
 use crate::app::model::{Command, Purpose, State};
-use crate::app::panels::Palette;
+use crate::app::panels::CommandPalette;
 
 /// Keys and what they do, for the help.
 pub(crate) const HELP: &[(&str, &str)] = &[
@@ -61,7 +61,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
         ctx.send_viewport_cmd(egui::ViewportCommand::Close);
     }
     if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::P))) {
-        let open = state.inspector.palette.is_none().then(Palette::default);
+        let open = state.inspector.palette.is_none().then(CommandPalette::default);
         commands.push(Command::Palette(open));
     }
     if edits && ctx.input(|input| input.key_pressed(Key::Escape)) {

@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 
 use super::picture_file::with_ending;
 use crate::app::OverlookApp;
-use crate::app::model::{Command, Content, Message, NO_KEYS, NoticeKind, Purpose, State, Target, TypedPath};
+use crate::app::model::{
+    Command, Content, ExportTarget, Message, NO_KEYS, NoticeKind, Purpose, State, TypedPath,
+};
 use crate::app::work::FileRequest;
 use crate::error::Error;
 
@@ -181,10 +183,10 @@ impl OverlookApp {
                 Some(picture) => self.lanes.file.submit(FileRequest::SavePicture { path, picture }),
                 None => self.tell_of_motion(),
             },
-            Purpose::ExportPictures => self.export_path(Target::Pictures(path)),
+            Purpose::ExportPictures => self.export_path(ExportTarget::Pictures(path)),
             Purpose::ExportFilm => {
                 let rate = f64::from(self.state.timeline.frames_per_second);
-                self.export_path(Target::Film(path, rate));
+                self.export_path(ExportTarget::Film(path, rate));
             }
         }
     }

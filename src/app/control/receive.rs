@@ -8,10 +8,12 @@ use egui::{TextureFilter, TextureOptions};
 use super::remembered::remember_recent;
 use crate::app::OverlookApp;
 use crate::app::model::{
-    self, Accuracy, Exported, Message, NoticeKind, Origin, Rig, Scene, Shown, Texture, Whole, and_others,
-    method_of,
+    self, Accuracy, Exported, Message, NoticeKind, OpenScene, OrbitCamera, Origin, ShownPicture, Texture,
+    Whole, and_others, method_of,
 };
-use crate::app::work::{CompareKey, Compared, Comparison, LivePicture, Pixels, Probed, Spot};
+use crate::app::work::{
+    CompareKey, LivePicture, PictureDifference, PixelSource, Probed, ShownComparison, Spot,
+};
 use crate::error::Error;
 use crate::preprocess::{PreparedScan, Preprocessed};
 use crate::settings::Settings;
@@ -25,8 +27,10 @@ impl OverlookApp {
     fn texture_of(&mut self, ctx: &egui::Context, picture: &LivePicture) -> Option<Texture> {
         let replaced = self.state.live_shown.take().map(|shown| shown.texture);
         match &picture.pixels {
-            Pixels::InMemory { image, .. } => Some(Texture::send(ctx, LIVE, image, replaced)),
-            Pixels::OnAdapter(painted) => Some(Texture::painted(self.window.as_ref()?, painted, replaced)),
+            PixelSource::InMemory { image, .. } => Some(Texture::send(ctx, LIVE, image, replaced)),
+            PixelSource::OnAdapter(painted) => {
+                Some(Texture::painted(self.window.as_ref()?, painted, replaced))
+            }
         }
     }
 
@@ -48,12 +52,12 @@ impl OverlookApp {
             Message::SourcePainted { key, picture } => {
                 let replaced = state.source_shown.take().map(|shown| shown.texture);
                 let texture = Texture::send(ctx, SOURCE, &picture.image, replaced);
-                state.source_shown = Some(Shown { key, picture, texture });
+                state.source_shown = Some(ShownPicture { key, picture, texture });
             }
             Message::LivePainted { key, picture } => {
                 state.tell_damage(&picture.damage);
                 let texture = self.texture_of(ctx, &picture);
-                self.state.live_shown = texture.map(|texture| Shown { key, picture, texture });
+                self.state.live_shown = texture.map(|texture| ShownPicture { key, picture, texture });
             }
             Message::Measured { settings, accuracy, .. } => self.measured(&settings, accuracy),
             Message::Probed { spot, probed, is_hole, .. } => self.probed(spot, probed, is_hole),
@@ -151,7 +155,12 @@ impl OverlookApp {
         probe.shown = probed;
     }
 
-    fn compared(&mut self, key: &CompareKey, outcome: Result<Comparison, String>, ctx: &egui::Context) {
+    fn compared(
+        &mut self,
+        key: &CompareKey,
+        outcome: Result<PictureDifference, String>,
+        ctx: &egui::Context,
+    ) {
         let inspector = &mut self.state.inspector;
         match outcome {
             Ok(comparison) => {
@@ -159,14 +168,14 @@ impl OverlookApp {
                 let textures = [left, right, comparison.difference.clone()]
                     .map(|image| ctx.load_texture("comparison", image, TextureOptions::NEAREST));
                 inspector.compared =
-                    Some(Compared { sides: key.sides, place: key.place, comparison, textures });
+                    Some(ShownComparison { sides: key.sides, place: key.place, comparison, textures });
                 inspector.compare_trouble = None;
             }
             Err(trouble) => inspector.compare_trouble = Some(trouble),
         }
     }
 
-    fn opened(&mut self, scene: &Arc<Scene>) {
+    fn opened(&mut self, scene: &Arc<OpenScene>) {
         let state = &mut self.state;
         if let Origin::Path(path) = &scene.origin {
             remember_recent(&mut state.recent, path);
@@ -189,7 +198,7 @@ impl OverlookApp {
         state.source.against = None;
         state.source.zoom = 1.0;
         state.source.center = egui::Vec2::splat(0.5);
-        state.live.rig = Rig::home(scene);
+        state.live.rig = OrbitCamera::home(scene);
         state.inspector.saved = scene.capture().map(|_| state.settings.clone());
         state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
         state.scene = Some(scene.clone());
@@ -208,7 +217,7 @@ impl OverlookApp {
         self.lanes.measure.cancel();
         self.lanes.inspector.study.cancel();
         self.lanes.inspector.compare.cancel();
-        self.plan = crate::app::work::Plan::default();
+        self.plan = crate::app::work::Scheduled::default();
     }
 
     /// Whether something is being opened or measured: what gave way to newer work of its kind says nothing of that.

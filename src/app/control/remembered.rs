@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::app::dock::Dock;
-use crate::app::model::{Slot, State};
+use crate::app::model::{SettingsSlot, State};
 use crate::settings::Settings;
 
 const KEY: &str = "overlook";
@@ -63,7 +63,7 @@ impl Memory {
             recent: state.recent.clone(),
             settings: state.settings.to_toml(),
             other_settings: history.other.as_ref().map_or_else(String::new, Settings::to_toml),
-            is_b_on: history.slot == Slot::B,
+            is_b_on: history.slot == SettingsSlot::B,
             frames_per_second: state.timeline.frames_per_second,
             show_cameras: state.live.show_cameras,
             layout: dock.to_json(),
@@ -87,7 +87,7 @@ impl Memory {
         state.settings = settings(&self.settings).unwrap_or_default();
         let other = (!self.other_settings.is_empty()).then(|| settings(&self.other_settings)).flatten();
         state.inspector.history.other = other;
-        state.inspector.history.slot = if self.is_b_on { Slot::B } else { Slot::A };
+        state.inspector.history.slot = if self.is_b_on { SettingsSlot::B } else { SettingsSlot::A };
         state.timeline.frames_per_second = self.frames_per_second.clamp(1.0, 120.0);
         state.live.show_cameras = self.show_cameras;
         state.inspector.introduced = self.introduced;
@@ -120,11 +120,11 @@ mod tests {
         let b = state.settings.clone();
         let mut next = fresh_state();
         Memory::of(&state, &Dock::new()).restore(&mut next);
-        assert_eq!((next.inspector.history.slot, &next.settings), (Slot::B, &b));
-        assert_eq!(next.inspector.history.of(Slot::A, &next.settings), &a);
+        assert_eq!((next.inspector.history.slot, &next.settings), (SettingsSlot::B, &b));
+        assert_eq!(next.inspector.history.of(SettingsSlot::A, &next.settings), &a);
         let mut first = fresh_state();
         Memory::default().restore(&mut first);
-        assert_eq!((first.inspector.history.slot, &first.inspector.history.other), (Slot::A, &None));
+        assert_eq!((first.inspector.history.slot, &first.inspector.history.other), (SettingsSlot::A, &None));
     }
 
     #[test]

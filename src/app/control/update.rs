@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::paths::lasting;
 use crate::app::OverlookApp;
 use crate::app::dock::Dock;
-use crate::app::model::{self, Command, NoticeKind, Rig, Work, method_of};
+use crate::app::model::{self, Command, NoticeKind, OrbitCamera, StoppableWork, method_of};
 use crate::app::work::OpenRequest;
 use crate::demo::DemoSpec;
 use crate::settings::Settings;
@@ -97,11 +97,11 @@ impl OverlookApp {
                 if let Some(scene) = &state.scene
                     && let Some(camera) = scene.cameras.get(index)
                 {
-                    state.live.rig = Some(Rig::at_camera(scene, camera));
+                    state.live.rig = Some(OrbitCamera::at_camera(scene, camera));
                 }
             }
             Command::Home => {
-                state.live.rig = state.scene.as_ref().and_then(|scene| Rig::home(scene));
+                state.live.rig = state.scene.as_ref().and_then(|scene| OrbitCamera::home(scene));
                 state.source.zoom = 1.0;
                 state.source.center = egui::Vec2::splat(0.5);
             }
@@ -204,23 +204,23 @@ impl OverlookApp {
         let Some(work) = self.state.busy.first().map(|busy| busy.work) else { return };
         let lanes = &self.lanes;
         match work {
-            Work::Open => lanes.open.cancel(),
-            Work::Whole => {
+            StoppableWork::Open => lanes.open.cancel(),
+            StoppableWork::Whole => {
                 lanes.whole.cancel();
                 if !self.state.is_whole_ready() {
                     self.state.stopped = true;
                     self.plan.forget_whole();
                 }
             }
-            Work::File => lanes.file.cancel(),
-            Work::Export => lanes.inspector.export.cancel(),
-            Work::Study => lanes.inspector.study.cancel(),
-            Work::Compare => {
+            StoppableWork::File => lanes.file.cancel(),
+            StoppableWork::Export => lanes.inspector.export.cancel(),
+            StoppableWork::Study => lanes.inspector.study.cancel(),
+            StoppableWork::Compare => {
                 lanes.inspector.compare.cancel();
                 let text = "It was stopped; choose what to compare again.";
                 self.state.inspector.compare_trouble = Some(text.to_owned());
             }
-            Work::Measure => lanes.measure.cancel(),
+            StoppableWork::Measure => lanes.measure.cancel(),
         }
         self.take_stock();
     }

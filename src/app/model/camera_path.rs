@@ -5,11 +5,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::orbit_camera::Rig;
+use super::orbit_camera::OrbitCamera;
 use crate::capture::Intrinsics;
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::render::film::{self, Encoder, Reel};
+use crate::render::film::{self, FilmEncoder, Reel};
 use crate::render::output::write_png;
 use crate::render::{Picture, Renderer, Vantage};
 use crate::settings::RenderSettings;
@@ -20,9 +20,9 @@ pub(crate) const NO_KEYS: &str =
 
 /// A place on the path.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PathKey {
+pub(crate) struct SavedPathKey {
     /// Where the view stands.
-    pub rig: Rig,
+    pub rig: OrbitCamera,
     /// The frame shown there.
     pub frame: usize,
 }
@@ -31,7 +31,7 @@ pub(crate) struct PathKey {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CameraPath {
     /// The keys, in order.
-    pub keys: Vec<PathKey>,
+    pub keys: Vec<SavedPathKey>,
     /// Pictures from one key to the next.
     pub pictures_per_leg: usize,
     /// Columns and rows of exported pictures, where they were chosen.
@@ -56,7 +56,7 @@ impl CameraPath {
     }
 
     /// Where the view stands at a picture, and which frame it shows; `None` without keys.
-    pub(crate) fn at(&self, picture: f32) -> Option<PathKey> {
+    pub(crate) fn at(&self, picture: f32) -> Option<SavedPathKey> {
         let last = self.keys.len().checked_sub(1)?;
         let time = f64::from(picture / self.pictures_per_leg as f32).clamp(0.0, last as f64);
         let timed = self.keys.iter().enumerate().map(|(index, key)| crate::render::film::PathKey {
@@ -72,7 +72,7 @@ impl CameraPath {
         rig.world_from_camera = world_from_camera;
         rig.lens = lens_between([from.rig.lens, to.rig.lens], share);
         rig.pivot_distance = between(from.rig.pivot_distance, to.rig.pivot_distance);
-        Some(PathKey { rig, frame: between(from.frame as f64, to.frame as f64).round() as usize })
+        Some(SavedPathKey { rig, frame: between(from.frame as f64, to.frame as f64).round() as usize })
     }
 
     /// Every picture's vantage, for pictures of `width` by `height` pixels of a scene of `frames` frames.
@@ -105,14 +105,14 @@ fn lens_between([from, to]: [Intrinsics; 2], share: f64) -> Intrinsics {
 
 /// What a camera path is exported as.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Target {
+pub(crate) enum ExportTarget {
     /// A folder that receives `0001.png`, `0002.png`, …
     Pictures(PathBuf),
     /// A film, and how many pictures it shows a second.
     Film(PathBuf, f64),
 }
 
-impl Target {
+impl ExportTarget {
     /// The folder or file.
     pub(crate) fn path(&self) -> &Path {
         match self {
@@ -142,7 +142,7 @@ pub(crate) struct ExportRequest {
     /// Columns and rows of the pictures.
     pub size: [u32; 2],
     /// As what.
-    pub target: Target,
+    pub target: ExportTarget,
 }
 
 /// What came of an export.
@@ -169,13 +169,13 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Exported> {
         film::paint(&request.reel, &vantages, &mut renderer, &request.settings, job, take)
     };
     match &request.target {
-        Target::Pictures(folder) => {
+        ExportTarget::Pictures(folder) => {
             std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
             paint(&mut |nth, picture| write_png(&folder.join(format!("{:04}.png", nth + 1)), picture))?;
         }
-        Target::Film(path, frames_per_second) => {
+        ExportTarget::Film(path, frames_per_second) => {
             let size = request.size.map(|side| side as usize);
-            let mut encoder = Encoder::start(path, size, *frames_per_second)?;
+            let mut encoder = FilmEncoder::start(path, size, *frames_per_second)?;
             paint(&mut |_, picture| encoder.add(picture))?;
             encoder.finish(job)?;
         }
@@ -194,9 +194,9 @@ mod tests {
 
     fn path(positions: &[DVec3]) -> CameraPath {
         let keys = positions.iter().enumerate().map(|(index, position)| {
-            let mut rig = Rig::for_tests();
+            let mut rig = OrbitCamera::for_tests();
             rig.world_from_camera.translation = *position;
-            PathKey { rig, frame: index * 10 }
+            SavedPathKey { rig, frame: index * 10 }
         });
         CameraPath { keys: keys.collect(), pictures_per_leg: 8, size: None, playing: None }
     }

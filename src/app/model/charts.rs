@@ -26,7 +26,7 @@ impl Study {
 }
 
 /// A sweep or a stress test that was begun.
-struct Run {
+struct StudyRun {
     /// The settings it starts from.
     settings: Settings,
     /// Points that are known, of how many.
@@ -50,7 +50,7 @@ pub(crate) struct Charts {
     /// What is being measured, or was last.
     study: Option<Study>,
     /// The last sweep and the last stress test.
-    runs: [Option<Run>; 2],
+    runs: [Option<StudyRun>; 2],
     /// Whether the points of the stress test are those of the one before, until the first new one takes their place.
     of_the_test_before: bool,
 }
@@ -126,7 +126,7 @@ impl Charts {
             return false;
         }
         if known.is_none() {
-            *run = Some(Run { settings: settings.clone(), known: (0, 0), is_complete: false });
+            *run = Some(StudyRun { settings: settings.clone(), known: (0, 0), is_complete: false });
             if study == Study::Stress {
                 self.of_the_test_before = true;
             }
@@ -152,7 +152,7 @@ impl Charts {
         self.study.filter(|_| self.studying)
     }
 
-    fn run(&self, study: Study) -> Option<&Run> {
+    fn run(&self, study: Study) -> Option<&StudyRun> {
         self.runs[study as usize].as_ref()
     }
 
@@ -230,7 +230,7 @@ pub(crate) fn point_name(point: &Point) -> String {
 mod tests {
     use super::*;
     use crate::demo::{Demo, DemoSpec};
-    use crate::evaluate::trial::{Measured, Trial};
+    use crate::evaluate::trial::{Trial, TrialResult};
 
     #[test]
     fn what_a_sweep_starts_from_is_not_called_the_defaults() {
@@ -238,8 +238,8 @@ mod tests {
         settings.pruning.depth_tolerance = 2.0;
         let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((16, 12));
         let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
-        for planned in crate::evaluate::sweep::Plan::standard(&settings, &capture).trials {
-            let point = Point::new(&planned.trial, planned.series, &Measured::default());
+        for planned in crate::evaluate::sweep::SweepPlan::standard(&settings, &capture).trials {
+            let point = Point::new(&planned.trial, planned.series, &TrialResult::default());
             assert!(!series_name(point.series).contains("default"), "{:?}", point.series);
             assert!(!point_name(&point).contains("default"), "{}", point.label);
         }
@@ -247,7 +247,7 @@ mod tests {
 
     fn point(label: &str, psnr: f64, bytes: u64, seconds: f64) -> Point {
         let trial = Trial::new(label, Settings::default());
-        let mut point = Point::new(&trial, Series::Variation, &Measured::default());
+        let mut point = Point::new(&trial, Series::Variation, &TrialResult::default());
         (point.psnr_filled_db, point.bytes, point.seconds_preprocess) = (psnr, bytes, seconds);
         point
     }
@@ -314,7 +314,7 @@ mod tests {
         let mut charts = Charts::default();
         for series in [Series::Random, Series::SingleCamera, Series::NoPruning, Series::VoxelGrid] {
             let trial = Trial::new(series.name(), settings.clone());
-            charts.add(Point::new(&trial, series, &Measured::default()), (1, 4));
+            charts.add(Point::new(&trial, series, &TrialResult::default()), (1, 4));
         }
         assert_eq!(charts.of(&settings).map(|point| point.series), Some(Series::NoPruning));
     }

@@ -8,8 +8,8 @@ use super::chart_axis::Quantity;
 use super::charts::Study;
 use super::compare_options::CompareLook;
 use super::message::Purpose;
-use crate::app::dock::View;
-use crate::app::panels::Palette;
+use crate::app::dock::DockView;
+use crate::app::panels::CommandPalette;
 use crate::app::work::{ColorBy, Overlay, Spot};
 use crate::settings::Settings;
 
@@ -99,7 +99,7 @@ pub(crate) enum Command {
     /// Dark or light.
     Dark(bool),
     /// Bring a view to the front.
-    OpenView(View),
+    OpenView(DockView),
     /// Put all views where they were at first.
     ResetLayout,
     /// Point at a pixel, or at nothing.
@@ -117,7 +117,7 @@ pub(crate) enum Command {
     /// Put the pixel that is looked at in the middle of the live view.
     FramePoint,
     /// Open, change or close the command palette.
-    Palette(Option<Palette>),
+    Palette(Option<CommandPalette>),
     /// Open or close the sheet of keys.
     CheatSheet(bool),
     /// The introduction of the first run was read.

@@ -2,7 +2,7 @@
 
 /// What one side shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub(crate) enum Side {
+pub(crate) enum CompareSide {
     /// The kept samples.
     Kept,
     /// All samples, nothing pruned.
@@ -27,7 +27,7 @@ pub(crate) enum Side {
     Gpu,
 }
 
-impl Side {
+impl CompareSide {
     /// Every side, in the order of the list: name and what it is.
     pub(crate) const ALL: [(Self, &'static str, &'static str); 11] = [
         (Self::Kept, "Kept samples", "After pruning, with the settings on the sliders."),
@@ -46,7 +46,7 @@ impl Side {
 
 /// From where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-pub(crate) enum Place {
+pub(crate) enum CompareVantage {
     /// Where the live view stands.
     #[default]
     Live,
@@ -78,7 +78,7 @@ impl Mode {
 
 /// What the map of a difference shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub(crate) enum Measure {
+pub(crate) enum CompareMeasure {
     /// The largest difference of a channel, 8-bit steps.
     #[default]
     Steps,
@@ -88,7 +88,7 @@ pub(crate) enum Measure {
     Flip,
 }
 
-impl Measure {
+impl CompareMeasure {
     /// Every measure: name and what it shows.
     pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
         (Self::Steps, "Steps", "The largest difference of a color channel, in 8-bit steps."),
@@ -109,9 +109,9 @@ impl Measure {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CompareLook {
     /// The sides.
-    pub sides: [Side; 2],
+    pub sides: [CompareSide; 2],
     /// From where.
-    pub place: Place,
+    pub place: CompareVantage,
     /// How the two are shown.
     pub mode: Mode,
     /// Where the line is, as a share of the width.
@@ -121,7 +121,7 @@ pub(crate) struct CompareLook {
     /// The picture's point in the middle of the view, as shares of its size.
     pub center: egui::Vec2,
     /// What the map of their difference shows.
-    pub measure: Measure,
+    pub measure: CompareMeasure,
     /// See [`crate::app::work::CompareKey::range`].
     pub range: Option<f32>,
 }
@@ -129,13 +129,13 @@ pub(crate) struct CompareLook {
 impl Default for CompareLook {
     fn default() -> Self {
         Self {
-            sides: [Side::Everything, Side::Kept],
-            place: Place::Live,
+            sides: [CompareSide::Everything, CompareSide::Kept],
+            place: CompareVantage::Live,
             mode: Mode::Wipe,
             wipe: 0.5,
             zoom: 1.0,
             center: egui::Vec2::splat(0.5),
-            measure: Measure::Steps,
+            measure: CompareMeasure::Steps,
             range: None,
         }
     }

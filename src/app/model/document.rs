@@ -7,10 +7,10 @@ use std::time::Instant;
 use super::command::Command;
 use super::inspector::Inspector;
 use super::message::{Accuracy, Purpose};
-use super::orbit_camera::Rig;
-use super::scene::{Content, Scene};
+use super::orbit_camera::OrbitCamera;
+use super::scene::{Content, OpenScene};
 use super::texture::Texture;
-use crate::app::work::{ColorBy, LiveKey, LivePicture, Overlay, Pixels, SourceKey, SourcePicture};
+use crate::app::work::{ColorBy, LiveKey, LivePicture, Overlay, PixelSource, SourceKey, SourcePicture};
 use crate::job::Progress;
 use crate::preprocess::PreparedScan;
 use crate::preprocess::diagnostics::Report;
@@ -102,7 +102,7 @@ pub(crate) struct SourceLook {
 #[derive(Clone, Debug)]
 pub(crate) struct LiveLook {
     /// The virtual camera; `None` while nothing is open.
-    pub rig: Option<Rig>,
+    pub rig: Option<OrbitCamera>,
     /// What colors tell.
     pub color_by: ColorBy,
     /// Whether cameras are drawn.
@@ -134,7 +134,7 @@ pub(crate) struct TypedPath {
 
 /// Work that can be stopped, by the lane that does it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Work {
+pub(crate) enum StoppableWork {
     /// Opening a capture or a store.
     Open,
     /// Pruning the whole capture.
@@ -155,7 +155,7 @@ pub(crate) enum Work {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Busy {
     /// Which.
-    pub work: Work,
+    pub work: StoppableWork,
     /// How far it has come.
     pub progress: Progress,
     /// Whether cancelling it leaves something to be rerun.
@@ -165,7 +165,7 @@ pub(crate) struct Busy {
 }
 
 /// A picture that is shown, and what it was made from.
-pub(crate) struct Shown<K, P> {
+pub(crate) struct ShownPicture<K, P> {
     /// What it was made from.
     pub key: K,
     /// The picture.
@@ -177,7 +177,7 @@ pub(crate) struct Shown<K, P> {
 /// What the window knows.
 pub(crate) struct State {
     /// What is open.
-    pub scene: Option<Arc<Scene>>,
+    pub scene: Option<Arc<OpenScene>>,
     /// What is being opened, in words.
     pub opening: Option<String>,
     /// The settings on the sliders.
@@ -199,11 +199,11 @@ pub(crate) struct State {
     /// The left view.
     pub source: SourceLook,
     /// The left picture.
-    pub source_shown: Option<Shown<SourceKey, SourcePicture>>,
+    pub source_shown: Option<ShownPicture<SourceKey, SourcePicture>>,
     /// The right view.
     pub live: LiveLook,
     /// The right picture.
-    pub live_shown: Option<Shown<LiveKey, LivePicture>>,
+    pub live_shown: Option<ShownPicture<LiveKey, LivePicture>>,
     /// Messages.
     pub notices: Vec<Notice>,
     /// What the inspector knows.
@@ -313,8 +313,8 @@ impl State {
     /// The picture of the live view as it is shown; `None` while it stays on the graphics card.
     pub(crate) fn shown_picture(&self) -> Option<&Arc<egui::ColorImage>> {
         match &self.live_shown.as_ref()?.picture.pixels {
-            Pixels::InMemory { image, .. } => Some(image),
-            Pixels::OnAdapter(_) => None,
+            PixelSource::InMemory { image, .. } => Some(image),
+            PixelSource::OnAdapter(_) => None,
         }
     }
 

@@ -8,17 +8,17 @@ use egui::TextureHandle;
 
 use super::camera_path::{CameraPath, ExportRequest};
 use super::charts::Charts;
-use super::compare_options::{CompareLook, Place};
+use super::compare_options::{CompareLook, CompareVantage};
 use super::document::{NoticeKind, State};
 use super::frame_timer::Meter;
 use super::message::Message;
 use super::presets::OwnPreset;
-use super::undo::{History, Slot};
-use crate::app::dock::View;
-use crate::app::panels::Palette;
+use super::undo::{History, SettingsSlot};
+use crate::app::dock::DockView;
+use crate::app::panels::CommandPalette;
 use crate::app::work::{
-    CameraMemory, CompareKey, Compared, Comparer, Histogram, Lane, Outbox, ProbeKey, Probed, Spot,
-    StudyRequest, Supersede, or_stopped, pool,
+    CameraMemory, CompareKey, Comparer, Lane, Outbox, ProbeKey, Probed, ShownComparison, Spot, StudyRequest,
+    Supersede, ThresholdHistogram, or_stopped, pool,
 };
 use crate::error::{Error, Result};
 use crate::preprocess::PreparedScan;
@@ -31,7 +31,7 @@ const LOG: usize = 500;
 
 /// The pixel that is looked at.
 #[derive(Default)]
-pub(crate) struct Probe {
+pub(crate) struct InspectedPixel {
     /// Where somebody points.
     pub spot: Option<Spot>,
     /// Whether it stays when the pointer goes.
@@ -65,13 +65,13 @@ pub(crate) struct LogLine {
 #[derive(Default)]
 pub(crate) struct Inspector {
     /// The pixel that is looked at.
-    pub probe: Probe,
+    pub probe: InspectedPixel,
     /// Every camera small, in the capture's order; empty before the first.
     pub thumbs: Vec<TextureHandle>,
     /// What takes the memory, largest first; `None` before it was asked for.
     pub memory: Option<Vec<CameraMemory>>,
     /// The quantities that thresholds cut; empty before the first.
-    pub histograms: Vec<Histogram>,
+    pub histograms: Vec<ThresholdHistogram>,
     /// Settings as they were.
     pub history: History,
     /// Settings of one's own to start from.
@@ -81,7 +81,7 @@ pub(crate) struct Inspector {
     /// How the comparison looks.
     pub compare: CompareLook,
     /// The comparison that is shown.
-    pub compared: Option<Compared>,
+    pub compared: Option<ShownComparison>,
     /// Why there is none.
     pub compare_trouble: Option<String>,
     /// What was measured.
@@ -89,7 +89,7 @@ pub(crate) struct Inspector {
     /// The camera path.
     pub path: CameraPath,
     /// The command palette, while it is open.
-    pub palette: Option<Palette>,
+    pub palette: Option<CommandPalette>,
     /// Whether the sheet of keys is open.
     pub cheat_sheet: bool,
     /// Whether the introduction of the first run was read.
@@ -109,11 +109,11 @@ pub(crate) struct Inspector {
 impl Inspector {
     /// Forgets what belongs to a scene.
     pub(crate) fn close_scene(&mut self) {
-        self.probe = Probe::default();
+        self.probe = InspectedPixel::default();
         self.thumbs.clear();
         self.memory = None;
         self.histograms.clear();
-        self.compare.place = Place::Live;
+        self.compare.place = CompareVantage::Live;
         self.compared = None;
         self.path = CameraPath::default();
         self.charts = Charts::default();
@@ -275,7 +275,7 @@ pub(crate) struct InspectorPlan {
 
 impl InspectorPlan {
     /// Asks for what is missing, of what can be seen.
-    pub(crate) fn ask(&mut self, state: &State, visible: &[View], lanes: &InspectorLanes) {
+    pub(crate) fn ask(&mut self, state: &State, visible: &[DockView], lanes: &InspectorLanes) {
         self.ask_probe(state, lanes);
         self.ask_thumbs(state, visible, lanes);
         self.ask_memory(state, visible, lanes);
@@ -289,8 +289,8 @@ impl InspectorPlan {
     }
 
     /// Compares once the live view has come to rest: its picture says from where and of what.
-    fn ask_comparison(&mut self, state: &State, visible: &[View], lanes: &InspectorLanes) {
-        let shown = state.live_shown.as_ref().filter(|_| visible.contains(&View::Compare));
+    fn ask_comparison(&mut self, state: &State, visible: &[DockView], lanes: &InspectorLanes) {
+        let shown = state.live_shown.as_ref().filter(|_| visible.contains(&DockView::Compare));
         let (Some(scene), Some(shown)) = (&state.scene, shown) else { return };
         let (history, look) = (&state.inspector.history, &state.inspector.compare);
         let now = &state.settings;
@@ -303,7 +303,11 @@ impl InspectorPlan {
             samples: shown.picture.samples.clone(),
             whole: state.current_whole().is_some_and(|whole| Arc::ptr_eq(whole, &shown.picture.samples)),
             scan: state.scan.clone(),
-            settings: [now.clone(), history.of(Slot::A, now).clone(), history.of(Slot::B, now).clone()],
+            settings: [
+                now.clone(),
+                history.of(SettingsSlot::A, now).clone(),
+                history.of(SettingsSlot::B, now).clone(),
+            ],
             measure: look.measure,
             range: look.range,
             dark: state.dark,
@@ -314,8 +318,8 @@ impl InspectorPlan {
         }
     }
 
-    fn ask_histograms(&mut self, state: &State, visible: &[View], lanes: &InspectorLanes) {
-        let wanted = visible.contains(&View::Thresholds) && !state.timeline.playing;
+    fn ask_histograms(&mut self, state: &State, visible: &[DockView], lanes: &InspectorLanes) {
+        let wanted = visible.contains(&DockView::Thresholds) && !state.timeline.playing;
         let Some(inspected) = state.inspected.as_ref().filter(|_| wanted) else { return };
         let asked = self.histograms.as_ref().is_some_and(|(inspection, with_scan)| {
             Arc::ptr_eq(inspection, &inspected.inspection) && *with_scan == state.scan.is_some()
@@ -331,9 +335,9 @@ impl InspectorPlan {
         }
     }
 
-    fn ask_memory(&mut self, state: &State, visible: &[View], lanes: &InspectorLanes) {
+    fn ask_memory(&mut self, state: &State, visible: &[DockView], lanes: &InspectorLanes) {
         // A store plays from disk: its set only says where samples are.
-        let wanted = visible.contains(&View::Memory) && state.has_capture();
+        let wanted = visible.contains(&DockView::Memory) && state.has_capture();
         let samples = state.whole_samples().filter(|_| wanted);
         let (Some(scene), Some(samples)) = (&state.scene, samples) else { return };
         if !self.memory.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, samples)) {
@@ -360,8 +364,9 @@ impl InspectorPlan {
         }
     }
 
-    fn ask_thumbs(&mut self, state: &State, visible: &[View], lanes: &InspectorLanes) {
-        let Some(inspection) = state.inspection_here().filter(|_| visible.contains(&View::Cameras)) else {
+    fn ask_thumbs(&mut self, state: &State, visible: &[DockView], lanes: &InspectorLanes) {
+        let Some(inspection) = state.inspection_here().filter(|_| visible.contains(&DockView::Cameras))
+        else {
             return;
         };
         let asked = self.thumbs.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, inspection));

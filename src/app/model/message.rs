@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use super::camera_path::Exported;
 use super::document::Inspected;
-use super::scene::Scene;
+use super::scene::OpenScene;
 use crate::app::control::Destination;
 use crate::app::work::{
-    CameraMemory, CompareKey, Comparison, Histogram, LiveKey, LivePicture, Probed, SourceKey, SourcePicture,
-    Spot,
+    CameraMemory, CompareKey, LiveKey, LivePicture, PictureDifference, Probed, SourceKey, SourcePicture,
+    Spot, ThresholdHistogram,
 };
 use crate::error::Error;
 use crate::evaluate::stress::StressPoint;
@@ -52,7 +52,7 @@ pub(crate) struct Accuracy {
 /// An answer of a lane.
 pub(crate) enum Message {
     /// A capture, demo or store is open.
-    Opened(Arc<Scene>),
+    Opened(Arc<OpenScene>),
     /// The pass over all frames is done.
     Scanned { scene: u64, scan: Arc<PreparedScan> },
     /// The whole capture is pruned.
@@ -72,9 +72,9 @@ pub(crate) enum Message {
     /// Every camera small.
     Thumbnails { scene: u64, pictures: Vec<Arc<egui::ColorImage>> },
     /// The quantities that thresholds cut.
-    Histograms { scene: u64, histograms: Vec<Histogram> },
+    Histograms { scene: u64, histograms: Vec<ThresholdHistogram> },
     /// Two pictures of one place, or why there are none.
-    Compared { key: Box<CompareKey>, outcome: Result<Comparison, String> },
+    Compared { key: Box<CompareKey>, outcome: Result<PictureDifference, String> },
     /// What takes the memory.
     MemoryMapped { scene: u64, cameras: Vec<CameraMemory> },
     /// A file is written; `bytes` where it is a store, `holds` where that holds what was pruned of a scene, by which settings.

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 
-use super::scene::Scene;
+use super::scene::OpenScene;
 use crate::capture::{Camera, Intrinsics};
 
 /// How near to straight up or down orbiting goes, as a cosine, so that up stays up.
@@ -24,7 +24,7 @@ const LEAST_DISTANCE: f64 = 1e-12;
 
 /// The pose and lens of the live view.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Rig {
+pub(crate) struct OrbitCamera {
     /// Camera space (x right, y down, z forward) to world space.
     pub world_from_camera: DAffine3,
     /// Distance to what is orbited, along the line of sight.
@@ -36,10 +36,10 @@ pub(crate) struct Rig {
     up_in_world: DVec3,
 }
 
-impl Rig {
+impl OrbitCamera {
     /// Where nobody stood: a step from the first camera toward the second, on their circle about what they look at. With
     /// one camera, a step to its side.
-    pub(crate) fn home(scene: &Scene) -> Option<Self> {
+    pub(crate) fn home(scene: &OpenScene) -> Option<Self> {
         let first = scene.cameras.first()?;
         let pivot = scene.pivot_in_world;
         let eye_a = first.position_in_world() - pivot;
@@ -62,7 +62,7 @@ impl Rig {
     }
 
     /// Where `camera` stood, with its lens.
-    pub(crate) fn at_camera(scene: &Scene, camera: &Camera) -> Self {
+    pub(crate) fn at_camera(scene: &OpenScene, camera: &Camera) -> Self {
         let along = (scene.pivot_in_world - camera.position_in_world()).dot(camera.forward_in_world());
         let distance = (scene.pivot_in_world - camera.position_in_world()).length();
         Self {
@@ -191,7 +191,7 @@ impl Rig {
 }
 
 /// From the first camera to what the cameras look at.
-fn home_distance(scene: &Scene) -> f64 {
+fn home_distance(scene: &OpenScene) -> f64 {
     let first =
         scene.cameras.first().map(|camera| (camera.position_in_world() - scene.pivot_in_world).length());
     first.unwrap_or(1.0).max(LEAST_DISTANCE)
@@ -201,10 +201,10 @@ fn home_distance(scene: &Scene) -> f64 {
 mod tests {
     use super::*;
 
-    fn rig() -> Rig {
+    fn rig() -> OrbitCamera {
         let lens = Intrinsics::from_horizontal_angle(64, 48, 1.0);
         let camera = Camera::look_at("c", lens, DVec3::new(0.0, -5.0, 1.0), DVec3::ZERO, DVec3::Z);
-        Rig {
+        OrbitCamera {
             world_from_camera: camera.world_from_camera,
             pivot_distance: camera.position_in_world().length(),
             home_distance: camera.position_in_world().length(),

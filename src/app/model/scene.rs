@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DMat3, DVec2, DVec3};
 
-use crate::capture::{Camera, Capture, View};
+use crate::capture::{Camera, Capture, TruthView};
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::diagnostics::Report;
@@ -31,7 +31,7 @@ pub(crate) enum Content {
         /// The capture.
         capture: Box<Capture>,
         /// Vantages whose truth is known.
-        truth: Vec<View>,
+        truth: Vec<TruthView>,
     },
     /// Samples that were pruned before; there are no source frames.
     Store {
@@ -47,7 +47,7 @@ pub(crate) enum Content {
 }
 
 /// What is open.
-pub(crate) struct Scene {
+pub(crate) struct OpenScene {
     /// Differs between any two scenes that were ever open, so that late answers are recognized.
     pub id: u64,
     /// Where it came from.
@@ -66,9 +66,14 @@ pub(crate) struct Scene {
     pub pivot_in_world: DVec3,
 }
 
-impl Scene {
+impl OpenScene {
     /// A scene of a capture. `typical_depth` (planar z of camera 0's middle) serves where the lines of sight do not meet.
-    pub(crate) fn of_capture(origin: Origin, capture: Capture, truth: Vec<View>, typical_depth: f64) -> Self {
+    pub(crate) fn of_capture(
+        origin: Origin,
+        capture: Capture,
+        truth: Vec<TruthView>,
+        typical_depth: f64,
+    ) -> Self {
         Self {
             id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
             origin,

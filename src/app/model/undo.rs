@@ -12,7 +12,7 @@ const STEPS: usize = 200;
 
 /// Which of two settings is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub(crate) enum Slot {
+pub(crate) enum SettingsSlot {
     /// The first.
     #[default]
     A,
@@ -34,7 +34,7 @@ pub(crate) struct History {
     /// Of A and of B: what was changed in one is not taken back in the other.
     pasts: [Past; 2],
     /// Which of two settings is on.
-    pub slot: Slot,
+    pub slot: SettingsSlot,
     /// The settings that are not on; `None` while both are the same.
     pub other: Option<Settings>,
 }
@@ -95,14 +95,14 @@ impl History {
     pub(crate) fn switch(&mut self, now: &Settings) -> Settings {
         self.past_mut().last = None;
         self.slot = match self.slot {
-            Slot::A => Slot::B,
-            Slot::B => Slot::A,
+            SettingsSlot::A => SettingsSlot::B,
+            SettingsSlot::B => SettingsSlot::A,
         };
         self.other.replace(now.clone()).unwrap_or_else(|| now.clone())
     }
 
     /// The settings of a slot, given those that are on.
-    pub(crate) fn of<'a>(&'a self, slot: Slot, now: &'a Settings) -> &'a Settings {
+    pub(crate) fn of<'a>(&'a self, slot: SettingsSlot, now: &'a Settings) -> &'a Settings {
         if slot == self.slot { now } else { self.other.as_ref().unwrap_or(now) }
     }
 }
@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(history.switch(&with(1.0)), with(1.0), "B starts as A is");
         assert_eq!(history.switch(&with(2.0)), with(1.0));
         assert_eq!(
-            (history.of(Slot::A, &with(1.0)), history.of(Slot::B, &with(1.0))),
+            (history.of(SettingsSlot::A, &with(1.0)), history.of(SettingsSlot::B, &with(1.0))),
             (&with(1.0), &with(2.0))
         );
     }
@@ -152,6 +152,6 @@ mod tests {
         assert_eq!(history.switch(&b), with(2.0));
         assert!(!history.can_redo(), "nothing of A was taken back");
         assert_eq!(history.undo(&with(2.0)).unwrap(), with(1.0));
-        assert_eq!(history.of(Slot::B, &with(1.0)), &b);
+        assert_eq!(history.of(SettingsSlot::B, &with(1.0)), &b);
     }
 }

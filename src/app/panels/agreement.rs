@@ -2,7 +2,7 @@
 
 use egui::{RichText, Ui};
 
-use super::matrix::{self, Cell};
+use super::matrix::{self, PairCell};
 use crate::app::model;
 use crate::app::theme::{Tokens, space};
 use crate::preprocess::diagnostics::{PairResiduals, Report, Residual};
@@ -43,7 +43,7 @@ fn residuals_ui(
     matrix::ui(ui, &names, |row, column| {
         let residual = of(report.residuals.get(row)?.get(column)?)?;
         let Residual { samples, median_footprints, most_footprints, median_color_steps } = residual;
-        Some(Cell {
+        Some(PairCell {
             strength: Some((footprints(&residual) / LIGHTEST_FOOTPRINTS).sqrt().min(1.0)),
             text: format!("{:.2}", footprints(&residual)),
             help: format!(

@@ -3,16 +3,16 @@
 use egui::{Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::app::control;
-use crate::app::dock::View;
+use crate::app::dock::DockView;
 use crate::app::model::{Command, PRESETS, Purpose, State, Study};
 use crate::app::theme::{Tokens, space};
 use crate::app::work::{ColorBy, Overlay};
 use crate::demo::SCENES;
-use crate::settings::{Kind, Settings};
+use crate::settings::{Settings, ValueKind};
 
 /// What is typed into the palette, and which entry is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Palette {
+pub(crate) struct CommandPalette {
     /// The text so far.
     pub text: String,
     /// Place of the chosen entry among those that match.
@@ -20,7 +20,7 @@ pub(crate) struct Palette {
 }
 
 /// Something to do: its name, its keys, and the wish.
-struct Entry {
+struct PaletteEntry {
     name: String,
     keys: &'static str,
     command: Command,
@@ -54,7 +54,7 @@ pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<
         }
         let last = matching.len().saturating_sub(1) as i64;
         let chosen = if text == palette.text { (chosen as i64 + moved).clamp(0, last) as usize } else { 0 };
-        next = Some(Palette { text, chosen });
+        next = Some(CommandPalette { text, chosen });
         ui.add_space(space::SMALL);
         let clicked = entries_ui(ui, &matching, chosen);
         if let Some(entry) = clicked.or(taken.then_some(chosen)).and_then(|index| matching.get(index)) {
@@ -70,7 +70,7 @@ pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<
     }
 }
 
-fn entries_ui(ui: &mut Ui, entries: &[Entry], chosen: usize) -> Option<usize> {
+fn entries_ui(ui: &mut Ui, entries: &[PaletteEntry], chosen: usize) -> Option<usize> {
     let tokens = Tokens::in_ui(ui);
     if entries.is_empty() {
         ui.label(RichText::new("Nothing of that name.").color(tokens.text_weak));
@@ -96,10 +96,10 @@ fn entries_ui(ui: &mut Ui, entries: &[Entry], chosen: usize) -> Option<usize> {
 }
 
 /// The entries whose names hold all words of `text`, those that begin with it first.
-fn matching(state: &State, text: &str) -> Vec<Entry> {
+fn matching(state: &State, text: &str) -> Vec<PaletteEntry> {
     let wanted = text.to_lowercase();
     let words: Vec<&str> = wanted.split_whitespace().collect();
-    let mut entries: Vec<Entry> = entries(state)
+    let mut entries: Vec<PaletteEntry> = entries(state)
         .into_iter()
         .filter(|entry| {
             let name = entry.name.to_lowercase();
@@ -110,12 +110,13 @@ fn matching(state: &State, text: &str) -> Vec<Entry> {
     entries
 }
 
-fn entries(state: &State) -> Vec<Entry> {
+fn entries(state: &State) -> Vec<PaletteEntry> {
     let mut entries = Vec::new();
     // Those of a store are not its own, and cannot be seen beside it.
     let turns = state.has_thresholds();
-    let mut add =
-        |name: String, keys: &'static str, command: Command| entries.push(Entry { name, keys, command });
+    let mut add = |name: String, keys: &'static str, command: Command| {
+        entries.push(PaletteEntry { name, keys, command })
+    };
     for (name, keys, command) in [
         ("Open folder", "", Command::AskPath(Purpose::OpenFolder)),
         ("Open file", "Ctrl+O", Command::AskPath(Purpose::OpenFile)),
@@ -154,7 +155,7 @@ fn entries(state: &State) -> Vec<Entry> {
             add(name.to_owned(), keys, command);
         }
     }
-    for view in View::ALL {
+    for view in DockView::ALL {
         add(format!("Open view: {}", view.name()), "", Command::OpenView(view));
     }
     for overlay in Overlay::ALL {
@@ -178,10 +179,10 @@ fn entries(state: &State) -> Vec<Entry> {
     }
     for field in Settings::fields().filter(|field| turns || field.path.starts_with("render.")) {
         let values: Vec<(&str, toml::Value)> = match field.kind {
-            Kind::Choice(names) => names.iter().map(|(value, _)| (*value, (*value).into())).collect(),
-            Kind::Switch => vec![("on", true.into()), ("off", false.into())],
+            ValueKind::Choice(names) => names.iter().map(|(value, _)| (*value, (*value).into())).collect(),
+            ValueKind::Switch => vec![("on", true.into()), ("off", false.into())],
             // Numbers are turned on their sliders.
-            Kind::Number { .. } | Kind::Integer { .. } => Vec::new(),
+            ValueKind::Number { .. } | ValueKind::Integer { .. } => Vec::new(),
         };
         for (name, value) in values {
             add(format!("Set {} to {name}", field.path), "", Command::Set { path: field.path, value });

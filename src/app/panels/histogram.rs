@@ -4,7 +4,7 @@ use egui::{Align2, Label, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
 use crate::app::model::{self, Command, State};
 use crate::app::theme::Tokens;
-use crate::app::work::{Axis, BARS, Histogram};
+use crate::app::work::{BARS, ThresholdAxis, ThresholdHistogram};
 use crate::settings::Field;
 
 /// Height of the bars.
@@ -22,7 +22,7 @@ pub(super) fn histogram_ui(
     commands: &mut Vec<Command>,
 ) {
     let tokens = Tokens::in_ui(ui);
-    let Some(axis) = Axis::of(field) else { return };
+    let Some(axis) = ThresholdAxis::of(field) else { return };
     let width = ui.available_width() - crate::app::theme::space::MEDIUM;
     let (rect, response) =
         ui.allocate_exact_size(vec2(width, FIGURES + BARS_HEIGHT), Sense::click_and_drag());
@@ -83,7 +83,13 @@ fn at_frame(frame: usize) -> String {
 }
 
 /// The bars, over the band that noise explains.
-fn bars(painter: &egui::Painter, plot: Rect, axis: Axis, histogram: &Histogram, tokens: &Tokens) {
+fn bars(
+    painter: &egui::Painter,
+    plot: Rect,
+    axis: ThresholdAxis,
+    histogram: &ThresholdHistogram,
+    tokens: &Tokens,
+) {
     if let Some(noise) = histogram.noise {
         let right = plot.left() + axis.position(f64::from(noise)) * plot.width();
         let band = Rect::from_min_max(plot.min, pos2(right, plot.bottom()));

@@ -6,7 +6,7 @@ use crate::app::theme::Tokens;
 use crate::app::work;
 
 /// What is shown of a pair.
-pub(super) struct Cell {
+pub(super) struct PairCell {
     /// 0 to 1: the lighter the larger; `None` leaves the cell dark.
     pub(super) strength: Option<f32>,
     /// Shown where there is room for it, and where the cell is not dark.
@@ -19,7 +19,7 @@ const NAME_WIDTH: f32 = 78.0;
 const HEADER_HEIGHT: f32 = 18.0;
 
 /// The cells of all pairs of cameras with these names; `cell` is given row and column.
-pub(super) fn ui(ui: &mut Ui, names: &[&str], cell: impl Fn(usize, usize) -> Option<Cell>) {
+pub(super) fn ui(ui: &mut Ui, names: &[&str], cell: impl Fn(usize, usize) -> Option<PairCell>) {
     let cameras = names.len();
     if cameras == 0 {
         return;

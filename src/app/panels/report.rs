@@ -5,7 +5,7 @@ use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2, vec2};
 use egui_material_icons::icons::ICON_GRID_ON;
 
 use super::agreement;
-use super::matrix::{self, Cell};
+use super::matrix::{self, PairCell};
 use crate::app::model::{self, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::work;
@@ -150,7 +150,7 @@ fn matrix_ui(ui: &mut Ui, report: &Report) {
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
     matrix::ui(ui, &names, |loser, winner| {
         let count = *report.witnesses.get(loser)?.get(winner)?;
-        Some(Cell {
+        Some(PairCell {
             // The square root lets small counts be told from none.
             strength: (count > 0).then(|| (count as f32 / most).sqrt()),
             text: model::count(count),

@@ -6,11 +6,11 @@ use egui_material_icons::icons::{ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 use super::{histogram, presets};
 use crate::app::control::gave_up_number;
 use crate::app::model::setting_names::SECTIONS;
-use crate::app::model::{self, Command, Slot, State};
+use crate::app::model::{self, Command, SettingsSlot, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, icon_button};
 use crate::app::work::CUT;
-use crate::settings::{Field, Kind, Settings};
+use crate::settings::{Field, Settings, ValueKind};
 
 /// Width of the number beside a slider: as much as `65536` needs.
 const NUMBER_BOX: f32 = 58.0;
@@ -77,7 +77,7 @@ fn history_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         }
         let help = "Two settings that take turns: what you change belongs to the one that is on. The Compare view shows \
                     both at once.";
-        for (slot, name) in [(Slot::A, "A"), (Slot::B, "B")] {
+        for (slot, name) in [(SettingsSlot::A, "A"), (SettingsSlot::B, "B")] {
             let button = ui.add(Button::selectable(history.slot == slot, name).min_size(egui::vec2(26.0, space::CONTROL)));
             let button = button.on_hover_text(help).accessible_name(format!("Settings {name}"));
             if button.clicked() && history.slot != slot {
@@ -132,7 +132,7 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
         ui.horizontal(|ui| {
             ui.label(RichText::new(&name)).on_hover_text(field.help);
             ui.label(RichText::new(field.unit).small().color(tokens.text_weak)).on_hover_text(field.help);
-            if let (Kind::Switch, toml::Value::Boolean(on)) = (field.kind, value) {
+            if let (ValueKind::Switch, toml::Value::Boolean(on)) = (field.kind, value) {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     ui.add_space(space::MEDIUM);
                     let mut on = *on;
@@ -146,7 +146,7 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
             } else {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     ui.add_space(space::MEDIUM);
-                    if let (true, Kind::Number { min, max, .. }, toml::Value::Float(number)) =
+                    if let (true, ValueKind::Number { min, max, .. }, toml::Value::Float(number)) =
                         (cuts, field.kind, value)
                     {
                         let mut number = *number;
@@ -191,7 +191,7 @@ fn value_ui(ui: &mut Ui, field: &'static Field, name: &str, value: &toml::Value)
     ui.spacing_mut().interact_size.x = NUMBER_BOX;
     ui.spacing_mut().slider_width = width - NUMBER_BOX - ui.spacing().item_spacing.x;
     match (field.kind, value) {
-        (Kind::Number { min, max, log }, toml::Value::Float(number)) => {
+        (ValueKind::Number { min, max, log }, toml::Value::Float(number)) => {
             let mut number = *number;
             let slider = Slider::new(&mut number, min..=max)
                 .logarithmic(log)
@@ -201,13 +201,13 @@ fn value_ui(ui: &mut Ui, field: &'static Field, name: &str, value: &toml::Value)
             let slider = ui.add(slider).on_hover_text(field.help).accessible_name(name);
             (slider.changed() && !gave_up_number(ui.ctx())).then(|| number.into())
         }
-        (Kind::Integer { min, max }, toml::Value::Integer(number)) => {
+        (ValueKind::Integer { min, max }, toml::Value::Integer(number)) => {
             let mut number = *number;
             let slider = Slider::new(&mut number, min..=max).logarithmic(min > 0).update_while_editing(false);
             let slider = ui.add(slider).on_hover_text(field.help).accessible_name(name);
             (slider.changed() && !gave_up_number(ui.ctx())).then(|| number.into())
         }
-        (Kind::Choice(names), toml::Value::String(current)) => {
+        (ValueKind::Choice(names), toml::Value::String(current)) => {
             let current = names.iter().position(|(choice, _)| choice == current).unwrap_or(0);
             let choices: Vec<_> = names
                 .iter()

@@ -3,7 +3,7 @@
 use egui::{Align, Button, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons::{ICON_CANCEL, ICON_REPLAY};
 
-use crate::app::model::{self, Busy, Command, State, Work};
+use crate::app::model::{self, Busy, Command, State, StoppableWork};
 use crate::app::theme::{Tokens, space};
 
 /// The line at the bottom.
@@ -42,7 +42,7 @@ fn busy_ui(ui: &mut Ui, state: &State, busy: &Busy) {
     let tokens = Tokens::in_ui(ui);
     let progress = &busy.progress;
     let stage = if progress.stage.is_empty() { "Starting" } else { &progress.stage };
-    let study = state.inspector.charts.under_way().filter(|_| busy.work == Work::Study);
+    let study = state.inspector.charts.under_way().filter(|_| busy.work == StoppableWork::Study);
     let whole = match study {
         Some(study) if progress.context.is_empty() => study.name().to_owned(),
         Some(study) => format!("{}: {}", study.name(), progress.context),

@@ -6,8 +6,8 @@ use egui_material_icons::icons::{
     ICON_SCIENCE, ICON_TERMINAL,
 };
 
-use super::command_palette::Palette;
-use crate::app::dock::View;
+use super::command_palette::CommandPalette;
+use crate::app::dock::DockView;
 use crate::app::model::{self, Command, Origin, Purpose, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::icon_button;
@@ -42,7 +42,7 @@ pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>
             )
             .clicked()
             {
-                commands.push(Command::Palette(Some(Palette::default())));
+                commands.push(Command::Palette(Some(CommandPalette::default())));
             }
         });
     });
@@ -136,7 +136,7 @@ fn demo_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
 
 fn views_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
     menu_ui(ui, ICON_DASHBOARD, "Views", |ui| {
-        for view in View::ALL {
+        for view in DockView::ALL {
             let name = view.name();
             let button = ui.button(name).on_hover_text(view.help());
             if button.accessible_name(format!("Open view {name}")).clicked() {

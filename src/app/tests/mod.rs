@@ -6,8 +6,8 @@ mod telling;
 
 use std::time::{Duration, Instant};
 
-use super::dock::View;
-use super::model::{Command, CompareLook, Exported, Message, NoticeKind, Purpose, Side, Study};
+use super::dock::DockView;
+use super::model::{Command, CompareLook, CompareSide, Exported, Message, NoticeKind, Purpose, Study};
 use super::work::Spot;
 use super::{OverlookApp, Start};
 use crate::demo::DemoSpec;
@@ -304,11 +304,11 @@ fn a_hole_that_is_clicked_is_not_kept() {
 #[test]
 fn pictures_are_named_after_what_they_show_until_those_that_were_chosen_are_there() {
     let mut app = start(2, 2);
-    app.dock.open(View::Compare);
+    app.dock.open(DockView::Compare);
     wait(&mut app, "the comparison", |app| app.state.inspector.compared.is_some());
     let sides = |app: &OverlookApp| app.state.inspector.compared.as_ref().map(|compared| compared.sides);
     let before = app.state.inspector.compare.clone();
-    let look = CompareLook { sides: [Side::Point, Side::Kept], ..before.clone() };
+    let look = CompareLook { sides: [CompareSide::Point, CompareSide::Kept], ..before.clone() };
     app.state.inspector.compare_trouble = Some("of those before".into());
     app.apply(Command::Compare(Box::new(look.clone())));
     assert_eq!((sides(&app), &app.state.inspector.compare_trouble), (Some(before.sides), &None));

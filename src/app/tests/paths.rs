@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::{set_method, settle, start, step, wait};
 use crate::app::OverlookApp;
-use crate::app::dock::View;
+use crate::app::dock::DockView;
 use crate::app::model::{Command, Message, Purpose, Study};
 use crate::app::work::{ColorBy, Spot};
 use crate::settings::{PruningMethod, Settings};
@@ -148,7 +148,7 @@ fn a_key_of_a_camera_path_that_nobody_sees_is_told() {
     app.apply(Command::AddKey);
     assert!(app.notices()[0].starts_with("Key 1 added") && app.notices()[0].contains("Camera path"));
     app.state.notices.clear();
-    app.dock.open(View::Path);
+    app.dock.open(DockView::Path);
     app.apply(Command::AddKey);
     assert!(app.notices().is_empty());
 }

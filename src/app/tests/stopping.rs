@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::{orrery, set_method, settle, start, step, wait};
-use crate::app::model::{Command, Purpose, Study, Work};
+use crate::app::model::{Command, Purpose, StoppableWork, Study};
 use crate::app::work::Spot;
 use crate::app::{OverlookApp, Start};
 use crate::settings::{PruningMethod, Settings};
@@ -46,7 +46,7 @@ fn cancelling_stops_only_what_is_named_and_an_export_that_was_stopped_says_so() 
     }
     app.take_path(Purpose::ExportPictures, folder.path().join("pictures"));
     watch(&mut app);
-    assert_eq!(app.state.busy[0].work, Work::Export);
+    assert_eq!(app.state.busy[0].work, StoppableWork::Export);
     app.apply(Command::Cancel);
     assert!(app.state.inspector.charts.studying, "the sweep stands behind it in the line");
     wait(&mut app, "a word about the export", |app| has_notice(app, "Export stopped: Only the pictures"));

@@ -6,8 +6,8 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 use super::{settle, start, wait};
-use crate::app::dock::{Dock, View};
-use crate::app::model::{self, Busy, Command, State, Study, Work};
+use crate::app::dock::{Dock, DockView};
+use crate::app::model::{self, Busy, Command, State, StoppableWork, Study};
 use crate::app::{OverlookApp, fresh_state, secs_left, theme, views, window};
 use crate::job::Progress;
 use crate::settings::{Kernel, Settings};
@@ -27,7 +27,7 @@ fn says(text: &str, mut contents: impl FnMut(&mut egui::Ui)) -> bool {
     harness.query_all_by_label_contains(text).next().is_some()
 }
 
-fn view_says(state: &State, view: View, text: &str) -> bool {
+fn view_says(state: &State, view: DockView, text: &str) -> bool {
     says(text, |ui| window::view_ui(ui, view, state, &mut Vec::new()))
 }
 
@@ -43,8 +43,8 @@ fn scoring() -> Progress {
 #[test]
 fn the_time_left_of_a_sweep_is_that_of_all_of_it() {
     let long = Duration::from_secs(10);
-    assert!(secs_left(Work::Whole, &scoring(), long).is_some());
-    assert_eq!(secs_left(Work::Study, &scoring(), long), None);
+    assert!(secs_left(StoppableWork::Whole, &scoring(), long).is_some());
+    assert_eq!(secs_left(StoppableWork::Study, &scoring(), long), None);
 }
 
 #[test]
@@ -54,8 +54,12 @@ fn the_line_at_the_bottom_names_what_is_measured_and_how_long_all_of_it_takes() 
     {
         let mut state = fresh_state();
         state.inspector.charts.begin(study, &Settings::default());
-        state.busy =
-            vec![Busy { work: Work::Study, progress: scoring(), cancellable: true, secs_left: None }];
+        state.busy = vec![Busy {
+            work: StoppableWork::Study,
+            progress: scoring(),
+            cancellable: true,
+            secs_left: None,
+        }];
         let mut dock = Dock::new();
         assert!(says(line, |ui| window::window_ui(ui, &state, &mut dock, &mut Vec::new())));
     }
@@ -64,8 +68,8 @@ fn the_line_at_the_bottom_names_what_is_measured_and_how_long_all_of_it_takes() 
 #[test]
 fn a_chart_whose_first_point_is_on_its_way_does_not_say_that_there_is_none() {
     for (study, view, none) in [
-        (Study::Sweep, View::Tradeoff, "No sweep yet"),
-        (Study::Stress, View::Stability, "No stress test yet"),
+        (Study::Sweep, DockView::Tradeoff, "No sweep yet"),
+        (Study::Stress, DockView::Stability, "No stress test yet"),
     ] {
         let mut state = fresh_state();
         assert!(view_says(&state, view, none));
@@ -83,11 +87,11 @@ fn settings_put_on_from_a_chart_are_named_as_in_the_panel() {
     let notices = app.notices();
     let told = "Settings put on: Kernel (Painting the live view): Gather → Point (Ctrl+Z undoes)";
     assert_eq!(notices, [told]);
-    assert!(view_says(&app.state, View::Thresholds, "1 setting differs from its default"));
+    assert!(view_says(&app.state, DockView::Thresholds, "1 setting differs from its default"));
     app.apply(Command::TakeSettings(Box::new(settings)));
     assert!(app.notices()[1].starts_with("On already"), "{:?}", app.notices());
     app.apply(Command::Undo);
-    assert!(view_says(&app.state, View::Thresholds, "Every setting has its default"));
+    assert!(view_says(&app.state, DockView::Thresholds, "Every setting has its default"));
 }
 
 #[test]
@@ -97,11 +101,11 @@ fn histograms_of_another_frame_than_the_one_shown_say_so() {
         app.state.inspector.histograms.first().is_some_and(|histogram| histogram.frame == Some(frame))
     };
     wait(&mut app, "the histograms", |app| are_of(app, 0));
-    assert!(!view_says(&app.state, View::Thresholds, "at frame"));
+    assert!(!view_says(&app.state, DockView::Thresholds, "at frame"));
     app.state.timeline.frame = 1;
-    assert!(view_says(&app.state, View::Thresholds, "at frame 1"));
+    assert!(view_says(&app.state, DockView::Thresholds, "at frame 1"));
     wait(&mut app, "the histograms", |app| are_of(app, 1));
-    assert!(!view_says(&app.state, View::Thresholds, "at frame"));
+    assert!(!view_says(&app.state, DockView::Thresholds, "at frame"));
 }
 
 #[test]
@@ -120,5 +124,5 @@ fn samples_of_shorter_spans_are_not_said_to_be_of_one_frame() {
     let words = format!("{} samples that do not hold for all frames", model::count(counted));
     let mut dock = Dock::new();
     assert!(says(&words, |ui| window::window_ui(ui, &app.state, &mut dock, &mut Vec::new())));
-    assert!(view_says(&app.state, View::Report, "Repeated over time"));
+    assert!(view_says(&app.state, DockView::Report, "Repeated over time"));
 }

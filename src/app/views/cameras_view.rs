@@ -4,7 +4,7 @@ use egui::{Align2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, po
 use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
 
 use super::{marks, words};
-use crate::app::model::{self, Command, Scene, State};
+use crate::app::model::{self, Command, OpenScene, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::empty_ui;
 use crate::app::work;
@@ -38,7 +38,7 @@ pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Com
 fn card_ui(
     ui: &mut Ui,
     state: &State,
-    scene: &Scene,
+    scene: &OpenScene,
     index: usize,
     height: f32,
     commands: &mut Vec<Command>,

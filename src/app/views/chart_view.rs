@@ -159,7 +159,7 @@ fn around(values: impl Iterator<Item = f64>, log: bool) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::trial::{Measured, Trial};
+    use crate::evaluate::trial::{Trial, TrialResult};
     use crate::settings::Settings;
 
     #[test]
@@ -174,7 +174,7 @@ mod tests {
     #[test]
     fn a_point_is_told_by_the_axes_that_are_shown_and_by_the_names_of_the_panel() {
         let trial = Trial::new("spans.color_tolerance = 4, gather", Settings::default());
-        let mut point = Point::new(&trial, Series::Variation, &Measured::default());
+        let mut point = Point::new(&trial, Series::Variation, &TrialResult::default());
         (point.seconds_preprocess, point.flip) = (2.5, 0.125);
         let told = words(&point, [Quantity::Seconds, Quantity::Flip]);
         assert!(told.starts_with("Color tolerance (Redundancy over time): 4, gather\n"), "{told}");

@@ -4,10 +4,12 @@ use egui::{Align2, Key, Rect, RichText, Sense, Stroke, Ui, Vec2, pos2, vec2};
 use egui_material_icons::icons::{ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
 use super::legend;
-use crate::app::model::{self, Command, CompareLook, Content, Measure, Mode, Place, Side, State};
+use crate::app::model::{
+    self, Command, CompareLook, CompareMeasure, CompareSide, CompareVantage, Content, Mode, State,
+};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, empty_ui, icon_button, segments_ui};
-use crate::app::work::{Compared, Comparison, diverging, sequential};
+use crate::app::work::{PictureDifference, ShownComparison, diverging, sequential};
 
 /// Height of the lines below the picture.
 const FOOTER: f32 = 48.0;
@@ -44,7 +46,7 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Com
 /// What is compared above, how below: rows that wrap break each other apart in a narrow view.
 fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
     ui.horizontal(|ui| {
-        let sides: Vec<_> = Side::ALL
+        let sides: Vec<_> = CompareSide::ALL
             .iter()
             .map(|(side, name, help)| (*side, (*name).to_owned(), (*help).to_owned()))
             .collect();
@@ -64,7 +66,7 @@ fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
         }
         if look.mode == Mode::Difference {
             ui.add_space(space::MEDIUM);
-            let measures = Measure::ALL.map(|(measure, name, help)| (measure, name, help));
+            let measures = CompareMeasure::ALL.map(|(measure, name, help)| (measure, name, help));
             if let Some(measure) = segments_ui(ui, "Difference in", look.measure, measures) {
                 // A locked range is one of the other unit.
                 (look.measure, look.range) = (measure, None);
@@ -73,19 +75,20 @@ fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
     });
 }
 
-fn places(state: &State) -> Vec<(Place, String, String)> {
-    let mut places = vec![(Place::Live, "Live view".to_owned(), "Where the live view stands.".to_owned())];
+fn places(state: &State) -> Vec<(CompareVantage, String, String)> {
+    let mut places =
+        vec![(CompareVantage::Live, "Live view".to_owned(), "Where the live view stands.".to_owned())];
     let Some(scene) = &state.scene else { return places };
     if let Content::Capture { truth, .. } = &scene.content {
         places.extend(scene.cameras.iter().enumerate().map(|(index, camera)| {
             let help = "Where this camera stood, from the samples of all others.".to_owned();
-            (Place::HoldOut(index), format!("Hold-out {}", camera.name), help)
+            (CompareVantage::HoldOut(index), format!("Hold-out {}", camera.name), help)
         }));
         let known = truth.iter().filter(|view| view.truth.is_some()).enumerate();
         places.extend(known.map(|(index, view)| {
             let path = &view.file_path;
             (
-                Place::Truth(index),
+                CompareVantage::Truth(index),
                 format!("Truth {path}"),
                 format!("A vantage whose picture is known: {path}."),
             )
@@ -138,12 +141,12 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
     Some([at.x as usize, at.y as usize])
 }
 
-fn side_name(side: Side) -> &'static str {
-    Side::ALL.iter().find(|(of, ..)| *of == side).map_or("", |(_, name, _)| name)
+fn side_name(side: CompareSide) -> &'static str {
+    CompareSide::ALL.iter().find(|(of, ..)| *of == side).map_or("", |(_, name, _)| name)
 }
 
 /// Whether pictures show what is chosen; else what is chosen is being worked out.
-fn is_of(compared: &Compared, look: &CompareLook) -> bool {
+fn is_of(compared: &ShownComparison, look: &CompareLook) -> bool {
     (compared.sides, compared.place) == (look.sides, look.place)
 }
 
@@ -161,7 +164,7 @@ fn draw(
     painter: &egui::Painter,
     picture: Rect,
     canvas: Rect,
-    compared: &Compared,
+    compared: &ShownComparison,
     parts: &[(usize, [f32; 2])],
 ) {
     let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
@@ -247,30 +250,30 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
 }
 
 /// What the colors of the map stand for.
-fn bar_ui(ui: &mut Ui, comparison: &Comparison) {
+fn bar_ui(ui: &mut Ui, comparison: &PictureDifference) {
     let range = model::significant(f64::from(comparison.range));
     match comparison.measure {
-        Measure::Steps => legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR, sequential),
-        Measure::Brightness => legend::bar(
+        CompareMeasure::Steps => legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR, sequential),
+        CompareMeasure::Brightness => legend::bar(
             ui,
             &format!("darker −{range}"),
             &format!("+{range} brighter, 8-bit steps"),
             BAR,
             |position| diverging(position * 2.0 - 1.0),
         ),
-        Measure::Flip => legend::bar(ui, "FLIP 0", &range, BAR, sequential),
+        CompareMeasure::Flip => legend::bar(ui, "FLIP 0", &range, BAR, sequential),
     }
 }
 
 /// The pixel under the pointer on both sides; `None` outside.
-fn about_pixel(comparison: &Comparison, [x, y]: [usize; 2]) -> Option<String> {
+fn about_pixel(comparison: &PictureDifference, [x, y]: [usize; 2]) -> Option<String> {
     let color = |side: usize| {
         let pixel = comparison.sides[side].get(x, y)?;
         Some(pixel.map_or_else(|| "nothing".to_owned(), |[r, g, b]| format!("{r} {g} {b}")))
     };
     let apart = match comparison.apart.get(x, y)? {
-        Some(apart) if comparison.measure == Measure::Flip => format!("FLIP {apart:.3}"),
-        Some(apart) if comparison.measure == Measure::Brightness => format!("{apart:+.1} steps"),
+        Some(apart) if comparison.measure == CompareMeasure::Flip => format!("FLIP {apart:.3}"),
+        Some(apart) if comparison.measure == CompareMeasure::Brightness => format!("{apart:+.1} steps"),
         Some(apart) => format!("{apart:.0} steps apart"),
         None => "nothing to compare".to_owned(),
     };
@@ -278,7 +281,7 @@ fn about_pixel(comparison: &Comparison, [x, y]: [usize; 2]) -> Option<String> {
 }
 
 /// The whole comparison in figures.
-fn figures(comparison: &Comparison) -> String {
+fn figures(comparison: &PictureDifference) -> String {
     let psnr = if comparison.psnr_db.is_infinite() {
         "equal where both show something".to_owned()
     } else {
@@ -286,7 +289,7 @@ fn figures(comparison: &Comparison) -> String {
             "{:.1} dB apart, {} {}on average",
             comparison.psnr_db,
             model::significant(comparison.mean),
-            if comparison.measure == Measure::Flip { "FLIP " } else { "steps " }
+            if comparison.measure == CompareMeasure::Flip { "FLIP " } else { "steps " }
         )
     };
     format!("{psnr}; {:.1} % of pixels are shown by one side alone", 100.0 * comparison.one_sided)

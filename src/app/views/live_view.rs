@@ -154,14 +154,14 @@ fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State
         }
         let apex = shape.apex.map(|apex| canvas.min + apex.to_vec2());
         if let Some(apex) = apex.filter(|apex| canvas.contains(*apex)) {
-            names.push(CameraName { name: &camera.name, apex, is_chosen: selected, apart, presence });
+            names.push(CameraLabel { name: &camera.name, apex, is_chosen: selected, apart, presence });
         }
     }
     names_overlay(ui, painter, canvas, names);
 }
 
 /// The name of a camera in view.
-struct CameraName<'a> {
+struct CameraLabel<'a> {
     name: &'a str,
     apex: egui::Pos2,
     is_chosen: bool,
@@ -172,12 +172,12 @@ struct CameraName<'a> {
 }
 
 /// Names that would lie over one another cannot be read: the chosen camera's and the nearest go first.
-fn names_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, mut names: Vec<CameraName<'_>>) {
+fn names_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, mut names: Vec<CameraLabel<'_>>) {
     let tokens = Tokens::in_ui(ui);
     let font = egui::TextStyle::Small.resolve(ui.style());
     names.sort_by(|a, b| b.is_chosen.cmp(&a.is_chosen).then(a.apart.total_cmp(&b.apart)));
     let mut plates: Vec<Rect> = Vec::new();
-    for CameraName { name, apex, presence, .. } in names {
+    for CameraLabel { name, apex, presence, .. } in names {
         let text = tokens.on_scrim.gamma_multiply(presence);
         let galley = painter.layout_no_wrap(name.to_owned(), font.clone(), text);
         let size = galley.size() + vec2(8.0, 4.0);

@@ -4,11 +4,11 @@ use egui::{Align, Button, Grid, Label, Layout, Rect, RichText, ScrollArea, Sense
 use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING};
 
 use super::words;
-use crate::app::model::{Command, Scene, State};
+use crate::app::model::{Command, OpenScene, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{empty_ui, icon_button};
 use crate::app::work::{self, Probed};
-use crate::preprocess::inspect::Testimony;
+use crate::preprocess::inspect::CameraEvidence;
 
 /// Width of the summary beside the table.
 const SUMMARY: f32 = 292.0;
@@ -68,7 +68,7 @@ pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comma
     ui.allocate_rect(area, Sense::hover());
 }
 
-fn summary_ui(ui: &mut Ui, state: &State, scene: &Scene, probed: &Probed, commands: &mut Vec<Command>) {
+fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Vec<Command>) {
     let tokens = Tokens::in_ui(ui);
     ui.spacing_mut().item_spacing.y = 3.0;
     let name = scene.cameras.get(probed.camera).map_or("", |camera| &camera.name);
@@ -163,7 +163,7 @@ fn dot_ui(ui: &mut Ui, camera: usize) {
     ui.painter().circle_filled(dot.center(), 4.5, work::camera(camera));
 }
 
-fn table_ui(ui: &mut Ui, state: &State, scene: &Scene, probed: &Probed, commands: &mut Vec<Command>) {
+fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Vec<Command>) {
     let tokens = Tokens::in_ui(ui);
     let Some(argument) = &probed.argument else { return };
     if argument.testimonies.is_empty() {
@@ -197,8 +197,8 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &Scene, probed: &Probed, commands
 fn row_ui(
     ui: &mut Ui,
     state: &State,
-    scene: &Scene,
-    row: &Testimony,
+    scene: &OpenScene,
+    row: &CameraEvidence,
     wins: bool,
     commands: &mut Vec<Command>,
 ) {

@@ -1,9 +1,9 @@
 //! Verdicts and testimonies in words: for the read-out, the table and the clipboard.
 
-use crate::app::model::{self, Scene, State};
+use crate::app::model::{self, OpenScene, State};
 use crate::app::work::Probed;
 use crate::capture::Camera;
-use crate::preprocess::inspect::{ChainLink, Testimony};
+use crate::preprocess::inspect::{CameraEvidence, ChainLink};
 use crate::preprocess::pruning::{Rule, Verdict};
 use crate::preprocess::registration::Outcome;
 
@@ -98,7 +98,7 @@ pub(crate) fn fate(cameras: &[Camera], verdict: Verdict) -> String {
 }
 
 /// What became of a camera's own pixel, and for what it yields to others however dense it is; `None` outside its picture.
-pub(crate) fn there(cameras: &[Camera], row: &Testimony) -> Option<String> {
+pub(crate) fn there(cameras: &[Camera], row: &CameraEvidence) -> Option<String> {
     let mut words = fate(cameras, row.verdict?);
     for (yields, why) in [(row.is_blended, ", blended"), (row.is_unsure, ", no normal")] {
         if yields {
@@ -109,12 +109,12 @@ pub(crate) fn there(cameras: &[Camera], row: &Testimony) -> Option<String> {
 }
 
 /// Whether a row speaks of the surface point that is argued about.
-pub(crate) fn is_same_point(row: &Testimony) -> bool {
+pub(crate) fn is_same_point(row: &CameraEvidence) -> bool {
     matches!(row.outcome, None | Some(Outcome::Same(_)))
 }
 
 /// The paper's rate and the footprint's, in the table and on the clipboard: of two different surface points none can be compared.
-pub(crate) fn rates(row: &Testimony) -> [String; 2] {
+pub(crate) fn rates(row: &CameraEvidence) -> [String; 2] {
     [row.paper_r, row.footprint_r].map(|rate| number(if is_same_point(row) { rate } else { f64::NAN }))
 }
 
@@ -146,7 +146,7 @@ pub(crate) fn chain(cameras: &[Camera], links: &[ChainLink]) -> String {
 }
 
 /// The argument for a pixel as text, for the clipboard.
-pub(crate) fn argument(scene: &Scene, probed: &Probed) -> String {
+pub(crate) fn argument(scene: &OpenScene, probed: &Probed) -> String {
     let cameras = &scene.cameras;
     let name = cameras.get(probed.camera).map_or("", |camera| &camera.name);
     let mut lines = vec![format!("{}: camera {name}, pixel {}, {}", scene.name, probed.x, probed.y)];
@@ -177,7 +177,7 @@ pub(crate) fn argument(scene: &Scene, probed: &Probed) -> String {
     lines.join("\n")
 }
 
-fn line(cameras: &[Camera], row: &Testimony) -> String {
+fn line(cameras: &[Camera], row: &CameraEvidence) -> String {
     let name = cameras.get(row.camera).map_or("", |camera| &camera.name);
     let mut cells = vec![name.to_owned(), sees(row.outcome).to_owned()];
     cells.extend(
@@ -221,8 +221,8 @@ mod tests {
         assert_eq!(chain(&cameras, &links), "front 0, 0 (dropped) » left 5, 3 (kept)");
     }
 
-    fn row(outcome: Option<Outcome>) -> Testimony {
-        Testimony {
+    fn row(outcome: Option<Outcome>) -> CameraEvidence {
+        CameraEvidence {
             camera: 0,
             outcome,
             position: None,
@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn a_denser_sample_that_yields_says_why() {
-        let blended = Testimony { is_blended: true, is_unsure: true, ..row(Some(Outcome::Same(0))) };
+        let blended = CameraEvidence { is_blended: true, is_unsure: true, ..row(Some(Outcome::Same(0))) };
         assert_eq!(there(&[], &blended).unwrap(), "kept, blended, no normal");
         assert_eq!(there(&[], &row(None)).unwrap(), "kept");
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::workers::MeasureRequest;
 use crate::app::model::{Accuracy, Content};
-use crate::capture::{Frame, View};
+use crate::capture::{Frame, TruthView};
 use crate::error::Result;
 use crate::evaluate::metrics;
 use crate::job::Job;
@@ -22,7 +22,7 @@ const VIEWS: usize = 3;
 /// Whatever loading the truth and rendering give, and `Cancelled`.
 pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accuracy>> {
     let Content::Capture { capture, truth, .. } = &request.scene.content else { return Ok(None) };
-    let known: Vec<(&View, usize)> = truth
+    let known: Vec<(&TruthView, usize)> = truth
         .iter()
         .filter(|view| view.truth.is_some())
         .filter_map(|view| Some((view, capture.frame_index(view.frame_number)?)))

@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use super::accuracy::with_nothing_pruned;
-use super::difference::{self, Comparison};
-use crate::app::model::{Content, Measure, Place, Scene, Side, method_of};
+use super::difference::{self, PictureDifference};
+use crate::app::model::{CompareMeasure, CompareSide, CompareVantage, Content, OpenScene, method_of};
 use crate::capture::{Capture, Frame};
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -19,11 +19,11 @@ use crate::settings::{Backend, Kernel, Settings};
 #[derive(Clone)]
 pub(crate) struct CompareKey {
     /// What is open.
-    pub scene: Arc<Scene>,
+    pub scene: Arc<OpenScene>,
     /// The sides.
-    pub sides: [Side; 2],
+    pub sides: [CompareSide; 2],
     /// From where.
-    pub place: Place,
+    pub place: CompareVantage,
     /// Where the live view stands, and when.
     pub vantage: Vantage,
     /// The kept samples that the live view shows.
@@ -35,7 +35,7 @@ pub(crate) struct CompareKey {
     /// The settings on the sliders, A and B.
     pub settings: [Settings; 3],
     /// What the map of their difference shows.
-    pub measure: Measure,
+    pub measure: CompareMeasure,
     /// The difference that the map's upper end stands for, in the unit of the measure; `None` to fit it.
     pub range: Option<f32>,
     /// Dark or light, as holes use a color of the theme.
@@ -44,7 +44,7 @@ pub(crate) struct CompareKey {
 
 impl PartialEq for CompareKey {
     fn eq(&self, other: &Self) -> bool {
-        let uses = |side: Side| self.sides.contains(&side);
+        let uses = |side: CompareSide| self.sides.contains(&side);
         self.scene.id == other.scene.id
             && self.sides == other.sides
             && self.place == other.place
@@ -52,24 +52,24 @@ impl PartialEq for CompareKey {
             && self.whole == other.whole
             && self.scan.as_ref().map(Arc::as_ptr) == other.scan.as_ref().map(Arc::as_ptr)
             && self.settings[0] == other.settings[0]
-            && (!uses(Side::A) || self.settings[1] == other.settings[1])
-            && (!uses(Side::B) || self.settings[2] == other.settings[2])
+            && (!uses(CompareSide::A) || self.settings[1] == other.settings[1])
+            && (!uses(CompareSide::B) || self.settings[2] == other.settings[2])
             && self.measure == other.measure
             && self.range == other.range
             && self.dark == other.dark
             && self.vantage.frame == other.vantage.frame
-            && (self.place != Place::Live || self.vantage == other.vantage)
+            && (self.place != CompareVantage::Live || self.vantage == other.vantage)
     }
 }
 
 /// A comparison that is shown.
-pub(crate) struct Compared {
+pub(crate) struct ShownComparison {
     /// Whose pictures these are.
-    pub sides: [Side; 2],
+    pub sides: [CompareSide; 2],
     /// From where.
-    pub place: Place,
+    pub place: CompareVantage,
     /// What came of it.
-    pub comparison: Comparison,
+    pub comparison: PictureDifference,
     /// Left, right and difference on the graphics card.
     pub textures: [egui::TextureHandle; 3],
 }
@@ -111,23 +111,23 @@ impl Comparer {
     ///
     /// # Errors
     /// `Invalid` where a side cannot be shown there; whatever loading, pruning and rendering give; `Cancelled`.
-    pub(crate) fn compare(&mut self, key: &CompareKey, job: &Job) -> Result<Comparison> {
+    pub(crate) fn compare(&mut self, key: &CompareKey, job: &Job) -> Result<PictureDifference> {
         let (vantage, truth) = place(key)?;
         let left = self.side(key, key.sides[0], &vantage, truth.as_deref(), job)?;
         job.check()?;
         let right = self.side(key, key.sides[1], &vantage, truth.as_deref(), job)?;
-        Comparison::new([left, right], key.measure, key.range, key.dark)
+        PictureDifference::new([left, right], key.measure, key.range, key.dark)
     }
 
     fn side(
         &mut self,
         key: &CompareKey,
-        side: Side,
+        side: CompareSide,
         vantage: &Vantage,
         truth: Option<&Frame>,
         job: &Job,
-    ) -> Result<difference::Side> {
-        if side == Side::Truth {
+    ) -> Result<difference::DisplayColors> {
+        if side == CompareSide::Truth {
             let frame = truth.ok_or_else(|| {
                 Error::invalid(
                     "comparison",
@@ -137,24 +137,24 @@ impl Comparer {
             return Ok(difference::of_frame(frame));
         }
         let mut settings = match side {
-            Side::A => key.settings[1].clone(),
-            Side::B => key.settings[2].clone(),
+            CompareSide::A => key.settings[1].clone(),
+            CompareSide::B => key.settings[2].clone(),
             _ => key.settings[0].clone(),
         };
         let mut render = settings.render.clone();
         match side {
-            Side::Point => render.kernel = Kernel::Point,
-            Side::Block => render.kernel = Kernel::Block,
-            Side::Surfel => render.kernel = Kernel::Surfel,
-            Side::Gather => render.kernel = Kernel::Gather,
-            Side::Cpu => render.backend = Backend::Cpu,
-            Side::Gpu => render.backend = Backend::Gpu,
-            Side::Everything => settings = with_nothing_pruned(&settings),
+            CompareSide::Point => render.kernel = Kernel::Point,
+            CompareSide::Block => render.kernel = Kernel::Block,
+            CompareSide::Surfel => render.kernel = Kernel::Surfel,
+            CompareSide::Gather => render.kernel = Kernel::Gather,
+            CompareSide::Cpu => render.backend = Backend::Cpu,
+            CompareSide::Gpu => render.backend = Backend::Gpu,
+            CompareSide::Everything => settings = with_nothing_pruned(&settings),
             _ => {}
         }
         let as_shown = method_of(&settings) == method_of(&key.settings[0]);
         let left_out = match key.place {
-            Place::HoldOut(camera) => Some(camera),
+            CompareVantage::HoldOut(camera) => Some(camera),
             _ => None,
         };
         let shown_there = key.whole || vantage.frame == key.vantage.frame;
@@ -162,13 +162,13 @@ impl Comparer {
             key.samples.clone()
         } else {
             // What is known about time counts all cameras, and where every pixel is one of this frame it says nothing.
-            let frame_alone = left_out.is_some() || side == Side::Everything;
+            let frame_alone = left_out.is_some() || side == CompareSide::Everything;
             let scan = if frame_alone { None } else { self.scan(key, &settings, job)? };
             self.samples(key, &settings, (vantage.frame, left_out), scan.as_deref(), job)?
         };
         self.renderer.forget_background();
         let (picture, _) = self.renderer.render(&samples, vantage, &render, job)?;
-        if side == Side::Gpu
+        if side == CompareSide::Gpu
             && let Some(notice) = self.renderer.notice()
         {
             return Err(Error::invalid("comparison", notice));
@@ -228,7 +228,7 @@ impl Comparer {
     }
 }
 
-fn capture_of(scene: &Scene) -> Result<&Capture> {
+fn capture_of(scene: &OpenScene) -> Result<&Capture> {
     scene.capture().ok_or_else(|| {
         Error::invalid(
             "comparison",
@@ -240,8 +240,8 @@ fn capture_of(scene: &Scene) -> Result<&Capture> {
 /// The vantage, and what was recorded there.
 fn place(key: &CompareKey) -> Result<(Vantage, Option<Arc<Frame>>)> {
     match key.place {
-        Place::Live => Ok((key.vantage.clone(), None)),
-        Place::HoldOut(camera) => {
+        CompareVantage::Live => Ok((key.vantage.clone(), None)),
+        CompareVantage::HoldOut(camera) => {
             let capture = capture_of(&key.scene)?;
             let there = capture
                 .cameras
@@ -250,7 +250,7 @@ fn place(key: &CompareKey) -> Result<(Vantage, Option<Arc<Frame>>)> {
             let vantage = Vantage { camera: there.clone(), frame: key.vantage.frame };
             Ok((vantage, Some(capture.frame(camera, key.vantage.frame)?)))
         }
-        Place::Truth(index) => {
+        CompareVantage::Truth(index) => {
             let capture = capture_of(&key.scene)?;
             let Content::Capture { truth, .. } = &key.scene.content else {
                 return Err(Error::invalid("comparison", "a store comes without truth vantages"));
@@ -287,20 +287,20 @@ mod tests {
         let scan = preprocess::scan(&capture, &a, &Job::new()).unwrap();
         let samples = preprocess::prune(&capture, &scan, &a, &Job::new()).unwrap().samples;
         CompareKey {
-            scene: Arc::new(Scene::of_capture(
+            scene: Arc::new(OpenScene::of_capture(
                 Origin::Demo("orrery".into()),
                 capture,
                 demo.truth_views(),
                 1.0,
             )),
-            sides: [Side::A, Side::B],
-            place: Place::Live,
+            sides: [CompareSide::A, CompareSide::B],
+            place: CompareVantage::Live,
             vantage: Vantage { camera: demo.home(), frame: 3 },
             samples,
             whole: true,
             scan: Some(scan),
             settings: [a.clone(), a, b],
-            measure: Measure::Steps,
+            measure: CompareMeasure::Steps,
             range: None,
             dark: true,
         }
@@ -334,8 +334,8 @@ mod tests {
     #[test]
     fn at_a_truth_vantage_the_samples_of_its_frame_are_compared_and_not_those_of_the_frame_shown() {
         let key = CompareKey {
-            sides: [Side::Kept, Side::Truth],
-            place: Place::Truth(0),
+            sides: [CompareSide::Kept, CompareSide::Truth],
+            place: CompareVantage::Truth(0),
             ..key(Settings::default())
         };
         let (vantage, _) = place(&key).unwrap();
@@ -356,7 +356,7 @@ mod tests {
     fn all_samples_are_every_pixel_of_the_frame() {
         let (mut comparer, mut key) = (comparer(), key(Settings::default()));
         key.settings[0].pruning.mixed_pixels = MixedPixels::Drop;
-        let key = CompareKey { sides: [Side::Everything, Side::Kept], ..key };
+        let key = CompareKey { sides: [CompareSide::Everything, CompareSide::Kept], ..key };
         comparer.compare(&key, &Job::new()).unwrap();
         assert_eq!(lengths(&comparer), [1]);
         let (_, samples) = comparer.made.last().unwrap();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::{Color32, ColorImage};
 
 use super::colormap::{diverging, sequential};
-use crate::app::model::Measure;
+use crate::app::model::CompareMeasure;
 use crate::app::theme::Tokens;
 use crate::capture::Frame;
 use crate::color::{linear_from_srgb, srgb8_from_linear, steps_from_linear};
@@ -18,30 +18,30 @@ use crate::render::Picture;
 const BEYOND: f32 = 0.01;
 
 /// One side as displayed colors (0 to 255 a channel); `None` where there is nothing.
-pub(crate) type Side = Grid<Option<[u8; 3]>>;
+pub(crate) type DisplayColors = Grid<Option<[u8; 3]>>;
 
 /// What a camera recorded, as displayed.
-pub(crate) fn of_frame(frame: &Frame) -> Side {
+pub(crate) fn of_frame(frame: &Frame) -> DisplayColors {
     frame.color.map(|color| Some(color.map(|c| steps_from_linear(c).clamp(0.0, 255.0).round() as u8)))
 }
 
 /// What was painted, as displayed.
-pub(crate) fn of_picture(picture: &Picture) -> Side {
+pub(crate) fn of_picture(picture: &Picture) -> DisplayColors {
     Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
         picture.shows((x, y)).then(|| picture.color[(x, y)].map(srgb8_from_linear))
     })
 }
 
 /// Two pictures and what tells them apart.
-pub(crate) struct Comparison {
+pub(crate) struct PictureDifference {
     /// The two sides, of one size.
-    pub sides: [Side; 2],
+    pub sides: [DisplayColors; 2],
     /// The two as shown: holes in a color of their own.
     pub images: [Arc<ColorImage>; 2],
     /// Where and how much they differ.
     pub difference: Arc<ColorImage>,
     /// What the map shows.
-    pub measure: Measure,
+    pub measure: CompareMeasure,
     /// How far every pixel is apart, in the unit of the measure; `None` where a side has nothing.
     pub apart: Grid<Option<f32>>,
     /// The difference that the map's upper end stands for.
@@ -54,12 +54,17 @@ pub(crate) struct Comparison {
     pub one_sided: f64,
 }
 
-impl Comparison {
+impl PictureDifference {
     /// Compares two sides by `measure`. `range` is what the map's upper end stands for; `None` fits it.
     ///
     /// # Errors
     /// `Invalid` where the sides differ in size.
-    pub(crate) fn new(sides: [Side; 2], measure: Measure, range: Option<f32>, dark: bool) -> Result<Self> {
+    pub(crate) fn new(
+        sides: [DisplayColors; 2],
+        measure: CompareMeasure,
+        range: Option<f32>,
+        dark: bool,
+    ) -> Result<Self> {
         let [left, right] = &sides;
         if left.size() != right.size() {
             let ([a, b], [c, d]) = (<[usize; 2]>::from(left.size()), <[usize; 2]>::from(right.size()));
@@ -69,7 +74,7 @@ impl Comparison {
             return Err(Error::invalid("comparison", what));
         }
         let tokens = Tokens::of(dark);
-        let image = |side: &Side| {
+        let image = |side: &DisplayColors| {
             let colors = side.map(|pixel| pixel.map_or(tokens.hole, |[r, g, b]| Color32::from_rgb(r, g, b)));
             Arc::new(ColorImage::new([side.width(), side.height()], colors.into_vec()))
         };
@@ -77,8 +82,8 @@ impl Comparison {
         let apart = apart(left, right, measure);
         let range = range.unwrap_or_else(|| fitted(&apart, measure));
         let color = |apart: f32| match measure {
-            Measure::Brightness => diverging(apart / range),
-            Measure::Steps | Measure::Flip => sequential(apart / range),
+            CompareMeasure::Brightness => diverging(apart / range),
+            CompareMeasure::Steps | CompareMeasure::Flip => sequential(apart / range),
         };
         // A gray, which no color of the maps is: the holes' own purple is near their lower end.
         let map = apart.map(|apart| apart.map_or(tokens.raised, color));
@@ -91,18 +96,18 @@ impl Comparison {
 }
 
 /// How far each pixel of the right is from the left.
-fn apart(left: &Side, right: &Side, measure: Measure) -> Grid<Option<f32>> {
+fn apart(left: &DisplayColors, right: &DisplayColors, measure: CompareMeasure) -> Grid<Option<f32>> {
     let both = |of: &dyn Fn([u8; 3], [u8; 3]) -> f32| {
         let pairs = left.as_slice().iter().zip(right.as_slice());
         let values = pairs.map(|(a, b)| Some(of((*a)?, (*b)?)));
         Grid::from_vec(left.width(), left.height(), values.collect())
     };
     match measure {
-        Measure::Steps => both(&|a, b| (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0).into()),
-        Measure::Brightness => both(&|a, b| luma(b) - luma(a)),
-        Measure::Flip => {
+        CompareMeasure::Steps => both(&|a, b| (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0).into()),
+        CompareMeasure::Brightness => both(&|a, b| luma(b) - luma(a)),
+        CompareMeasure::Flip => {
             // What one side alone shows differs from nothing: its neighbors are filtered as if the other showed the same.
-            let linear = |own: &Side, other: &Side| {
+            let linear = |own: &DisplayColors, other: &DisplayColors| {
                 let pixels = own.as_slice().iter().zip(other.as_slice());
                 let colors = pixels.map(|(own, other)| {
                     own.or(*other).unwrap_or_default().map(|step| linear_from_srgb(f32::from(step) / 255.0))
@@ -123,15 +128,15 @@ fn luma([r, g, b]: [u8; 3]) -> f32 {
 }
 
 /// A range that nearly all differences lie within.
-fn fitted(apart: &Grid<Option<f32>>, measure: Measure) -> f32 {
+fn fitted(apart: &Grid<Option<f32>>, measure: CompareMeasure) -> f32 {
     let mut sorted: Vec<f32> = apart.as_slice().iter().flatten().map(|apart| apart.abs()).collect();
     sorted.sort_unstable_by(f32::total_cmp);
     let most = sorted.get((sorted.len() as f32 * (1.0 - BEYOND)) as usize).copied().unwrap_or(0.0);
-    let least = if measure == Measure::Flip { 0.01 } else { 1.0 };
+    let least = if measure == CompareMeasure::Flip { 0.01 } else { 1.0 };
     most.max(least)
 }
 
-fn psnr_db(left: &Side, right: &Side) -> f64 {
+fn psnr_db(left: &DisplayColors, right: &DisplayColors) -> f64 {
     let (mut squares, mut count) = (0.0, 0_u64);
     for (a, b) in left.as_slice().iter().zip(right.as_slice()) {
         if let (Some(a), Some(b)) = (a, b) {
@@ -142,7 +147,7 @@ fn psnr_db(left: &Side, right: &Side) -> f64 {
     10.0 * (255.0 * 255.0 * count.max(1) as f64 / squares).log10()
 }
 
-fn one_sided(left: &Side, right: &Side) -> f64 {
+fn one_sided(left: &DisplayColors, right: &DisplayColors) -> f64 {
     let pairs = left.as_slice().iter().zip(right.as_slice());
     let lonely = pairs.filter(|(a, b)| a.is_some() != b.is_some()).count();
     lonely as f64 / left.len().max(1) as f64
@@ -152,23 +157,23 @@ fn one_sided(left: &Side, right: &Side) -> f64 {
 mod tests {
     use super::*;
 
-    fn side(pixels: [Option<u8>; 4]) -> Side {
+    fn side(pixels: [Option<u8>; 4]) -> DisplayColors {
         Grid::from_vec(4, 1, pixels.map(|gray| gray.map(|gray| [gray; 3])).to_vec())
     }
 
-    fn compared(measure: Measure) -> Comparison {
+    fn compared(measure: CompareMeasure) -> PictureDifference {
         let sides =
             [side([Some(10), Some(200), None, Some(50)]), side([Some(30), Some(190), Some(9), Some(50)])];
-        Comparison::new(sides, measure, None, true).unwrap()
+        PictureDifference::new(sides, measure, None, true).unwrap()
     }
 
     #[test]
     fn brightness_tells_which_side_is_brighter_and_steps_how_far_they_are_apart() {
-        let steps = compared(Measure::Steps);
+        let steps = compared(CompareMeasure::Steps);
         assert_eq!(steps.apart.as_slice(), [Some(20.0), Some(10.0), None, Some(0.0)]);
         assert_eq!((steps.range, steps.mean, steps.one_sided), (20.0, 10.0, 0.25));
         assert!((steps.psnr_db - 10.0 * (255.0_f64.powi(2) / (500.0 / 3.0)).log10()).abs() < 1e-9);
-        let brightness = compared(Measure::Brightness);
+        let brightness = compared(CompareMeasure::Brightness);
         let signed: Vec<_> = brightness.apart.as_slice().iter().map(|apart| apart.map(f32::round)).collect();
         assert_eq!(signed, [Some(20.0), Some(-10.0), None, Some(0.0)]);
     }
@@ -178,18 +183,19 @@ mod tests {
         let alone = |pixel| {
             let sides =
                 [side([Some(90), Some(90), None, Some(90)]), side([Some(90), Some(90), pixel, Some(90)])];
-            Comparison::new(sides, Measure::Flip, None, true).unwrap()
+            PictureDifference::new(sides, CompareMeasure::Flip, None, true).unwrap()
         };
         let [bright, none] = [alone(Some(255)), alone(None)];
         assert_eq!(bright.apart.as_slice(), [Some(0.0), Some(0.0), None, Some(0.0)]);
         assert_eq!(bright.apart, none.apart);
-        assert!(compared(Measure::Flip).apart.as_slice()[0].is_some_and(|flip| flip > 0.05));
+        assert!(compared(CompareMeasure::Flip).apart.as_slice()[0].is_some_and(|flip| flip > 0.05));
     }
 
     #[test]
     fn sides_of_different_sizes_are_refused() {
         let sides = [side([None; 4]), Grid::filled(2, 2, None)];
-        let error = Comparison::new(sides, Measure::Steps, None, true).err().unwrap().to_string();
+        let error =
+            PictureDifference::new(sides, CompareMeasure::Steps, None, true).err().unwrap().to_string();
         assert!(error.contains("4×1") && error.contains("2×2"), "{error}");
     }
 }

@@ -6,8 +6,8 @@ use crate::preprocess::PreparedScan;
 use crate::preprocess::inspect::{FrameInspection, PairQuantities, pair_quantities};
 use crate::preprocess::noise::granted_range_sigmas;
 use crate::preprocess::registration::Outcome;
-use crate::preprocess::temporal::{Ranges, StaticTest};
-use crate::settings::{Field, Kind, Settings};
+use crate::preprocess::temporal::{SequenceRanges, StaticTest};
+use crate::settings::{Field, Settings, ValueKind};
 
 /// Bars of a histogram.
 pub(crate) const BARS: usize = 56;
@@ -23,17 +23,17 @@ const SMALLEST_SHARE: f64 = 1e-4;
 
 /// The axis of a threshold: that of its slider.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Axis {
+pub(crate) struct ThresholdAxis {
     min: f64,
     max: f64,
     log: bool,
 }
 
-impl Axis {
+impl ThresholdAxis {
     /// The axis of a setting; `None` where it is no number.
     pub(crate) fn of(field: &Field) -> Option<Self> {
         match field.kind {
-            Kind::Number { min, max, log } => {
+            ValueKind::Number { min, max, log } => {
                 let min = if log { min.max(max * SMALLEST_SHARE) } else { min };
                 Some(Self { min, max, log })
             }
@@ -76,7 +76,7 @@ pub(crate) const CUT: [&str; 5] = [
 
 /// A quantity over many pixels, cut by a threshold.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Histogram {
+pub(crate) struct ThresholdHistogram {
     /// The setting that cuts it.
     pub path: &'static str,
     /// What is counted.
@@ -91,14 +91,14 @@ pub(crate) struct Histogram {
     pub noise: Option<f32>,
 }
 
-impl Histogram {
+impl ThresholdHistogram {
     fn new(
         path: &'static str,
         of: &'static str,
         noise: Option<f32>,
         values: Vec<(f32, bool)>,
     ) -> Option<Self> {
-        let axis = Settings::fields().find(|field| field.path == path).and_then(Axis::of)?;
+        let axis = Settings::fields().find(|field| field.path == path).and_then(ThresholdAxis::of)?;
         let mut bars = vec![[0; 2]; BARS];
         let mut sorted = Vec::with_capacity(values.len());
         for (value, passes) in values {
@@ -130,7 +130,7 @@ pub(crate) fn histograms(
     inspection: &FrameInspection,
     scan: Option<&Arc<PreparedScan>>,
     settings: &Settings,
-) -> Vec<Histogram> {
+) -> Vec<ThresholdHistogram> {
     let pairs = pair_quantities(inspection, AT_MOST);
     let pruning = &settings.pruning;
     let near = |pair: &PairQuantities| pair.plane_distance_footprints <= pruning.depth_tolerance;
@@ -141,7 +141,7 @@ pub(crate) fn histograms(
     let of_pairs = |wanted: &dyn Fn(&PairQuantities) -> bool, value: &dyn Fn(&PairQuantities) -> f32| {
         pairs.iter().filter(|pair| wanted(pair)).map(|pair| (value(pair), passes(pair))).collect()
     };
-    let noise = |of: &dyn Fn(&crate::preprocess::noise::Noise) -> f32| {
+    let noise = |of: &dyn Fn(&crate::preprocess::noise::CameraNoise) -> f32| {
         let mut all: Vec<f32> = scan?.cameras.iter().map(|camera| of(&camera.noise)).collect();
         all.sort_unstable_by(f32::total_cmp);
         all.get(all.len() / 2).copied()
@@ -150,20 +150,20 @@ pub(crate) fn histograms(
     let depth_noise = noise(&|noise| noise.depth_relative);
     let color_noise = noise(&|noise| noise.color_steps_overall);
     let mut found = vec![
-        Histogram::new(
+        ThresholdHistogram::new(
             "pruning.depth_tolerance",
             "pairs of samples whose cameras both recorded something there",
             // A footprint is depth over focal length.
             depth_noise.map(|noise| noise * focal),
             of_pairs(&|_| true, &|pair| pair.plane_distance_footprints),
         ),
-        Histogram::new(
+        ThresholdHistogram::new(
             "pruning.normal_tolerance",
             "pairs of samples at one depth",
             None,
             of_pairs(&near, &|pair| pair.normal_angle_degrees),
         ),
-        Histogram::new(
+        ThresholdHistogram::new(
             "pruning.color_tolerance",
             "pairs of samples at one depth that face one way",
             color_noise.map(|noise| noise * COLOR_SIGMAS * std::f32::consts::SQRT_2),
@@ -176,13 +176,13 @@ pub(crate) fn histograms(
     if let Some(scan) = scan {
         let granted = granted_range_sigmas(scan.frames);
         let [color, depth] = ranges(scan, settings);
-        found.push(Histogram::new(
+        found.push(ThresholdHistogram::new(
             "spans.color_tolerance",
             "pixels, by the range of their color over all frames",
             color_noise.map(|noise| noise * granted),
             color,
         ));
-        found.push(Histogram::new(
+        found.push(ThresholdHistogram::new(
             "spans.depth_tolerance",
             "pixels, by the range of their depth over all frames",
             depth_noise.map(|noise| noise * granted),
@@ -216,7 +216,7 @@ fn ranges(scan: &PreparedScan, settings: &Settings) -> [Vec<Granted>; 2] {
 
 /// Of the paper's two lengths, the ranges of single pixels are known.
 fn of_pixels(
-    ranges: &Ranges,
+    ranges: &SequenceRanges,
     test: &StaticTest,
     settings: &Settings,
     room: usize,
@@ -247,8 +247,8 @@ fn spread(bins: impl Iterator<Item = ([f32; 2], u64)>, room: usize) -> impl Iter
 mod tests {
     use super::*;
 
-    fn axis(path: &str) -> Axis {
-        Settings::fields().find(|field| field.path == path).and_then(Axis::of).unwrap()
+    fn axis(path: &str) -> ThresholdAxis {
+        Settings::fields().find(|field| field.path == path).and_then(ThresholdAxis::of).unwrap()
     }
 
     #[test]
@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn every_value_lies_on_one_side_of_the_threshold() {
         let values = (0..100).map(|i| (i as f32, i < 40)).chain([(f32::NAN, true)]).collect();
-        let histogram = Histogram::new("pruning.normal_tolerance", "tests", None, values).unwrap();
+        let histogram = ThresholdHistogram::new("pruning.normal_tolerance", "tests", None, values).unwrap();
         assert_eq!(histogram.sides(29.5), (30, 70));
         assert_eq!(histogram.bars.iter().flatten().sum::<u32>(), 100);
         assert_eq!(histogram.bars.iter().map(|bar| bar[0]).sum::<u32>(), 40);

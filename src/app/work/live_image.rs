@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
 use crate::render::gpu::{HolePattern, ScreenTexture};
-use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, Shown, Vantage};
+use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, Vantage, WindowPicture};
 use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
 use crate::store::playback::Playback;
@@ -115,7 +115,7 @@ pub(crate) struct LivePicture {
     /// Columns and rows.
     pub size: [usize; 2],
     /// Its pixels.
-    pub pixels: Pixels,
+    pub pixels: PixelSource,
     /// What it took.
     pub stats: RenderStats,
     /// What painted.
@@ -127,7 +127,7 @@ pub(crate) struct LivePicture {
 }
 
 /// Where the pixels of a picture are.
-pub(crate) enum Pixels {
+pub(crate) enum PixelSource {
     /// On the device that draws the window.
     OnAdapter(ScreenTexture),
     /// In memory.
@@ -143,8 +143,8 @@ impl LivePicture {
     /// What the renderer gave; `None` while pictures in motion stay on the graphics card.
     pub(crate) fn rendered(&self) -> Option<&Arc<Picture>> {
         match &self.pixels {
-            Pixels::InMemory { rendered, .. } => Some(rendered),
-            Pixels::OnAdapter(_) => None,
+            PixelSource::InMemory { rendered, .. } => Some(rendered),
+            PixelSource::OnAdapter(_) => None,
         }
     }
 }
@@ -168,14 +168,14 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
         },
     );
     let (size, pixels, stats) = match shown? {
-        (Shown::OnAdapter(texture), stats) => {
-            ([texture.width() as usize, texture.height() as usize], Pixels::OnAdapter(texture), stats)
+        (WindowPicture::OnAdapter(texture), stats) => {
+            ([texture.width() as usize, texture.height() as usize], PixelSource::OnAdapter(texture), stats)
         }
-        (Shown::InMemory(rendered), stats) => {
+        (WindowPicture::InMemory(rendered), stats) => {
             let pixels = colored(&rendered, key);
             let size = [pixels.width(), pixels.height()];
             let image = Arc::new(ColorImage::new(size, pixels.into_vec()));
-            (size, Pixels::InMemory { image, rendered }, stats)
+            (size, PixelSource::InMemory { image, rendered }, stats)
         }
     };
     renderer.prefetch(&samples, next..next + FRAMES_AHEAD);
@@ -196,7 +196,7 @@ fn shown(
     samples: &Arc<SampleSet>,
     key: &LiveKey,
     job: &Job,
-) -> Result<(Shown, RenderStats)> {
+) -> Result<(WindowPicture, RenderStats)> {
     if key.in_motion && key.color_by == ColorBy::Picture {
         let tokens = Tokens::of(key.dark);
         let colors = [tokens.hole, tokens.hole_stripe].map(|color| [color.r(), color.g(), color.b()]);
@@ -206,7 +206,7 @@ fn shown(
     let settings =
         RenderSettings { antialias: key.settings.antialias && !key.in_motion, ..key.settings.clone() };
     let (picture, stats) = renderer.render(samples, &key.vantage, &settings, job)?;
-    Ok((Shown::InMemory(picture), stats))
+    Ok((WindowPicture::InMemory(picture), stats))
 }
 
 fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::live_image::{LiveKey, LivePicture};
-use crate::app::model::{Content, Scene};
-use crate::preprocess::inspect::{FrameInspection, PixelArgument, pixel_argument, spans_of_pixel};
+use crate::app::model::{Content, OpenScene};
+use crate::preprocess::inspect::{FrameInspection, PixelExplanation, pixel_argument, spans_of_pixel};
 use crate::render::output::pick;
 use crate::samples::{SampleSet, Span};
 
@@ -35,7 +35,7 @@ pub(crate) enum Spot {
 #[derive(Clone)]
 pub(crate) struct ProbeKey {
     /// What is open.
-    pub scene: Arc<Scene>,
+    pub scene: Arc<OpenScene>,
     /// Where.
     pub spot: Spot,
     /// The verdicts at the frame shown; `None` where there are none.
@@ -79,7 +79,7 @@ pub(crate) struct Probed {
     /// The surface point; `None` at infinity and where there is no depth.
     pub point_in_world: Option<DVec3>,
     /// What every camera says; `None` where there are no verdicts.
-    pub argument: Option<PixelArgument>,
+    pub argument: Option<PixelExplanation>,
     /// The spans in which the pixel is stored; `None` while the whole capture is not pruned, and for stores.
     pub spans: Option<Vec<Span>>,
 }

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use super::live_image::{ColorBy, LiveKey};
 use super::source_image::SourceKey;
-use super::workers::{InspectRequest, Lanes, MeasureRequest, WholeRequest};
-use crate::app::dock::View;
+use super::workers::{InspectRequest, MeasureRequest, WholeRequest, Workers};
+use crate::app::dock::DockView;
 use crate::app::model::{InspectorPlan, State, method_of};
 use crate::render::Vantage;
 use crate::samples::SampleSet;
@@ -30,7 +30,7 @@ struct InspectKey {
 
 /// What was asked for last, per lane.
 #[derive(Default)]
-pub(crate) struct Plan {
+pub(crate) struct Scheduled {
     inspect: Option<InspectKey>,
     prepare: Option<InspectKey>,
     /// When an inspection was last asked for.
@@ -50,7 +50,7 @@ pub(crate) struct Plan {
     moved_at: Option<Instant>,
 }
 
-impl Plan {
+impl Scheduled {
     /// Forgets that the whole capture was asked for, so that it is asked for again.
     pub(crate) fn forget_whole(&mut self) {
         self.whole = None;
@@ -98,7 +98,7 @@ impl Plan {
     }
 
     /// Asks the lanes for whatever is missing. Gives how long to wait before it should be called again, if so.
-    pub(crate) fn ask(&mut self, state: &State, visible: &[View], lanes: &Lanes) -> Option<Duration> {
+    pub(crate) fn ask(&mut self, state: &State, visible: &[DockView], lanes: &Workers) -> Option<Duration> {
         self.ask_inspection(state, lanes);
         let preparation = self.ask_preparation(state, lanes);
         self.ask_source(state, lanes);
@@ -108,7 +108,7 @@ impl Plan {
         self.ask_whole(state, lanes).into_iter().chain(rest).chain(preparation).min()
     }
 
-    fn ask_inspection(&mut self, state: &State, lanes: &Lanes) {
+    fn ask_inspection(&mut self, state: &State, lanes: &Workers) {
         let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
         if state.skips_verdicts() {
             return;
@@ -133,7 +133,7 @@ impl Plan {
 
     /// Once a frame is shown and everything rests, makes it ready for the thresholds to be turned. Gives how long to wait for
     /// that, if so.
-    fn ask_preparation(&mut self, state: &State, lanes: &Lanes) -> Option<Duration> {
+    fn ask_preparation(&mut self, state: &State, lanes: &Workers) -> Option<Duration> {
         let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
         let with_scan = state.inspected.as_ref().is_some_and(|inspected| inspected.with_scan);
         if state.timeline.playing || !with_scan || self.prepare == self.inspect || !self.is_inspected(state) {
@@ -153,7 +153,7 @@ impl Plan {
         None
     }
 
-    fn ask_source(&mut self, state: &State, lanes: &Lanes) {
+    fn ask_source(&mut self, state: &State, lanes: &Workers) {
         let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
         // Verdicts of a frame just passed are better than a flash of another kind: in motion they may never catch up.
         let inspection = state
@@ -176,7 +176,7 @@ impl Plan {
         }
     }
 
-    fn ask_live(&mut self, state: &State, lanes: &Lanes) -> Option<Duration> {
+    fn ask_live(&mut self, state: &State, lanes: &Workers) -> Option<Duration> {
         let (Some(scene), Some(samples), Some(rig)) =
             (state.scene.as_ref(), state.samples_here(), state.live.rig.as_ref())
         else {
@@ -221,7 +221,7 @@ impl Plan {
         self.live_will_change.then(|| REST.saturating_sub(rested))
     }
 
-    fn ask_whole(&mut self, state: &State, lanes: &Lanes) -> Option<Duration> {
+    fn ask_whole(&mut self, state: &State, lanes: &Workers) -> Option<Duration> {
         let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
         let key = (scene.id, method_of(&state.settings));
         if state.is_whole_ready() {
@@ -252,7 +252,7 @@ impl Plan {
         None
     }
 
-    fn ask_accuracy(&mut self, state: &State, lanes: &Lanes) {
+    fn ask_accuracy(&mut self, state: &State, lanes: &Workers) {
         let (Some(scene), Some(whole)) = (&state.scene, &state.whole) else { return };
         if state.is_stale() || state.timeline.playing {
             return;

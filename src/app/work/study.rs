@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::worker::Outbox;
-use crate::app::model::{Content, Message, Scene, Study};
+use crate::app::model::{Content, Message, OpenScene, Study};
 use crate::error::{Error, Result};
 use crate::evaluate::stress::{self, StressPoint};
 use crate::evaluate::sweep::{self, Point};
@@ -14,7 +14,7 @@ use crate::settings::Settings;
 /// What to measure.
 pub(crate) struct StudyRequest {
     /// What is open, a capture.
-    pub scene: Arc<Scene>,
+    pub scene: Arc<OpenScene>,
     /// What is measured.
     pub study: Study,
     /// The settings to start from.
@@ -48,7 +48,7 @@ pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result
     let truth = if known { Truth::Views(truth.clone()) } else { Truth::HoldOut };
     match request.study {
         Study::Sweep => {
-            let mut plan = crate::evaluate::sweep::Plan::standard(&request.settings, capture);
+            let mut plan = crate::evaluate::sweep::SweepPlan::standard(&request.settings, capture);
             plan.done = request.known;
             let of = plan.trials.len();
             sweep::run(capture, &plan, &truth, job, |point, known| {
@@ -57,7 +57,7 @@ pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result
             })?;
         }
         Study::Stress => {
-            let mut plan = stress::Plan::standard(&request.settings);
+            let mut plan = stress::StressPlan::standard(&request.settings);
             plan.frames = Some(FRAMES);
             plan.done = request.known_stress;
             stress::run(capture, &plan, &truth, job, |point, known| {
@@ -82,7 +82,7 @@ mod tests {
         let settings = Settings::default();
         let spec = DemoSpec::new("orrery").cameras(1).frames(2).size((16, 12));
         let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
-        let scene = Arc::new(Scene::of_capture(Origin::Demo("orrery".into()), capture, Vec::new(), 1.0));
+        let scene = Arc::new(OpenScene::of_capture(Origin::Demo("orrery".into()), capture, Vec::new(), 1.0));
         let (sender, _inbox) = std::sync::mpsc::sync_channel(8);
         let outbox = Outbox::new(sender, egui::Context::default());
         for study in [Study::Sweep, Study::Stress] {

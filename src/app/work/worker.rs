@@ -31,7 +31,7 @@ pub(crate) enum Supersede {
     Queue,
 }
 
-struct Slot<R> {
+struct LatestRequest<R> {
     /// The next first; more than one only where requests queue.
     waiting: VecDeque<(R, Arc<Job>)>,
     running: Option<Arc<Job>>,
@@ -42,7 +42,7 @@ struct Slot<R> {
     closed: bool,
 }
 
-impl<R> Slot<R> {
+impl<R> LatestRequest<R> {
     /// What runs, or is next.
     fn now(&self) -> Option<&Arc<Job>> {
         self.running.as_ref().or_else(|| self.waiting.front().map(|(_, job)| job))
@@ -50,12 +50,12 @@ impl<R> Slot<R> {
 }
 
 struct Shared<R> {
-    slot: Mutex<Slot<R>>,
+    slot: Mutex<LatestRequest<R>>,
     arrived: Condvar,
 }
 
 impl<R> Shared<R> {
-    fn lock(&self) -> MutexGuard<'_, Slot<R>> {
+    fn lock(&self) -> MutexGuard<'_, LatestRequest<R>> {
         // Nothing that changes the slot can panic halfway, so that it is whole even after a panic elsewhere.
         self.slot.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -100,7 +100,7 @@ impl<R: Send + 'static> Lane<R> {
         outbox: Outbox,
         mut work: impl FnMut(R, &Job) -> Result<Message> + Send + 'static,
     ) -> Result<Self> {
-        let slot = Slot {
+        let slot = LatestRequest {
             waiting: VecDeque::new(),
             running: None,
             is_superseded: false,

@@ -8,8 +8,8 @@ use super::source_image::{self, SourceKey};
 use super::thread_priority;
 use super::worker::{Lane, Outbox, Supersede};
 use crate::app::control::{Destination, write_picture};
-use crate::app::model::{Inspected, InspectorLanes, Message, Origin, Purpose, Scene, median_depth};
-use crate::capture::{Capture, View, transforms};
+use crate::app::model::{Inspected, InspectorLanes, Message, OpenScene, Origin, Purpose, median_depth};
+use crate::capture::{Capture, TruthView, transforms};
 use crate::demo::{Demo, DemoSpec};
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -35,7 +35,7 @@ pub(crate) enum OpenRequest {
 /// Prune the whole capture.
 pub(crate) struct WholeRequest {
     /// The scene, a capture.
-    pub scene: Arc<Scene>,
+    pub scene: Arc<OpenScene>,
     /// The pass over all frames, where it is done.
     pub scan: Option<Arc<PreparedScan>>,
     /// With which settings.
@@ -45,7 +45,7 @@ pub(crate) struct WholeRequest {
 /// Prune one frame, with reasons; or make it ready for that to be repeated.
 pub(crate) struct InspectRequest {
     /// The scene, a capture.
-    pub scene: Arc<Scene>,
+    pub scene: Arc<OpenScene>,
     /// The pass over all frames, where it is done.
     pub scan: Option<Arc<PreparedScan>>,
     /// With which settings.
@@ -57,7 +57,7 @@ pub(crate) struct InspectRequest {
 /// Compare with the truth.
 pub(crate) struct MeasureRequest {
     /// The scene, a capture.
-    pub scene: Arc<Scene>,
+    pub scene: Arc<OpenScene>,
     /// What was kept.
     pub samples: Arc<SampleSet>,
     /// With which settings.
@@ -67,7 +67,7 @@ pub(crate) struct MeasureRequest {
 /// Read or write a file.
 pub(crate) enum FileRequest {
     /// Write what was pruned of a scene as a store.
-    SaveStore { path: PathBuf, scene: Arc<Scene>, samples: Arc<SampleSet>, report: Arc<Report> },
+    SaveStore { path: PathBuf, scene: Arc<OpenScene>, samples: Arc<SampleSet>, report: Arc<Report> },
     /// The open store again, under another name.
     SaveAgain { path: PathBuf, playback: Arc<Playback> },
     /// Write settings.
@@ -96,7 +96,7 @@ impl FileRequest {
 }
 
 /// Every kind of work the window hands out.
-pub(crate) struct Lanes {
+pub(crate) struct Workers {
     /// Opening.
     pub open: Lane<OpenRequest>,
     /// The whole capture: scan, then prune.
@@ -106,7 +106,7 @@ pub(crate) struct Lanes {
     /// The same frame, before a threshold is turned.
     pub prepare: Lane<InspectRequest>,
     /// The left picture.
-    pub source: Lane<(Arc<Scene>, SourceKey)>,
+    pub source: Lane<(Arc<OpenScene>, SourceKey)>,
     /// The right picture.
     pub live: Lane<LiveKey>,
     /// Accuracy.
@@ -121,7 +121,7 @@ pub(crate) struct Lanes {
     pub inspector: InspectorLanes,
 }
 
-impl Lanes {
+impl Workers {
     /// Starts all lanes; on the `shared` device of a window the GPU paints the live view.
     ///
     /// # Errors
@@ -239,7 +239,7 @@ fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Mes
             crate::store::file::Store::open(&path)?,
             crate::store::playback::DEFAULT_CACHE_BYTES,
         );
-        return Ok(Message::Opened(Arc::new(Scene::of_store(path, playback, job)?)));
+        return Ok(Message::Opened(Arc::new(OpenScene::of_store(path, playback, job)?)));
     }
     let named_json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     if path.is_file() && !named_json {
@@ -255,16 +255,16 @@ fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Mes
     open_capture(Origin::Path(path), capture, truth, job)
 }
 
-fn open_capture(origin: Origin, capture: Capture, truth: Vec<View>, job: &Job) -> Result<Message> {
+fn open_capture(origin: Origin, capture: Capture, truth: Vec<TruthView>, job: &Job) -> Result<Message> {
     job.check()?;
     if capture.cameras.is_empty() || capture.frame_count() == 0 {
         return Err(Error::invalid(&capture.name, "there is no camera or no frame in it"));
     }
     let depth = median_depth(capture.frame(0, 0)?.inverse_depth.as_slice());
-    Ok(Message::Opened(Arc::new(Scene::of_capture(origin, capture, truth, depth))))
+    Ok(Message::Opened(Arc::new(OpenScene::of_capture(origin, capture, truth, depth))))
 }
 
-fn capture_of(scene: &Scene) -> Result<&Capture> {
+fn capture_of(scene: &OpenScene) -> Result<&Capture> {
     scene.capture().ok_or_else(|| Error::invalid(&scene.name, "a store holds no source frames"))
 }
 
@@ -300,7 +300,7 @@ fn prepare(request: &InspectRequest, job: &Job) -> Result<Message> {
     Ok(Message::Prepared)
 }
 
-fn paint_source((scene, key): (Arc<Scene>, SourceKey), decoder: &rayon::ThreadPool) -> Result<Message> {
+fn paint_source((scene, key): (Arc<OpenScene>, SourceKey), decoder: &rayon::ThreadPool) -> Result<Message> {
     let frame = if let Some(inspection) = &key.inspection {
         inspection.cameras[key.camera].frame.clone()
     } else {

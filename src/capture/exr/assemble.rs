@@ -11,7 +11,7 @@ use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::frame::{Frame, INVALID_INVERSE_DEPTH};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// A normal must lean this far away from the viewer, as a cosine, before it counts as the back of a two-sided surface
 /// and is turned. Smooth shading tips normals slightly past the silhouette; turning those would be worse than leaving.
@@ -159,7 +159,7 @@ struct NormalRow<'a> {
     normals: &'a mut [[f32; 3]],
 }
 
-impl Work for NormalRow<'_> {
+impl VectorLoop for NormalRow<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -3,9 +3,9 @@
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 
-use super::plane::Plane;
+use super::plane::ChannelPlane;
 use crate::capture::frame::INVALID_INVERSE_DEPTH;
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// Linear red, green and blue, row-major, not yet checked.
 #[derive(Clone, Debug)]
@@ -16,11 +16,13 @@ pub enum ColorPlanes {
     Single([Vec<f32>; 3]),
 }
 
-impl From<[Plane; 3]> for ColorPlanes {
-    fn from(planes: [Plane; 3]) -> Self {
+impl From<[ChannelPlane; 3]> for ColorPlanes {
+    fn from(planes: [ChannelPlane; 3]) -> Self {
         match planes {
-            [Plane::Half(red), Plane::Half(green), Plane::Half(blue)] => Self::Half([red, green, blue]),
-            planes => Self::Single(planes.map(Plane::into_single)),
+            [ChannelPlane::Half(red), ChannelPlane::Half(green), ChannelPlane::Half(blue)] => {
+                Self::Half([red, green, blue])
+            }
+            planes => Self::Single(planes.map(ChannelPlane::into_single)),
         }
     }
 }
@@ -73,7 +75,7 @@ struct Halves<'a> {
     color: &'a mut [[f16; 3]],
 }
 
-impl Work for Halves<'_> {
+impl VectorLoop for Halves<'_> {
     type Output = usize;
 
     #[inline(always)]

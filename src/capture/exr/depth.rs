@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::frame::INVALID_INVERSE_DEPTH;
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// Depth at or beyond this was not hit where it is written in floats: Blender writes 1e10, others `f32::MAX` or infinity.
 pub const MISS_DEPTH: f32 = 1e9;
@@ -134,7 +134,7 @@ impl DepthRules {
     pub fn inverse_depth_plane(&self, mut values: Vec<f32>, camera: &Camera) -> Vec<f32> {
         let width = camera.intrinsics.size().0.max(1);
         for (y, values) in values.chunks_mut(width).enumerate() {
-            simd::run(Row { rules: *self, intrinsics: camera.intrinsics, y, values });
+            simd::run(DepthRow { rules: *self, intrinsics: camera.intrinsics, y, values });
         }
         values
     }
@@ -200,14 +200,14 @@ impl DepthRules {
 }
 
 /// One row of raw values that become inverse depths.
-struct Row<'a> {
+struct DepthRow<'a> {
     rules: DepthRules,
     intrinsics: Intrinsics,
     y: usize,
     values: &'a mut [f32],
 }
 
-impl Work for Row<'_> {
+impl VectorLoop for DepthRow<'_> {
     type Output = ();
 
     #[inline(always)]

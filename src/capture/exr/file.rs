@@ -16,7 +16,7 @@ use exr::meta::attribute::{Chromaticities, SampleType, Text};
 use exr::meta::header::Header;
 
 use super::decoder_guard::{self, guarded};
-use super::plane::Plane;
+use super::plane::ChannelPlane;
 use super::zip::Inflater;
 use crate::capture::camera::{MAX_SIDE, is_believable_size};
 use crate::error::{Error, Result};
@@ -49,7 +49,7 @@ pub struct ChannelInfo {
 
 /// A rectangle of pixels in the coordinates of the file's display window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Window {
+pub struct DataWindow {
     x: i64,
     y: i64,
     /// Columns.
@@ -63,8 +63,8 @@ pub struct ExrFile {
     place: String,
     bytes: Vec<u8>,
     channels: Vec<ChannelInfo>,
-    display: Window,
-    data: Vec<Window>,
+    display: DataWindow,
+    data: Vec<DataWindow>,
     pixels_per_byte: Vec<usize>,
     has_other_primaries: bool,
 }
@@ -128,7 +128,7 @@ impl ExrFile {
         let Some(display) = display else {
             return Err(Error::invalid(place, "the file holds no picture; save it again"));
         };
-        let display = Window {
+        let display = DataWindow {
             x: i64::from(display.position.0),
             y: i64::from(display.position.1),
             width: display.size.0,
@@ -173,7 +173,7 @@ impl ExrFile {
     ///
     /// # Errors
     /// `Invalid` where neither window has the expected size.
-    pub fn window(&self, expected: Option<(usize, usize)>) -> Result<Window> {
+    pub fn window(&self, expected: Option<(usize, usize)>) -> Result<DataWindow> {
         let Some(expected) = expected else {
             return believable(self.display, &self.place);
         };
@@ -196,22 +196,22 @@ impl ExrFile {
     ///
     /// # Errors
     /// `Invalid` for damaged data, `Unsupported` for what the decoder does not know.
-    pub fn decode(&self, wanted: &[usize], window: Window) -> Result<Vec<Plane>> {
+    pub fn decode(&self, wanted: &[usize], window: DataWindow) -> Result<Vec<ChannelPlane>> {
         for &channel in wanted {
             let part = self.channels[channel].part;
             self.check_length(window, part)?;
             self.check_length(self.data[part], part)?;
         }
         let pixels = window.width * window.height;
-        let unknown = |&channel: &usize| Plane::unknown(self.channels[channel].is_half, pixels);
-        let mut planes: Vec<Plane> = wanted.iter().map(unknown).collect();
+        let unknown = |&channel: &usize| ChannelPlane::unknown(self.channels[channel].is_half, pixels);
+        let mut planes: Vec<ChannelPlane> = wanted.iter().map(unknown).collect();
         guarded(&self.place, || self.decode_blocks(wanted, window, &mut planes))?;
         Ok(planes)
     }
 
     /// Refuses a window that the file is too short to fill in the compression of a part, before it is allocated.
-    fn check_length(&self, window: Window, part: usize) -> Result<()> {
-        let Window { width, height, .. } = believable(window, &self.place)?;
+    fn check_length(&self, window: DataWindow, part: usize) -> Result<()> {
+        let DataWindow { width, height, .. } = believable(window, &self.place)?;
         if width * height / self.pixels_per_byte[part] <= self.bytes.len() {
             return Ok(());
         }
@@ -223,8 +223,8 @@ impl ExrFile {
     fn decode_blocks(
         &self,
         wanted: &[usize],
-        window: Window,
-        planes: &mut [Plane],
+        window: DataWindow,
+        planes: &mut [ChannelPlane],
     ) -> exr::error::Result<()> {
         let reader = exr::block::read(Cursor::new(self.bytes.as_slice()), false)?;
         let is_wanted_part = |part| wanted.iter().any(|&channel| self.channels[channel].part == part);
@@ -255,8 +255,8 @@ impl ExrFile {
         header: &Header,
         block: &UncompressedBlock,
         wanted: &[usize],
-        window: Window,
-        planes: &mut [Plane],
+        window: DataWindow,
+        planes: &mut [ChannelPlane],
     ) {
         let part = block.index.layer;
         let origin = self.data[part];
@@ -334,7 +334,7 @@ fn full_name(part: Option<&str>, channel: &str) -> String {
     }
 }
 
-fn data_window(header: &Header, place: &str) -> Result<Window> {
+fn data_window(header: &Header, place: &str) -> Result<DataWindow> {
     if header.deep {
         return Err(Error::unsupported(place, "deep pictures are not supported; save it again flattened"));
     }
@@ -342,7 +342,7 @@ fn data_window(header: &Header, place: &str) -> Result<Window> {
         return Err(Error::unsupported(place, "subsampled channels are not supported; save it again as RGB"));
     }
     let position = header.own_attributes.layer_position;
-    Ok(Window {
+    Ok(DataWindow {
         x: i64::from(position.0),
         y: i64::from(position.1),
         width: header.layer_size.0,
@@ -350,8 +350,8 @@ fn data_window(header: &Header, place: &str) -> Result<Window> {
     })
 }
 
-fn believable(window: Window, place: &str) -> Result<Window> {
-    let Window { width, height, .. } = window;
+fn believable(window: DataWindow, place: &str) -> Result<DataWindow> {
+    let DataWindow { width, height, .. } = window;
     if is_believable_size(width, height) {
         Ok(window)
     } else {

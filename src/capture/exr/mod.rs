@@ -24,6 +24,6 @@ pub use assemble::{DepthTrouble, Layers, NormalSpace};
 pub use channels::{ChannelNames, ChannelWishes};
 pub use color_planes::ColorPlanes;
 pub use depth::{DepthKind, DepthRules, HALF_MAX, MISS_DEPTH};
-pub use file::{ChannelInfo, ExrFile, Window};
-pub use plane::Plane;
+pub use file::{ChannelInfo, DataWindow, ExrFile};
+pub use plane::ChannelPlane;
 pub use write::{write_frame, write_picture};

@@ -8,14 +8,14 @@ use half::slice::HalfFloatSliceExt;
 
 /// One channel, row-major over the asked-for window; NaN where the file's data window does not reach.
 #[derive(Clone, Debug)]
-pub enum Plane {
+pub enum ChannelPlane {
     /// Of a channel of half floats.
     Half(Vec<f16>),
     /// Of a channel of floats or whole numbers.
     Single(Vec<f32>),
 }
 
-impl Plane {
+impl ChannelPlane {
     /// A plane of which nothing is known yet.
     pub(crate) fn unknown(is_half: bool, pixels: usize) -> Self {
         if is_half { Self::Half(vec![f16::NAN; pixels]) } else { Self::Single(vec![f32::NAN; pixels]) }

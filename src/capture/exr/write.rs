@@ -115,7 +115,7 @@ fn write_channels(
 mod tests {
     use super::*;
     use crate::capture::exr::file::ExrFile;
-    use crate::capture::exr::plane::Plane;
+    use crate::capture::exr::plane::ChannelPlane;
 
     #[test]
     fn a_rendered_picture_keeps_its_holes() {
@@ -129,7 +129,7 @@ mod tests {
         let names: Vec<&str> = file.channels().iter().map(|channel| channel.name.as_str()).collect();
         assert_eq!(names, ["A", "B", "G", "R", "Z"]);
         let planes = file.decode(&[0, 1, 2, 3, 4], file.window(None).unwrap()).unwrap();
-        let planes: Vec<Vec<f32>> = planes.into_iter().map(Plane::into_single).collect();
+        let planes: Vec<Vec<f32>> = planes.into_iter().map(ChannelPlane::into_single).collect();
         assert_eq!(planes, [[1.0, 0.0], [-0.25, 0.0], [HALF_MAX, 0.0], [0.5, 0.0], [4.0, MISS_DEPTH]]);
     }
 }

@@ -14,7 +14,7 @@ use exr::meta::header::Header;
 use libdeflater::Decompressor;
 
 use super::decoder_guard::packed_bytes;
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// Makes pixels of the blocks of one file.
 pub(super) struct Inflater {
@@ -85,7 +85,7 @@ const EVEN: u64 = 0x00ff_00ff_00ff_00ff;
 /// Replaces differences by what they add up to.
 struct AddUp<'a>(&'a mut [u8]);
 
-impl Work for AddUp<'_> {
+impl VectorLoop for AddUp<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -134,7 +134,7 @@ struct Interleave<'a> {
     to: &'a mut [u8],
 }
 
-impl Work for Interleave<'_> {
+impl VectorLoop for Interleave<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::DAffine3;
 
 use super::files::{PictureFiles, picture_path};
-use super::manifest::{Entry, Keys, Manifest};
+use super::manifest::{Keys, Manifest, PictureEntry};
 use super::{frame_numbers, header_probe, pose};
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
@@ -104,7 +104,7 @@ pub(super) fn entries(manifest: &Manifest, path: &Path) -> Result<Vec<PlacedEntr
     Ok(placed)
 }
 
-fn picture_files(folder: &Path, entry: &Entry, keys: &Keys, manifest: &Path) -> Result<PictureFiles> {
+fn picture_files(folder: &Path, entry: &PictureEntry, keys: &Keys, manifest: &Path) -> Result<PictureFiles> {
     let resolve = |file_path: &Option<String>| file_path.as_ref().map(|name| picture_path(folder, name, &[]));
     let [depth, normal] = [resolve(&entry.depth_file_path), resolve(&entry.normal_file_path)];
     let others: Vec<&Path> = [&depth, &normal].into_iter().flatten().map(PathBuf::as_path).collect();
@@ -145,7 +145,7 @@ fn camera_names(keys: &[Keys], poses: &[DAffine3], path: &Path) -> Result<Vec<St
 }
 
 /// All pictures of all cameras, every camera with the same frames.
-pub(super) struct Recording {
+pub(super) struct CameraFiles {
     /// In order of appearance.
     pub cameras: Vec<Camera>,
     /// Ascending.
@@ -158,7 +158,7 @@ pub(super) struct Recording {
     pub warnings: Vec<String>,
 }
 
-impl Recording {
+impl CameraFiles {
     /// Groups the entries of a manifest.
     ///
     /// # Errors
@@ -324,7 +324,7 @@ mod tests {
     use super::*;
     use serde_json::{Value, json};
 
-    fn group(entries: &[Value]) -> Result<Recording> {
+    fn group(entries: &[Value]) -> Result<CameraFiles> {
         let frames: Vec<Value> = entries
             .iter()
             .enumerate()
@@ -341,10 +341,10 @@ mod tests {
             .collect();
         let manifest = json!({ "frames": frames }).to_string();
         let path = Path::new("transforms.json");
-        Recording::group(&Manifest::from_json(manifest.as_bytes(), "transforms.json")?, path)
+        CameraFiles::group(&Manifest::from_json(manifest.as_bytes(), "transforms.json")?, path)
     }
 
-    fn names(recording: &Recording) -> Vec<&str> {
+    fn names(recording: &CameraFiles) -> Vec<&str> {
         recording.cameras.iter().map(|camera| camera.name.as_str()).collect()
     }
 

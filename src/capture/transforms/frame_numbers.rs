@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::files::without_extension;
-use super::manifest::{Entry, Keys, Manifest};
+use super::manifest::{Keys, Manifest, PictureEntry};
 use crate::error::{Error, Result};
 
 /// The number of every entry's frame: its `frame`, or its `time` where these are whole, their rank where they are fractions (as
@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 /// `Invalid` where only some entries say which frame they are, or some in frames and some in fractions of time.
 pub(crate) fn frame_numbers(
     keys: &[Keys],
-    entries: &[Entry],
+    entries: &[PictureEntry],
     cameras: &[String],
     path: &Path,
 ) -> Result<Vec<i64>> {
@@ -48,7 +48,7 @@ fn is_number(time: f64) -> bool {
 
 /// Whether the frames of a manifest are numbered by the order of times that are fractions.
 pub(crate) fn are_ranked(manifest: &Manifest) -> bool {
-    let given = |entry: &Entry| entry.keys.frame.or(entry.keys.time);
+    let given = |entry: &PictureEntry| entry.keys.frame.or(entry.keys.time);
     !manifest.frames.iter().filter_map(given).all(is_number)
 }
 
@@ -67,7 +67,7 @@ type ByCamera<'a> = Vec<(&'a str, BTreeSet<u64>)>;
 
 /// The numbers that the names of each camera's files end in, cameras in order of appearance; `None` where a name has none, a
 /// camera has one twice, or no camera has several pictures.
-fn numbers_in_names<'a>(entries: &[Entry], cameras: &'a [String]) -> Option<(Vec<u64>, ByCamera<'a>)> {
+fn numbers_in_names<'a>(entries: &[PictureEntry], cameras: &'a [String]) -> Option<(Vec<u64>, ByCamera<'a>)> {
     let numbers: Vec<u64> =
         entries.iter().map(|entry| number_in_name(&entry.file_path)).collect::<Option<_>>()?;
     let mut index_of: BTreeMap<&str, usize> = BTreeMap::new();
@@ -93,7 +93,7 @@ fn number_in_name(file_path: &str) -> Option<u64> {
 }
 
 /// The order of the numbers that file names end in, where all cameras have the same.
-fn numbers_by_name(entries: &[Entry], cameras: &[String]) -> Option<Vec<i64>> {
+fn numbers_by_name(entries: &[PictureEntry], cameras: &[String]) -> Option<Vec<i64>> {
     let (numbers, sets) = numbers_in_names(entries, cameras)?;
     let (_, first) = sets.first()?;
     let are_same = sets.iter().all(|(_, numbers)| numbers == first);
@@ -105,7 +105,7 @@ fn numbers_by_name(entries: &[Entry], cameras: &[String]) -> Option<Vec<i64>> {
 ///
 /// # Errors
 /// `Invalid` naming a camera and a number that it lacks.
-pub(crate) fn refuse_gaps(entries: &[Entry], cameras: &[String], path: &Path) -> Result<()> {
+pub(crate) fn refuse_gaps(entries: &[PictureEntry], cameras: &[String], path: &Path) -> Result<()> {
     let Some((_, sets)) = numbers_in_names(entries, cameras) else { return Ok(()) };
     let all: BTreeSet<u64> = sets.iter().flat_map(|(_, numbers)| numbers).copied().collect();
     let are_disjoint = sets.iter().map(|(_, numbers)| numbers.len()).sum::<usize>() == all.len();

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::files::{Format, PictureFiles, format_of};
-use super::load::{Picture, no_depth, normals_of_own, open_normal_file, place_of_depth, place_of_normals};
+use super::load::{ExrPicture, no_depth, normals_of_own, open_normal_file, place_of_depth, place_of_normals};
 use super::png;
 use crate::capture::camera::Camera;
 use crate::capture::exr::{DepthKind, ExrFile};
@@ -33,7 +33,7 @@ pub(crate) fn pixel_aspect(path: &Path) -> f64 {
 
 /// What the headers of a frame's files tell.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Probe {
+pub(crate) struct HeaderFacts {
     /// Whether there are normals, and they are to be read.
     pub has_normals: bool,
     /// Whether depth is measured from a near plane that the manifest does not give.
@@ -46,15 +46,15 @@ pub(crate) struct Probe {
 ///
 /// # Errors
 /// As [`super::load::frame`], but for damage behind the headers.
-pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Probe> {
+pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Result<HeaderFacts> {
     let size = camera.intrinsics.size();
-    let mut probe = Probe { has_normals: files.normal.is_some(), ..Probe::default() };
+    let mut probe = HeaderFacts { has_normals: files.normal.is_some(), ..HeaderFacts::default() };
     let mut kind = None;
     match format_of(&files.color, place)? {
         Format::Png if files.depth.is_none() => return Err(no_depth(place)),
         Format::Png => png::check(&files.color, place, size)?,
         Format::Exr => {
-            let picture = Picture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
+            let picture = ExrPicture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
             picture.color()?;
             if files.depth.is_none() {
                 kind = Some(picture.depth()?.kind());
@@ -79,7 +79,7 @@ pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
 fn probe_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthKind> {
     let place = &place_of_depth(path, place);
     if format_of(path, place)? == Format::Exr {
-        let picture = Picture::open(path, files, files.wishes_of_depth_file(), camera, place)?;
+        let picture = ExrPicture::open(path, files, files.wishes_of_depth_file(), camera, place)?;
         return Ok(picture.depth()?.kind());
     }
     png::check_depth(path, place, camera.intrinsics.size())?;

@@ -6,8 +6,8 @@ use super::files::{Format, PictureFiles, format_of};
 use super::png;
 use crate::capture::camera::Camera;
 use crate::capture::exr::{
-    ChannelNames, ChannelWishes, ColorPlanes, DepthKind, DepthRules, DepthTrouble, ExrFile, Layers, Plane,
-    Window,
+    ChannelNames, ChannelPlane, ChannelWishes, ColorPlanes, DataWindow, DepthKind, DepthRules, DepthTrouble,
+    ExrFile, Layers,
 };
 use crate::capture::frame::Frame;
 use crate::color::linear_from_srgb;
@@ -34,16 +34,16 @@ pub(super) enum DepthChannels {
 }
 
 /// An EXR file with its channels recognized.
-pub(super) struct Picture<'a> {
+pub(super) struct ExrPicture<'a> {
     pub(super) file: ExrFile,
     pub(super) names: ChannelNames,
-    window: Window,
+    window: DataWindow,
     files: &'a PictureFiles,
     wishes: ChannelWishes,
     place: &'a str,
 }
 
-impl<'a> Picture<'a> {
+impl<'a> ExrPicture<'a> {
     pub(super) fn open(
         path: &Path,
         files: &'a PictureFiles,
@@ -182,7 +182,7 @@ fn read_color_file(files: &PictureFiles, camera: &Camera, place: &str, need: Nee
         let (color, alpha) = png::color(&files.color, place, size, files.is_linear.unwrap_or(false))?;
         return Ok(Parts { color: ColorPlanes::Single(color), alpha, depth: None, normal: None });
     }
-    let picture = Picture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
+    let picture = ExrPicture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
     let depth = match (&files.depth, need) {
         (Some(_), _) => None,
         (None, Need::Geometry { .. }) => Some(picture.depth()?),
@@ -195,7 +195,7 @@ fn read_color_file(files: &PictureFiles, camera: &Camera, place: &str, need: Nee
     if wants_normals {
         wanted.extend(picture.normal()?);
     }
-    let mut planes = Planes::decode(&picture, &wanted)?;
+    let mut planes = DecodedPlanes::decode(&picture, &wanted)?;
     let color = if files.is_linear == Some(false) {
         let mut encoded = planes.take_three();
         encoded.iter_mut().flatten().for_each(|value| *value = linear_from_srgb(*value));
@@ -212,9 +212,9 @@ fn read_color_file(files: &PictureFiles, camera: &Camera, place: &str, need: Nee
 fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthPart> {
     let place = &place_of_depth(path, place);
     if format_of(path, place)? == Format::Exr {
-        let picture = Picture::open(path, files, files.wishes_of_depth_file(), camera, place)?;
+        let picture = ExrPicture::open(path, files, files.wishes_of_depth_file(), camera, place)?;
         let channels = picture.depth()?;
-        let mut planes = Planes::decode(&picture, &channels.indices())?;
+        let mut planes = DecodedPlanes::decode(&picture, &channels.indices())?;
         return planes.take_depth(channels, &picture, camera);
     }
     let rules = files.png_depth_rules(place)?;
@@ -268,7 +268,7 @@ fn read_normal_file(
 ) -> Result<[Vec<f32>; 3]> {
     let place = &place_of_normals(path, place);
     let picture = open_normal_file(path, files, camera, place)?;
-    Ok(Planes::decode(&picture, &normals_of_own(&picture)?)?.take_three())
+    Ok(DecodedPlanes::decode(&picture, &normals_of_own(&picture)?)?.take_three())
 }
 
 pub(super) fn open_normal_file<'a>(
@@ -276,15 +276,15 @@ pub(super) fn open_normal_file<'a>(
     files: &'a PictureFiles,
     camera: &Camera,
     place: &'a str,
-) -> Result<Picture<'a>> {
+) -> Result<ExrPicture<'a>> {
     if format_of(path, place)? == Format::Png {
         return Err(Error::unsupported(place, "normals in PNG are too coarse; save them as EXR"));
     }
-    Picture::open(path, files, files.wishes_of_normal_file(), camera, place)
+    ExrPicture::open(path, files, files.wishes_of_normal_file(), camera, place)
 }
 
 /// The channels of a file of its own, which may hold the normal as its picture.
-pub(super) fn normals_of_own(picture: &Picture) -> Result<[usize; 3]> {
+pub(super) fn normals_of_own(picture: &ExrPicture) -> Result<[usize; 3]> {
     picture.normal().or_else(|error| picture.names.only_vector.ok_or(error))
 }
 
@@ -305,15 +305,15 @@ impl DepthChannels {
 }
 
 /// Decoded planes, taken in the order they were asked for.
-pub(super) struct Planes(std::vec::IntoIter<Plane>);
+pub(super) struct DecodedPlanes(std::vec::IntoIter<ChannelPlane>);
 
-impl Planes {
-    pub(super) fn decode(picture: &Picture, wanted: &[usize]) -> Result<Self> {
+impl DecodedPlanes {
+    pub(super) fn decode(picture: &ExrPicture, wanted: &[usize]) -> Result<Self> {
         Ok(Self(picture.file.decode(wanted, picture.window)?.into_iter()))
     }
 
-    fn take(&mut self) -> Plane {
-        self.0.next().unwrap_or(Plane::Single(Vec::new()))
+    fn take(&mut self) -> ChannelPlane {
+        self.0.next().unwrap_or(ChannelPlane::Single(Vec::new()))
     }
 
     fn take_single(&mut self) -> Vec<f32> {
@@ -327,7 +327,7 @@ impl Planes {
     pub(super) fn take_depth(
         &mut self,
         channels: DepthChannels,
-        picture: &Picture,
+        picture: &ExrPicture,
         camera: &Camera,
     ) -> Result<DepthPart> {
         match channels {

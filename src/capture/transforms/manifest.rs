@@ -189,7 +189,7 @@ impl Keys {
 
 /// One picture of one camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Entry {
+pub struct PictureEntry {
     /// The picture, relative to the manifest.
     pub file_path: String,
     /// The depth, where it is in a file of its own.
@@ -215,7 +215,7 @@ pub struct Manifest {
     #[serde(flatten)]
     pub keys: Keys,
     /// The pictures.
-    pub frames: Vec<Entry>,
+    pub frames: Vec<PictureEntry>,
 }
 
 impl Manifest {
@@ -277,7 +277,7 @@ fn wrong_value(bytes: &[u8]) -> Option<String> {
     let manifest: Value = serde_json::from_slice(bytes).ok()?;
     let entries = manifest.get("frames").and_then(Value::as_array).into_iter().flatten().enumerate();
     let in_entry = |(index, entry): (usize, &Value)| {
-        let error = Entry::deserialize(entry).err()?;
+        let error = PictureEntry::deserialize(entry).err()?;
         let what = wrong_key(entry).unwrap_or_else(|| error.to_string());
         Some(format!("frames[{index}]: {what}"))
     };

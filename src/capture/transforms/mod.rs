@@ -33,10 +33,10 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::camera::Camera;
-use super::{Capture, CaptureParts, View};
+use super::{Capture, CaptureParts, TruthView};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
-use cameras::{PlacedEntry, Recording};
+use cameras::{CameraFiles, PlacedEntry};
 use load::Need;
 use manifest::{Keys, Manifest};
 use source::FileSource;
@@ -60,7 +60,7 @@ pub fn picture_name(camera: &Camera, frame_number: i64) -> String {
 pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     let path = manifest_path(path);
     let manifest = Manifest::read(&path)?;
-    let mut recording = Recording::group(&manifest, &path)?;
+    let mut recording = CameraFiles::group(&manifest, &path)?;
     recording.check_files_exist()?;
     let mut warnings = std::mem::take(&mut recording.warnings);
     let has_normals = source::normals_in_all_cameras(&recording, &mut warnings)?;
@@ -101,7 +101,7 @@ pub fn truth_beside(capture: &Path) -> Option<PathBuf> {
 ///
 /// # Errors
 /// As [`open`], and `Invalid` for times that are fractions: which frame of a capture one of them means is not known here.
-pub fn open_views(path: &Path) -> Result<Vec<View>> {
+pub fn open_views(path: &Path) -> Result<Vec<TruthView>> {
     open_views_of(path, false)
 }
 
@@ -110,7 +110,7 @@ pub fn open_views(path: &Path) -> Result<Vec<View>> {
 ///
 /// # Errors
 /// As [`open_views`].
-pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<View>> {
+pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<TruthView>> {
     let path = manifest_path(path);
     let manifest = Manifest::read(&path)?;
     frame_numbers::refuse_times(&manifest, &path, frames_are_ranked)?;
@@ -124,7 +124,7 @@ pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<View>> 
                 let (files, camera, place) = (entry.files.clone(), camera.clone(), entry.place.clone());
                 Arc::new(move || load::frame(&files, &camera, &place, Need::ColorOnly)) as super::TruthLoader
             });
-            Ok(View { file_path: entry.file_path, camera, frame_number: entry.number, truth })
+            Ok(TruthView { file_path: entry.file_path, camera, frame_number: entry.number, truth })
         })
         .collect()
 }

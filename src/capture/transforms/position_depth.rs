@@ -5,9 +5,9 @@
 
 use rayon::prelude::*;
 
-use super::cameras::{PlacedEntry, Recording};
+use super::cameras::{CameraFiles, PlacedEntry};
 use super::files::{Format, PictureFiles, format_of};
-use super::load::{DepthChannels, Picture, Planes};
+use super::load::{DecodedPlanes, DepthChannels, ExrPicture};
 use crate::capture::camera::Camera;
 use crate::capture::exr::DepthKind;
 use crate::error::Result;
@@ -16,7 +16,7 @@ use crate::error::Result;
 const SAME_RELATIVE: f64 = 0.01;
 
 /// Has positions read in place of depth wherever these are off each other in the first frame of a camera, and says so.
-pub(crate) fn prefer_to_contradicting_depth(recording: &mut Recording, warnings: &mut Vec<String>) {
+pub(crate) fn prefer_to_contradicting_depth(recording: &mut CameraFiles, warnings: &mut Vec<String>) {
     let cameras: Vec<(&Camera, &[PlacedEntry])> =
         recording.cameras.iter().zip(recording.entries.iter().map(Vec::as_slice)).collect();
     let of_camera = |(camera, entries): &(&Camera, &[PlacedEntry])| {
@@ -57,7 +57,7 @@ fn distance(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Option
     if !files.leaves_depth_open() || format_of(path, place)? != Format::Exr {
         return Ok(None);
     }
-    let picture = Picture::open(path, files, wishes, camera, place)?;
+    let picture = ExrPicture::open(path, files, wishes, camera, place)?;
     let (Some(depth), Some(position)) = (picture.names.depth, picture.names.position) else {
         return Ok(None);
     };
@@ -65,7 +65,7 @@ fn distance(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Option
         return Ok(None);
     }
     let read = |channels: DepthChannels| {
-        Planes::decode(&picture, &channels.indices())?.take_depth(channels, &picture, camera)
+        DecodedPlanes::decode(&picture, &channels.indices())?.take_depth(channels, &picture, camera)
     };
     let positions = read(DepthChannels::Position(position))?;
     let depths = read(DepthChannels::One(depth, DepthKind::PlanarZ))?;

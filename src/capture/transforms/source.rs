@@ -1,6 +1,6 @@
 //! The files of a capture as a source of frames.
 
-use super::cameras::Recording;
+use super::cameras::CameraFiles;
 use super::header_probe::probe;
 use super::load::{self, Need};
 use crate::capture::FrameSource;
@@ -10,7 +10,7 @@ use crate::error::Result;
 /// Decodes a frame from its files whenever it is asked for.
 pub(super) struct FileSource {
     /// What is where.
-    pub recording: Recording,
+    pub recording: CameraFiles,
     /// Whether normals are read.
     pub has_normals: bool,
 }
@@ -44,7 +44,7 @@ impl FrameSource for FileSource {
 ///
 /// # Errors
 /// Whatever makes these frames unreadable: no color, no depth, another size.
-pub(super) fn normals_in_all_cameras(recording: &Recording, warnings: &mut Vec<String>) -> Result<bool> {
+pub(super) fn normals_in_all_cameras(recording: &CameraFiles, warnings: &mut Vec<String>) -> Result<bool> {
     let mut without = Vec::new();
     let mut without_near_clip = Vec::new();
     let mut of_other_primaries = Vec::new();

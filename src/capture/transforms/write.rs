@@ -12,12 +12,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::manifest::{CameraName, Entry, Keys, Manifest, NormalSpaceName};
+use super::manifest::{CameraName, Keys, Manifest, NormalSpaceName, PictureEntry};
 use super::{MANIFEST_NAME, picture_name, pose};
 use crate::capture::camera::Camera;
 use crate::capture::exr::write_frame;
 use crate::capture::frame::Frame;
-use crate::capture::{Capture, View};
+use crate::capture::{Capture, TruthView};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::whole_file;
@@ -64,11 +64,11 @@ pub fn write_manifest(path: &Path, facts: ManifestFacts, entries: &[ManifestEntr
             h: Some(f64::from(intrinsics.height)),
             ..Keys::default()
         };
-        Entry {
+        PictureEntry {
             file_path: entry.file_path.clone(),
             transform_matrix: pose::opengl_matrix(&entry.camera.world_from_camera),
             keys,
-            ..Entry::default()
+            ..PictureEntry::default()
         }
     });
     let manifest = Manifest {
@@ -104,7 +104,7 @@ pub fn write_manifest(path: &Path, facts: ManifestFacts, entries: &[ManifestEntr
 /// # Errors
 /// `Io` where something cannot be written, whatever loading a frame gives, `Invalid` for names that are no paths below
 /// `folder`, and [`Error::Cancelled`].
-pub fn write_capture(folder: &Path, capture: &Capture, views: &[View], job: &Job) -> Result<()> {
+pub fn write_capture(folder: &Path, capture: &Capture, views: &[TruthView], job: &Job) -> Result<()> {
     let frame_count = capture.frame_count();
     let truths = views.iter().filter(|view| view.truth.is_some()).count();
     job.start("writing pictures", capture.cameras.len() * frame_count + truths);
@@ -152,7 +152,7 @@ fn capture_entries(capture: &Capture) -> Vec<ManifestEntry<'_>> {
     capture.cameras.iter().flat_map(of_camera).collect()
 }
 
-fn write_views(folder: &Path, views: &[View], facts: ManifestFacts, job: &Job) -> Result<()> {
+fn write_views(folder: &Path, views: &[TruthView], facts: ManifestFacts, job: &Job) -> Result<()> {
     let entries: Vec<ManifestEntry> = views
         .iter()
         .map(|view| ManifestEntry {

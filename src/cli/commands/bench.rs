@@ -5,7 +5,7 @@ use std::fmt::Write;
 use clap::Args;
 
 use super::render::choice;
-use crate::cli::{Failure, output};
+use crate::cli::{CommandError, output};
 use crate::evaluate::bench::{self, Limit, LimitKind, Machine, Options, SpeedReport, StageSpeed};
 use crate::settings::{Backend, Instructions};
 
@@ -37,7 +37,7 @@ pub(crate) struct BenchArgs {
 }
 
 impl BenchArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         let options = Options {
             threads: rayon::current_num_threads(),
             quick: self.quick,

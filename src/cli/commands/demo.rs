@@ -7,8 +7,8 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
 
 use crate::capture::transforms::{MANIFEST_NAME, open_views, picture_name, write_capture};
-use crate::capture::{Camera, View};
-use crate::cli::{Failure, output};
+use crate::capture::{Camera, TruthView};
+use crate::cli::{CommandError, output};
 use crate::demo::{Demo, DemoSpec, MAX_CAMERAS, SCENES};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
@@ -49,7 +49,7 @@ struct DemoOutput {
 }
 
 impl DemoArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         let spec = DemoSpec {
             scene: self.scene.clone(),
             cameras: self.cameras,
@@ -57,7 +57,7 @@ impl DemoArgs {
             size: self.size,
             noise: self.noise,
         };
-        let demo = Demo::new(&spec).map_err(|error| Failure::Usage(error.to_string()))?;
+        let demo = Demo::new(&spec).map_err(|error| CommandError::Usage(error.to_string()))?;
         output::folder(&self.out)?;
         self.check_is_ours(&spec)?;
         let capture = demo.capture(&CaptureSettings::default());
@@ -108,8 +108,8 @@ impl DemoArgs {
 }
 
 /// Whether a demo with these cameras writes such a picture.
-fn is_of(cameras: &[Camera], view: &View) -> bool {
-    let View { file_path, camera, frame_number, .. } = view;
+fn is_of(cameras: &[Camera], view: &TruthView) -> bool {
+    let TruthView { file_path, camera, frame_number, .. } = view;
     *file_path == picture_name(camera, *frame_number)
         && cameras.iter().any(|known| {
             known.name == camera.name

@@ -8,11 +8,11 @@ use clap::Args;
 use serde::Serialize;
 
 use super::render::PaintingArgs;
-use crate::capture::{Capture, View, transforms};
+use crate::capture::{Capture, TruthView, transforms};
 use crate::cli::input::HoldOutArgs;
-use crate::cli::{Failure, SettingsArgs, output};
+use crate::cli::{CommandError, SettingsArgs, output};
 use crate::evaluate::metrics::Scores;
-use crate::evaluate::{Compared, Comparison, Evaluation, MeanScore, compare, truth};
+use crate::evaluate::{Evaluation, MeanScore, MethodComparison, MethodScore, compare, truth};
 use crate::settings::Settings;
 
 /// Arguments of `overlook evaluate`.
@@ -37,21 +37,21 @@ pub(crate) struct EvaluateArgs {
 #[derive(Serialize)]
 struct EvaluateOutput<'a> {
     #[serde(flatten)]
-    as_set: &'a Compared,
-    no_pruning: &'a Compared,
-    first_camera: &'a Compared,
+    as_set: &'a MethodScore,
+    no_pruning: &'a MethodScore,
+    first_camera: &'a MethodScore,
     hold_out: &'a [String],
     settings: &'a Settings,
 }
 
 impl EvaluateArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         let mut settings = self.settings.over(Settings::default())?;
         self.painting.apply(&mut settings.render);
         let capture = crate::cli::open_capture(&self.capture, &settings.capture)?;
         let (capture, views) = self.truth(capture)?;
         let comparison = output::watched(|job| compare(&capture, &views, &settings, job))?;
-        let Comparison { as_set, no_pruning, first_camera } = &comparison;
+        let MethodComparison { as_set, no_pruning, first_camera } = &comparison;
         let notices = [as_set, no_pruning, first_camera].map(|compared| compared.evaluation.notice.clone());
         output::warn(&notices.into_iter().flatten().collect::<BTreeSet<_>>().into_iter().collect::<Vec<_>>());
         if self.json {
@@ -72,13 +72,13 @@ impl EvaluateArgs {
     }
 
     /// The capture to preprocess, and the views to score it at.
-    fn truth(&self, capture: Capture) -> Result<(Capture, Vec<View>), Failure> {
+    fn truth(&self, capture: Capture) -> Result<(Capture, Vec<TruthView>), CommandError> {
         let held_out = self.held_out.names();
         if !held_out.is_empty() {
             return Ok(truth::split(&capture, &held_out)?);
         }
         let views = self.views.clone().or_else(|| transforms::truth_beside(&self.capture)).ok_or_else(|| {
-            Failure::Usage(format!(
+            CommandError::Usage(format!(
                 "{} comes without truth views; name some with --views, or hold out a camera with --hold-out {}",
                 self.capture.display(),
                 capture.cameras.first().map_or("CAMERA", |camera| &camera.name)
@@ -147,7 +147,7 @@ pub(crate) fn painter_line(evaluation: &Evaluation) -> String {
 }
 
 /// One line per way to prune.
-fn comparison_table(comparison: &Comparison) -> String {
+fn comparison_table(comparison: &MethodComparison) -> String {
     let mut text = format!(
         "{:<16}{} {:>10} {:>14} {:>12} {:>12}",
         "pruning",

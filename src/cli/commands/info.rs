@@ -7,7 +7,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::capture::{Camera, transforms};
-use crate::cli::Failure;
+use crate::cli::CommandError;
 use crate::cli::output::{self, Sizes};
 use crate::preprocess::diagnostics::Report;
 use crate::settings::{CaptureSettings, Settings};
@@ -62,7 +62,7 @@ enum Contents {
 }
 
 impl InfoArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         let info = if Store::is_store(&self.path)? { of_store(&self.path)? } else { of_capture(&self.path)? };
         if self.json { output::print_json(&info) } else { output::print(&info.text(&self.path)) }
     }
@@ -79,7 +79,7 @@ fn camera_infos(cameras: &[Camera]) -> Vec<CameraInfo> {
         .collect()
 }
 
-fn of_store(path: &Path) -> Result<Info, Failure> {
+fn of_store(path: &Path) -> Result<Info, CommandError> {
     let store = Store::open(path)?;
     let info = store.info();
     Ok(Info {
@@ -101,7 +101,7 @@ fn of_store(path: &Path) -> Result<Info, Failure> {
     })
 }
 
-fn of_capture(path: &Path) -> Result<Info, Failure> {
+fn of_capture(path: &Path) -> Result<Info, CommandError> {
     let capture = transforms::open(path, &CaptureSettings::default())?;
     Ok(Info {
         kind: "capture",

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::capture::{Capture, transforms};
 use crate::cli::input::{self, HoldOutArgs};
-use crate::cli::{Failure, SettingsArgs, output};
+use crate::cli::{CommandError, SettingsArgs, output};
 use crate::error::{Error, Result};
 use crate::evaluate::truth;
 use crate::job::Job;
@@ -68,7 +68,7 @@ struct PreprocessOutput {
 }
 
 impl PreprocessArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
         output::file(&self.out, "scene.ovl")?;
         self.settings.apart_from(&self.out)?;

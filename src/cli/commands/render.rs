@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use crate::capture::{View, transforms};
+use crate::capture::{TruthView, transforms};
 use crate::cli::output::{self, PicturePaths};
-use crate::cli::{Failure, SettingsArgs};
+use crate::cli::{CommandError, SettingsArgs};
 use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, Scoreboard, frame_of, render_view, vantage_order};
 use crate::job::Job;
@@ -68,7 +68,7 @@ where
 }
 
 impl RenderArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         self.settings.only("render")?;
         output::folder(&self.out)?;
         output::can_be_read_again(&self.views)?;
@@ -94,9 +94,9 @@ impl RenderArgs {
     }
 
     /// Where each picture goes; checked before any is painted.
-    fn picture_paths(&self, views: &[View]) -> Result<Vec<PicturePaths>> {
+    fn picture_paths(&self, views: &[TruthView]) -> Result<Vec<PicturePaths>> {
         let mut taken = BTreeSet::new();
-        let path_of = |view: &View| {
+        let path_of = |view: &TruthView| {
             let paths = PicturePaths::below(&self.out, &view.file_path)?;
             if !taken.insert(paths.clone()) {
                 return Err(Error::invalid(
@@ -114,7 +114,7 @@ impl RenderArgs {
 
 fn paint(
     playback: &Playback,
-    views: &[View],
+    views: &[TruthView],
     paths: &[PicturePaths],
     settings: &RenderSettings,
     job: &Job,

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use clap::Args;
 
-use crate::cli::{Failure, SettingsArgs, output};
-use crate::settings::{Field, Kind, Settings};
+use crate::cli::{CommandError, SettingsArgs, output};
+use crate::settings::{Field, Settings, ValueKind};
 
 /// Arguments of `overlook settings`.
 #[derive(Debug, Args)]
@@ -15,7 +15,7 @@ pub(crate) struct SettingsCommandArgs {
 }
 
 impl SettingsCommandArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
         output::print(&documented_toml(&settings))
     }
@@ -47,10 +47,10 @@ fn comment(field: &Field) -> String {
     let mut text = format!("\n# {}\n", field.help.trim());
     let unit = if field.unit.is_empty() { String::new() } else { format!(" {}", field.unit) };
     let _ = match field.kind {
-        Kind::Number { min, max, .. } => writeln!(text, "# {min} to {max}{unit}"),
-        Kind::Integer { min, max } => writeln!(text, "# {min} to {max}{unit}"),
-        Kind::Switch => writeln!(text, "# true or false"),
-        Kind::Choice(choices) => {
+        ValueKind::Number { min, max, .. } => writeln!(text, "# {min} to {max}{unit}"),
+        ValueKind::Integer { min, max } => writeln!(text, "# {min} to {max}{unit}"),
+        ValueKind::Switch => writeln!(text, "# true or false"),
+        ValueKind::Choice(choices) => {
             choices.iter().try_for_each(|(name, help)| writeln!(text, "#   {name}: {}", help.trim()))
         }
     };

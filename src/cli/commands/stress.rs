@@ -8,9 +8,9 @@ use clap::builder::PossibleValuesParser;
 use serde::Serialize;
 
 use crate::cli::input::TruthArgs;
-use crate::cli::{Failure, SettingsArgs, output};
+use crate::cli::{CommandError, SettingsArgs, output};
 use crate::evaluate::chart;
-use crate::evaluate::stress::{self, Disturbance, Failure as PointOfFailure, Plan, StressPoint};
+use crate::evaluate::stress::{self, BreakingPoint as PointOfFailure, Disturbance, StressPlan, StressPoint};
 use crate::evaluate::truth::Truth;
 use crate::settings::Settings;
 
@@ -43,12 +43,12 @@ struct StressOutput<'a> {
 }
 
 impl StressArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
         output::folder(&self.out)?;
         let capture = crate::cli::open_capture(&self.capture, &settings.capture)?;
         let truth: Truth = self.truth.truth(&self.capture, &capture)?;
-        let mut plan = Plan { frames: self.truth.frames, ..Plan::standard(&settings) };
+        let mut plan = StressPlan { frames: self.truth.frames, ..StressPlan::standard(&settings) };
         if !self.only.is_empty() {
             plan.disturbances.retain(|disturbance| self.only.iter().any(|name| name == disturbance.name()));
         }

@@ -7,9 +7,9 @@ use serde::Serialize;
 
 use super::render::PaintingArgs;
 use crate::cli::input::TruthArgs;
-use crate::cli::{Failure, SettingsArgs, output};
+use crate::cli::{CommandError, SettingsArgs, output};
 use crate::evaluate::chart;
-use crate::evaluate::sweep::{self, Plan, Point};
+use crate::evaluate::sweep::{self, Point, SweepPlan};
 use crate::settings::Settings;
 
 /// Arguments of `overlook sweep`.
@@ -46,7 +46,7 @@ struct SweepOutput<'a> {
 }
 
 impl SweepArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         let mut settings = self.settings.over(Settings::default())?;
         self.painting.apply(&mut settings.render);
         output::folder(&self.out)?;
@@ -75,13 +75,13 @@ impl SweepArgs {
 
     /// The settings of the files under their names; under their paths where two files have one name. A file that says what another
     /// row says already is told, as it gets none of its own.
-    fn named(&self, reference: &Settings) -> Result<Vec<(String, Settings)>, Failure> {
+    fn named(&self, reference: &Settings) -> Result<Vec<(String, Settings)>, CommandError> {
         let label = |path: &PathBuf| {
             let of_that_name = self.with.iter().filter(|other| other.file_stem() == path.file_stem()).count();
             let name = path.file_stem().filter(|_| of_that_name == 1).unwrap_or(path.as_os_str());
             Ok((name.to_string_lossy().into_owned(), Settings::load(path)?))
         };
-        let named = self.with.iter().map(label).collect::<Result<Vec<_>, Failure>>()?;
+        let named = self.with.iter().map(label).collect::<Result<Vec<_>, CommandError>>()?;
         for (index, (name, settings)) in named.iter().enumerate() {
             let earlier =
                 named[..index].iter().find(|(_, other)| other == settings).map(|(name, _)| name.as_str());
@@ -92,22 +92,26 @@ impl SweepArgs {
         Ok(named)
     }
 
-    fn plan(&self, settings: &Settings, capture: &crate::capture::Capture) -> Result<Plan, Failure> {
+    fn plan(
+        &self,
+        settings: &Settings,
+        capture: &crate::capture::Capture,
+    ) -> Result<SweepPlan, CommandError> {
         if !self.with.is_empty() {
-            return Ok(Plan::list(settings, self.named(settings)?, capture));
+            return Ok(SweepPlan::list(settings, self.named(settings)?, capture));
         }
         if self.vary.is_empty() {
-            return Ok(Plan::standard(settings, capture));
+            return Ok(SweepPlan::standard(settings, capture));
         }
         let axis = |text: &String| {
             let (path, values) = text.split_once('=').ok_or_else(|| {
-                Failure::Usage(format!(
+                CommandError::Usage(format!(
                     "--vary {text}: write it as key=value,value, as in render.kernel=block,gather"
                 ))
             })?;
             Ok((path.trim().to_owned(), values.split(',').map(|value| value.trim().to_owned()).collect()))
         };
-        let axes = self.vary.iter().map(axis).collect::<Result<Vec<_>, Failure>>()?;
-        Plan::grid(settings, &axes, capture).map_err(|error| Failure::Usage(error.to_string()))
+        let axes = self.vary.iter().map(axis).collect::<Result<Vec<_>, CommandError>>()?;
+        SweepPlan::grid(settings, &axes, capture).map_err(|error| CommandError::Usage(error.to_string()))
     }
 }

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::input::TruthArgs;
-use crate::cli::{Failure, SettingsArgs, output};
-use crate::evaluate::tune::{self, Budget, Plan};
+use crate::cli::{CommandError, SettingsArgs, output};
+use crate::evaluate::tune::{self, TuneBudget, TunePlan};
 use crate::settings::Settings;
 use crate::whole_file;
 
@@ -41,7 +41,7 @@ pub(crate) struct TuneArgs {
 }
 
 impl TuneArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
         output::file(&self.out, "tuned.toml")?;
         output::apart_from_stores(&self.out)?;
@@ -59,9 +59,9 @@ impl TuneArgs {
             }
             None => None,
         };
-        let budget = self.max_bytes.map(Budget::Bytes).or(self.max_ms.map(Budget::Milliseconds));
+        let budget = self.max_bytes.map(TuneBudget::Bytes).or(self.max_ms.map(TuneBudget::Milliseconds));
         let done = journal.as_ref().map(output::Journal::points).unwrap_or_default();
-        let plan = Plan { settings, budget, whole: Some(opened), drop_cameras: !self.all_cameras, done };
+        let plan = TunePlan { settings, budget, whole: Some(opened), drop_cameras: !self.all_cameras, done };
         let tuned =
             output::recorded(journal.as_ref(), |job, keep| tune::run(&capture, &plan, &truth, job, keep))?;
         let head = format!("# {}\n\n", tuned.words.join("\n# "));

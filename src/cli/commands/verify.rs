@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use crate::cli::{Failure, output};
+use crate::cli::{CommandError, output};
 use crate::error::Error;
 use crate::job::Job;
 use crate::render::{CpuRenderer, Vantage};
@@ -45,7 +45,7 @@ fn seconds_to_first_picture(path: &Path, job: &Job) -> Option<f64> {
 }
 
 impl VerifyArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         let (seconds_to_first_picture, verified) = output::watched(|job| {
             let seconds = seconds_to_first_picture(&self.store, job);
             Ok::<_, Error>((seconds, crate::store::file::verify(&self.store, job)?))
@@ -71,7 +71,7 @@ impl VerifyArgs {
         if verified.damage.is_empty() {
             return Ok(());
         }
-        Err(Failure::Work(Error::invalid(
+        Err(CommandError::Work(Error::invalid(
             self.store.display(),
             format!(
                 "{} parts are damaged (see above); copy it again or preprocess the capture again",

@@ -7,7 +7,7 @@ use clap::builder::RangedU64ValueParser;
 
 use super::fingerprint;
 use crate::capture::{Capture, transforms};
-use crate::cli::{Failure, output};
+use crate::cli::{CommandError, output};
 use crate::evaluate::truth::{self, Truth};
 
 /// Raised where the same input, truth and settings would be measured otherwise than before.
@@ -29,7 +29,7 @@ pub(crate) struct TruthArgs {
 
 impl TruthArgs {
     /// The capture to work on, and its truth.
-    pub(crate) fn open(&self, path: &Path, opened: &Capture) -> Result<(Capture, Truth), Failure> {
+    pub(crate) fn open(&self, path: &Path, opened: &Capture) -> Result<(Capture, Truth), CommandError> {
         let truth = self.truth(path, opened)?;
         let Some(frames) = self.frames else { return Ok((opened.clone(), truth)) };
         Ok(truth::frames(opened, truth, frames)?)
@@ -42,14 +42,14 @@ impl TruthArgs {
     }
 
     /// The truth at all frames.
-    pub(crate) fn truth(&self, path: &Path, capture: &Capture) -> Result<Truth, Failure> {
+    pub(crate) fn truth(&self, path: &Path, capture: &Capture) -> Result<Truth, CommandError> {
         match self.views(path) {
             Some(views) => {
                 output::can_be_read_again(&views)?;
                 Ok(Truth::Views(transforms::open_views_of(&views, capture.frames_are_ranked())?))
             }
             None if capture.cameras.len() >= Truth::HoldOut.least_cameras() => Ok(Truth::HoldOut),
-            None => Err(Failure::Usage(format!(
+            None => Err(CommandError::Usage(format!(
                 "{} comes without truth views and has a single camera, which cannot be left out; name views with --views",
                 path.display()
             ))),
@@ -77,7 +77,7 @@ impl TruthArgs {
         path: &Path,
         opened: &Capture,
         truth: &Truth,
-    ) -> Result<String, Failure> {
+    ) -> Result<String, CommandError> {
         let source = match truth {
             Truth::HoldOut => "cameras left out",
             Truth::Views(_) => "views",

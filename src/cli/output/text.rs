@@ -5,12 +5,12 @@ use std::io::{ErrorKind, Write};
 use indicatif::{DecimalBytes, HumanCount};
 use serde::Serialize;
 
-use crate::cli::Failure;
+use crate::cli::CommandError;
 use crate::error::Error;
 use crate::preprocess::diagnostics::Report;
 
 /// Prints lines of text.
-pub(crate) fn print(text: &str) -> Result<(), Failure> {
+pub(crate) fn print(text: &str) -> Result<(), CommandError> {
     let mut stdout = std::io::stdout().lock();
     match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
         // Whoever was reading has read enough.
@@ -20,7 +20,7 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 }
 
 /// Prints one JSON document.
-pub(crate) fn print_json(document: &impl Serialize) -> Result<(), Failure> {
+pub(crate) fn print_json(document: &impl Serialize) -> Result<(), CommandError> {
     let text = serde_json::to_string_pretty(document)
         .map_err(|error| Error::invalid("JSON output", error.to_string()))?;
     print(&text)

@@ -6,7 +6,7 @@ use crate::capture::{Camera, Intrinsics};
 
 /// A place to look from; world space, meters.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Vantage {
+pub(crate) struct SceneVantage {
     pub(crate) name: &'static str,
     pub(crate) eye: DVec3,
     pub(crate) target: DVec3,
@@ -15,17 +15,17 @@ pub(crate) struct Vantage {
 }
 
 /// A place at `eye` that looks at `target`, both in world space, meters, with a horizontal angle of view in degrees.
-pub(crate) fn vantage(name: &'static str, eye: [f64; 3], target: [f64; 3], angle_x_deg: f64) -> Vantage {
-    Vantage { name, eye: eye.into(), target: target.into(), angle_x_deg }
+pub(crate) fn vantage(name: &'static str, eye: [f64; 3], target: [f64; 3], angle_x_deg: f64) -> SceneVantage {
+    SceneVantage { name, eye: eye.into(), target: target.into(), angle_x_deg }
 }
 
 /// The cameras of a scene: those with a name, more where more are asked for, and places where none stands.
 #[derive(Clone, Debug)]
-pub(crate) struct Rig {
+pub(crate) struct SceneCameras {
     /// The scene's own cameras; the last is the close-up.
-    pub(crate) cameras: Vec<Vantage>,
+    pub(crate) cameras: Vec<SceneVantage>,
     /// Vantages between the cameras, the first of them the home of a live view.
-    pub(crate) novel: Vec<Vantage>,
+    pub(crate) novel: Vec<SceneVantage>,
     /// What further cameras look at.
     pub(crate) target: DVec3,
     /// Nearest and farthest that further cameras stand from `target`, m.
@@ -36,7 +36,7 @@ pub(crate) struct Rig {
     pub(crate) elevation_deg: (f64, f64),
 }
 
-impl Rig {
+impl SceneCameras {
     /// The first `count` cameras.
     pub(crate) fn cameras(&self, count: usize, size: (u32, u32)) -> Vec<Camera> {
         let named = self.cameras.iter().take(count).map(|vantage| vantage.camera(size));
@@ -60,7 +60,7 @@ impl Rig {
     }
 }
 
-impl Vantage {
+impl SceneVantage {
     /// The camera that looks from here.
     pub(crate) fn camera(&self, size: (u32, u32)) -> Camera {
         Camera::look_at(self.name, intrinsics(size, self.angle_x_deg), self.eye, self.target, DVec3::Z)

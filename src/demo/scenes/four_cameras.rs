@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3, DVec4, Vec3};
 
-use super::camera_arcs::{Rig, vantage};
+use super::camera_arcs::{SceneCameras, vantage};
 use super::materials::{brass, dark_brass, marble, plaster, rgb, slate, turned_wood, walnut};
 use super::props;
-use crate::demo::tracer::{Builder, Light, Material, Pattern, Shape, hash, upright_to};
+use crate::demo::tracer::{Builder, Light, Material, Pattern, SolidShape, hash, upright_to};
 
 const BENCH_TOP_M: f64 = 0.9;
 const SLAB_TOP_M: f64 = BENCH_TOP_M + 0.06;
@@ -36,8 +36,8 @@ pub(crate) fn stage(moment: f64) -> Builder {
     stage
 }
 
-fn block(half: [f64; 3], round: f64) -> Shape {
-    Shape::Block { half: half.into(), round }
+fn block(half: [f64; 3], round: f64) -> SolidShape {
+    SolidShape::Block { half: half.into(), round }
 }
 
 fn laboratory(stage: &mut Builder) {
@@ -53,7 +53,7 @@ fn laboratory(stage: &mut Builder) {
         for z in [0.32, 0.68] {
             let front = DVec3::new(x, -0.375, z);
             stage.add(block([0.24, 0.012, 0.155], 0.008), front, walnut());
-            stage.add(Shape::Sphere { radius: 0.018 }, front - DVec3::Y * 0.025, brass());
+            stage.add(SolidShape::Sphere { radius: 0.018 }, front - DVec3::Y * 0.025, brass());
         }
     }
     stage.add(block([0.36, 0.27, 0.03], 0.012), DVec3::new(0.08, 0.02, BENCH_TOP_M + 0.03), slate());
@@ -70,13 +70,13 @@ fn jars(stage: &mut Builder, place: DVec3) {
     for (index, color) in [0x0030_7080, 0x00c0_8030, 0x0080_3848, 0x0050_7040].into_iter().enumerate() {
         let foot = place + DVec3::X * (0.15 * index as f64);
         let glaze = Material::new(Pattern::Stripes(0.07), rgb(color), rgb(0x00e0_d8c4));
-        stage.add(Shape::cylinder(0.052, 0.065), foot + DVec3::Z * 0.065, glaze);
+        stage.add(SolidShape::cylinder(0.052, 0.065), foot + DVec3::Z * 0.065, glaze);
         stage.add(
-            Shape::Cone { bottom: 0.045, top: 0.03, half_height: 0.012 },
+            SolidShape::Cone { bottom: 0.045, top: 0.03, half_height: 0.012 },
             foot + DVec3::Z * 0.142,
             turned_wood(),
         );
-        stage.add(Shape::Sphere { radius: 0.016 }, foot + DVec3::Z * 0.165, brass());
+        stage.add(SolidShape::Sphere { radius: 0.016 }, foot + DVec3::Z * 0.165, brass());
     }
 }
 
@@ -84,15 +84,15 @@ fn glassware(stage: &mut Builder) {
     let glass = |tint: u32| Material::new(Pattern::Clouds(0.08), rgb(tint), rgb(tint) * 1.15);
     let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, BENCH_TOP_M + z);
     stage.add(
-        Shape::Cone { bottom: 0.09, top: 0.024, half_height: 0.085 },
+        SolidShape::Cone { bottom: 0.09, top: 0.024, half_height: 0.085 },
         at(-0.22, 0.46, 0.085),
         glass(0x0068_a0a8),
     );
-    stage.add(Shape::cylinder(0.024, 0.04), at(-0.22, 0.46, 0.21), glass(0x00b8_ccd0));
-    stage.add(Shape::Torus { major: 0.025, minor: 0.006 }, at(-0.22, 0.46, 0.25), glass(0x00b8_ccd0));
-    stage.add(Shape::Sphere { radius: 0.085 }, at(0.5, 0.45, 0.15), glass(0x00c8_9048));
-    stage.add(Shape::cylinder(0.02, 0.07), at(0.5, 0.45, 0.29), glass(0x00b8_ccd0));
-    stage.add(Shape::Torus { major: 0.06, minor: 0.008 }, at(0.5, 0.45, 0.075), dark_brass());
+    stage.add(SolidShape::cylinder(0.024, 0.04), at(-0.22, 0.46, 0.21), glass(0x00b8_ccd0));
+    stage.add(SolidShape::Torus { major: 0.025, minor: 0.006 }, at(-0.22, 0.46, 0.25), glass(0x00b8_ccd0));
+    stage.add(SolidShape::Sphere { radius: 0.085 }, at(0.5, 0.45, 0.15), glass(0x00c8_9048));
+    stage.add(SolidShape::cylinder(0.02, 0.07), at(0.5, 0.45, 0.29), glass(0x00b8_ccd0));
+    stage.add(SolidShape::Torus { major: 0.06, minor: 0.008 }, at(0.5, 0.45, 0.075), dark_brass());
     for leg in 0..3 {
         let angle = TAU * f64::from(leg) / 3.0;
         let out = DVec3::new(angle.cos(), angle.sin(), 0.0);
@@ -100,15 +100,15 @@ fn glassware(stage: &mut Builder) {
         stage.add_bar((foot, at(0.5, 0.45, 0.075) + out * 0.06), (0.006, 0.006), dark_brass());
     }
     let tray = at(0.72, -0.16, 0.0);
-    stage.add(Shape::cylinder(0.13, 0.012), tray + DVec3::Z * 0.012, marble());
-    stage.add(Shape::Torus { major: 0.13, minor: 0.014 }, tray + DVec3::Z * 0.02, brass());
+    stage.add(SolidShape::cylinder(0.13, 0.012), tray + DVec3::Z * 0.012, marble());
+    stage.add(SolidShape::Torus { major: 0.13, minor: 0.014 }, tray + DVec3::Z * 0.02, brass());
     props::hourglass(stage, at(0.98, 0.2, 0.0));
 }
 
 /// A model of a molecule: balls and sticks on a stand.
 fn molecule(stage: &mut Builder, place: DVec3) {
     stage.add(
-        Shape::Cone { bottom: 0.09, top: 0.07, half_height: 0.015 },
+        SolidShape::Cone { bottom: 0.09, top: 0.07, half_height: 0.015 },
         place + DVec3::Z * 0.015,
         turned_wood(),
     );
@@ -123,16 +123,16 @@ fn molecule(stage: &mut Builder, place: DVec3) {
         let at = |index: i32, radius: f64| {
             center + turn * DVec3::new(angle(index).cos(), angle(index).sin(), 0.0) * radius
         };
-        stage.add(Shape::Sphere { radius: 0.042 }, at(atom, 0.13), carbon);
+        stage.add(SolidShape::Sphere { radius: 0.042 }, at(atom, 0.13), carbon);
         stage.add_bar((at(atom, 0.13), at(atom + 1, 0.13)), (0.011, 0.011), hydrogen);
         let outer = if atom % 3 == 0 { (oxygen, 0.036) } else { (hydrogen, 0.026) };
-        stage.add(Shape::Sphere { radius: outer.1 }, at(atom, 0.225), outer.0);
+        stage.add(SolidShape::Sphere { radius: outer.1 }, at(atom, 0.225), outer.0);
         stage.add_bar((at(atom, 0.13), at(atom, 0.225)), (0.009, 0.009), hydrogen);
     }
 }
 
 /// A six-sided prism with a pointed top, its foot at the origin, as quartz grows.
-pub(crate) fn crystal(radius: f64, height: f64) -> Shape {
+pub(crate) fn crystal(radius: f64, height: f64) -> SolidShape {
     let mut planes = Vec::with_capacity(13);
     for side in 0..6 {
         let angle = PI * f64::from(side) / 3.0;
@@ -143,7 +143,7 @@ pub(crate) fn crystal(radius: f64, height: f64) -> Shape {
     }
     planes.push(DVec4::new(0.0, 0.0, -1.0, 0.0));
     let planes: Arc<[DVec4]> = planes.into();
-    Shape::Convex { planes, half: DVec3::new(1.16 * radius, 1.16 * radius, height) }
+    SolidShape::Convex { planes, half: DVec3::new(1.16 * radius, 1.16 * radius, height) }
 }
 
 /// A cluster around `place` in which one crystal after the other starts to grow.
@@ -172,13 +172,13 @@ fn ball(stage: &mut Builder, moment: f64) {
     let center = DVec3::new(0.72, -0.16, BENCH_TOP_M + 0.024 + 0.03 + height);
     let rubber = Material::new(Pattern::Stripes(0.024), rgb(0x00c8_4030), rgb(0x00f0_e0c8));
     let spin = DMat3::from_rotation_y(TAU * moment) * DMat3::from_rotation_x(0.5);
-    stage.add_turned(Shape::Sphere { radius: 0.03 }, center, spin, rubber);
+    stage.add_turned(SolidShape::Sphere { radius: 0.03 }, center, spin, rubber);
 }
 
 /// Four cameras before the bench, the last close to the slab.
-pub(crate) fn rig() -> Rig {
+pub(crate) fn rig() -> SceneCameras {
     let middle = [0.1, 0.15, 1.05];
-    Rig {
+    SceneCameras {
         cameras: vec![
             vantage("front", [0.1, -1.75, 1.55], middle, 52.0),
             vantage("left", [-1.25, -1.2, 1.5], middle, 52.0),

@@ -7,4 +7,4 @@ pub(crate) mod nine_cameras;
 pub(crate) mod orrery;
 mod props;
 
-pub(crate) use camera_arcs::Rig;
+pub(crate) use camera_arcs::SceneCameras;

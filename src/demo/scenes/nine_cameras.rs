@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::camera_arcs::{Rig, vantage};
+use super::camera_arcs::{SceneCameras, vantage};
 use super::materials::{brass, dark_brass, map_canvas, marble, oak, plaster, rgb, turned_wood, walnut};
 use super::props;
-use crate::demo::tracer::{Builder, Light, Material, Pattern, Shape};
+use crate::demo::tracer::{Builder, Light, Material, Pattern, SolidShape};
 
 const TRACK_CENTER: DVec3 = DVec3::new(0.25, -0.35, 0.0);
 const TRACK_RADIUS_M: f64 = 0.8;
@@ -34,8 +34,8 @@ pub(crate) fn stage(moment: f64) -> Builder {
     stage
 }
 
-fn block(half: [f64; 3], round: f64) -> Shape {
-    Shape::Block { half: half.into(), round }
+fn block(half: [f64; 3], round: f64) -> SolidShape {
+    SolidShape::Block { half: half.into(), round }
 }
 
 fn room(stage: &mut Builder) {
@@ -63,7 +63,7 @@ fn sofa(stage: &mut Builder) {
         let lean = DMat3::from_rotation_x(-0.35) * DMat3::from_rotation_y(side * 0.12);
         stage.add_turned(block([0.19, 0.06, 0.19], 0.05), at(side * 0.52, 0.12, 0.62), lean, cushion);
         for depth in [-0.34, 0.34] {
-            stage.add(Shape::cylinder(0.025, 0.05), at(side * 0.8, depth, 0.05), turned_wood());
+            stage.add(SolidShape::cylinder(0.025, 0.05), at(side * 0.8, depth, 0.05), turned_wood());
         }
     }
 }
@@ -77,16 +77,16 @@ fn shelf(stage: &mut Builder) {
     props::book_row(stage, board(2.0, -0.54), &covers);
     props::book_row(stage, board(2.0, 0.2), &covers[2..]);
     props::book_row(stage, board(3.0, 0.0), &[&covers[3..], &covers[..5]].concat());
-    stage.add(Shape::Sphere { radius: 0.1 }, board(3.0, -0.3) + DVec3::Z * 0.1, marble());
+    stage.add(SolidShape::Sphere { radius: 0.1 }, board(3.0, -0.3) + DVec3::Z * 0.1, marble());
     props::globe(stage, board(4.0, -0.3), 0.13);
     let vase = Material::new(Pattern::Stripes(0.06), rgb(0x0030_5a78), rgb(0x00d8_d0bc));
     stage.add(
-        Shape::Cone { bottom: 0.05, top: 0.1, half_height: 0.07 },
+        SolidShape::Cone { bottom: 0.05, top: 0.1, half_height: 0.07 },
         board(4.0, 0.25) + DVec3::Z * 0.07,
         vase,
     );
     stage.add(
-        Shape::Cone { bottom: 0.1, top: 0.035, half_height: 0.06 },
+        SolidShape::Cone { bottom: 0.1, top: 0.035, half_height: 0.06 },
         board(4.0, 0.25) + DVec3::Z * 0.2,
         vase,
     );
@@ -96,8 +96,8 @@ fn shelf(stage: &mut Builder) {
 
 fn table(stage: &mut Builder) {
     let place = DVec3::new(0.25, -0.35, 0.0);
-    stage.add(Shape::cylinder(0.42, 0.018), place + DVec3::Z * 0.44, walnut());
-    stage.add(Shape::Torus { major: 0.42, minor: 0.018 }, place + DVec3::Z * 0.44, dark_brass());
+    stage.add(SolidShape::cylinder(0.42, 0.018), place + DVec3::Z * 0.44, walnut());
+    stage.add(SolidShape::Torus { major: 0.42, minor: 0.018 }, place + DVec3::Z * 0.44, dark_brass());
     for leg in 0..3 {
         let angle = TAU * (f64::from(leg) + 0.25) / 3.0;
         let out = DVec3::new(angle.cos(), angle.sin(), 0.0);
@@ -111,9 +111,9 @@ fn table(stage: &mut Builder) {
     props::books(stage, top + DVec3::new(-0.16, 0.1, 0.0), &[(0x00a8_8c50, 0.6), (0x0038_5038, 0.25)]);
     let clay = Material::new(Pattern::Stripes(0.045), rgb(0x00e0_d4c0), rgb(0x0034_5a70));
     let pot = top + DVec3::new(0.15, -0.05, 0.0);
-    stage.add(Shape::Sphere { radius: 0.085 }, pot + DVec3::Z * 0.08, clay);
+    stage.add(SolidShape::Sphere { radius: 0.085 }, pot + DVec3::Z * 0.08, clay);
     stage.add_turned(
-        Shape::Torus { major: 0.05, minor: 0.011 },
+        SolidShape::Torus { major: 0.05, minor: 0.011 },
         pot + DVec3::new(0.095, 0.0, 0.085),
         DMat3::from_rotation_x(0.25 * TAU),
         clay,
@@ -123,7 +123,7 @@ fn table(stage: &mut Builder) {
         (0.02, 0.011),
         clay,
     );
-    stage.add(Shape::Sphere { radius: 0.016 }, pot + DVec3::Z * 0.175, brass());
+    stage.add(SolidShape::Sphere { radius: 0.016 }, pot + DVec3::Z * 0.175, brass());
 }
 
 fn pendulum_clock(stage: &mut Builder, moment: f64) {
@@ -137,8 +137,8 @@ fn pendulum_clock(stage: &mut Builder, moment: f64) {
     let face = Material::new(Pattern::Grooves(0.07), rgb(0x00ec_e4d0), rgb(0x00d0_c2a0));
     let upright = DMat3::from_rotation_y(0.25 * TAU);
     let dial = place + DVec3::new(0.135, 0.0, 1.75);
-    stage.add_turned(Shape::cylinder(0.16, 0.008), dial, upright, face);
-    stage.add_turned(Shape::Torus { major: 0.165, minor: 0.014 }, dial, upright, brass());
+    stage.add_turned(SolidShape::cylinder(0.16, 0.008), dial, upright, face);
+    stage.add_turned(SolidShape::Torus { major: 0.165, minor: 0.014 }, dial, upright, brass());
     let black = Material::plain(rgb(0x0024_2220));
     for (turns, length) in [(0.14, 0.13), (0.83, 0.09)] {
         let (sin, cos) = (TAU * f64::from(turns as f32)).sin_cos();
@@ -149,14 +149,14 @@ fn pendulum_clock(stage: &mut Builder, moment: f64) {
     let pivot = place + DVec3::new(0.02, 0.0, 1.52);
     let bob = pivot + DVec3::new(0.0, swing.sin(), -swing.cos()) * 0.85;
     stage.add_bar((pivot, bob), (0.006, 0.006), brass());
-    stage.add_turned(Shape::cylinder(0.075, 0.012), bob, upright, brass());
+    stage.add_turned(SolidShape::cylinder(0.075, 0.012), bob, upright, brass());
 }
 
 fn railway(stage: &mut Builder, moment: f64) {
     let rail = Material::plain(rgb(0x0078_7c84));
     for side in [-0.04, 0.04] {
         let place = TRACK_CENTER + DVec3::Z * 0.034;
-        stage.add(Shape::Torus { major: TRACK_RADIUS_M + side, minor: 0.007 }, place, rail);
+        stage.add(SolidShape::Torus { major: TRACK_RADIUS_M + side, minor: 0.007 }, place, rail);
     }
     for sleeper in 0..48 {
         let rotation = DMat3::from_rotation_z(TAU * f64::from(sleeper) / 48.0);
@@ -185,11 +185,11 @@ fn carriage(stage: &mut Builder, angle: f64, is_engine: bool, color: u32) {
         stage.add_turned(block([0.05, 0.04, 0.06], 0.006), to_world(0.0, -0.065, 0.12), rotation, paint);
         stage.add_turned(block([0.06, 0.05, 0.008], 0.004), to_world(0.0, -0.065, 0.185), rotation, black);
         stage.add(
-            Shape::Cone { bottom: 0.012, top: 0.024, half_height: 0.03 },
+            SolidShape::Cone { bottom: 0.012, top: 0.024, half_height: 0.03 },
             to_world(0.0, 0.07, 0.17),
             black,
         );
-        stage.add(Shape::Sphere { radius: 0.02 }, to_world(0.0, 0.01, 0.15), brass());
+        stage.add(SolidShape::Sphere { radius: 0.02 }, to_world(0.0, 0.01, 0.15), brass());
     } else {
         stage.add_turned(block([0.05, 0.095, 0.045], 0.01), to_world(0.0, 0.0, 0.1), rotation, paint);
         let cargo = Material::new(Pattern::Speckles(0.03), rgb(0x0050_4038), rgb(0x00a0_8460));
@@ -197,14 +197,14 @@ fn carriage(stage: &mut Builder, angle: f64, is_engine: bool, color: u32) {
     }
     for (x, y) in [(-0.05, -0.06), (0.05, -0.06), (-0.05, 0.06), (0.05, 0.06)] {
         let upright = rotation * DMat3::from_rotation_y(0.25 * TAU);
-        stage.add_turned(Shape::cylinder(0.026, 0.008), to_world(x, y, 0.026), upright, brass());
+        stage.add_turned(SolidShape::cylinder(0.026, 0.008), to_world(x, y, 0.026), upright, brass());
     }
 }
 
 /// Nine cameras on the two open sides, the last close to the table.
-pub(crate) fn rig() -> Rig {
+pub(crate) fn rig() -> SceneCameras {
     let middle = [-0.05, 0.35, 0.6];
-    Rig {
+    SceneCameras {
         cameras: vec![
             vantage("front", [0.2, -3.0, 1.55], middle, 58.0),
             vantage("front left", [-1.2, -2.7, 1.3], middle, 58.0),

@@ -9,12 +9,12 @@ use super::hits::slab;
 
 /// An axis-aligned box, from the corner with the least to the one with the greatest coordinates.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Bounds {
+pub(crate) struct Aabb {
     pub(crate) low: DVec3,
     pub(crate) high: DVec3,
 }
 
-impl Bounds {
+impl Aabb {
     fn union(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
@@ -46,8 +46,8 @@ struct BoundsRay {
 
 /// A leaf holds `count > 0` items from `first` in `order`; an inner node has its children at `first` and `first + 1`.
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    bounds: Bounds,
+struct BvhNode {
+    bounds: Aabb,
     first: u32,
     count: u32,
 }
@@ -55,7 +55,7 @@ struct Node {
 /// The hierarchy; items are known by their index in the slice it was built from.
 #[derive(Debug)]
 pub(crate) struct Bvh {
-    nodes: Vec<Node>,
+    nodes: Vec<BvhNode>,
     order: Vec<u32>,
 }
 
@@ -67,11 +67,11 @@ const MAX_DEPTH: usize = 24;
 
 impl Bvh {
     /// Builds over the boxes of all items.
-    pub(crate) fn new(items: &[Bounds]) -> Self {
+    pub(crate) fn new(items: &[Aabb]) -> Self {
         let mut order: Vec<u32> = (0..items.len() as u32).collect();
         let mut nodes = Vec::with_capacity(2 * items.len() + 1);
         if !items.is_empty() {
-            nodes.push(Node { bounds: items[0], first: 0, count: 0 });
+            nodes.push(BvhNode { bounds: items[0], first: 0, count: 0 });
             Building { items, order: &mut order, nodes: &mut nodes }.split(0, 0, items.len(), 0);
         }
         Self { nodes, order }
@@ -111,8 +111,8 @@ impl Bvh {
 
     fn visit<S>(
         &self,
-        enter: impl Fn(&Node, &mut S) -> bool,
-        rank: impl Fn(&Node) -> f64,
+        enter: impl Fn(&BvhNode, &mut S) -> bool,
+        rank: impl Fn(&BvhNode) -> f64,
         state: &mut S,
         mut item: impl FnMut(usize, &mut S),
     ) {
@@ -141,26 +141,26 @@ impl Bvh {
 
 /// What building needs besides the range it splits.
 struct Building<'a> {
-    items: &'a [Bounds],
+    items: &'a [Aabb],
     order: &'a mut [u32],
-    nodes: &'a mut Vec<Node>,
+    nodes: &'a mut Vec<BvhNode>,
 }
 
 impl Building<'_> {
-    fn bounds(&self, order: &[u32]) -> Bounds {
-        order.iter().map(|item| self.items[*item as usize]).reduce(Bounds::union).unwrap_or(self.items[0])
+    fn bounds(&self, order: &[u32]) -> Aabb {
+        order.iter().map(|item| self.items[*item as usize]).reduce(Aabb::union).unwrap_or(self.items[0])
     }
 
     fn split(&mut self, node: usize, start: usize, end: usize, depth: usize) {
         let bounds = self.bounds(&self.order[start..end]);
         if end - start <= LEAF_ITEMS {
-            self.nodes[node] = Node { bounds, first: start as u32, count: (end - start) as u32 };
+            self.nodes[node] = BvhNode { bounds, first: start as u32, count: (end - start) as u32 };
             return;
         }
         let middle = start + self.best_split(start, end, depth);
         let first = self.nodes.len();
         self.nodes.extend([self.nodes[node]; 2]);
-        self.nodes[node] = Node { bounds, first: first as u32, count: 0 };
+        self.nodes[node] = BvhNode { bounds, first: first as u32, count: 0 };
         self.split(first, start, middle, depth + 1);
         self.split(first + 1, middle, end, depth + 1);
     }
@@ -202,7 +202,7 @@ impl Building<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Bounds, Bvh};
+    use super::{Aabb, Bvh};
     use crate::demo::ALL;
     use crate::demo::tracer::world::World;
     use glam::DVec3;
@@ -242,15 +242,15 @@ mod tests {
             point in prop::array::uniform3(-5.0..5.0_f64),
             radius in 0.1..3.0_f64,
         ) {
-            let boxes: Vec<Bounds> = lows
+            let boxes: Vec<Aabb> = lows
                 .into_iter()
-                .map(|low| Bounds { low: low.into(), high: DVec3::from(low) + DVec3::splat(0.5) })
+                .map(|low| Aabb { low: low.into(), high: DVec3::from(low) + DVec3::splat(0.5) })
                 .collect();
             let point = DVec3::from(point);
             let mut found = Vec::new();
             Bvh::new(&boxes).for_each_near(point, radius, |item| found.push(item));
             found.sort_unstable();
-            let near = |b: &Bounds| b.distance_squared(point) <= radius * radius;
+            let near = |b: &Aabb| b.distance_squared(point) <= radius * radius;
             let expected: Vec<usize> = (0..boxes.len()).filter(|index| near(&boxes[*index])).collect();
             prop_assert!(expected.iter().all(|item| found.contains(item)));
         }

@@ -14,12 +14,12 @@ const OWN: f32 = 0.577_35;
 
 /// The noise of one frame of one camera.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CameraNoise {
+pub(crate) struct RenderNoise {
     relative: f32,
     stream: u64,
 }
 
-impl CameraNoise {
+impl RenderNoise {
     /// Noise of standard deviation `relative` for a frame; `None` where that is 0.
     pub(crate) fn new(relative: f32, seed: u64, camera: usize, frame: usize) -> Option<Self> {
         let stream = mix(mix(mix(seed) ^ camera as u64) ^ frame as u64);
@@ -55,12 +55,12 @@ pub(crate) fn mix(seed: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::CameraNoise;
+    use super::RenderNoise;
     use glam::Vec3;
 
     #[test]
     fn the_noise_has_the_deviation_it_promises_and_no_mean() {
-        let noise = CameraNoise::new(0.05, 1, 2, 3).unwrap();
+        let noise = RenderNoise::new(0.05, 1, 2, 3).unwrap();
         let color = Vec3::splat(0.5);
         let errors: Vec<f32> = (0..40_000).map(|pixel| noise.apply(color, pixel).y - color.y).collect();
         let mean = errors.iter().sum::<f32>() / errors.len() as f32;
@@ -71,6 +71,6 @@ mod tests {
 
     #[test]
     fn no_noise_is_asked_for_with_zero() {
-        assert!(CameraNoise::new(0.0, 1, 2, 3).is_none());
+        assert!(RenderNoise::new(0.0, 1, 2, 3).is_none());
     }
 }

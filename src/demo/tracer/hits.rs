@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::shapes::Shape;
+use super::shapes::SolidShape;
 
 /// Distance at which a traced ray counts as having arrived, m: a hundredth of the spacing of 32-bit floats at 1 m.
 const ARRIVED_M: f64 = 1e-10;
@@ -15,7 +15,7 @@ const BOX_MARGIN_M: f64 = 1e-9;
 /// Steps after which a traced ray that only grazes is given up.
 const MAX_STEPS: usize = 256;
 
-impl Shape {
+impl SolidShape {
     /// Parameter of the first hit of `origin + t · direction` with `t` in `(t_min, t_max)`.
     ///
     /// `direction` need not have unit length. A ray that starts inside finds its way out, unless it leaves a traced
@@ -178,20 +178,20 @@ fn ring_hits(origin: DVec3, direction: DVec3, radii: (f64, f64), half_height: f6
 #[cfg(test)]
 mod tests {
     use crate::demo::scenes::four_cameras::crystal;
-    use crate::demo::tracer::shapes::Shape;
+    use crate::demo::tracer::shapes::SolidShape;
     use glam::DVec3;
     use proptest::prelude::*;
 
-    fn shapes() -> Vec<Shape> {
+    fn shapes() -> Vec<SolidShape> {
         vec![
-            Shape::Sphere { radius: 0.7 },
-            Shape::Block { half: DVec3::new(0.5, 0.3, 0.8), round: 0.0 },
-            Shape::Block { half: DVec3::new(0.5, 0.3, 0.8), round: 0.1 },
-            Shape::cylinder(0.4, 0.6),
-            Shape::Cone { bottom: 0.6, top: 0.2, half_height: 0.5 },
-            Shape::Cone { bottom: 0.5, top: 0.0, half_height: 0.5 },
-            Shape::Torus { major: 0.6, minor: 0.2 },
-            Shape::Ring { inner: 0.3, outer: 0.7, half_height: 0.1 },
+            SolidShape::Sphere { radius: 0.7 },
+            SolidShape::Block { half: DVec3::new(0.5, 0.3, 0.8), round: 0.0 },
+            SolidShape::Block { half: DVec3::new(0.5, 0.3, 0.8), round: 0.1 },
+            SolidShape::cylinder(0.4, 0.6),
+            SolidShape::Cone { bottom: 0.6, top: 0.2, half_height: 0.5 },
+            SolidShape::Cone { bottom: 0.5, top: 0.0, half_height: 0.5 },
+            SolidShape::Torus { major: 0.6, minor: 0.2 },
+            SolidShape::Ring { inner: 0.3, outer: 0.7, half_height: 0.1 },
             crystal(0.3, 0.9),
         ]
     }
@@ -254,7 +254,8 @@ mod tests {
 
     #[test]
     fn hits_of_known_rays_are_where_they_must_be() {
-        let from_left = |shape: &Shape| shape.hit(DVec3::new(-2.0, 0.0, 0.0), DVec3::X, 0.0, f64::INFINITY);
+        let from_left =
+            |shape: &SolidShape| shape.hit(DVec3::new(-2.0, 0.0, 0.0), DVec3::X, 0.0, f64::INFINITY);
         let expected = [1.3, 1.5, 1.5, 1.6, 1.6, 1.75, 1.2, 1.3];
         for (shape, expected) in shapes().iter().zip(expected) {
             assert!((from_left(shape).unwrap() - expected).abs() < 1e-9, "{shape:?}");

@@ -8,7 +8,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::world::{Hit, Light, World};
+use super::world::{Light, SurfaceHit, World};
 
 /// Heights above the surface at which its surroundings are felt, as shares of [`Light::contact`], and their weights, the
 /// highest first.
@@ -33,13 +33,13 @@ pub(crate) fn sky(direction: DVec3) -> Vec3 {
 }
 
 /// Linear color that the point sends in every direction under the given [`irradiance`].
-pub(crate) fn reflected(world: &World, hit: &Hit, irradiance: Vec3) -> Vec3 {
+pub(crate) fn reflected(world: &World, hit: &SurfaceHit, irradiance: Vec3) -> Vec3 {
     let (color, glow) = world.surface_color(hit);
     color * (irradiance + Vec3::splat(glow))
 }
 
 /// Light that arrives at the point: the radiance of a white surface there.
-pub(crate) fn irradiance(world: &World, hit: &Hit) -> Vec3 {
+pub(crate) fn irradiance(world: &World, hit: &SurfaceHit) -> Vec3 {
     let light = &world.light;
     let toward_sun = hit.normal.dot(light.to_sun);
     let sun = if toward_sun > 0.0 {
@@ -53,7 +53,7 @@ pub(crate) fn irradiance(world: &World, hit: &Hit) -> Vec3 {
     light.sun * sun + sky + lamp(light, hit)
 }
 
-fn lamp(light: &Light, hit: &Hit) -> Vec3 {
+fn lamp(light: &Light, hit: &SurfaceHit) -> Vec3 {
     let Some(lamp) = light.lamp else { return Vec3::ZERO };
     let to_lamp = lamp.position - hit.point;
     let distance = to_lamp.length();
@@ -73,7 +73,7 @@ fn sunlight(clear: f64) -> f32 {
 
 /// By how much the cone of light to a point clears the solids: −1 fully shaded to 1 not touched. `toward_sun`, the
 /// cosine between normal and sun, is positive.
-fn sun_clearance(world: &World, hit: &Hit, toward_sun: f64) -> f64 {
+fn sun_clearance(world: &World, hit: &SurfaceHit, toward_sun: f64) -> f64 {
     let mut clear: f64 = 1.0;
     world.shadows.for_each_toward_sun(hit.point, |index, from, to| {
         clear = clear.min(if index == hit.solid && world.solids[index].is_convex() {
@@ -113,7 +113,7 @@ fn clearance(world: &World, index: usize, point: DVec3, from: f64, to: f64) -> f
 }
 
 /// Distance of the solids to each of the point's [`CONTACT_TAPS`], m, at most its height.
-fn free_distances(world: &World, hit: &Hit) -> [f64; CONTACT_TAPS.len()] {
+fn free_distances(world: &World, hit: &SurfaceHit) -> [f64; CONTACT_TAPS.len()] {
     let reach = world.light.contact;
     let mut free = CONTACT_TAPS.map(|(share, _)| share * reach);
     world.bvh.for_each_near(hit.point + hit.normal * reach, reach, |index| {

@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3, DVec4};
 
 /// A solid around the origin of its own space.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Shape {
+pub(crate) enum SolidShape {
     /// A ball.
     Sphere {
         /// Radius, m.
@@ -57,7 +57,7 @@ pub(crate) enum Shape {
     },
 }
 
-impl Shape {
+impl SolidShape {
     /// A cylinder along z.
     pub(crate) fn cylinder(radius: f64, half_height: f64) -> Self {
         Self::Cone { bottom: radius, top: radius, half_height }
@@ -79,7 +79,7 @@ impl Shape {
 
     /// Signed distance of `point` to the surface, m; negative inside.
     ///
-    /// For [`Shape::Convex`] it is the largest distance to a face's plane: exact inside and above faces, too small
+    /// For [`SolidShape::Convex`] it is the largest distance to a face's plane: exact inside and above faces, too small
     /// beside edges.
     pub(crate) fn distance(&self, point: DVec3) -> f64 {
         match self {

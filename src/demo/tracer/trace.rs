@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, Vec3};
 use half::f16;
 use rayon::prelude::*;
 
-use super::camera_noise::CameraNoise;
+use super::camera_noise::RenderNoise;
 use super::shade;
 use super::world::{Ray, World};
 use crate::capture::{Camera, Frame};
@@ -23,13 +23,13 @@ const SKY: u32 = u32::MAX;
 
 /// What of a picture is wanted.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Picture {
+pub(crate) struct WantedPlanes {
     /// Whether color is filtered over the pixel where it holds an edge.
     pub(crate) antialiased: bool,
     /// Whether normals are given.
     pub(crate) normals: bool,
     /// Noise on top of the color.
-    pub(crate) noise: Option<CameraNoise>,
+    pub(crate) noise: Option<RenderNoise>,
 }
 
 /// What stands at one pixel's center.
@@ -43,7 +43,7 @@ struct Surfel {
 }
 
 /// The picture that `camera` takes of `world`.
-pub(crate) fn picture(world: &World, camera: &Camera, wanted: Picture) -> Frame {
+pub(crate) fn picture(world: &World, camera: &Camera, wanted: WantedPlanes) -> Frame {
     let view = CameraRays::new(camera);
     let (width, height) = camera.intrinsics.size();
     let surfels = rows(width, height, |x, y| surfel(world, view.center(x, y)));

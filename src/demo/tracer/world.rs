@@ -2,15 +2,15 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::bvh::{Bounds, Bvh};
+use super::bvh::{Aabb, Bvh};
 use super::shadow_map::ShadowMap;
-use super::shapes::Shape;
+use super::shapes::SolidShape;
 use super::texture::Material;
 
 /// A solid at its place.
 #[derive(Debug)]
 pub(crate) struct Solid {
-    pub(crate) shape: Shape,
+    pub(crate) shape: SolidShape,
     /// Rotation from the solid's space to world space.
     world_from_local: DMat3,
     /// Where the solid's origin lies, in world space, m.
@@ -30,13 +30,13 @@ impl Solid {
 
     /// Whether no part of the solid can shade another part of it.
     pub(crate) fn is_convex(&self) -> bool {
-        !matches!(self.shape, Shape::Torus { .. } | Shape::Ring { .. })
+        !matches!(self.shape, SolidShape::Torus { .. } | SolidShape::Ring { .. })
     }
 
-    pub(crate) fn bounds(&self) -> Bounds {
+    pub(crate) fn bounds(&self) -> Aabb {
         let (center, half_axes) = self.outer_box();
         let reach = half_axes.iter().fold(DVec3::ZERO, |sum, axis| sum + axis.abs());
-        Bounds { low: center - reach, high: center + reach }
+        Aabb { low: center - reach, high: center + reach }
     }
 
     /// Center and half axes of a box around the solid, in world space.
@@ -83,7 +83,7 @@ pub(crate) type Ray = (DVec3, DVec3);
 
 /// Where a ray meets a surface.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Hit {
+pub(crate) struct SurfaceHit {
     /// Index of the solid.
     pub(crate) solid: usize,
     /// Ray parameter.
@@ -119,14 +119,14 @@ impl Builder {
     }
 
     /// Adds an upright solid with its origin at `position`.
-    pub(crate) fn add(&mut self, shape: Shape, position: DVec3, material: Material) {
+    pub(crate) fn add(&mut self, shape: SolidShape, position: DVec3, material: Material) {
         self.add_turned(shape, position, DMat3::IDENTITY, material);
     }
 
     /// Adds a solid turned by `world_from_local`.
     pub(crate) fn add_turned(
         &mut self,
-        shape: Shape,
+        shape: SolidShape,
         position: DVec3,
         world_from_local: DMat3,
         material: Material,
@@ -137,13 +137,13 @@ impl Builder {
     /// Adds a round bar between two points.
     pub(crate) fn add_bar(&mut self, ends: (DVec3, DVec3), radii: (f64, f64), material: Material) {
         let axis = ends.1 - ends.0;
-        let shape = Shape::Cone { bottom: radii.0, top: radii.1, half_height: 0.5 * axis.length() };
+        let shape = SolidShape::Cone { bottom: radii.0, top: radii.1, half_height: 0.5 * axis.length() };
         self.add_turned(shape, 0.5 * (ends.0 + ends.1), upright_to(axis), material);
     }
 
     pub(crate) fn build(self) -> World {
         let Self { solids, light } = self;
-        let bounds: Vec<Bounds> = solids.iter().map(Solid::bounds).collect();
+        let bounds: Vec<Aabb> = solids.iter().map(Solid::bounds).collect();
         let shadows = ShadowMap::new(light.to_sun, light.sun_spread, solids.iter().map(Solid::outer_box));
         World { bvh: Bvh::new(&bounds), shadows, solids, light }
     }
@@ -159,7 +159,7 @@ pub(crate) fn upright_to(axis: DVec3) -> DMat3 {
 impl World {
     /// The first surface along `origin + t · direction`, `t > 0`. With a direction of camera-space `z = 1`, `t` is
     /// planar depth. Where faces lie in one plane, the solid that the hierarchy visits first is met.
-    pub(crate) fn hit(&self, (origin, direction): Ray) -> Option<Hit> {
+    pub(crate) fn hit(&self, (origin, direction): Ray) -> Option<SurfaceHit> {
         let mut nearest = None;
         self.bvh.for_each_before(origin, direction, f64::INFINITY, |index, t_max| {
             let t = self.hit_solid(index, origin, direction, t_max)?;
@@ -171,7 +171,7 @@ impl World {
         let point = origin + direction * t;
         let outward = placed.world_from_local * placed.shape.normal(placed.to_local(point));
         let normal = if outward.dot(direction) > 0.0 { -outward } else { outward };
-        Some(Hit { solid, t, point, normal })
+        Some(SurfaceHit { solid, t, point, normal })
     }
 
     /// Ray parameter at which one solid is met before `t_max`.
@@ -182,7 +182,7 @@ impl World {
     }
 
     /// Linear reflectance and glow at a hit.
-    pub(crate) fn surface_color(&self, hit: &Hit) -> (Vec3, f32) {
+    pub(crate) fn surface_color(&self, hit: &SurfaceHit) -> (Vec3, f32) {
         let solid = &self.solids[hit.solid];
         let normal = solid.world_from_local.transpose() * hit.normal;
         let color = solid.material.color(solid.to_local(hit.point), normal, hit.solid as u32);

@@ -50,7 +50,7 @@ pub struct Limit {
 /// Measures limits, as often as asked; all measurements count together.
 pub(crate) struct LimitMeter {
     numbers: Vec<u64>,
-    points: Points,
+    points: ScatterPoints,
     gpu_copy: Option<GpuCopy>,
     /// Of reading, scattering and copying, by thread count.
     times: BTreeMap<usize, [Times; 3]>,
@@ -63,7 +63,7 @@ impl LimitMeter {
         Self {
             // Written, not only reserved: the system backs untouched memory with one page of zeros.
             numbers: (0..numbers as u64).collect(),
-            points: Points::random(points, pixels),
+            points: ScatterPoints::random(points, pixels),
             gpu_copy: None,
             times: BTreeMap::new(),
         }
@@ -128,14 +128,14 @@ fn sum(numbers: &[u64]) -> u64 {
 
 /// Projected points: each its pixel, and a key of which the larger wins.
 #[derive(Debug, PartialEq)]
-struct Points {
+struct ScatterPoints {
     pixels: Vec<u32>,
     keys: Vec<u64>,
     /// Pixels of the picture.
     picture: usize,
 }
 
-impl Points {
+impl ScatterPoints {
     /// `count` points on random pixels with random keys, the same in every run.
     fn random(count: u64, picture: usize) -> Self {
         let pixel = |index: u64| (((mix(2 * index) >> 32) * picture as u64) >> 32) as u32;
@@ -188,8 +188,8 @@ mod tests {
 
     #[test]
     fn random_points_are_the_same_every_time_and_lie_all_over_the_picture() {
-        let points = Points::random(4000, 100);
-        assert_eq!(points, Points::random(4000, 100));
+        let points = ScatterPoints::random(4000, 100);
+        assert_eq!(points, ScatterPoints::random(4000, 100));
         for pixel in 0..100 {
             let hits = points.pixels.iter().filter(|found| **found == pixel).count();
             assert!((10..90).contains(&hits), "{hits} of 40 on pixel {pixel}");

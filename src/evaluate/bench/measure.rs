@@ -9,7 +9,7 @@ use crate::job::Job;
 
 /// How often a piece of work is repeated: until there are enough repeats and enough time has passed, or until too much has.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Budget {
+pub(crate) struct RepeatLimits {
     /// Repeats before the first that counts: they fill caches and touch pages.
     pub(crate) warm_ups: usize,
     /// Repeats that are enough.
@@ -22,7 +22,7 @@ pub(crate) struct Budget {
     pub(crate) at_most: Duration,
 }
 
-impl Budget {
+impl RepeatLimits {
     /// For figures that are to be relied on: five repeats and half a second, three seconds at most.
     pub(crate) const FULL: Self = Self {
         warm_ups: 2,
@@ -113,7 +113,11 @@ impl Times {
 ///
 /// # Errors
 /// Whatever `work` gives, and `Cancelled` between two repeats.
-pub(crate) fn repeat<T>(budget: Budget, job: &Job, mut work: impl FnMut() -> Result<T>) -> Result<Times> {
+pub(crate) fn repeat<T>(
+    budget: RepeatLimits,
+    job: &Job,
+    mut work: impl FnMut() -> Result<T>,
+) -> Result<Times> {
     for _ in 0..budget.warm_ups {
         job.check()?;
         black_box(work()?);
@@ -161,14 +165,15 @@ mod tests {
     #[test]
     fn work_is_repeated_until_the_budget_is_spent_and_no_longer() {
         let second = Duration::from_secs(1);
-        let budget = Budget { warm_ups: 2, repeats: 5, fewest: 3, at_least: second, at_most: 3 * second };
+        let budget =
+            RepeatLimits { warm_ups: 2, repeats: 5, fewest: 3, at_least: second, at_most: 3 * second };
         assert!(!budget.is_spent(4, second) && !budget.is_spent(5, second / 2));
         assert!(
             budget.is_spent(5, second) && !budget.is_spent(2, 9 * second) && budget.is_spent(3, 3 * second)
         );
 
         let mut calls = 0;
-        let quick = Budget { at_least: Duration::ZERO, ..budget };
+        let quick = RepeatLimits { at_least: Duration::ZERO, ..budget };
         let times = repeat(quick, &Job::new(), || {
             calls += 1;
             Ok(calls)
@@ -180,7 +185,7 @@ mod tests {
     fn a_cancelled_measurement_ends_before_the_next_repeat() {
         let job = Job::new();
         let mut calls = 0;
-        let result = repeat(Budget::FULL, &job, || {
+        let result = repeat(RepeatLimits::FULL, &job, || {
             calls += 1;
             job.cancel();
             Ok(())

@@ -19,7 +19,7 @@ mod scene;
 
 pub use limits::Limit;
 pub use machine::Machine;
-pub use report::{LimitKind, Painting, SpeedReport, StageSpeed};
+pub use report::{LimitKind, PaintingStage, SpeedReport, StageSpeed};
 
 use rayon::ThreadPool;
 
@@ -29,9 +29,9 @@ use crate::render::gpu::{AdapterChoice, GpuRenderer};
 use crate::settings::{Backend, Instructions};
 use crate::simd;
 use limits::LimitMeter;
-use measure::Budget;
-use report::Measured;
-use scene::Scene;
+use measure::RepeatLimits;
+use report::MeasuredStage;
+use scene::BenchScene;
 
 /// What is measured, and how thoroughly.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -59,8 +59,8 @@ impl Options {
         [self.camera_size(), if self.quick { (320, 180) } else { (1280, 720) }]
     }
 
-    fn budget(&self) -> Budget {
-        if self.quick { Budget::QUICK } else { Budget::FULL }
+    fn budget(&self) -> RepeatLimits {
+        if self.quick { RepeatLimits::QUICK } else { RepeatLimits::FULL }
     }
 
     fn backends(&self) -> Result<Vec<Backend>> {
@@ -80,8 +80,8 @@ impl Options {
 /// What every measurement needs.
 #[derive(Clone, Copy)]
 struct Bench<'a> {
-    scene: &'a Scene,
-    budget: Budget,
+    scene: &'a BenchScene,
+    budget: RepeatLimits,
     job: &'a Job,
 }
 
@@ -91,7 +91,7 @@ type Measure<T> = Box<dyn Fn(&Bench<'_>) -> Result<T> + Send + Sync>;
 /// Something to measure, with the threads of the current pool; its stages are measured together.
 struct Case {
     names: Vec<String>,
-    measure: Measure<Vec<Measured>>,
+    measure: Measure<Vec<MeasuredStage>>,
 }
 
 /// Measures the stages and the machine's limits.
@@ -106,7 +106,7 @@ pub fn measure(options: &Options, job: &Job) -> Result<SpeedReport> {
 fn measure_all(options: &Options, job: &Job) -> Result<SpeedReport> {
     let backends = options.backends()?;
     let cases = wanted_cases(options, &backends)?;
-    let scene = Scene::new(options.camera_size(), job)?;
+    let scene = BenchScene::new(options.camera_size(), job)?;
     let bench = Bench { scene: &scene, budget: options.budget(), job };
     let pools = pools(options.threads)?;
     let pixels = scene.capture.cameras[0].intrinsics.pixel_count();

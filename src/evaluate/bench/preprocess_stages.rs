@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::measure::{Times, repeat};
-use super::report::Measured;
+use super::report::MeasuredStage;
 use super::{Bench, Case, Measure};
 use crate::capture::Frame;
 use crate::error::{Error, Result};
@@ -16,7 +16,7 @@ use crate::preprocess::interactive::FrameLayers;
 use crate::preprocess::noise::measure_pairs;
 use crate::preprocess::normals::{DepthView, estimate_all};
 use crate::preprocess::pruning::{self, FRAME, Verdict, no_statuses, prune};
-use crate::preprocess::registration::Rig;
+use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::{BATCH, Split, StaticTest};
 use crate::preprocess::{inspect_frame, prepare_frame, scan};
 use crate::render::CpuRenderer;
@@ -32,16 +32,16 @@ const DEPTH_BYTES: u64 = 4;
 const SPLIT_FRAMES: usize = 32;
 
 /// Repeats of a stage, the samples that it works on, and the bytes that it reads or writes at least.
-type Stage = (Times, u64, u64);
+type StageResult = (Times, u64, u64);
 
 /// Every stage before painting.
 pub(crate) fn cases() -> Vec<Case> {
-    let one = |name: &str, measure: Measure<Stage>| {
+    let one = |name: &str, measure: Measure<StageResult>| {
         let stage = name.to_owned();
         let measured = move |bench: &Bench<'_>| {
             let (times, samples, bytes) = measure(bench)?;
             let (backend, name) = (Backend::Cpu, stage.clone());
-            Ok(vec![Measured { name, backend, samples, times, bytes: Some(bytes), painting: None }])
+            Ok(vec![MeasuredStage { name, backend, samples, times, bytes: Some(bytes), painting: None }])
         };
         Case { names: vec![name.to_owned()], measure: Box::new(measured) }
     };
@@ -66,24 +66,24 @@ pub(crate) fn cases() -> Vec<Case> {
 }
 
 /// A stage that reads color and depth of every pixel of one frame.
-fn of_one_frame(bench: &Bench<'_>, times: Times) -> Stage {
+fn of_one_frame(bench: &Bench<'_>, times: Times) -> StageResult {
     let pixels = bench.scene.unpruned.sample_count();
     (times, pixels, pixels * PIXEL_BYTES)
 }
 
 /// A stage that reads or writes the pruned set.
-fn of_pruned_set(bench: &Bench<'_>, times: Times) -> Stage {
+fn of_pruned_set(bench: &Bench<'_>, times: Times) -> StageResult {
     (times, bench.scene.pruned.sample_count(), bench.scene.pruned.bytes())
 }
 
-fn scan_frames(bench: &Bench<'_>) -> Result<Stage> {
+fn scan_frames(bench: &Bench<'_>) -> Result<StageResult> {
     let pixels = bench.scene.capture.pixel_count();
     let settings = Settings::default();
     let times = repeat(bench.budget, bench.job, || scan(&bench.scene.capture, &settings, bench.job))?;
     Ok((times, pixels, pixels * PIXEL_BYTES))
 }
 
-fn split_frames(bench: &Bench<'_>) -> Result<Stage> {
+fn split_frames(bench: &Bench<'_>) -> Result<StageResult> {
     let capture = &bench.scene.capture;
     // Each frame a copy of its own, so that it comes from memory.
     let copy = |index| Ok(Arc::new(Frame::clone(&*capture.frame(0, index % capture.frame_count())?)));
@@ -99,7 +99,7 @@ fn split_frames(bench: &Bench<'_>) -> Result<Stage> {
     Ok((times, worked_on, worked_on * PIXEL_BYTES))
 }
 
-fn estimate_normals(bench: &Bench<'_>, estimator: NormalEstimator) -> Result<Stage> {
+fn estimate_normals(bench: &Bench<'_>, estimator: NormalEstimator) -> Result<StageResult> {
     let settings = Settings::default().normals;
     let capture = &bench.scene.capture;
     let frames = (0..capture.cameras.len()).map(|camera| capture.frame(camera, 0));
@@ -115,10 +115,10 @@ fn estimate_normals(bench: &Bench<'_>, estimator: NormalEstimator) -> Result<Sta
     Ok((times, bench.scene.unpruned.sample_count(), bench.scene.unpruned.sample_count() * DEPTH_BYTES))
 }
 
-fn prune_layers(bench: &Bench<'_>) -> Result<Stage> {
+fn prune_layers(bench: &Bench<'_>) -> Result<StageResult> {
     let capture = &bench.scene.capture;
     let mut settings = Settings::default();
-    let rig = Rig::new(&capture.cameras);
+    let rig = CameraPairs::new(&capture.cameras);
     let complete = FrameLayers::unscanned(capture, &rig, &settings, 0, bench.job)?;
     let layers = &complete.layers;
     let tolerance = settings.pruning.color_tolerance;
@@ -132,7 +132,7 @@ fn prune_layers(bench: &Bench<'_>) -> Result<Stage> {
     Ok(of_one_frame(bench, times))
 }
 
-fn prepare(bench: &Bench<'_>) -> Result<Stage> {
+fn prepare(bench: &Bench<'_>) -> Result<StageResult> {
     let capture = &bench.scene.capture;
     let mut settings = Settings::default();
     let scanned = scan(capture, &settings, bench.job)?;
@@ -147,7 +147,7 @@ fn prepare(bench: &Bench<'_>) -> Result<Stage> {
     Ok(of_one_frame(bench, times))
 }
 
-fn reprune(bench: &Bench<'_>, prepared: bool) -> Result<Stage> {
+fn reprune(bench: &Bench<'_>, prepared: bool) -> Result<StageResult> {
     let capture = &bench.scene.capture;
     let mut settings = Settings::default();
     let scanned = scan(capture, &settings, bench.job)?;
@@ -165,10 +165,10 @@ fn reprune(bench: &Bench<'_>, prepared: bool) -> Result<Stage> {
     Ok(of_one_frame(bench, times))
 }
 
-fn pack_frame(bench: &Bench<'_>) -> Result<Stage> {
+fn pack_frame(bench: &Bench<'_>) -> Result<StageResult> {
     let capture = &bench.scene.capture;
     let settings = Settings::default();
-    let rig = Rig::new(&capture.cameras);
+    let rig = CameraPairs::new(&capture.cameras);
     let complete = FrameLayers::unscanned(capture, &rig, &settings, 0, bench.job)?;
     let all = complete.prune(&rig, &settings, bench.job)?;
     let span = Span { start: 0, end: 1 };
@@ -193,7 +193,7 @@ fn stored(set: &SampleSet, job: &Job) -> Result<(tempfile::TempDir, PathBuf)> {
     Ok((folder, path))
 }
 
-fn write_store(bench: &Bench<'_>) -> Result<Stage> {
+fn write_store(bench: &Bench<'_>) -> Result<StageResult> {
     let (_folder, path) = stored(&bench.scene.pruned, bench.job)?;
     let report = Report::default();
     let times = repeat(bench.budget, bench.job, || {
@@ -204,7 +204,7 @@ fn write_store(bench: &Bench<'_>) -> Result<Stage> {
 
 /// Decodes the foreground of a frame, block by block and predicted from nothing but itself: what playback does for every frame, at
 /// its slowest.
-fn decode_foreground(bench: &Bench<'_>) -> Result<Stage> {
+fn decode_foreground(bench: &Bench<'_>) -> Result<StageResult> {
     let (_folder, path) = stored(&bench.scene.split, bench.job)?;
     let store = crate::store::file::Store::open(&path)?;
     let images = store.info().images.iter().enumerate();
@@ -219,13 +219,13 @@ fn decode_foreground(bench: &Bench<'_>) -> Result<Stage> {
     Ok((times, pixels, pixels * (3 + DEPTH_BYTES)))
 }
 
-fn read_store(bench: &Bench<'_>) -> Result<Stage> {
+fn read_store(bench: &Bench<'_>) -> Result<StageResult> {
     let (_folder, path) = stored(&bench.scene.pruned, bench.job)?;
     let times = repeat(bench.budget, bench.job, || store::read(&path, bench.job))?;
     Ok(of_pruned_set(bench, times))
 }
 
-fn first_picture(bench: &Bench<'_>) -> Result<Stage> {
+fn first_picture(bench: &Bench<'_>) -> Result<StageResult> {
     let (_folder, path) = stored(&bench.scene.pruned, bench.job)?;
     let size = bench.scene.capture.cameras[0].intrinsics;
     let [vantage, _] = bench.scene.vantages((size.width, size.height), 0);

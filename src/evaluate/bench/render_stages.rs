@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use super::measure::repeat;
-use super::report::{Measured, Painting};
-use super::scene::{FRAMES, Scene};
+use super::report::{MeasuredStage, PaintingStage};
+use super::scene::{BenchScene, FRAMES};
 use super::{Bench, Case};
 use crate::error::{Error, Result};
 use crate::render::{Renderer, Vantage};
@@ -14,7 +14,7 @@ use crate::settings::{Backend, Kernel, RenderSettings};
 
 /// What is painted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum What {
+enum PaintedSet {
     /// Every sample of the unpruned set, anew each time.
     Unpruned,
     /// Every sample of the pruned set, anew each time.
@@ -28,7 +28,7 @@ enum What {
 struct PaintCase {
     backend: Backend,
     kernel: Kernel,
-    what: What,
+    what: PaintedSet,
     /// Columns and rows of the picture.
     size: (u32, u32),
 }
@@ -38,10 +38,10 @@ pub(crate) fn cases(backends: &[Backend], sizes: [(u32, u32); 2]) -> Vec<Case> {
     let mut cases = Vec::new();
     for &backend in backends {
         for &kernel in Kernel::ALL {
-            for what in [What::Unpruned, What::Pruned] {
+            for what in [PaintedSet::Unpruned, PaintedSet::Pruned] {
                 cases.extend(sizes.map(|size| PaintCase { backend, kernel, what, size }));
             }
-            cases.push(PaintCase { backend, kernel, what: What::Frames, size: sizes[1] });
+            cases.push(PaintCase { backend, kernel, what: PaintedSet::Frames, size: sizes[1] });
         }
     }
     let case =
@@ -62,9 +62,9 @@ impl PaintCase {
     /// The stages that come of it.
     fn names(&self) -> Vec<String> {
         let whats: &[&str] = match self.what {
-            What::Unpruned => &["unpruned"],
-            What::Pruned => &["pruned"],
-            What::Frames => &["moving-vantage", "still-vantage"],
+            PaintedSet::Unpruned => &["unpruned"],
+            PaintedSet::Pruned => &["pruned"],
+            PaintedSet::Frames => &["moving-vantage", "still-vantage"],
         };
         let (width, height) = self.size;
         // The CPU goes without saying.
@@ -79,7 +79,7 @@ impl PaintCase {
     ///
     /// # Errors
     /// `Cancelled`, and what painting gives.
-    fn measure(&self, bench: &Bench<'_>) -> Result<Vec<Measured>> {
+    fn measure(&self, bench: &Bench<'_>) -> Result<Vec<MeasuredStage>> {
         let rounds = self.rounds(bench.scene);
         let mut stages = rounds.map(|round| self.paint(bench, &round)).collect::<Result<Vec<_>>>()?;
         if let [full, still] = stages.as_mut_slice()
@@ -92,11 +92,11 @@ impl PaintCase {
 
     /// First everything anew each time, no two vantages in a row being the same, so that what was cached for one serves no
     /// other; then, for the split set, one vantage through the frames.
-    fn rounds<'a>(&self, scene: &'a Scene) -> impl Iterator<Item = Round<'a>> + use<'a> {
+    fn rounds<'a>(&self, scene: &'a BenchScene) -> impl Iterator<Item = Round<'a>> + use<'a> {
         let (set, frames) = match self.what {
-            What::Unpruned => (&scene.unpruned, 1),
-            What::Pruned => (&scene.pruned, 1),
-            What::Frames => (&scene.split, FRAMES),
+            PaintedSet::Unpruned => (&scene.unpruned, 1),
+            PaintedSet::Pruned => (&scene.pruned, 1),
+            PaintedSet::Frames => (&scene.split, FRAMES),
         };
         let size = self.size;
         let moving = (0..frames).flat_map(|frame| scene.vantages(size, frame)).collect();
@@ -112,7 +112,7 @@ impl PaintCase {
     }
 
     /// Paints one vantage after the other.
-    fn paint(&self, bench: &Bench<'_>, round: &Round<'_>) -> Result<Measured> {
+    fn paint(&self, bench: &Bench<'_>, round: &Round<'_>) -> Result<MeasuredStage> {
         // A stage is what it takes at its own size.
         let defaults = RenderSettings { antialias: false, ..RenderSettings::default() };
         let settings = RenderSettings { kernel: self.kernel, backend: self.backend, ..defaults };
@@ -131,13 +131,13 @@ impl PaintCase {
         })?;
         let (width, height) = self.size;
         let pixels = f64::from(width) * f64::from(height);
-        Ok(Measured {
+        Ok(MeasuredStage {
             name: round.name.clone(),
             backend: self.backend,
             samples: round.samples,
             times,
             bytes: None,
-            painting: Some(Painting {
+            painting: Some(PaintingStage {
                 kernel: self.kernel,
                 width,
                 height,

@@ -56,7 +56,7 @@ pub struct StageSpeed {
     pub bytes: Option<u64>,
     /// For stages that paint.
     #[serde(flatten)]
-    pub painting: Option<Painting>,
+    pub painting: Option<PaintingStage>,
 }
 
 /// What a stage is held against.
@@ -73,7 +73,7 @@ pub enum LimitKind {
 
 /// What is known about a stage that paints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Painting {
+pub struct PaintingStage {
     /// How a sample was painted.
     pub kernel: Kernel,
     /// Columns of the picture.
@@ -92,17 +92,17 @@ pub struct Painting {
 }
 
 /// A stage that was measured, before the limits are known.
-pub(crate) struct Measured {
+pub(crate) struct MeasuredStage {
     pub(crate) name: String,
     pub(crate) backend: Backend,
     pub(crate) samples: u64,
     pub(crate) times: Times,
     /// See [`StageSpeed::bytes`].
     pub(crate) bytes: Option<u64>,
-    pub(crate) painting: Option<Painting>,
+    pub(crate) painting: Option<PaintingStage>,
 }
 
-impl Measured {
+impl MeasuredStage {
     /// Holds the stage against the limits at its thread count.
     pub(crate) fn against(self, limit: &Limit) -> StageSpeed {
         let mpts_per_s = self.times.millions_per_s(self.samples);

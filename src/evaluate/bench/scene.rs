@@ -26,7 +26,7 @@ pub(crate) const SCENE: &str = "nine-cameras";
 /// Frames that are recorded; the spans of the sets run over all of them.
 pub(crate) const FRAMES: usize = 3;
 
-/// Share of the picture from [`Scene::vantages`] that shows foreground in [`Scene::split`].
+/// Share of the picture from [`BenchScene::vantages`] that shows foreground in [`BenchScene::split`].
 const FOREGROUND_SHARE: f64 = 0.1;
 
 /// How far the second of two vantages stands beside the first, m: too little to change what is seen, enough for no cache
@@ -35,7 +35,7 @@ const SIDE_STEP_M: f64 = 1e-6;
 
 /// Seeded input for every stage.
 #[derive(Debug)]
-pub(crate) struct Scene {
+pub(crate) struct BenchScene {
     /// All frames, traced and in memory.
     pub(crate) capture: Capture,
     /// Every pixel of every camera at one frame, in camera order.
@@ -43,12 +43,12 @@ pub(crate) struct Scene {
     /// What default settings keep of it.
     pub(crate) pruned: Arc<SampleSet>,
     /// The unpruned set with the samples of a part of the scene in spans of one frame; it covers a tenth of the picture from
-    /// [`Scene::vantages`], and is seen by about a tenth of the samples.
+    /// [`BenchScene::vantages`], and is seen by about a tenth of the samples.
     pub(crate) split: Arc<SampleSet>,
     home: Camera,
 }
 
-impl Scene {
+impl BenchScene {
     /// Records the scene with cameras of `size` and prunes it.
     ///
     /// # Errors
@@ -228,10 +228,10 @@ mod tests {
     use super::*;
     const SIZE: (u32, u32) = (96, 64);
 
-    static SMALL: LazyLock<Scene> = LazyLock::new(scene);
+    static SMALL: LazyLock<BenchScene> = LazyLock::new(scene);
 
-    fn scene() -> Scene {
-        Scene::new(SIZE, &Job::new()).unwrap()
+    fn scene() -> BenchScene {
+        BenchScene::new(SIZE, &Job::new()).unwrap()
     }
 
     #[test]

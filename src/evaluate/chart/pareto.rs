@@ -1,7 +1,7 @@
 //! A sweep: accuracy against bytes, and against time, with the Pareto front of each.
 
 use super::Chart;
-use super::axis::{Axis, Scale, short};
+use super::axis::{ChartAxis, Scale, short};
 use super::svg::{Anchor, Marker, Svg, color};
 use crate::evaluate::sweep::{Point, Series, mark_pareto};
 use crate::settings::Kernel;
@@ -66,7 +66,7 @@ pub fn pareto(capture: &str, points: &[Point]) -> Chart {
             points.len()
         ),
     );
-    let y = Axis::around(Scale::Linear, points.iter().flat_map(bar_db), (BOTTOM, TOP));
+    let y = ChartAxis::around(Scale::Linear, points.iter().flat_map(bar_db), (BOTTOM, TOP));
     panel(&mut svg, points, (PANELS[0], &y), (BYTES, &mebibytes));
     panel(&mut svg, points, (PANELS[1], &y), ("painting one view, ms", &|point| point.milliseconds));
     svg.upward((38.0, 0.5 * (TOP + BOTTOM)), (18.0, color::INK), "accuracy, PSNR in dB");
@@ -77,8 +77,13 @@ pub fn pareto(capture: &str, points: &[Point]) -> Chart {
 /// Name of a cost with its unit, and the cost.
 type Cost<'a> = (&'a str, &'a dyn Fn(&Point) -> f64);
 
-fn panel(svg: &mut Svg, points: &[Point], ((left, right), y): ((f64, f64), &Axis), (name, cost): Cost<'_>) {
-    let x = Axis::around(Scale::Log, points.iter().map(cost), (left, right));
+fn panel(
+    svg: &mut Svg,
+    points: &[Point],
+    ((left, right), y): ((f64, f64), &ChartAxis),
+    (name, cost): Cost<'_>,
+) {
+    let x = ChartAxis::around(Scale::Log, points.iter().map(cost), (left, right));
     for tick in y.ticks(8) {
         svg.line((left, y.at(tick)), (right, y.at(tick)), (1.0, color::GRID));
         svg.text((left - 10.0, y.at(tick) + 5.0), Anchor::End, (15.0, color::FAINT), &short(tick));
@@ -131,10 +136,15 @@ const EXACT: (&str, &str) = (color::RED, "7 5");
 const ROUNDED: (&str, &str) = (color::FAINT, "2 4");
 
 /// A cost, where a point lies, and how far right the picture goes.
-type Place<'a> = (&'a dyn Fn(&Point) -> f64, &'a dyn Fn(&Point) -> (f64, f64), f64);
+type PointOnChart<'a> = (&'a dyn Fn(&Point) -> f64, &'a dyn Fn(&Point) -> (f64, f64), f64);
 
 /// The staircase along the points that nothing beats.
-fn front(svg: &mut Svg, mut best: Vec<Point>, (cost, place, right): Place<'_>, (line, dashes): (&str, &str)) {
+fn front(
+    svg: &mut Svg,
+    mut best: Vec<Point>,
+    (cost, place, right): PointOnChart<'_>,
+    (line, dashes): (&str, &str),
+) {
     mark_pareto(&mut best, cost, |point| point.psnr_filled_db);
     best.retain(|point| point.pareto);
     best.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
@@ -202,12 +212,12 @@ fn legend(svg: &mut Svg, points: &[Point]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::trial::{Measured, Trial};
+    use crate::evaluate::trial::{Trial, TrialResult};
     use crate::settings::Settings;
 
     #[test]
     fn the_bars_of_uncertain_points_stay_within_the_panel() {
-        let measured = Measured { bytes: 1, milliseconds: 1.0, ..Measured::default() };
+        let measured = TrialResult { bytes: 1, milliseconds: 1.0, ..TrialResult::default() };
         let point = |psnr_filled_db, psnr_filled_db_se| Point {
             psnr_filled_db,
             psnr_filled_db_se,

@@ -1,7 +1,7 @@
 //! A stress test: one panel a disturbance, accuracy above and the share of samples kept below, against the dial.
 
 use super::Chart;
-use super::axis::{Axis, Scale, short};
+use super::axis::{ChartAxis, Scale, short};
 use super::svg::{Anchor, Marker, Svg, color};
 use crate::evaluate::stress::{LOST_DB, StressPoint, failures};
 
@@ -64,17 +64,18 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
         dials
     };
     // The values of a dial stand at equal distances: they were chosen to be equally far from each other to the eye.
-    let x = Axis::around(Scale::Linear, (0..dials.len()).map(|index| index as f64), (plot_left, plot_right));
+    let x =
+        ChartAxis::around(Scale::Linear, (0..dials.len()).map(|index| index as f64), (plot_left, plot_right));
     let place_of = |dial: f64| {
         let after = dials.iter().position(|known| *known == dial);
         after.map_or(plot_left, |index| x.at(index as f64))
     };
-    let y = Axis::around(
+    let y = ChartAxis::around(
         Scale::Linear,
         points.iter().map(|point| point.point.psnr_filled_db),
         (accuracy_bottom, top + 28.0),
     );
-    let kept = Axis::around(
+    let kept = ChartAxis::around(
         Scale::Linear,
         points.iter().map(|point| 100.0 * point.kept_share).chain([0.0]),
         (bottom, kept_top),

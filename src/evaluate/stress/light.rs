@@ -11,14 +11,14 @@ use crate::settings::{NormalEstimator, NormalSettings};
 
 /// How the scene is lit in addition.
 pub(super) struct Lighting {
-    kind: Kind,
+    kind: LightChange,
     /// Radiance of a highlight, or share of a surface's own color that the light adds.
     strength: f32,
     up: DVec3,
     frames: usize,
 }
 
-enum Kind {
+enum LightChange {
     /// A highlight of a light that stands still.
     Specular,
     /// A light that goes round once.
@@ -31,19 +31,19 @@ const SHININESS: i32 = 20;
 impl Lighting {
     /// Surfaces shine with a highlight of this radiance.
     pub(super) fn specular(capture: &Capture, strength: f32) -> Self {
-        Self { kind: Kind::Specular, strength, up: capture.up_in_world, frames: capture.frame_count() }
+        Self { kind: LightChange::Specular, strength, up: capture.up_in_world, frames: capture.frame_count() }
     }
 
     /// A light goes round the scene that adds this share of a surface's own color where it faces the light.
     pub(super) fn moving(capture: &Capture, strength: f32) -> Self {
-        Self { kind: Kind::Moving, strength, up: capture.up_in_world, frames: capture.frame_count() }
+        Self { kind: LightChange::Moving, strength, up: capture.up_in_world, frames: capture.frame_count() }
     }
 
     /// Toward the light, unit length, world space, at a frame.
     fn toward(&self, frame: usize) -> Vec3 {
         let turn = match self.kind {
-            Kind::Specular => 0.1,
-            Kind::Moving => frame as f64 / self.frames.max(1) as f64,
+            LightChange::Specular => 0.1,
+            LightChange::Moving => frame as f64 / self.frames.max(1) as f64,
         };
         let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
         let across = self.up.any_orthonormal_vector();
@@ -54,12 +54,12 @@ impl Lighting {
     fn apply(&self, color: [f16; 3], normal: Vec3, toward_eye: Vec3, toward_light: Vec3) -> [f16; 3] {
         let facing = normal.dot(toward_light).max(0.0);
         let value = |channel: f16| match self.kind {
-            Kind::Specular => {
+            LightChange::Specular => {
                 let mirrored = 2.0 * normal.dot(toward_light) * normal - toward_light;
                 let highlight = mirrored.dot(toward_eye).max(0.0).powi(SHININESS);
                 channel.to_f32() + self.strength * highlight * facing.sqrt()
             }
-            Kind::Moving => channel.to_f32() * (1.0 + self.strength * facing),
+            LightChange::Moving => channel.to_f32() * (1.0 + self.strength * facing),
         };
         color.map(|channel| f16::from_f32(value(channel)))
     }

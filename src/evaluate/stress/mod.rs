@@ -21,7 +21,7 @@ use std::collections::HashSet;
 use serde::{Deserialize, Serialize};
 
 use super::sweep::{self, Point, Series};
-use super::trial::{Estimate, Measured, Pace, Trial, Workbench};
+use super::trial::{MeanEstimate, Pace, Trial, TrialResult, Workbench};
 use super::truth::{self, Truth};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
@@ -41,7 +41,7 @@ pub struct Method {
 
 /// What is put under which stress, and what of it is known already.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct StressPlan {
     /// The disturbances, each at all values of its dial.
     pub disturbances: Vec<Disturbance>,
     /// The methods; the first is ours.
@@ -52,7 +52,7 @@ pub struct Plan {
     pub done: Vec<StressPoint>,
 }
 
-impl Plan {
+impl StressPlan {
     /// Every disturbance; `settings` with their defenses, the same kernel on the paper's plain preprocessing, and the
     /// paper's settings as they are.
     #[must_use]
@@ -74,7 +74,7 @@ impl Plan {
     }
 
     /// The point of an earlier run.
-    fn known(&self, (disturbance, dial): Step, method: &Method) -> Option<&StressPoint> {
+    fn known(&self, (disturbance, dial): StressStep, method: &Method) -> Option<&StressPoint> {
         self.done.iter().find(|point| {
             point.disturbance == disturbance.name()
                 && point.dial == dial
@@ -120,7 +120,7 @@ pub struct ViewAccuracy {
 
 /// Where a method fails.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Failure {
+pub struct BreakingPoint {
     /// Name of the disturbance.
     pub disturbance: String,
     /// Unit of its dial.
@@ -144,10 +144,10 @@ pub const LOST_DB: f64 = 1.0;
 ///
 /// # Errors
 /// Whatever preprocessing, painting and truth give; `Invalid` where no value leaves anything to be compared with, and where no
-/// disturbance can change the capture; `Cancelled`, after which the points told so far can be put into [`Plan::done`] to go on.
+/// disturbance can change the capture; `Cancelled`, after which the points told so far can be put into [`StressPlan::done`] to go on.
 pub fn run(
     capture: &Capture,
-    plan: &Plan,
+    plan: &StressPlan,
     truth: &Truth,
     job: &Job,
     mut on_point: impl FnMut(&StressPoint, (usize, usize)),
@@ -198,7 +198,7 @@ pub fn run(
 }
 
 /// Every value of the dial of every disturbance that can change the capture.
-fn steps(capture: &Capture, plan: &Plan, truth: &Truth, job: &Job) -> Result<Vec<Step>> {
+fn steps(capture: &Capture, plan: &StressPlan, truth: &Truth, job: &Job) -> Result<Vec<StressStep>> {
     let mut steps = Vec::new();
     for &disturbance in &plan.disturbances {
         match disturbance.lacks(capture) {
@@ -224,10 +224,10 @@ fn steps(capture: &Capture, plan: &Plan, truth: &Truth, job: &Job) -> Result<Vec
 }
 
 /// A disturbance and where its dial stands.
-type Step = (Disturbance, f64);
+type StressStep = (Disturbance, f64);
 
 /// That a step has no points.
-fn leaves_nothing((disturbance, dial): Step) -> String {
+fn leaves_nothing((disturbance, dial): StressStep) -> String {
     format!(
         "'{}' at {dial} {} is left out: no camera sees anything of the true pictures then",
         disturbance.name(),
@@ -253,20 +253,26 @@ impl StressPoint {
         let vantages = shared.chunk_by(|before, after| before.vantage == after.vantage);
         let vantages: Vec<Vec<f64>> =
             vantages.map(|views| views.iter().map(|view| view.psnr_filled_db).collect()).collect();
-        (!shared.is_empty()).then(|| Estimate::over_vantages(&vantages).mean)
+        (!shared.is_empty()).then(|| MeanEstimate::over_vantages(&vantages).mean)
     }
 }
 
 /// The disturbed capture ready to be measured, and the pixels it has.
 struct Disturbed {
-    step: Step,
+    step: StressStep,
     workbench: Workbench,
     pixels: u64,
 }
 
 impl Disturbed {
     /// `None` where nothing of the truth is left.
-    fn new(capture: &Capture, plan: &Plan, truth: &Truth, step: Step, job: &Job) -> Result<Option<Self>> {
+    fn new(
+        capture: &Capture,
+        plan: &StressPlan,
+        truth: &Truth,
+        step: StressStep,
+        job: &Job,
+    ) -> Result<Option<Self>> {
         let mut recorded = step.0.apply(capture, step.1)?;
         let mut truth = truth.clone();
         if let Some(count) = plan.frames {
@@ -311,7 +317,7 @@ impl Disturbed {
     }
 }
 
-fn view_by_view(measured: &Measured) -> Vec<ViewAccuracy> {
+fn view_by_view(measured: &TrialResult) -> Vec<ViewAccuracy> {
     let vantages = measured.views.iter().zip(&measured.scores).enumerate();
     let views = vantages.flat_map(|(vantage, (names, scores))| {
         names.iter().zip(scores).map(move |(name, scores)| ViewAccuracy {
@@ -325,8 +331,8 @@ fn view_by_view(measured: &Measured) -> Vec<ViewAccuracy> {
 
 /// Where each method fails under each disturbance, in the order of the points.
 #[must_use]
-pub fn failures(points: &[StressPoint]) -> Vec<Failure> {
-    let mut failures: Vec<Failure> = Vec::new();
+pub fn failures(points: &[StressPoint]) -> Vec<BreakingPoint> {
+    let mut failures: Vec<BreakingPoint> = Vec::new();
     let mut previous: Option<&StressPoint> = None;
     let mut by_method: Vec<&StressPoint> = points.iter().collect();
     let order = |point: &StressPoint| {
@@ -337,7 +343,7 @@ pub fn failures(points: &[StressPoint]) -> Vec<Failure> {
         let same = previous
             .filter(|previous| previous.disturbance == point.disturbance && previous.method == point.method);
         if same.is_none() {
-            failures.push(Failure {
+            failures.push(BreakingPoint {
                 disturbance: point.disturbance.clone(),
                 unit: point.unit.clone(),
                 method: point.method.clone(),

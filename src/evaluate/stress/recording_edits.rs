@@ -66,7 +66,7 @@ impl FrameSource for Edited {
             _ => frame,
         };
         let mut recorded = (*self.capture.frame(camera, source)?).clone();
-        let noise = Noise { stream: seed(camera, frame) };
+        let noise = PixelRandom { stream: seed(camera, frame) };
         match &self.edit {
             Edit::None | Edit::OutOfSync { .. } => {}
             Edit::DepthNoise(share) => depth_noise(&mut recorded, *share, &noise),
@@ -106,11 +106,11 @@ impl FrameSource for Edited {
 }
 
 /// Random numbers that depend on camera, frame and pixel alone.
-pub(crate) struct Noise {
+pub(crate) struct PixelRandom {
     stream: u64,
 }
 
-impl Noise {
+impl PixelRandom {
     /// Two independent standard normal numbers (George Box and Mervin Muller, 1958).
     fn gaussian_pair(&self, pixel: usize, salt: u64) -> [f32; 2] {
         let bits = mix(self.stream ^ mix(pixel as u64 ^ (salt << 48)));
@@ -121,7 +121,7 @@ impl Noise {
     }
 }
 
-fn depth_noise(frame: &mut Frame, share: f32, noise: &Noise) {
+fn depth_noise(frame: &mut Frame, share: f32, noise: &PixelRandom) {
     for (pixel, inverse_depth) in frame.inverse_depth.as_mut_slice().iter_mut().enumerate() {
         if *inverse_depth > 0.0 {
             let factor = 1.0 + share * noise.gaussian_pair(pixel, 0)[0];
@@ -161,7 +161,7 @@ fn depth_float(frame: &mut Frame, bits: u32) {
 }
 
 /// As the demo's cameras: a deviation of `share · √(L (L + 0.02))`, two thirds of it common to all channels.
-fn color_noise(frame: &mut Frame, share: f32, noise: &Noise) {
+fn color_noise(frame: &mut Frame, share: f32, noise: &PixelRandom) {
     for (pixel, color) in frame.color.as_mut_slice().iter_mut().enumerate() {
         let [common, r] = noise.gaussian_pair(pixel, 1);
         let [g, b] = noise.gaussian_pair(pixel, 2);
@@ -226,7 +226,7 @@ fn normals_missing(frame: &mut Frame, share: f32, camera: usize) {
     }
 }
 
-fn normals_noisy(frame: &mut Frame, radians: f32, noise: &Noise) {
+fn normals_noisy(frame: &mut Frame, radians: f32, noise: &PixelRandom) {
     let Some(normals) = frame.normal_in_world.as_mut().filter(|_| radians > 0.0) else { return };
     for (pixel, normal) in normals.as_mut_slice().iter_mut().enumerate() {
         let exact = glam::Vec3::from(*normal);

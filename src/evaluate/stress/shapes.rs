@@ -9,7 +9,7 @@ use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH};
 use crate::error::Result;
 
 /// A bar between two points, or a flat panel.
-enum Shape {
+enum AddedShape {
     /// Both ends on the axis; thickness in capture units.
     Bar { from: DVec3, axis: DVec3, length: f64, radius: f64 },
     /// Center, unit normal, two unit directions in it, half its side.
@@ -18,7 +18,7 @@ enum Shape {
 
 /// What is put into a scene.
 pub(super) struct Inserted {
-    shapes: Vec<Shape>,
+    shapes: Vec<AddedShape>,
     /// Length of the pattern on them, capture units.
     pattern: f64,
 }
@@ -66,7 +66,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-struct Hit {
+struct ShapeHit {
     depth: f64,
     normal: DVec3,
     /// Where on the pattern, in lengths of it.
@@ -89,7 +89,7 @@ impl Inserted {
             let lean = if index.is_multiple_of(3) { 0.5 } else { 0.0 };
             let axis = (up + lean * up.cross(outward)).normalize_or_zero();
             let from = center + 0.5 * reach * outward - 0.5 * reach * axis;
-            Shape::Bar { from, axis, length: 1.2 * reach, radius: 0.5 * thickness_px * pixel }
+            AddedShape::Bar { from, axis, length: 1.2 * reach, radius: 0.5 * thickness_px * pixel }
         };
         Ok(Self { shapes: (0..BARS).map(bar).collect(), pattern: 24.0 * pixel })
     }
@@ -104,13 +104,13 @@ impl Inserted {
         let normal = toward * cos + side * sin;
         let across = side * cos - toward * sin;
         let up = normal.cross(across);
-        let panel = Shape::Panel { center, normal, across, up, half: 0.6 * reach };
+        let panel = AddedShape::Panel { center, normal, across, up, half: 0.6 * reach };
         Ok(Self { shapes: vec![panel], pattern: 12.0 * pixel })
     }
 
     /// The nearest hit of a ray (direction with camera-space `z = 1`) before `limit`.
-    fn hit(&self, origin: DVec3, direction: DVec3, limit: f64) -> Option<Hit> {
-        let mut nearest: Option<Hit> = None;
+    fn hit(&self, origin: DVec3, direction: DVec3, limit: f64) -> Option<ShapeHit> {
+        let mut nearest: Option<ShapeHit> = None;
         for shape in &self.shapes {
             let limit = nearest.as_ref().map_or(limit, |hit| hit.depth);
             if let Some(hit) = shape.hit(origin, direction, self.pattern).filter(|hit| hit.depth < limit) {
@@ -156,7 +156,7 @@ impl Inserted {
         frame
     }
 
-    fn hits(&self, camera: &Camera, frame: &Frame) -> Vec<Option<Hit>> {
+    fn hits(&self, camera: &Camera, frame: &Frame) -> Vec<Option<ShapeHit>> {
         let width = frame.size().0;
         let origin = camera.position_in_world();
         (0..frame.inverse_depth.len())
@@ -173,8 +173,8 @@ impl Inserted {
     }
 }
 
-impl Shape {
-    fn hit(&self, origin: DVec3, direction: DVec3, pattern: f64) -> Option<Hit> {
+impl AddedShape {
+    fn hit(&self, origin: DVec3, direction: DVec3, pattern: f64) -> Option<ShapeHit> {
         match *self {
             Self::Bar { from, axis, length, radius } => {
                 let (to, along) = (origin - from, direction.dot(axis));
@@ -190,7 +190,7 @@ impl Shape {
                     return None;
                 }
                 let normal = ((flat_to + flat * depth) / radius).normalize_or_zero();
-                Some(Hit { depth, normal, at: DVec2::new(height / pattern, 0.5) })
+                Some(ShapeHit { depth, normal, at: DVec2::new(height / pattern, 0.5) })
             }
             Self::Panel { center, normal, across, up, half } => {
                 let facing = direction.dot(normal);
@@ -204,14 +204,14 @@ impl Shape {
                     return None;
                 }
                 let toward = if facing > 0.0 { -normal } else { normal };
-                Some(Hit { depth, normal: toward, at: DVec2::new(x, y) / pattern })
+                Some(ShapeHit { depth, normal: toward, at: DVec2::new(x, y) / pattern })
             }
         }
     }
 }
 
 /// Smooth stripes across smooth stripes, lit from above.
-fn color(hit: &Hit) -> [f16; 3] {
+fn color(hit: &ShapeHit) -> [f16; 3] {
     let wave = |at: f64| (0.5 + 0.5 * (std::f64::consts::TAU * at).sin()) as f32;
     let (x, y) = (wave(hit.at.x), wave(hit.at.y + 0.3 * hit.at.x));
     let light = 0.6 + 0.4 * hit.normal.z as f32;

@@ -5,12 +5,12 @@
 
 mod plan;
 
-pub use plan::{Plan, Planned, Series, paper, variations};
+pub use plan::{Planned, Series, SweepPlan, paper, variations};
 
 use serde::{Deserialize, Serialize};
 
 use super::metrics::Scores;
-use super::trial::{Estimate, Measured, Pace, Trial, Workbench, kernel_cost};
+use super::trial::{MeanEstimate, Pace, Trial, TrialResult, Workbench, kernel_cost};
 use super::truth::{Recorded, Truth};
 use crate::capture::Capture;
 use crate::error::Result;
@@ -29,7 +29,7 @@ pub struct Point {
     pub settings: Settings,
     /// See [`Scores::psnr_db`].
     pub psnr_db: f64,
-    /// Its standard error over vantages, see [`Estimate::over_vantages`].
+    /// Its standard error over vantages, see [`MeanEstimate::over_vantages`].
     pub psnr_db_se: f64,
     /// The same over all these pixels, holes filled (`pushpull`) whatever the settings say: the one number that neither
     /// leaving holes nor being good where it is easy can better. Points are ranked by it.
@@ -93,10 +93,10 @@ impl Point {
 
     /// What a trial gave.
     #[must_use]
-    pub fn new(trial: &Trial, series: Series, measured: &Measured) -> Self {
+    pub fn new(trial: &Trial, series: Series, measured: &TrialResult) -> Self {
         let of = |value: &dyn Fn(&Scores) -> f64| {
             let vantages = measured.scores.iter();
-            Estimate::over_vantages(
+            MeanEstimate::over_vantages(
                 &vantages.map(|frames| frames.iter().map(value).collect()).collect::<Vec<_>>(),
             )
         };
@@ -121,7 +121,7 @@ impl Point {
             silhouette_steps: edges
                 .iter()
                 .any(|frames| !frames.is_empty())
-                .then(|| Estimate::over_vantages(&edges).mean),
+                .then(|| MeanEstimate::over_vantages(&edges).mean),
             flicker_steps: measured.flicker_steps,
             coverage: of(&|scores| scores.coverage).mean,
             samples: measured.samples,
@@ -173,10 +173,10 @@ pub fn mark_pareto_of_stores<'a>(points: impl IntoIterator<Item = &'a mut Point>
 ///
 /// # Errors
 /// Whatever preprocessing, painting and truth give; `Cancelled`, after which the points told so far can be put into
-/// [`Plan::done`] to go on.
+/// [`SweepPlan::done`] to go on.
 pub fn run(
     capture: &Capture,
-    plan: &Plan,
+    plan: &SweepPlan,
     truth: &Truth,
     job: &Job,
     mut on_point: impl FnMut(&Point, usize),

@@ -7,7 +7,7 @@ use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::evaluate::trial::{Thinning, Trial};
 use crate::settings::{
-    Fill, Kernel, Kind, MixedPixels, Precision, PruningMethod, RateModel, Settings, SpanLevels,
+    Fill, Kernel, MixedPixels, Precision, PruningMethod, RateModel, Settings, SpanLevels, ValueKind,
 };
 
 /// What a point is.
@@ -82,7 +82,7 @@ pub struct Planned {
 
 /// What a sweep tries, and what of it is known already.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct SweepPlan {
     /// In the order in which they are measured.
     pub trials: Vec<Planned>,
     /// Says how many samples the baselines may keep.
@@ -127,7 +127,7 @@ pub fn paper(base: &Settings) -> Settings {
     settings
 }
 
-impl Plan {
+impl SweepPlan {
     /// The reference, every variation of one setting and every kernel with each, and all baselines.
     #[must_use]
     pub fn standard(reference: &Settings, capture: &Capture) -> Self {
@@ -280,11 +280,11 @@ pub fn variations(reference: &Settings) -> Vec<(String, Settings)> {
             continue;
         }
         match field.kind {
-            Kind::Choice(choices) => {
+            ValueKind::Choice(choices) => {
                 assignments.extend(choices.iter().map(|(name, _)| format!("{} = {name}", field.path)));
             }
-            Kind::Switch => assignments.extend([true, false].map(|on| format!("{} = {on}", field.path))),
-            Kind::Number { .. } | Kind::Integer { .. } => {
+            ValueKind::Switch => assignments.extend([true, false].map(|on| format!("{} = {on}", field.path))),
+            ValueKind::Number { .. } | ValueKind::Integer { .. } => {
                 let values = NUMBERS.iter().find(|(path, _)| *path == field.path).map(|(_, values)| *values);
                 let values = values.unwrap_or_default().iter();
                 assignments.extend(values.map(|value| format!("{} = {value}", field.path)));

@@ -27,7 +27,7 @@ pub fn voxel_grid(set: &SampleSet, count: u64) -> SampleSet {
     if set.sample_count() <= count {
         return set.clone();
     }
-    let points: Vec<Vec<Place>> = set.images.par_iter().map(|image| places(set, image)).collect();
+    let points: Vec<Vec<SamplePosition>> = set.images.par_iter().map(|image| places(set, image)).collect();
     let (points, reach) = about_their_middle(points);
     let (mut small, mut large) = (1e-5 * reach, reach);
     let mut chosen = first_of_cubes(set, &points, small);
@@ -64,8 +64,8 @@ const OUTLYING: f64 = 0.05;
 
 /// Places about the median of all that are not at infinity, so that cubes do not depend on where the world's origin lies, and
 /// how far they reach from there along any axis.
-fn about_their_middle(mut points: Vec<Vec<Place>>) -> (Vec<Vec<Place>>, f64) {
-    let finite = |points: &[Vec<Place>], value: &dyn Fn(DVec3) -> f64| -> Vec<f64> {
+fn about_their_middle(mut points: Vec<Vec<SamplePosition>>) -> (Vec<Vec<SamplePosition>>, f64) {
+    let finite = |points: &[Vec<SamplePosition>], value: &dyn Fn(DVec3) -> f64| -> Vec<f64> {
         let places = points.iter().flatten().filter(|place| !place.at_infinity);
         places.map(|place| value(place.point)).collect()
     };
@@ -132,14 +132,14 @@ fn only(image: &SampleImage, keep: &[bool]) -> Option<SampleImage> {
 }
 
 /// Where a sample lies.
-struct Place {
+struct SamplePosition {
     /// In world space; for a sample at infinity a direction, scaled so that cubes cut directions as they cut space.
     point: DVec3,
     at_infinity: bool,
 }
 
 /// Where every sample of an image lies, in storage order.
-fn places(set: &SampleSet, image: &SampleImage) -> Vec<Place> {
+fn places(set: &SampleSet, image: &SampleImage) -> Vec<SamplePosition> {
     let camera = &set.cameras[image.camera as usize];
     let depths = image.inverse_depths();
     // Directions are cut as finely as surfaces at the middle depth are.
@@ -154,16 +154,16 @@ fn places(set: &SampleSet, image: &SampleImage) -> Vec<Place> {
         let ray = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
         if inverse_depth == 0.0 {
             let direction = camera.world_from_camera.transform_vector3(ray).normalize_or_zero();
-            return Place { point: direction * far, at_infinity: true };
+            return SamplePosition { point: direction * far, at_infinity: true };
         }
         let point = camera.world_from_camera.transform_point3(ray / f64::from(inverse_depth));
-        Place { point, at_infinity: false }
+        SamplePosition { point, at_infinity: false }
     };
     image.samples().map(|sample| place(sample.x, sample.y, depths[sample.index])).collect()
 }
 
 /// Image and sample of what stays in cubes of a size, over every span for itself.
-fn first_of_cubes(set: &SampleSet, points: &[Vec<Place>], size: f64) -> Vec<(u32, u32)> {
+fn first_of_cubes(set: &SampleSet, points: &[Vec<SamplePosition>], size: f64) -> Vec<(u32, u32)> {
     let mut groups: Vec<(Span, Vec<usize>)> = Vec::new();
     for (index, image) in set.images.iter().enumerate() {
         match groups.last_mut().filter(|(span, _)| *span == image.span) {

@@ -6,6 +6,6 @@ mod standard_error;
 mod trial;
 
 pub(crate) use eta::Pace;
-pub use standard_error::Estimate;
-pub use trial::{Measured, Thinning, Trial, Workbench, kernel_cost};
-pub(crate) use trial::{Model, stored};
+pub use standard_error::MeanEstimate;
+pub(crate) use trial::{FoldSamples, stored};
+pub use trial::{Thinning, Trial, TrialResult, Workbench, kernel_cost};

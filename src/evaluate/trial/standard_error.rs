@@ -4,14 +4,14 @@ use serde::{Deserialize, Serialize};
 
 /// A mean and its standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Estimate {
+pub struct MeanEstimate {
     /// Mean over the values; over vantages, the mean of theirs.
     pub mean: f64,
     /// Standard deviation of what the mean is taken over, divided by the root of their number; 0 for a single one.
     pub standard_error: f64,
 }
 
-impl Estimate {
+impl MeanEstimate {
     /// Of some values; zero where there are none.
     #[must_use]
     pub fn of(values: &[f64]) -> Self {
@@ -43,9 +43,9 @@ mod tests {
     fn frames_of_one_vantage_do_not_make_a_mean_more_certain() {
         let two = [vec![30.0], vec![34.0]];
         let sixteen_frames_each = [vec![30.0; 16], vec![34.0; 16]];
-        assert_eq!(Estimate::over_vantages(&two), Estimate { mean: 32.0, standard_error: 2.0 });
-        assert_eq!(Estimate::over_vantages(&sixteen_frames_each), Estimate::over_vantages(&two));
+        assert_eq!(MeanEstimate::over_vantages(&two), MeanEstimate { mean: 32.0, standard_error: 2.0 });
+        assert_eq!(MeanEstimate::over_vantages(&sixteen_frames_each), MeanEstimate::over_vantages(&two));
         let one = [vec![], vec![30.0, 34.0]];
-        assert_eq!(Estimate::over_vantages(&one), Estimate { mean: 32.0, standard_error: 2.0 });
+        assert_eq!(MeanEstimate::over_vantages(&one), MeanEstimate { mean: 32.0, standard_error: 2.0 });
     }
 }

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::baselines;
-use crate::capture::View;
+use crate::capture::TruthView;
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::Scores;
 use crate::evaluate::truth::{Fold, Recorded, Truth};
@@ -32,7 +32,7 @@ use crate::settings::{
 };
 use crate::store;
 
-use super::standard_error::Estimate;
+use super::standard_error::MeanEstimate;
 
 /// What is done to the samples after pruning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -83,7 +83,7 @@ type ModelKey = (Settings, Thinning, Option<Vec<String>>);
 
 /// What a trial gave.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct TrialResult {
     /// Scores of every vantage of every fold, frame by frame.
     pub scores: Vec<Vec<Scores>>,
     /// The names of these views.
@@ -111,7 +111,7 @@ pub struct Measured {
 }
 
 /// Samples of one fold under one trial.
-pub(crate) struct Model {
+pub(crate) struct FoldSamples {
     pub(crate) samples: Arc<SampleSet>,
     report: Report,
     pub(crate) bytes: u64,
@@ -119,7 +119,7 @@ pub(crate) struct Model {
     seconds: f64,
 }
 
-impl Model {
+impl FoldSamples {
     /// One that was not through a file yet.
     fn unstored(samples: Arc<SampleSet>, report: Report, seconds: f64) -> Self {
         Self { samples, report, bytes: 0, bytes_record: 0, seconds }
@@ -129,7 +129,7 @@ impl Model {
 struct FoldState {
     fold: Fold,
     scans: Vec<(ScanKey, Arc<PreparedScan>, f64)>,
-    models: Vec<(ModelKey, Arc<Model>)>,
+    models: Vec<(ModelKey, Arc<FoldSamples>)>,
 }
 
 /// What a scan depends on.
@@ -186,7 +186,7 @@ impl Workbench {
     /// # Errors
     /// As [`preprocess::preprocess`], [`crate::store::file::write`] and [`render_view`]; `Invalid` where no fold has a camera left; `Gpu` where
     /// the GPU is asked for and cannot paint: the CPU's times must not pass for its own.
-    pub fn measure(&mut self, trial: &Trial, job: &Job) -> Result<Measured> {
+    pub fn measure(&mut self, trial: &Trial, job: &Job) -> Result<TrialResult> {
         let renderer = opened(&mut self.renderers, trial.settings.render.backend)?;
         let filling = RenderSettings { fill: Fill::PushPull, ..trial.settings.render.clone() };
         let (mut models, mut evaluations) = (Vec::new(), Vec::new());
@@ -223,7 +223,7 @@ impl Workbench {
         if models.is_empty() {
             return Err(Error::invalid(&trial.label, "no camera is left to make a model of"));
         }
-        let mean = |value: &dyn Fn(&Model) -> f64| {
+        let mean = |value: &dyn Fn(&FoldSamples) -> f64| {
             models.iter().map(|model| value(model)).sum::<f64>() / models.len() as f64
         };
         let views = || evaluations.iter().flat_map(|evaluation| &evaluation.views);
@@ -231,10 +231,10 @@ impl Workbench {
         let middle = times.len() / 2;
         let flicker: Vec<f64> =
             evaluations.iter().filter_map(|evaluation| evaluation.mean.flicker_steps).collect();
-        Ok(Measured {
+        Ok(TrialResult {
             scores: by_vantage,
             views: names,
-            flicker_steps: (!flicker.is_empty()).then(|| Estimate::of(&flicker).mean),
+            flicker_steps: (!flicker.is_empty()).then(|| MeanEstimate::of(&flicker).mean),
             samples: mean(&|model| model.samples.sample_count() as f64).round() as u64,
             bytes: mean(&|model| model.bytes as f64).round() as u64,
             bytes_record: mean(&|model| model.bytes_record as f64).round() as u64,
@@ -242,17 +242,18 @@ impl Workbench {
             samples_shared: mean(&|model| shared(&model.samples) as f64).round() as u64,
             spans: mean(&|model| span_count(&model.samples) as f64).round() as u64,
             milliseconds: *times.select_nth_unstable_by(middle, f64::total_cmp).1,
-            samples_painted: Estimate::of(&views().map(|view| view.samples as f64).collect::<Vec<_>>()).mean,
+            samples_painted: MeanEstimate::of(&views().map(|view| view.samples as f64).collect::<Vec<_>>())
+                .mean,
             seconds_preprocess: mean(&|model| model.seconds),
         })
     }
 }
 
 /// Names and scores of the views of each vantage, which follow each other.
-fn scores_by_vantage(views: &[View], evaluation: &Evaluation) -> Vec<(Vec<String>, Vec<Scores>)> {
+fn scores_by_vantage(views: &[TruthView], evaluation: &Evaluation) -> Vec<(Vec<String>, Vec<Scores>)> {
     let scored: Vec<_> = views.iter().zip(&evaluation.views).collect();
     let vantages = scored.chunk_by(|(before, _), (after, _)| before.camera == after.camera);
-    let scored = |(view, score): &(&View, &ViewScore)| Some((view.file_path.clone(), score.scores?));
+    let scored = |(view, score): &(&TruthView, &ViewScore)| Some((view.file_path.clone(), score.scores?));
     vantages.map(|vantage| vantage.iter().filter_map(scored).unzip()).collect()
 }
 
@@ -298,7 +299,7 @@ impl FoldState {
         Ok((scan, seconds))
     }
 
-    fn model(&mut self, trial: &Trial, reference: &Settings, job: &Job) -> Result<Arc<Model>> {
+    fn model(&mut self, trial: &Trial, reference: &Settings, job: &Job) -> Result<Arc<FoldSamples>> {
         let key = trial.model_key();
         // A store notes its settings: those of painting must not change its size.
         let trial = &Trial { settings: key.0.clone(), ..trial.clone() };
@@ -315,22 +316,22 @@ impl FoldState {
             }
         };
         let seconds = model.seconds;
-        let model = Arc::new(Model { seconds, ..stored(&model.samples, &model.report, job)? });
+        let model = Arc::new(FoldSamples { seconds, ..stored(&model.samples, &model.report, job)? });
         self.models.truncate(KEPT - 1);
         self.models.insert(0, (key, model.clone()));
         Ok(model)
     }
 
     /// As the settings say; not through a file yet.
-    fn pruned(&mut self, trial: &Trial, job: &Job) -> Result<Model> {
+    fn pruned(&mut self, trial: &Trial, job: &Job) -> Result<FoldSamples> {
         let (scan, seconds_scan) = self.scan(trial, job)?;
         let capture = self.fold.capture.with_cameras(|_, camera| Self::keeps(trial, &camera.name));
         let pruned = preprocess::prune(&capture, &scan, &trial.settings, job)?;
         let seconds = seconds_scan + pruned.report.seconds;
-        Ok(Model::unstored(pruned.samples, pruned.report, seconds))
+        Ok(FoldSamples::unstored(pruned.samples, pruned.report, seconds))
     }
 
-    fn thinned(&mut self, trial: &Trial, thinning: Thinning, count: u64, job: &Job) -> Result<Model> {
+    fn thinned(&mut self, trial: &Trial, thinning: Thinning, count: u64, job: &Job) -> Result<FoldSamples> {
         let mut trial = trial.clone();
         trial.thinning = Thinning::None;
         if thinning == Thinning::Tolerance {
@@ -344,11 +345,11 @@ impl FoldState {
             _ => baselines::random(&all.samples, count),
         });
         let seconds = all.seconds + started.elapsed().as_secs_f64();
-        Ok(Model::unstored(samples, all.report.clone(), seconds))
+        Ok(FoldSamples::unstored(samples, all.report.clone(), seconds))
     }
 
     /// Lowers all tolerances together until at least `count` samples stay, and takes as many of them.
-    fn pruned_to(&mut self, mut trial: Trial, count: u64, job: &Job) -> Result<Model> {
+    fn pruned_to(&mut self, mut trial: Trial, count: u64, job: &Job) -> Result<FoldSamples> {
         const BISECTIONS: usize = 7;
         let mut best = self.pruned(&trial, job)?;
         if best.samples.sample_count() < count {
@@ -374,19 +375,19 @@ impl FoldState {
             }
         }
         let samples = Arc::new(baselines::random(&best.samples, count));
-        Ok(Model { samples, ..best })
+        Ok(FoldSamples { samples, ..best })
     }
 }
 
 /// Samples and report as they come back from a file, and the bytes it has.
-pub(crate) fn stored(samples: &SampleSet, report: &Report, job: &Job) -> Result<Model> {
+pub(crate) fn stored(samples: &SampleSet, report: &Report, job: &Job) -> Result<FoldSamples> {
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
     let path = folder.path().join("trial.ovl");
     let bytes = crate::store::file::write(&path, samples, report, job)?;
     let store = crate::store::file::Store::open(&path)?;
     let (samples, report) = store.read_undamaged(job)?;
     let bytes_record = store.info().record_bytes;
-    Ok(Model { bytes, bytes_record, ..Model::unstored(Arc::new(samples), report, 0.0) })
+    Ok(FoldSamples { bytes, bytes_record, ..FoldSamples::unstored(Arc::new(samples), report, 0.0) })
 }
 
 /// How much work a kernel does per sample, as a rule that is the same on every machine: ranks of the measured times.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::capture::transforms::picture_name;
-use crate::capture::{Capture, View};
+use crate::capture::{Capture, TruthView};
 use crate::error::{Error, Result};
 
 /// Most frames of a held-out camera that are scored, evenly spaced over the capture.
@@ -13,7 +13,7 @@ pub const MAX_FRAMES: usize = 5;
 ///
 /// # Errors
 /// [`Error::Invalid`] where a camera does not exist, or where none would be left.
-pub fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, Vec<View>)> {
+pub fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, Vec<TruthView>)> {
     let is_held_out = |name: &str| held_out.iter().any(|held_out| held_out == name);
     if let Some(unknown) =
         held_out.iter().find(|name| !capture.cameras.iter().any(|camera| camera.name == **name))
@@ -36,7 +36,7 @@ pub fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, Vec<Vie
         for frame in evenly_spaced(capture.frame_count()) {
             let truth = capture.clone();
             let number = capture.frame_numbers[frame];
-            views.push(View {
+            views.push(TruthView {
                 file_path: picture_name(camera, number),
                 camera: camera.clone(),
                 frame_number: number,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::truth::Truth;
-use crate::capture::{Capture, CaptureParts, Frame, FrameSource, View};
+use crate::capture::{Capture, CaptureParts, Frame, FrameSource, TruthView};
 use crate::error::{Error, Result};
 
 /// A capture's frames, changed or chosen; decoded ones stay in the capture's own cache.
@@ -97,7 +97,7 @@ pub fn only(capture: &Capture, frames: &[usize]) -> Capture {
 /// The truth at some frames of the capture alone, given by ascending index.
 #[must_use]
 pub fn truth_at(capture: &Capture, truth: Truth, frames: &[usize]) -> Truth {
-    let is_chosen = |view: &View| {
+    let is_chosen = |view: &TruthView| {
         capture.frame_index(view.frame_number).is_some_and(|frame| frames.binary_search(&frame).is_ok())
     };
     match truth {

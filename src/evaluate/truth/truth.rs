@@ -16,7 +16,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::hold_out;
-use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, View};
+use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, TruthView};
 use crate::error::{Error, Result};
 use crate::evaluate::{says_nothing, vantage_order, with_truth};
 use crate::job::Job;
@@ -25,7 +25,7 @@ use crate::job::Job;
 #[derive(Clone)]
 pub enum Truth {
     /// Vantages with true pictures; views without are passed over.
-    Views(Vec<View>),
+    Views(Vec<TruthView>),
     /// Each camera is left out in turn, and some of its own frames are the truth.
     HoldOut,
 }
@@ -38,7 +38,7 @@ pub struct Fold {
     /// The cameras to make a model of.
     pub capture: Capture,
     /// Views whose truth is masked to what those cameras saw, ordered by vantage and frame.
-    pub views: Vec<View>,
+    pub views: Vec<TruthView>,
 }
 
 /// What was recorded, and what was there: they differ where a disturbance lies between them.
@@ -104,14 +104,14 @@ impl Truth {
         };
         job.start("Loading the truth", folds.iter().map(|(_, views)| views.len()).sum());
         let mut dropped = Vec::new();
-        let mask = |(held_out, views): (Option<String>, Vec<View>)| {
+        let mask = |(held_out, views): (Option<String>, Vec<TruthView>)| {
             let keep = |_: usize, camera: &Camera| Some(&camera.name) != held_out.as_ref();
             let fold = Recorded {
                 capture: recorded.capture.with_cameras(keep),
                 clean: recorded.clean.with_cameras(keep),
                 ..recorded.clone()
             };
-            let masked: Vec<(View, bool)> = views
+            let masked: Vec<(TruthView, bool)> = views
                 .into_par_iter()
                 .map(|view| {
                     job.check()?;
@@ -122,7 +122,7 @@ impl Truth {
                 .collect::<Result<_>>()?;
             let (known, unseen): (Vec<_>, Vec<_>) = masked.into_iter().partition(|(_, has_truth)| *has_truth);
             dropped.extend(unseen.iter().map(|(view, _)| says_nothing(view)));
-            let views: Vec<View> = known.into_iter().map(|(view, _)| view).collect();
+            let views: Vec<TruthView> = known.into_iter().map(|(view, _)| view).collect();
             Ok(Fold { held_out, capture: fold.capture, views: ordered(&views) })
         };
         let mut folds = folds.into_iter().map(mask).collect::<Result<Vec<_>>>()?;
@@ -140,14 +140,14 @@ pub(crate) fn nothing_to_compare(name: &str) -> Error {
 }
 
 /// Views of one vantage after each other, each by frame; vantages in the order in which they first come.
-fn ordered(views: &[View]) -> Vec<View> {
+fn ordered(views: &[TruthView]) -> Vec<TruthView> {
     let order = vantage_order(&views.iter().collect::<Vec<_>>());
     order.into_iter().map(|index| views[index].clone()).collect()
 }
 
 /// The view with its truth loaded and masked to what the recorded cameras saw, whole where the truth came without depth; and
 /// whether any pixel of it is left.
-fn masked(recorded: &Recorded, view: View) -> Result<(View, bool)> {
+fn masked(recorded: &Recorded, view: TruthView) -> Result<(TruthView, bool)> {
     let (Some(load), Some(frame)) = (&view.truth, recorded.capture.frame_index(view.frame_number)) else {
         return Err(Error::invalid(
             format!("view '{}'", view.file_path),
@@ -162,17 +162,17 @@ fn masked(recorded: &Recorded, view: View) -> Result<(View, bool)> {
     }
     if has_depth {
         let sights = (0..recorded.capture.cameras.len())
-            .map(|camera| Sight::new(recorded, camera, frame))
+            .map(|camera| CameraView::new(recorded, camera, frame))
             .collect::<Result<Vec<_>>>()?;
         mask_unseen(&mut truth, &view.camera, &sights);
     }
     let has_truth = truth.inverse_depth.as_slice().iter().any(|inverse_depth| *inverse_depth >= 0.0);
     let truth = Arc::new(truth);
-    Ok((View { truth: Some(Arc::new(move || Ok((*truth).clone()))), ..view }, has_truth))
+    Ok((TruthView { truth: Some(Arc::new(move || Ok((*truth).clone()))), ..view }, has_truth))
 }
 
 /// Takes what nothing saw out of what `camera` truly sees.
-fn mask_unseen(truth: &mut Frame, camera: &Camera, sights: &[Sight]) {
+fn mask_unseen(truth: &mut Frame, camera: &Camera, sights: &[CameraView]) {
     let width = truth.size().0;
     let unseen: Vec<usize> = (0..truth.inverse_depth.len())
         .into_par_iter()
@@ -188,7 +188,7 @@ fn mask_unseen(truth: &mut Frame, camera: &Camera, sights: &[Sight]) {
 }
 
 /// What one camera saw at one frame.
-struct Sight {
+struct CameraView {
     camera: Camera,
     clean: Arc<Frame>,
     recorded: Arc<Frame>,
@@ -198,7 +198,7 @@ struct Sight {
 /// of the paper's 4-pixel neighborhood on a surface seen at 75°.
 const SEEN_WITHIN_PX: f64 = 4.0;
 
-impl Sight {
+impl CameraView {
     fn new(recorded: &Recorded, camera: usize, frame: usize) -> Result<Self> {
         Ok(Self {
             camera: recorded.clean.cameras[camera].clone(),
@@ -253,7 +253,7 @@ mod tests {
     use crate::demo::{Demo, DemoSpec};
     use crate::settings::CaptureSettings;
 
-    fn true_pixels(views: Vec<View>, capture: &Capture) -> usize {
+    fn true_pixels(views: Vec<TruthView>, capture: &Capture) -> usize {
         let folds = Truth::Views(views).folds(&Recorded::undisturbed(capture), &Job::new()).unwrap();
         let pictures = folds[0].views.iter().map(|view| view.truth.as_ref().unwrap()().unwrap());
         pictures
@@ -261,7 +261,7 @@ mod tests {
             .sum()
     }
 
-    fn demo_of_two() -> (Capture, Vec<View>) {
+    fn demo_of_two() -> (Capture, Vec<TruthView>) {
         let spec = DemoSpec::new("orrery").cameras(2).frames(1).size((32, 24));
         let demo = Demo::new(&spec).unwrap();
         (demo.capture(&CaptureSettings::default()), demo.truth_views())
@@ -299,14 +299,14 @@ mod tests {
         let masked = true_pixels(views.clone(), &capture);
         assert!(masked > pixels / 2 && masked < pixels, "{masked} of {pixels}");
 
-        let color_only = |view: View| {
+        let color_only = |view: TruthView| {
             let load = view.truth.clone().unwrap();
             let without_depth = move || {
                 let mut truth = load()?;
                 truth.inverse_depth.as_mut_slice().fill(0.0);
                 Ok(truth)
             };
-            View { truth: Some(Arc::new(without_depth)), ..view }
+            TruthView { truth: Some(Arc::new(without_depth)), ..view }
         };
         assert_eq!(true_pixels(views.into_iter().map(color_only).collect(), &capture), pixels);
     }

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::evaluate::evaluate;
 use crate::evaluate::metrics::{MAX_PSNR_DB, Scores};
 use crate::evaluate::sweep::Point;
-use crate::evaluate::trial::{Estimate, Trial, stored};
+use crate::evaluate::trial::{MeanEstimate, Trial, stored};
 use crate::evaluate::truth::{self, Truth};
 use crate::preprocess;
 use crate::settings::{Fill, RenderSettings, Settings};
@@ -88,5 +88,5 @@ fn at_its_own_place(
         // It recorded nothing, which nobody misses.
         return Ok(MAX_PSNR_DB);
     }
-    Ok(Estimate::of(&scores.iter().map(|scores| scores.psnr_all_db).collect::<Vec<_>>()).mean)
+    Ok(MeanEstimate::of(&scores.iter().map(|scores| scores.psnr_all_db).collect::<Vec<_>>()).mean)
 }

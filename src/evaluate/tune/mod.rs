@@ -27,7 +27,7 @@ use search::Search;
 
 /// What may be spent instead of what the scene needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Budget {
+pub enum TuneBudget {
     /// Bytes of the store that `preprocess` makes of the whole capture.
     Bytes(u64),
     /// Milliseconds of painting a view, as measured on this machine: the one thing that may differ from run to run.
@@ -36,11 +36,11 @@ pub enum Budget {
 
 /// What is looked for, and what of it is known already.
 #[derive(Clone)]
-pub struct Plan {
+pub struct TunePlan {
     /// The settings to start from.
     pub settings: Settings,
     /// Where given, the most accurate setting within it is chosen.
-    pub budget: Option<Budget>,
+    pub budget: Option<TuneBudget>,
     /// The capture with all its frames, where some of them alone are looked at: a budget of bytes is for its store.
     pub whole: Option<Capture>,
     /// Whether cameras may be dropped.
@@ -89,10 +89,10 @@ pub struct Tuned {
 ///
 /// # Errors
 /// Whatever preprocessing, painting and truth give; `Invalid` where no setting keeps the budget; `Cancelled`, after which
-/// the points told so far can be put into [`Plan::done`] to go on.
+/// the points told so far can be put into [`TunePlan::done`] to go on.
 pub fn run(
     capture: &Capture,
-    plan: &Plan,
+    plan: &TunePlan,
     truth: &Truth,
     job: &Job,
     on_point: impl FnMut(&Point),
@@ -107,7 +107,7 @@ pub fn run(
         (capture.cameras.iter().map(|camera| camera.name.clone()).collect(), Vec::new())
     };
     let bytes_whole = match plan.budget {
-        Some(Budget::Bytes(_)) => Some(search.bytes_whole(&chosen.settings)?),
+        Some(TuneBudget::Bytes(_)) => Some(search.bytes_whole(&chosen.settings)?),
         _ => None,
     };
     let points = search.finish();

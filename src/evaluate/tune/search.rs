@@ -1,7 +1,7 @@
 //! The search for a setting: variations one by one, then those together that save bytes.
 
 use super::whole::WholeStores;
-use super::{Budget, Plan};
+use super::{TuneBudget, TunePlan};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::evaluate::sweep::{Point, Series, variations};
@@ -14,7 +14,7 @@ type OnPoint<'a> = Box<dyn FnMut(&Point) + 'a>;
 
 /// A search under way.
 pub(super) struct Search<'a> {
-    plan: &'a Plan,
+    plan: &'a TunePlan,
     pub(super) job: &'a Job,
     pub(super) truth: &'a Truth,
     workbench: Workbench,
@@ -33,13 +33,13 @@ pub(super) struct Search<'a> {
 const HOPELESS: f64 = 1.5;
 
 /// One setting that differs from the start, and what it gave.
-struct Change {
+struct TriedChange {
     /// As in `spans.levels = off`.
     assignment: String,
     point: Point,
 }
 
-impl Change {
+impl TriedChange {
     fn path(&self) -> &str {
         self.assignment.split('=').next().unwrap_or_default().trim()
     }
@@ -48,7 +48,7 @@ impl Change {
 impl<'a> Search<'a> {
     pub(super) fn new(
         capture: &'a Capture,
-        plan: &'a Plan,
+        plan: &'a TunePlan,
         truth: &'a Truth,
         job: &'a Job,
         on_point: OnPoint<'a>,
@@ -114,7 +114,7 @@ impl<'a> Search<'a> {
         let mut changes = Vec::with_capacity(variations.len());
         for (assignment, settings) in variations {
             let point = self.measure(&Trial::new(assignment.clone(), settings))?;
-            changes.push(Change { assignment, point });
+            changes.push(TriedChange { assignment, point });
         }
         self.combine(changes)?;
         let simplest = self.chosen()?.settings;
@@ -127,7 +127,7 @@ impl<'a> Search<'a> {
     }
 
     /// Adds one change after the other to the start, those that save most first, and keeps what stays allowed.
-    fn combine(&mut self, mut changes: Vec<Change>) -> Result<()> {
+    fn combine(&mut self, mut changes: Vec<TriedChange>) -> Result<()> {
         changes.sort_by_key(|change| simplicity(&change.point));
         let mut current = self.points[0].clone();
         let mut labels: Vec<&str> = Vec::new();
@@ -166,8 +166,8 @@ impl<'a> Search<'a> {
     fn is_within_budget(&mut self, point: &Point) -> Result<bool> {
         Ok(match self.plan.budget {
             None => true,
-            Some(Budget::Milliseconds(milliseconds)) => point.milliseconds <= milliseconds,
-            Some(Budget::Bytes(bytes)) => {
+            Some(TuneBudget::Milliseconds(milliseconds)) => point.milliseconds <= milliseconds,
+            Some(TuneBudget::Bytes(bytes)) => {
                 // What is looked at is part of the whole.
                 point.bytes_of_samples() <= bytes
                     && self.expected_bytes(point)? <= HOPELESS * bytes as f64
@@ -210,7 +210,7 @@ impl<'a> Search<'a> {
 
     fn nothing_within_budget(&mut self) -> Result<Error> {
         let what = match self.plan.budget {
-            Some(Budget::Bytes(bytes)) => {
+            Some(TuneBudget::Bytes(bytes)) => {
                 let smallest = self.points.iter().min_by_key(|point| simplicity(point)).cloned();
                 if let Some(smallest) = smallest {
                     self.bytes_whole(&smallest.settings)?;
@@ -220,7 +220,7 @@ impl<'a> Search<'a> {
                     "no setting fits into {bytes} bytes; the smallest store of the whole capture takes {least}"
                 )
             }
-            Some(Budget::Milliseconds(milliseconds)) => {
+            Some(TuneBudget::Milliseconds(milliseconds)) => {
                 let times = self.points.iter().map(|point| point.milliseconds);
                 let least = times.fold(f64::INFINITY, f64::min);
                 format!("no setting paints within {milliseconds} ms; the fastest takes {least:.1} ms")

@@ -1,11 +1,11 @@
 //! What was chosen and what was given up, in words.
 
-use super::{Budget, Plan, Tuned};
+use super::{TuneBudget, TunePlan, Tuned};
 use crate::evaluate::sweep::Point;
 use crate::settings::Settings;
 
 /// One sentence each.
-pub(super) fn of(tuned: &Tuned, plan: &Plan, frames: usize) -> Vec<String> {
+pub(super) fn of(tuned: &Tuned, plan: &TunePlan, frames: usize) -> Vec<String> {
     let mut words = vec![good_enough(tuned, plan), chosen(tuned)];
     words.extend(changes(&plan.settings, &tuned.settings));
     words.extend(tuned.bytes_whole.map(|bytes| {
@@ -21,7 +21,7 @@ fn mebibytes(bytes: u64) -> String {
     if kibibytes < 1024.0 { format!("{kibibytes:.1} KiB") } else { format!("{:.2} MiB", kibibytes / 1024.0) }
 }
 
-fn good_enough(tuned: &Tuned, plan: &Plan) -> String {
+fn good_enough(tuned: &Tuned, plan: &TunePlan) -> String {
     let Point { label, psnr_filled_db, psnr_filled_db_se, .. } = &tuned.best;
     let tried = tuned.points.len();
     match (tuned.limit_db, plan.budget) {
@@ -29,10 +29,10 @@ fn good_enough(tuned: &Tuned, plan: &Plan) -> String {
             "Of {tried} settings tried, '{label}' comes closest to the truth: {psnr_filled_db:.2} ± {psnr_filled_db_se:.2} dB. \
              Whatever reaches {limit_db:.2} dB cannot be told from it."
         ),
-        (None, Some(Budget::Milliseconds(milliseconds))) => {
+        (None, Some(TuneBudget::Milliseconds(milliseconds))) => {
             format!("Of {tried} settings tried, the most accurate within {milliseconds} ms was taken.")
         }
-        (None, Some(Budget::Bytes(bytes))) => {
+        (None, Some(TuneBudget::Bytes(bytes))) => {
             format!("Of {tried} settings tried, the most accurate within {} was taken.", mebibytes(bytes))
         }
         (None, None) => format!("{tried} settings were tried."),

@@ -4,7 +4,7 @@ use super::pair_residuals::PairResiduals;
 
 /// A camera that fits no other as well as the others fit each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Doubt {
+pub struct CalibrationWarning {
     /// The camera, by its index.
     pub camera: usize,
     /// Whether it is in doubt over what moves alone: its frames may be early or late. Else its pose may be wrong. (A pose that is
@@ -16,7 +16,7 @@ pub struct Doubt {
     pub usual_footprints: Option<f32>,
 }
 
-impl Doubt {
+impl CalibrationWarning {
     /// In words, for a camera of this name.
     #[must_use]
     pub fn sentence(&self, name: &str) -> String {
@@ -110,7 +110,7 @@ pub fn shared_doubt(pairs: &[Vec<PairResiduals>], granted_footprints: f32) -> Op
 /// The cameras that fit no other as well as the others fit each other; see [`PairResiduals`] for `pairs`. Where no others can be
 /// compared, only clocks are doubted, and all of them; the rest is [`shared_doubt`]'s.
 #[must_use]
-pub fn doubts(pairs: &[Vec<PairResiduals>]) -> Vec<Doubt> {
+pub fn doubts(pairs: &[Vec<PairResiduals>]) -> Vec<CalibrationWarning> {
     let mut doubts = doubts_over(pairs, false, |pair| Some(pair.lasting?.most_footprints));
     let moving = doubts_over(pairs, true, |pair| Some(pair.moving?.median_footprints));
     let wrong_poses = doubts.len();
@@ -127,7 +127,7 @@ fn doubts_over(
     pairs: &[Vec<PairResiduals>],
     over_time: bool,
     of: impl Fn(&PairResiduals) -> Option<f32>,
-) -> Vec<Doubt> {
+) -> Vec<CalibrationWarning> {
     let of = |a: usize, b: usize| of(pairs.get(a)?.get(b)?);
     // The others that each camera can be compared with, those it fits best first.
     let partners = |camera: usize| {
@@ -159,7 +159,7 @@ fn doubts_over(
             (true, None) => DOUBTFUL_CLOCK_ALONE_FOOTPRINTS,
             (true, Some(usual)) => DOUBTFUL_CLOCK_FOOTPRINTS.max(DOUBTFUL_RATIO * usual),
         };
-        (footprints > limit).then_some(Doubt { camera, over_time, footprints, usual_footprints })
+        (footprints > limit).then_some(CalibrationWarning { camera, over_time, footprints, usual_footprints })
     };
     (0..pairs.len()).filter_map(doubt).collect()
 }

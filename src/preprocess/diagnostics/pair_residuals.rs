@@ -16,13 +16,13 @@ use super::log_histogram::Spread;
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::layers::{Layer, MIXED};
+use crate::preprocess::layers::{CameraLayer, MIXED};
 use crate::preprocess::pruning::lanes_at;
 use crate::preprocess::registration::{
-    Block, IN_VIEW, LANES, Needs, Outcome, Registration, Rig, SameSurface, lanes_of,
+    CameraPairs, IN_VIEW, LANES, Needs, Outcome, PixelRun, Registration, SameSurface, lanes_of,
 };
 use crate::preprocess::temporal::ROOT;
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// What is nearer than a sample by more than this, in footprints, hides it. Much more, and what is hidden by something close by
 /// passes for disagreement.
@@ -110,7 +110,7 @@ impl Readings {
 
 /// Gathers residuals while preprocessing runs.
 pub(crate) struct Residuals<'a> {
-    rig: &'a Rig<'a>,
+    rig: &'a CameraPairs<'a>,
     frames: usize,
     /// `[source * cameras + target]`: of samples of all frames, and of things that moved.
     readings: Vec<[Readings; 2]>,
@@ -119,7 +119,7 @@ pub(crate) struct Residuals<'a> {
 }
 
 impl<'a> Residuals<'a> {
-    pub(crate) fn new(rig: &'a Rig<'a>, frames: usize) -> Self {
+    pub(crate) fn new(rig: &'a CameraPairs<'a>, frames: usize) -> Self {
         let pairs = rig.cameras().len().pow(2);
         let before = vec![Vec::new(); rig.cameras().len()];
         Self { rig, frames, readings: (0..pairs).map(|_| <[Readings; 2]>::default()).collect(), before }
@@ -129,7 +129,7 @@ impl<'a> Residuals<'a> {
     ///
     /// # Errors
     /// `Cancelled`.
-    pub(crate) fn add_lasting(&mut self, layers: &[Layer], job: &Job) -> Result<()> {
+    pub(crate) fn add_lasting(&mut self, layers: &[CameraLayer], job: &Job) -> Result<()> {
         let asked = self.asked();
         let blocks = layers.par_iter().map(|layer| {
             let block = |(column, row)| {
@@ -147,7 +147,7 @@ impl<'a> Residuals<'a> {
     ///
     /// # Errors
     /// `Cancelled`.
-    pub(crate) fn add_moving(&mut self, frame: usize, layers: &[Layer], job: &Job) -> Result<()> {
+    pub(crate) fn add_moving(&mut self, frame: usize, layers: &[CameraLayer], job: &Job) -> Result<()> {
         if !frame.is_multiple_of(self.frames.div_ceil(FRAMES).max(1)) {
             return Ok(());
         }
@@ -175,7 +175,7 @@ impl<'a> Residuals<'a> {
 
     fn add(
         &mut self,
-        layers: &[Layer],
+        layers: &[CameraLayer],
         blocks: &[Vec<(usize, usize, u32)>],
         kind: usize,
         job: &Job,
@@ -213,7 +213,7 @@ impl<'a> Residuals<'a> {
 }
 
 /// Columns and rows of blocks of pixels of a layer, spread evenly, so that they hold about so many pixels.
-fn lattice(layer: &Layer, pixels: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
+fn lattice(layer: &CameraLayer, pixels: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
     let (width, height) = (layer.width, layer.height());
     let step = (width * height / pixels).isqrt().max(1);
     (0..height).step_by(step).flat_map(move |row| {
@@ -235,13 +235,13 @@ fn moved_lanes(before: &[f32; LANES], now: &[f32; LANES]) -> u32 {
 /// Samples of one camera against what another saw.
 struct Compare<'a> {
     registration: &'a Registration,
-    source: &'a Layer,
-    target: &'a Layer,
+    source: &'a CameraLayer,
+    target: &'a CameraLayer,
     /// Column, row and lanes.
     blocks: &'a [(usize, usize, u32)],
 }
 
-impl Work for Compare<'_> {
+impl VectorLoop for Compare<'_> {
     type Output = Readings;
 
     #[inline(always)]
@@ -253,7 +253,7 @@ impl Work for Compare<'_> {
         }
         let limits = SameSurface::geometry_within(HIDING_FOOTPRINTS);
         for &(column, row, lanes) in blocks.iter().filter(|(.., lanes)| *lanes != 0) {
-            let block = Block::<LANES>::new(source, column, row, lanes);
+            let block = PixelRun::<LANES>::new(source, column, row, lanes);
             let carried = registration.carry(&block, target.width);
             let mut wanted = [0; LANES];
             for lane in 0..LANES {

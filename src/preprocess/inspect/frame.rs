@@ -6,10 +6,10 @@ use rayon::prelude::*;
 
 use crate::capture::Frame;
 use crate::grid::Grid;
-use crate::preprocess::layers::Layer;
+use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{Dispute, Verdict};
-use crate::preprocess::registration::{Outcome, Rig, SameSurface};
-use crate::preprocess::temporal::Level;
+use crate::preprocess::registration::{CameraPairs, Outcome, SameSurface};
+use crate::preprocess::temporal::SpanLevel;
 use crate::samples::{SampleSet, Span};
 use crate::settings::Settings;
 
@@ -35,7 +35,7 @@ pub struct CameraInspection {
     /// Over how many frames each pixel is the same, in words.
     pub class: Arc<Grid<PixelClass>>,
     /// The level of each pixel's sample, an index into [`FrameInspection::path`]; [`NO_SAMPLE`](crate::preprocess::temporal::NO_SAMPLE) where there is none.
-    pub level: Arc<Grid<Level>>,
+    pub level: Arc<Grid<SpanLevel>>,
     /// Why each pixel was kept or dropped.
     pub verdict: Grid<Verdict>,
     /// Where the rate model not in use names another camera as the best-sampled than the model in use, by pixel.
@@ -68,7 +68,7 @@ pub struct FrameInspection {
     pub cameras: Vec<CameraInspection>,
     /// The samples kept at this frame (background and foreground), ready to be rendered.
     pub samples: Arc<SampleSet>,
-    pub(crate) layers: Arc<Vec<Layer>>,
+    pub(crate) layers: Arc<Vec<CameraLayer>>,
     pub(crate) settings: Settings,
 }
 
@@ -78,7 +78,7 @@ impl FrameInspection {
     /// count however long their spans are.
     #[must_use]
     pub fn log2_sampling_ratio(&self, camera: usize, against: Option<usize>) -> Grid<f32> {
-        let rig = Rig::new(&self.samples.cameras);
+        let rig = CameraPairs::new(&self.samples.cameras);
         let limits = SameSurface::new(&self.settings);
         let layer = &self.layers[camera];
         let (width, height) = (layer.width, layer.height());
@@ -101,7 +101,7 @@ impl FrameInspection {
     /// `log₂ r` of the pixel against camera `other`, negative where the pixel is denser; NaN unless both show the same surface point.
     fn log2_ratio(
         &self,
-        rig: &Rig<'_>,
+        rig: &CameraPairs<'_>,
         limits: &SameSurface,
         (camera, x, y): (usize, usize, usize),
         other: usize,

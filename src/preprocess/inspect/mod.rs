@@ -6,4 +6,4 @@ mod pixel_report;
 
 pub use frame::{CameraInspection, FrameInspection, PixelClass};
 pub use pixel::{pair_quantities, pixel_argument, spans_of_pixel};
-pub use pixel_report::{ChainLink, PairQuantities, PixelArgument, Testimony};
+pub use pixel_report::{CameraEvidence, ChainLink, PairQuantities, PixelExplanation};

@@ -10,12 +10,12 @@
 use glam::{DVec2, DVec3, Vec3};
 
 use super::frame::FrameInspection;
-use super::pixel_report::{ChainLink, PairQuantities, PixelArgument, Testimony};
+use super::pixel_report::{CameraEvidence, ChainLink, PairQuantities, PixelExplanation};
 use crate::capture::Camera;
 use crate::color::steps_from_linear;
-use crate::preprocess::layers::{Layer, MIXED, Rate, Rays, UNSURE, footprint};
+use crate::preprocess::layers::{CameraLayer, MIXED, Rate, UNSURE, ViewingRays, footprint};
 use crate::preprocess::pruning::{Rule, Verdict};
-use crate::preprocess::registration::{Outcome, Rig, SameSurface};
+use crate::preprocess::registration::{CameraPairs, Outcome, SameSurface};
 use crate::samples::{SampleSet, Span, TILE};
 
 /// The argument for pixel `(x, y)` of camera `camera`; `None` where there is no such pixel.
@@ -25,13 +25,13 @@ pub fn pixel_argument(
     camera: usize,
     x: usize,
     y: usize,
-) -> Option<PixelArgument> {
+) -> Option<PixelExplanation> {
     let layer = inspection.layers.get(camera)?;
     if x >= layer.width || y >= layer.height() {
         return None;
     }
     let verdict = inspection.cameras[camera].verdict[(x, y)];
-    let mut argument = PixelArgument {
+    let mut argument = PixelExplanation {
         camera,
         x,
         y,
@@ -49,7 +49,7 @@ pub fn pixel_argument(
     }
     let asker = Asker::new(inspection, camera, x, y);
     argument.point_in_world = asker.point_in_world();
-    let rig = Rig::new(&inspection.samples.cameras);
+    let rig = CameraPairs::new(&inspection.samples.cameras);
     let limits = limits_of(inspection, layer, y * layer.width + x);
     argument.testimonies =
         (0..inspection.layers.len()).map(|other| asker.testimony(&rig, &limits, other)).collect();
@@ -63,7 +63,7 @@ pub fn pixel_argument(
 }
 
 /// What a sample is held against: others of its level and of longer spans.
-fn limits_of(inspection: &FrameInspection, layer: &Layer, pixel: usize) -> SameSurface {
+fn limits_of(inspection: &FrameInspection, layer: &CameraLayer, pixel: usize) -> SameSurface {
     SameSurface::new(&inspection.settings).at_level(layer.level[pixel])
 }
 
@@ -72,7 +72,7 @@ fn verdict_of(inspection: &FrameInspection, camera: usize, pixel: u32) -> Verdic
     inspection.cameras[camera].verdict[(pixel as usize % width, pixel as usize / width)]
 }
 
-fn chain(inspection: &FrameInspection, rig: &Rig<'_>, camera: usize, pixel: u32) -> Vec<ChainLink> {
+fn chain(inspection: &FrameInspection, rig: &CameraPairs<'_>, camera: usize, pixel: u32) -> Vec<ChainLink> {
     let mut chain: Vec<ChainLink> = Vec::new();
     let mut next = Some((camera, pixel));
     while let Some((camera, pixel)) = next {
@@ -93,7 +93,7 @@ fn chain(inspection: &FrameInspection, rig: &Rig<'_>, camera: usize, pixel: u32)
 /// The best-ranked sample of another camera that shows the same point and is better.
 fn best_other(
     inspection: &FrameInspection,
-    rig: &Rig<'_>,
+    rig: &CameraPairs<'_>,
     camera: usize,
     pixel: u32,
 ) -> Option<(usize, u32)> {
@@ -127,7 +127,7 @@ pub fn pair_quantities(inspection: &FrameInspection, at_most: usize) -> Vec<Pair
     let pairs: usize =
         inspection.layers.iter().map(|layer| layer.inverse_depth.len()).sum::<usize>() * cameras;
     let stride = (pairs.div_ceil(at_most.max(1)) as f64).sqrt().ceil().max(1.0) as usize;
-    let rig = Rig::new(&inspection.samples.cameras);
+    let rig = CameraPairs::new(&inspection.samples.cameras);
     let mut quantities = Vec::new();
     for (camera, layer) in inspection.layers.iter().enumerate() {
         for y in (stride / 2..layer.height()).step_by(stride) {
@@ -166,7 +166,7 @@ pub fn spans_of_pixel(samples: &SampleSet, camera: usize, x: usize, y: usize) ->
 }
 
 /// Column, row and index of the pixel at a position.
-fn pixel_of(position: DVec2, layer: &Layer) -> Option<(usize, usize, usize)> {
+fn pixel_of(position: DVec2, layer: &CameraLayer) -> Option<(usize, usize, usize)> {
     let inside = position.x >= 0.0
         && position.y >= 0.0
         && position.x < layer.width as f64
@@ -185,13 +185,13 @@ struct Asker<'a> {
     y: usize,
     pixel: usize,
     source: &'a Camera,
-    layer: &'a Layer,
+    layer: &'a CameraLayer,
     inverse_depth: f64,
     normal: Vec3,
 }
 
 /// What a camera has where the point falls.
-struct Found {
+struct CandidatePixel {
     position: DVec2,
     pixel: Option<(usize, usize, usize)>,
     depth_expected: f64,
@@ -223,7 +223,7 @@ impl<'a> Asker<'a> {
     }
 
     /// Where the point falls in `target`; points at infinity are carried by rotation alone.
-    fn find(&self, target: &Camera, layer: &Layer) -> Option<Found> {
+    fn find(&self, target: &Camera, layer: &CameraLayer) -> Option<CandidatePixel> {
         let (position, depth_expected) = if let Some(point) = self.point_in_world() {
             target.project(point)?
         } else {
@@ -232,10 +232,15 @@ impl<'a> Asker<'a> {
             let ray = target.camera_from_world().matrix3 * direction;
             (target.intrinsics.project(ray)?, f64::INFINITY)
         };
-        Some(Found { position, pixel: pixel_of(position, layer), depth_expected })
+        Some(CandidatePixel { position, pixel: pixel_of(position, layer), depth_expected })
     }
 
-    fn quantities(&self, rig: &Rig<'_>, limits: &SameSurface, other: usize) -> Option<PairQuantities> {
+    fn quantities(
+        &self,
+        rig: &CameraPairs<'_>,
+        limits: &SameSurface,
+        other: usize,
+    ) -> Option<PairQuantities> {
         let target = &self.inspection.samples.cameras[other];
         let layer = &self.inspection.layers[other];
         let found = self.find(target, layer)?;
@@ -256,14 +261,14 @@ impl<'a> Asker<'a> {
         })
     }
 
-    fn testimony(&self, rig: &Rig<'_>, limits: &SameSurface, other: usize) -> Testimony {
+    fn testimony(&self, rig: &CameraPairs<'_>, limits: &SameSurface, other: usize) -> CameraEvidence {
         let target = &self.inspection.samples.cameras[other];
         let layer = &self.inspection.layers[other];
         let own = other == self.camera;
         let outcome = (!own).then(|| {
             limits.explain(rig.registration(self.camera, other), (self.layer, self.x, self.y), layer)
         });
-        let mut testimony = Testimony {
+        let mut testimony = CameraEvidence {
             camera: other,
             outcome,
             position: None,
@@ -309,7 +314,7 @@ impl<'a> Asker<'a> {
         }
         testimony.normal_angle_degrees = angle_degrees(self.normal, layer.normal[pixel]);
         testimony.color_difference_steps = self.color_difference(layer, pixel);
-        let ray = Rays::new(target).at(x, y);
+        let ray = ViewingRays::new(target).at(x, y);
         testimony.incidence_degrees = angle_degrees(-ray, layer.normal[pixel]);
         let pruning = &self.inspection.settings.pruning;
         let deciding = Rate::resolve(pruning.rate, &self.inspection.samples.cameras);
@@ -322,8 +327,8 @@ impl<'a> Asker<'a> {
     fn plane_distance(
         &self,
         target: &Camera,
-        layer: &Layer,
-        found: &Found,
+        layer: &CameraLayer,
+        found: &CandidatePixel,
         (x, y, pixel): (usize, usize, usize),
     ) -> Option<(f64, f64)> {
         let point = self.point_in_world()?;
@@ -344,17 +349,23 @@ impl<'a> Asker<'a> {
         Some((distance / footprint, footprint))
     }
 
-    fn color_difference(&self, layer: &Layer, pixel: usize) -> f64 {
+    fn color_difference(&self, layer: &CameraLayer, pixel: usize) -> f64 {
         let (a, b) = (self.layer.color[self.pixel], layer.color[pixel]);
         (0..3)
             .map(|c| f64::from((steps_from_linear(a[c]) - steps_from_linear(b[c])).abs()))
             .fold(0.0, f64::max)
     }
 
-    fn ratio(&self, rate: Rate, target: &Camera, layer: &Layer, (x, y, pixel): (usize, usize, usize)) -> f64 {
+    fn ratio(
+        &self,
+        rate: Rate,
+        target: &Camera,
+        layer: &CameraLayer,
+        (x, y, pixel): (usize, usize, usize),
+    ) -> f64 {
         let pruning = &self.inspection.settings.pruning;
-        let of = |camera: &Camera, layer: &Layer, (x, y, pixel): (usize, usize, usize)| {
-            let rays = Rays::new(camera);
+        let of = |camera: &Camera, layer: &CameraLayer, (x, y, pixel): (usize, usize, usize)| {
+            let rays = ViewingRays::new(camera);
             let (inverse_depth, normal) = (layer.inverse_depth[pixel], layer.normal[pixel]);
             f64::from(footprint(rate, &rays, rays.at(x, y), inverse_depth, normal, pruning))
         };

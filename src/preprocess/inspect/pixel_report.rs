@@ -8,7 +8,7 @@ use crate::preprocess::registration::Outcome;
 
 /// What one camera says about a surface point. Lengths are in the capture's unit; what is not known is NaN.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Testimony {
+pub struct CameraEvidence {
     /// Index of the camera that speaks.
     pub camera: usize,
     /// Whether it sees the point; `None` for the camera whose own pixel is argued about.
@@ -56,7 +56,7 @@ pub struct ChainLink {
 
 /// Everything there is to say about one pixel at one frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PixelArgument {
+pub struct PixelExplanation {
     /// Index of the camera.
     pub camera: usize,
     /// Column.
@@ -74,7 +74,7 @@ pub struct PixelArgument {
     /// Index of the camera whose kept sample shows the point; `None` where nothing does.
     pub winner: Option<usize>,
     /// One per camera, in the capture's order; empty where the pixel has no depth.
-    pub testimonies: Vec<Testimony>,
+    pub testimonies: Vec<CameraEvidence>,
     /// From the pixel to the sample that stands for it. Where the coverage rule kept it: through the better sample
     /// that was dropped, to the one which that was dropped for.
     pub chain: Vec<ChainLink>,
@@ -85,10 +85,10 @@ pub struct PixelArgument {
 pub struct PairQuantities {
     /// What the test said.
     pub outcome: Outcome,
-    /// See [`Testimony::plane_distance_footprints`].
+    /// See [`CameraEvidence::plane_distance_footprints`].
     pub plane_distance_footprints: f32,
-    /// See [`Testimony::normal_angle_degrees`]; NaN where either normal is unknown.
+    /// See [`CameraEvidence::normal_angle_degrees`]; NaN where either normal is unknown.
     pub normal_angle_degrees: f32,
-    /// See [`Testimony::color_difference_steps`].
+    /// See [`CameraEvidence::color_difference_steps`].
     pub color_difference_steps: f32,
 }

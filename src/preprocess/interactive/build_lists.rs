@@ -6,15 +6,17 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::candidate::{BEHIND, Claimant, Codes, codes, codes_of};
-use super::candidate_lists::{COUNT, DISPUTABLE, Docket, IS_MIXED, Lists, Reach, most_tolerant};
+use super::candidate_lists::{
+    COUNT, CandidateLists, DISPUTABLE, IS_MIXED, Lists, ToleranceRange, most_tolerant,
+};
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::layers::{Layer, MIXED, Ranks};
-use crate::preprocess::pruning::{BAND_ROWS, Rival, Rule, Verdict, lanes_at, rivals, rule_between};
-use crate::preprocess::registration::{Block, Carried, IN_VIEW, LANES, Needs, Rig, SameSurface};
-use crate::preprocess::temporal::{Level, NO_SAMPLE};
+use crate::preprocess::layers::{CameraLayer, MIXED, Ranks};
+use crate::preprocess::pruning::{BAND_ROWS, OtherCamera, Rule, Verdict, lanes_at, rivals, rule_between};
+use crate::preprocess::registration::{CameraPairs, Carried, IN_VIEW, LANES, Needs, PixelRun, SameSurface};
+use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
 use crate::settings::{MixedPixels, Settings};
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// The docket of a frame of so many `levels`, for tolerances around those of `settings`; `None` where it would take more
 /// than `bytes`.
@@ -22,23 +24,23 @@ use crate::simd::{self, Work};
 /// # Errors
 /// `Cancelled`.
 pub(crate) fn make_docket(
-    rig: &Rig<'_>,
-    layers: &[Layer],
+    rig: &CameraPairs<'_>,
+    layers: &[CameraLayer],
     levels: usize,
     settings: &Settings,
     bytes: usize,
     job: &Job,
-) -> Result<Option<Docket>> {
+) -> Result<Option<CandidateLists>> {
     if layers.len() >= usize::from(BEHIND) {
         return Ok(None);
     }
-    let reach = Reach::around(&settings.pruning);
+    let reach = ToleranceRange::around(&settings.pruning);
     let least = codes(reach.least);
     let settings = most_tolerant(settings);
     let summons = Summons {
         rig,
         layers,
-        levels: levels as Level,
+        levels: levels as SpanLevel,
         settings: &settings,
         limits: SameSurface::new(&settings),
         few_steps: reach.least[2] / 2.0,
@@ -66,14 +68,14 @@ pub(crate) fn make_docket(
     for (of_band, (camera, _)) in all.into_iter().zip(bands) {
         lists[camera].push(of_band);
     }
-    Ok(Some(Docket { reach, lists }))
+    Ok(Some(CandidateLists { reach, lists }))
 }
 
 /// What all bands share.
 struct Summons<'a> {
-    rig: &'a Rig<'a>,
-    layers: &'a [Layer],
-    levels: Level,
+    rig: &'a CameraPairs<'a>,
+    layers: &'a [CameraLayer],
+    levels: SpanLevel,
     settings: &'a Settings,
     limits: SameSurface,
     /// See [`Needs::few_steps`].
@@ -99,7 +101,7 @@ struct Summoned {
     claimant: Claimant,
 }
 
-impl Work for Call<'_> {
+impl VectorLoop for Call<'_> {
     type Output = Option<Lists>;
 
     #[inline(always)]
@@ -151,7 +153,7 @@ impl Work for Call<'_> {
 
 /// Which pixels of each sixteen of a row hold a sample.
 #[inline(always)]
-fn lanes_with_samples(layer: &Layer, row: usize) -> impl Iterator<Item = u32> + '_ {
+fn lanes_with_samples(layer: &CameraLayer, row: usize) -> impl Iterator<Item = u32> + '_ {
     (0..layer.width)
         .step_by(LANES)
         .map(move |column| lanes_at(layer, (column, row), |level| level != NO_SAMPLE))
@@ -163,18 +165,18 @@ impl Summons<'_> {
     fn call_row(
         &self,
         camera: usize,
-        (row, level): (usize, Level),
-        rivals: &mut [Rival<'_>],
+        (row, level): (usize, SpanLevel),
+        rivals: &mut [OtherCamera<'_>],
         ways: &mut [Carried],
         found: &mut Vec<Summoned>,
     ) {
         let layer = &self.layers[camera];
-        let blocks: Vec<(usize, u32, Block)> = (0..layer.width)
+        let blocks: Vec<(usize, u32, PixelRun)> = (0..layer.width)
             .step_by(LANES)
             .enumerate()
             .map(|(at, column)| (at, lanes_at(layer, (column, row), |found| found == level)))
             .filter(|(_, lanes)| *lanes != 0)
-            .map(|(at, lanes)| (at, lanes, Block::new(layer, at * LANES, row, lanes)))
+            .map(|(at, lanes)| (at, lanes, PixelRun::new(layer, at * LANES, row, lanes)))
             .collect();
         for rival in rivals {
             let target = &self.layers[rival.camera];
@@ -196,8 +198,8 @@ impl Summons<'_> {
     #[inline(always)]
     fn call_block(
         &self,
-        (camera, left, lanes, block): (usize, usize, u32, &Block),
-        (rival, limits): (&Rival<'_>, &SameSurface),
+        (camera, left, lanes, block): (usize, usize, u32, &PixelRun),
+        (rival, limits): (&OtherCamera<'_>, &SameSurface),
         way: &Carried,
         found: &mut Vec<Summoned>,
     ) {
@@ -227,7 +229,7 @@ impl Summons<'_> {
             }
             let verdict = Verdict {
                 rule: Rule::BestRate,
-                witness_level: answers.level[lane] as Level,
+                witness_level: answers.level[lane] as SpanLevel,
                 witness_camera: rival.camera as u16,
                 witness_pixel: pixel,
             };
@@ -265,7 +267,7 @@ impl Summons<'_> {
     }
 
     /// Leaves out the claimants that are covered by better ones, and finds out where the rate models may disagree.
-    fn leave_out(&self, lists: &mut Lists, layer: &Layer, first_row: usize, least: Codes) {
+    fn leave_out(&self, lists: &mut Lists, layer: &CameraLayer, first_row: usize, least: Codes) {
         let all = std::mem::take(&mut lists.claimants);
         let mut kept: Vec<Claimant> = Vec::with_capacity(all.len());
         let mut next = 0;

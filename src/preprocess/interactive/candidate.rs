@@ -49,7 +49,7 @@ const ROUNDING: u16 = 1;
 
 /// What is known of a claim under some limits without asking anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Holds {
+pub(crate) enum CandidateValidity {
     Yes,
     No,
     /// So near the limit that the test itself has to say.
@@ -81,16 +81,16 @@ impl Claimant {
 
     /// Whether both show the same point within `limits`.
     #[inline(always)]
-    pub(crate) fn holds(&self, limits: Codes) -> Holds {
+    pub(crate) fn holds(&self, limits: Codes) -> CandidateValidity {
         let [mut surely, mut maybe] = [true; 2];
         for (&need, &limit) in self.needs.iter().zip(&limits) {
             surely &= need.saturating_add(ROUNDING) < limit;
             maybe &= need <= limit.saturating_add(ROUNDING);
         }
         match (surely, maybe) {
-            (true, _) => Holds::Yes,
-            (false, false) => Holds::No,
-            (false, true) => Holds::Ask,
+            (true, _) => CandidateValidity::Yes,
+            (false, false) => CandidateValidity::No,
+            (false, true) => CandidateValidity::Ask,
         }
     }
 
@@ -134,7 +134,10 @@ mod tests {
                 }
                 for limit in 40..70 {
                     let limits = [limit, 100, 100];
-                    assert!(other.holds(limits) == Holds::No || one.holds(limits) == Holds::Yes);
+                    assert!(
+                        other.holds(limits) == CandidateValidity::No
+                            || one.holds(limits) == CandidateValidity::Yes
+                    );
                 }
             }
         }

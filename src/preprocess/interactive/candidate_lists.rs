@@ -20,13 +20,13 @@ const RANGE: f32 = 4.0;
 
 /// The claimants of every sample of a frame.
 #[derive(Debug)]
-pub(crate) struct Docket {
-    pub(crate) reach: Reach,
+pub(crate) struct CandidateLists {
+    pub(crate) reach: ToleranceRange,
     /// Per camera, per band of rows.
     pub(crate) lists: Vec<Vec<Lists>>,
 }
 
-impl Docket {
+impl CandidateLists {
     /// Bytes that it takes in memory.
     pub(crate) fn bytes(&self) -> usize {
         let of_lists = |lists: &Lists| {
@@ -38,13 +38,13 @@ impl Docket {
 
 /// Which settings a docket serves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Reach {
+pub(crate) struct ToleranceRange {
     pub(crate) least: Tolerances,
     pub(crate) most: Tolerances,
     overlap: bool,
 }
 
-impl Reach {
+impl ToleranceRange {
     /// Tolerances around those of `settings`.
     pub(crate) fn around(settings: &PruningSettings) -> Self {
         Self {

@@ -7,19 +7,19 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::build_lists::make_docket;
-use super::candidate_lists::{Docket, Reach};
+use super::candidate_lists::{CandidateLists, ToleranceRange};
 use super::replay;
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
 use crate::preprocess::inspect::PixelClass;
-use crate::preprocess::layers::Layer;
+use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{
-    self, Background, Descent, Dispute, Masks, Rule, Statuses, Verdict, no_statuses,
+    self, Dispute, Masks, PrunedBackground, Rule, SpanStack, Statuses, Verdict, no_statuses,
 };
-use crate::preprocess::registration::Rig;
-use crate::preprocess::temporal::{Level, NO_SAMPLE, ROOT};
+use crate::preprocess::registration::CameraPairs;
+use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
 use crate::samples::Span;
 use crate::settings::{PruningMethod, Settings};
 
@@ -29,7 +29,7 @@ pub struct FrameLayers {
     /// The spans that contain the frame, by level.
     pub path: Vec<Span>,
     /// Every sample at the frame, per camera.
-    pub layers: Arc<Vec<Layer>>,
+    pub layers: Arc<Vec<CameraLayer>>,
     /// The same for the eye, per camera.
     pub planes: Vec<CameraPlanes>,
     docket: Mutex<Kept>,
@@ -38,9 +38,9 @@ pub struct FrameLayers {
 /// The docket of a frame, for whoever turns a tolerance.
 #[derive(Debug, Default)]
 struct Kept {
-    docket: Option<Arc<Docket>>,
+    docket: Option<Arc<CandidateLists>>,
     /// Tolerances for which so many bytes of memory were too few.
-    refused: Option<(Reach, usize)>,
+    refused: Option<(ToleranceRange, usize)>,
 }
 
 /// What is shown of a layer beside its verdicts.
@@ -49,7 +49,7 @@ pub struct CameraPlanes {
     /// Over how many frames each pixel is the same, in words.
     pub class: Arc<Grid<PixelClass>>,
     /// The level of each pixel's sample.
-    pub level: Arc<Grid<Level>>,
+    pub level: Arc<Grid<SpanLevel>>,
     /// World-space normals; zero where there is none.
     pub normal_in_world: Arc<Grid<[f32; 3]>>,
     /// Footprint of each pixel; infinite where there is no sample.
@@ -60,25 +60,25 @@ impl FrameLayers {
     /// The layers of `frame` where nothing is known of other frames.
     ///
     /// # Errors
-    /// As [`Descent::enter`].
+    /// As [`SpanStack::enter`].
     pub fn unscanned(
         capture: &Capture,
-        rig: &Rig<'_>,
+        rig: &CameraPairs<'_>,
         settings: &Settings,
         frame: usize,
         job: &Job,
     ) -> Result<Self> {
-        Self::at(frame, Descent::new(capture, None, rig, settings, Background::none(capture)), job)
+        Self::at(frame, SpanStack::new(capture, None, rig, settings, PrunedBackground::none(capture)), job)
     }
 
     /// The layers of `frame`, on a way down that is at its beginning.
     ///
     /// # Errors
-    /// As [`Descent::enter`].
-    pub fn at(frame: usize, mut descent: Descent<'_>, job: &Job) -> Result<Self> {
+    /// As [`SpanStack::enter`].
+    pub fn at(frame: usize, mut descent: SpanStack<'_>, job: &Job) -> Result<Self> {
         let path = descent.tree().path(frame);
         for (level, &span) in path.iter().enumerate().skip(1) {
-            descent.put_span(span, level as Level, job)?;
+            descent.put_span(span, level as SpanLevel, job)?;
         }
         let planes = descent.layers.par_iter().map(|layer| planes(layer, path.len())).collect();
         Ok(Self { path, layers: Arc::new(descent.layers), planes, docket: Mutex::default() })
@@ -88,7 +88,7 @@ impl FrameLayers {
     ///
     /// # Errors
     /// `Cancelled`.
-    pub fn prune(&self, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
+    pub fn prune(&self, rig: &CameraPairs<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
         let docket = self.docket.lock().map_or(None, |kept| kept.serving(settings));
         match docket {
             Some(docket) => self.walk(&docket, rig, settings, job),
@@ -101,7 +101,7 @@ impl FrameLayers {
     ///
     /// # Errors
     /// `Cancelled`.
-    pub fn prepare(&self, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<Option<usize>> {
+    pub fn prepare(&self, rig: &CameraPairs<'_>, settings: &Settings, job: &Job) -> Result<Option<usize>> {
         let lock = || self.docket.lock().unwrap_or_else(PoisonError::into_inner);
         if settings.pruning.method == PruningMethod::Off || lock().refused(settings) {
             return Ok(None);
@@ -113,14 +113,20 @@ impl FrameLayers {
         let bound = docket_bound(settings);
         let made = make_docket(rig, &self.layers, self.path.len(), settings, bound, job)?.map(Arc::new);
         let bytes = made.as_ref().map(|docket| docket.bytes());
-        let refused = made.is_none().then(|| (Reach::around(&settings.pruning), bound));
+        let refused = made.is_none().then(|| (ToleranceRange::around(&settings.pruning), bound));
         *lock() = Kept { docket: made, refused };
         Ok(bytes)
     }
 
-    fn walk(&self, docket: &Docket, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
+    fn walk(
+        &self,
+        docket: &CandidateLists,
+        rig: &CameraPairs<'_>,
+        settings: &Settings,
+        job: &Job,
+    ) -> Result<FrameVerdicts> {
         let mut all = FrameVerdicts::none(&self.layers);
-        for level in 0..self.path.len() as Level {
+        for level in 0..self.path.len() as SpanLevel {
             let FrameVerdicts { verdicts, statuses, .. } = &mut all;
             let disputes =
                 replay::prune((docket, rig), &self.layers, statuses, level, settings, verdicts, job)?;
@@ -129,9 +135,9 @@ impl FrameLayers {
         Ok(all)
     }
 
-    fn search(&self, rig: &Rig<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
+    fn search(&self, rig: &CameraPairs<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
         let mut all = FrameVerdicts::none(&self.layers);
-        for level in 0..self.path.len() as Level {
+        for level in 0..self.path.len() as SpanLevel {
             let decided = pruning::prune(rig, &self.layers, &all.statuses, level, settings, job)?;
             all.verdicts.par_iter_mut().zip(&decided).for_each(|(verdicts, decided)| {
                 for (&pixel, &verdict) in decided.pixels.iter().zip(&decided.verdicts) {
@@ -150,15 +156,15 @@ fn docket_bound(settings: &Settings) -> usize {
 }
 
 impl Kept {
-    fn serving(&self, settings: &Settings) -> Option<Arc<Docket>> {
-        let serves = |docket: &&Arc<Docket>| {
+    fn serving(&self, settings: &Settings) -> Option<Arc<CandidateLists>> {
+        let serves = |docket: &&Arc<CandidateLists>| {
             settings.pruning.method != PruningMethod::Off && docket.reach.serves(&settings.pruning)
         };
         self.docket.as_ref().filter(serves).cloned()
     }
 
     fn refused(&self, settings: &Settings) -> bool {
-        let still = |(reach, bound): &(Reach, usize)| {
+        let still = |(reach, bound): &(ToleranceRange, usize)| {
             reach.serves(&settings.pruning) && docket_bound(settings) <= *bound
         };
         self.refused.as_ref().is_some_and(still)
@@ -176,7 +182,7 @@ pub struct FrameVerdicts {
 }
 
 impl FrameVerdicts {
-    fn none(layers: &[Layer]) -> Self {
+    fn none(layers: &[CameraLayer]) -> Self {
         let no_sample = Verdict::without_witness(Rule::NoSample);
         Self {
             verdicts: layers.par_iter().map(|layer| vec![no_sample; layer.level.len()]).collect(),
@@ -194,12 +200,12 @@ impl FrameVerdicts {
 
     /// Which samples of a level are kept, of a camera with that layer.
     #[must_use]
-    pub fn masks(&self, camera: usize, layer: &Layer, level: Level) -> Masks {
+    pub fn masks(&self, camera: usize, layer: &CameraLayer, level: SpanLevel) -> Masks {
         Masks::at_level(layer, level, &self.statuses[camera])
     }
 }
 
-fn planes(layer: &Layer, levels: usize) -> CameraPlanes {
+fn planes(layer: &CameraLayer, levels: usize) -> CameraPlanes {
     let (width, height) = (layer.width, layer.height());
     let class = layer.level.iter().map(|&level| class_of(level, levels)).collect();
     let normals = layer.normal.iter().map(glam::Vec3::to_array).collect();
@@ -211,7 +217,7 @@ fn planes(layer: &Layer, levels: usize) -> CameraPlanes {
     }
 }
 
-fn class_of(level: Level, levels: usize) -> PixelClass {
+fn class_of(level: SpanLevel, levels: usize) -> PixelClass {
     match level {
         NO_SAMPLE => PixelClass::Invalid,
         ROOT => PixelClass::Background,
@@ -242,7 +248,7 @@ mod tests {
             settings.pruning.mixed_pixels = mixed_pixels;
             settings.pruning.overlap = overlap;
             let scan = scan(&capture, &settings, &Job::new()).unwrap();
-            let rig = Rig::new(&capture.cameras);
+            let rig = CameraPairs::new(&capture.cameras);
             let complete = scan.frame_layers(&capture, &rig, &settings, 2, &Job::new()).unwrap();
             assert!(complete.path.len() > 2);
             let original = complete.prune(&rig, &settings, &Job::new()).unwrap();

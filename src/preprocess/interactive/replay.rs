@@ -4,14 +4,14 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::candidate::{BEHIND, Claimant, Codes, Holds, codes, tolerances};
-use super::candidate_lists::{COUNT, DISPUTABLE, Docket, IS_MIXED, Lists};
+use super::candidate::{BEHIND, CandidateValidity, Claimant, Codes, codes, tolerances};
+use super::candidate_lists::{COUNT, CandidateLists, DISPUTABLE, IS_MIXED, Lists};
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::layers::Layer;
+use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{BAND_ROWS, DROPPED, Dispute, KEPT, Rule, Statuses, UNDECIDED, Verdict};
-use crate::preprocess::registration::{LANES, Outcome, Rig, SameSurface};
-use crate::preprocess::temporal::Level;
+use crate::preprocess::registration::{CameraPairs, LANES, Outcome, SameSurface};
+use crate::preprocess::temporal::SpanLevel;
 use crate::settings::{MixedPixels, Settings};
 
 /// Decides every sample of level `decide` of a frame whose docket serves the settings. `verdicts` has one for each pixel of
@@ -20,21 +20,21 @@ use crate::settings::{MixedPixels, Settings};
 /// # Errors
 /// `Cancelled`.
 pub(crate) fn prune(
-    (docket, rig): (&Docket, &Rig<'_>),
-    layers: &[Layer],
+    (docket, rig): (&CandidateLists, &CameraPairs<'_>),
+    layers: &[CameraLayer],
     statuses: &Statuses,
-    decide: Level,
+    decide: SpanLevel,
     settings: &Settings,
     verdicts: &mut [Vec<Verdict>],
     job: &Job,
 ) -> Result<Vec<Vec<Dispute>>> {
     let limits = SameSurface::new(settings).at_level(decide);
     let codes = codes(tolerances(&settings.pruning));
-    let walk = Walk { docket, rig, layers, statuses, decide, settings, limits, codes };
-    let mut bands: Vec<Band<'_>> = Vec::new();
+    let walk = ReplayContext { docket, rig, layers, statuses, decide, settings, limits, codes };
+    let mut bands: Vec<ReplayBand<'_>> = Vec::new();
     for (camera, (layer, verdicts)) in layers.iter().zip(verdicts).enumerate() {
         let size = (BAND_ROWS * layer.width).max(1);
-        bands.extend(verdicts.chunks_mut(size).enumerate().map(|(index, verdicts)| Band {
+        bands.extend(verdicts.chunks_mut(size).enumerate().map(|(index, verdicts)| ReplayBand {
             camera,
             index,
             first: index * size,
@@ -61,19 +61,19 @@ pub(crate) fn prune(
 }
 
 /// What all bands share.
-struct Walk<'a> {
-    docket: &'a Docket,
-    rig: &'a Rig<'a>,
-    layers: &'a [Layer],
+struct ReplayContext<'a> {
+    docket: &'a CandidateLists,
+    rig: &'a CameraPairs<'a>,
+    layers: &'a [CameraLayer],
     statuses: &'a Statuses,
-    decide: Level,
+    decide: SpanLevel,
     settings: &'a Settings,
     limits: SameSurface,
     codes: Codes,
 }
 
 /// Some rows of one camera. Until a sample is settled, its verdict names its best candidate as if that one were kept.
-struct Band<'a> {
+struct ReplayBand<'a> {
     camera: usize,
     index: usize,
     /// Its first pixel.
@@ -85,8 +85,8 @@ struct Band<'a> {
     waiting: Vec<u32>,
 }
 
-impl Walk<'_> {
-    fn lists(&self, band: &Band<'_>) -> &Lists {
+impl ReplayContext<'_> {
+    fn lists(&self, band: &ReplayBand<'_>) -> &Lists {
         &self.docket.lists[band.camera][band.index]
     }
 
@@ -95,7 +95,7 @@ impl Walk<'_> {
     }
 
     /// The best candidate of every sample of a band; settles those whose candidate is surely kept, or who have none.
-    fn find_best(&self, band: &mut Band<'_>) {
+    fn find_best(&self, band: &mut ReplayBand<'_>) {
         let layer = &self.layers[band.camera];
         let (lists, columns) = (self.lists(band), layer.width.div_ceil(LANES));
         let levels = &layer.level[band.first..band.first + band.verdicts.len()];
@@ -113,10 +113,10 @@ impl Walk<'_> {
     #[inline(always)]
     fn find_in_block(
         &self,
-        band: &mut Band<'_>,
+        band: &mut ReplayBand<'_>,
         (lists, mut first): (&Lists, usize),
         places: std::ops::Range<usize>,
-        levels: &[Level],
+        levels: &[SpanLevel],
         statuses: &[AtomicU8],
     ) {
         for place in places {
@@ -136,7 +136,7 @@ impl Walk<'_> {
     #[inline(always)]
     fn first_verdict(
         &self,
-        band: &mut Band<'_>,
+        band: &mut ReplayBand<'_>,
         place: usize,
         count: u16,
         claimants: &[Claimant],
@@ -169,7 +169,13 @@ impl Walk<'_> {
     }
 
     /// Notes where the other rate model names another winner.
-    fn dispute(&self, band: &mut Band<'_>, place: usize, better: Option<&Claimant>, claimants: &[Claimant]) {
+    fn dispute(
+        &self,
+        band: &mut ReplayBand<'_>,
+        place: usize,
+        better: Option<&Claimant>,
+        claimants: &[Claimant],
+    ) {
         let ahead = claimants.iter().filter(|claimant| claimant.place != BEHIND);
         let other =
             ahead.filter(|claimant| self.stands(band, place, claimant)).min_by_key(|claimant| claimant.place);
@@ -184,7 +190,7 @@ impl Walk<'_> {
     /// Whether a claimant shows the sample's point and may stand for others, as far as is known before anything of this level
     /// is decided.
     #[inline(always)]
-    fn stands(&self, band: &Band<'_>, place: usize, claimant: &Claimant) -> bool {
+    fn stands(&self, band: &ReplayBand<'_>, place: usize, claimant: &Claimant) -> bool {
         let own_level = claimant.verdict.witness_level == self.decide;
         self.shows(band, place, claimant)
             && (own_level || (self.settings.pruning.across_spans && self.status(claimant.verdict) == KEPT))
@@ -192,17 +198,17 @@ impl Walk<'_> {
 
     /// Whether a claimant shows the sample's point.
     #[inline(always)]
-    fn shows(&self, band: &Band<'_>, place: usize, claimant: &Claimant) -> bool {
+    fn shows(&self, band: &ReplayBand<'_>, place: usize, claimant: &Claimant) -> bool {
         match claimant.holds(self.codes) {
-            Holds::Yes => true,
-            Holds::No => false,
-            Holds::Ask => self.ask(band, place, claimant),
+            CandidateValidity::Yes => true,
+            CandidateValidity::No => false,
+            CandidateValidity::Ask => self.ask(band, place, claimant),
         }
     }
 
     #[cold]
     #[inline(never)]
-    fn ask(&self, band: &Band<'_>, place: usize, claimant: &Claimant) -> bool {
+    fn ask(&self, band: &ReplayBand<'_>, place: usize, claimant: &Claimant) -> bool {
         let (layer, other) = (&self.layers[band.camera], usize::from(claimant.verdict.witness_camera));
         let pixel = band.first + place;
         let (x, y) = (pixel % layer.width, pixel / layer.width);
@@ -212,13 +218,13 @@ impl Walk<'_> {
     }
 
     /// Decides the waiting samples of a band whose candidate is decided; the others wait on.
-    fn settle(&self, band: &mut Band<'_>) {
+    fn settle(&self, band: &mut ReplayBand<'_>) {
         let mut waiting = std::mem::take(&mut band.waiting);
         waiting.retain(|&place| self.still_waits(band, place as usize));
         band.waiting = waiting;
     }
 
-    fn still_waits(&self, band: &mut Band<'_>, place: usize) -> bool {
+    fn still_waits(&self, band: &mut ReplayBand<'_>, place: usize) -> bool {
         let own = &self.statuses[band.camera][band.first + place];
         loop {
             match self.status(band.verdicts[place]) {

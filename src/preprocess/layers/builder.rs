@@ -3,10 +3,10 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::layer::Layer;
+use super::layer::CameraLayer;
 use super::mixed_pixels::MixedTest;
 use super::packed_sample::{Facet, Look, MIXED, Ranks, UNSURE};
-use super::sampling_rate::{Rate, Rays, footprint, rank};
+use super::sampling_rate::{Rate, ViewingRays, footprint, rank};
 use crate::capture::Camera;
 use crate::preprocess::normals::{DepthView, MIN_CONFIDENCE, estimate_at};
 use crate::settings::{MixedPixels, NormalSource, PruningMethod, Settings};
@@ -29,7 +29,7 @@ impl<'a> LayerBuilder<'a> {
     }
 
     /// Estimates the normals of the samples at `pixels`, where they are not given or not wanted as given.
-    pub fn estimate_normals(&self, layer: &mut Layer, camera: &Camera, pixels: &[u32]) {
+    pub fn estimate_normals(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
         let rotation = camera.world_from_camera.matrix3.as_mat3();
         let view = DepthView::new(&layer.inverse_depth, camera, &self.settings.normals);
         let estimated = self.settings.normals.source == NormalSource::Estimated;
@@ -53,9 +53,9 @@ impl<'a> LayerBuilder<'a> {
     }
 
     /// Fills in footprints, ranks, facets and looks of the samples at `pixels`, from colors, depths and normals.
-    pub fn rate(&self, layer: &mut Layer, camera: &Camera, pixels: &[u32]) {
+    pub fn rate(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
         let width = layer.width.max(1);
-        let rays = Rays::new(camera);
+        let rays = ViewingRays::new(camera);
         let camera_from_world = camera.camera_from_world().matrix3.as_mat3();
         let pruning = &self.settings.pruning;
         let edge = self.settings.normals.edge;
@@ -108,7 +108,7 @@ mod tests {
     fn a_sample_whose_normal_is_not_known_never_wins_against_one_whose_normal_is() {
         let lens = Intrinsics::from_horizontal_angle(2, 1, 0.9);
         let camera = Camera::look_at("c", lens, DVec3::ZERO, DVec3::Y, DVec3::Z);
-        let mut layer = Layer::empty(2, 1);
+        let mut layer = CameraLayer::empty(2, 1);
         for (pixel, (inverse_depth, normal)) in
             [(100.0, Vec3::ZERO), (0.001, Vec3::NEG_Y)].into_iter().enumerate()
         {

@@ -5,12 +5,12 @@ use half::f16;
 
 use super::packed_sample::{Facet, Look, Ranks};
 use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
-use crate::preprocess::noise::Noise;
-use crate::preprocess::temporal::{Level, NO_SAMPLE, SpanSamples};
+use crate::preprocess::noise::CameraNoise;
+use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel, SpanSamples};
 
 /// The samples of one camera, row-major planes of the camera's size.
 #[derive(Clone, Debug)]
-pub struct Layer {
+pub struct CameraLayer {
     /// Columns.
     pub width: usize,
     /// Linear color.
@@ -28,16 +28,16 @@ pub struct Layer {
     /// … and how it looks.
     pub looks: Vec<Look>,
     /// The level of each pixel's sample; [`NO_SAMPLE`] where there is none.
-    pub level: Vec<Level>,
+    pub level: Vec<SpanLevel>,
     /// Noise of a single frame. Samples of one frame carry it.
-    pub noise: Noise,
-    /// How much of [`Layer::noise`] is left in the samples of each level, 0 to 1; 0 for levels beyond the last.
+    pub noise: CameraNoise,
+    /// How much of [`CameraLayer::noise`] is left in the samples of each level, 0 to 1; 0 for levels beyond the last.
     pub noise_share: Vec<f32>,
     /// Relative quantization step of depth.
     pub depth_step_relative: f32,
 }
 
-impl Layer {
+impl CameraLayer {
     /// A layer of `width × height` pixels without any sample.
     #[must_use]
     pub fn empty(width: usize, height: usize) -> Self {
@@ -52,14 +52,14 @@ impl Layer {
             facets: vec![Facet::ABSENT; pixels],
             looks: vec![Look::ABSENT; pixels],
             level: vec![NO_SAMPLE; pixels],
-            noise: Noise::default(),
+            noise: CameraNoise::default(),
             noise_share: Vec::new(),
             depth_step_relative: 0.0,
         }
     }
 
     /// Puts samples into the layer; they need normals and rates yet.
-    pub fn put(&mut self, level: Level, samples: &SpanSamples) {
+    pub fn put(&mut self, level: SpanLevel, samples: &SpanSamples) {
         for (index, &pixel) in samples.pixels.iter().enumerate() {
             let pixel = pixel as usize;
             self.level[pixel] = level;
@@ -70,7 +70,7 @@ impl Layer {
     }
 
     /// Puts the frame's samples wherever the layer has none; they need normals and rates yet. Gives their pixels.
-    pub fn put_frame(&mut self, level: Level, frame: &Frame) -> Vec<u32> {
+    pub fn put_frame(&mut self, level: SpanLevel, frame: &Frame) -> Vec<u32> {
         let mut pixels = Vec::new();
         for (pixel, &inverse_depth) in frame.inverse_depth.as_slice().iter().enumerate() {
             if self.level[pixel] != NO_SAMPLE || inverse_depth < 0.0 {

@@ -9,7 +9,7 @@
 //! goes unseen, and the sample counts as a clean one: 5 to 9 % of the blended pixels of the built-in scene `nine-cameras`, and
 //! 31 % where no noise is granted, as spans are short there.
 
-use super::layer::Layer;
+use super::layer::CameraLayer;
 use crate::capture::Camera;
 use crate::color;
 
@@ -24,14 +24,14 @@ const MAX_OFF_LINE: f32 = 0.35;
 
 /// Tells mixed pixels of a layer.
 pub struct MixedTest<'a> {
-    layer: &'a Layer,
+    layer: &'a CameraLayer,
     edge_relative: f32,
 }
 
 impl<'a> MixedTest<'a> {
     /// For a layer of `camera`. A step in depth of more than `edge_footprints` parts two surfaces.
     #[must_use]
-    pub fn new(layer: &'a Layer, camera: &Camera, edge_footprints: f32) -> Self {
+    pub fn new(layer: &'a CameraLayer, camera: &Camera, edge_footprints: f32) -> Self {
         let k = camera.intrinsics;
         Self { layer, edge_relative: edge_footprints / ((k.fx * k.fy).sqrt() as f32) }
     }
@@ -98,7 +98,7 @@ mod tests {
             DVec3::Y,
             DVec3::Z,
         );
-        let mut layer = Layer::empty(8, 3);
+        let mut layer = CameraLayer::empty(8, 3);
         for y in 0..3 {
             for x in 0..8 {
                 let i = y * 8 + x;

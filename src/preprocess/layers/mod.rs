@@ -7,6 +7,6 @@ mod packed_sample;
 mod sampling_rate;
 
 pub use builder::LayerBuilder;
-pub use layer::Layer;
+pub use layer::CameraLayer;
 pub use packed_sample::{COLOR_STEPS, Facet, Look, MIXED, Ranks, UNSURE};
-pub use sampling_rate::{Rate, Rays, footprint};
+pub use sampling_rate::{Rate, ViewingRays, footprint};

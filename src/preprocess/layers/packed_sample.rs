@@ -9,7 +9,7 @@ use half::f16;
 
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::color;
-use crate::preprocess::temporal::Level;
+use crate::preprocess::temporal::SpanLevel;
 
 /// Steps of the colors in a [`Look`] per 8-bit sRGB step.
 pub const COLOR_STEPS: f32 = 32.0;
@@ -77,7 +77,7 @@ impl Look {
 
     /// A sample of a level and of linear `color`.
     #[must_use]
-    pub fn new(level: Level, color: [f16; 3], has_normal: bool) -> Self {
+    pub fn new(level: SpanLevel, color: [f16; 3], has_normal: bool) -> Self {
         let [red, green, blue] = color.map(|channel| {
             // 2048 steps are 150 times white; what is brighter than that counts as equally bright.
             (color::steps_from_linear(channel) * COLOR_STEPS + 0.5).min(65535.0) as u32

@@ -68,7 +68,7 @@ impl Rate {
 
 /// The viewing rays of a camera: camera position plus `ray(x, y) · z` is the world point of a pixel at planar depth `z`.
 #[derive(Clone, Copy, Debug)]
-pub struct Rays {
+pub struct ViewingRays {
     origin: Vec3,
     per_column: Vec3,
     per_row: Vec3,
@@ -78,7 +78,7 @@ pub struct Rays {
     longer_side_squared: f32,
 }
 
-impl Rays {
+impl ViewingRays {
     /// The rays of `camera`, in world orientation.
     #[must_use]
     pub fn new(camera: &Camera) -> Self {
@@ -110,11 +110,11 @@ pub fn cosine_of_incidence(ray: Vec3, normal: Vec3, floor: f32) -> f32 {
 
 /// The footprint of a sample: smaller is sampled more densely; the ratio of two is the paper's `r`.
 ///
-/// `ray` comes from [`Rays::at`]; samples at infinity (`inverse_depth` 0) are compared by the size of their pixel alone.
+/// `ray` comes from [`ViewingRays::at`]; samples at infinity (`inverse_depth` 0) are compared by the size of their pixel alone.
 #[must_use]
 pub fn footprint(
     rate: Rate,
-    rays: &Rays,
+    rays: &ViewingRays,
     ray: Vec3,
     inverse_depth: f32,
     normal: Vec3,
@@ -172,7 +172,7 @@ mod tests {
 
     fn footprint_at(rate: Rate, camera: &Camera, point: DVec3, normal: Vec3) -> f32 {
         let (pixel, z) = camera.project(point).unwrap();
-        let rays = Rays::new(camera);
+        let rays = ViewingRays::new(camera);
         let ray = (camera.world_from_camera.matrix3 * camera.intrinsics.ray_in_camera(pixel)).as_vec3();
         footprint(rate, &rays, ray, (1.0 / z) as f32, normal, &settings())
     }
@@ -261,7 +261,7 @@ mod tests {
         for (fx, fy, longer) in [(4.0, 1.0, 1.0), (1.0, 4.0, 1.0), (0.5, 1.0, 2.0), (4.0, 4.0, 0.25)] {
             assert!((stretched(fx, fy) / expected - longer).abs() < 1e-5, "{fx} {fy}");
         }
-        let rays = Rays::new(&square);
+        let rays = ViewingRays::new(&square);
         assert_eq!(rays.longer_side_squared, rays.pixel_area, "bit for bit where pixels are square");
     }
 

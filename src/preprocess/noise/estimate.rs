@@ -65,7 +65,7 @@ const NOISE_ROW_STRIDE: usize = 4;
 
 /// Noise of one camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Noise {
+pub struct CameraNoise {
     /// Standard deviation of color over time, 8-bit sRGB steps, per brightness class.
     pub color_steps: [f32; BRIGHTNESS_BINS],
     /// Standard deviation of color over time, 8-bit sRGB steps, all brightness classes together.
@@ -74,7 +74,7 @@ pub struct Noise {
     pub depth_relative: f32,
 }
 
-impl Noise {
+impl CameraNoise {
     /// Standard deviation of a color channel whose value is `steps` (8-bit sRGB).
     #[must_use]
     pub fn color_at(&self, steps: f32) -> f32 {
@@ -123,7 +123,7 @@ impl NoiseMeter {
             changes.clear();
             changes.extend(finite_depths(before, after, y).zip(colors).map(|(depths, (&before, &after))| {
                 let same = depths.filter(|depths| is_same_surface(*depths, limit));
-                same.map(|_| Change::between([before, after]))
+                same.map(|_| ColorChange::between([before, after]))
             }));
             self.looked_at += changes.iter().flatten().count() as u64;
             self.redrawn += changes.iter().flatten().filter(|change| change.is_redrawn()).count() as u64;
@@ -170,7 +170,7 @@ impl NoiseMeter {
     }
 
     /// The standard deviations that the counted differences speak for.
-    fn noise(&self) -> Noise {
+    fn noise(&self) -> CameraNoise {
         let mut overall = vec![0; COLOR_BINS];
         for class in self.color.chunks_exact(COLOR_BINS) {
             overall.iter_mut().zip(class).for_each(|(sum, count)| *sum += count);
@@ -204,19 +204,19 @@ impl NoiseMeter {
                 (difference / MEDIAN_DIFFERENCE_PER_SIGMA).min(MAX_DEPTH_RELATIVE)
             }
         });
-        Noise { color_steps, color_steps_overall, depth_relative }
+        CameraNoise { color_steps, color_steps_overall, depth_relative }
     }
 }
 
 /// How the color of a pixel changed from one frame to the next, per channel.
-struct Change {
+struct ColorChange {
     /// 8-bit sRGB, at least [`DARKEST_STEPS`].
     mean_steps: [f32; 3],
     /// Relative to that.
     relative: [f32; 3],
 }
 
-impl Change {
+impl ColorChange {
     fn between(colors: [[f16; 3]; 2]) -> Self {
         let table = color::steps_table();
         let [before, after] = colors.map(|color| color.map(|channel| table[channel.to_bits() as usize]));
@@ -259,7 +259,7 @@ fn finite_depths<'a>(
 /// same random numbers for every frame gives a pixel that nothing moving shines on the very same color again, which says
 /// nothing about its noise; how the others differ does.
 #[must_use]
-pub fn measure_pairs(pairs: &[[&Frame; 2]]) -> Noise {
+pub fn measure_pairs(pairs: &[[&Frame; 2]]) -> CameraNoise {
     let mut meter = NoiseMeter::default();
     for pair in pairs {
         meter.add_depths(*pair);
@@ -354,7 +354,7 @@ mod tests {
         };
         let still = frame(&|_, _| 0.0);
         let shadow = frame(&|pixel, _| if pixel % 80 < 4 { -0.2 } else { 0.0 });
-        assert_eq!(measure_pairs(&[[&still, &shadow]]), Noise::default());
+        assert_eq!(measure_pairs(&[[&still, &shadow]]), CameraNoise::default());
         // A third of the pixels is drawn anew; a step of sRGB is about 0.0044 there.
         let noisy = |salt: u64| {
             frame(&move |pixel, state| {
@@ -403,6 +403,6 @@ mod tests {
             meter.add_color(80.0, moved);
             meter.add_depth(moved);
         }
-        assert_eq!(meter.noise(), Noise::default());
+        assert_eq!(meter.noise(), CameraNoise::default());
     }
 }

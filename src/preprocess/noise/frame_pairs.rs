@@ -75,7 +75,7 @@ fn is_same_picture(a: &Frame, b: &Frame) -> bool {
 }
 
 /// Two frames next to each other that differ, each with its index or how far it is away.
-type Change = [(usize, Arc<Frame>); 2];
+type FramePair = [(usize, Arc<Frame>); 2];
 
 /// Two frames next to each other of which the nearer is the same as `still` and the other is not, each with how far it is away;
 /// that one frame away is known to be the same. `at` gives those up to `farthest` away. Nothing where none of those that are looked
@@ -84,7 +84,7 @@ fn next_change(
     still: &Arc<Frame>,
     farthest: usize,
     at: impl Fn(usize) -> Result<Arc<Frame>>,
-) -> Result<Option<Change>> {
+) -> Result<Option<FramePair>> {
     let mut near = (1, still.clone());
     let mut far = None;
     while far.is_none() && near.0 < farthest {

@@ -6,6 +6,6 @@ mod frame_pairs;
 mod range_distribution;
 
 pub(crate) use estimate::brightness_bin;
-pub use estimate::{BRIGHTNESS_BINS, Noise, measure_pairs};
+pub use estimate::{BRIGHTNESS_BINS, CameraNoise, measure_pairs};
 pub(crate) use frame_pairs::NoiseFrames;
 pub use range_distribution::granted_range_sigmas;

@@ -1,7 +1,7 @@
 //! The plane fit of [`normals`](super) for sixteen pixels at a time, wherever they lie.
 
 use super::depth_view::{DepthView, Estimate};
-use crate::simd::Work;
+use crate::simd::VectorLoop;
 use glam::Vec3;
 
 /// Pixels that are fitted at once.
@@ -10,7 +10,7 @@ const LANES: usize = 16;
 /// Reach of the window, pixels.
 const RADIUS: i32 = 2;
 
-type Lanes = [f32; LANES];
+type FitLanes = [f32; LANES];
 
 /// Fits planes at some pixels (`y * width + x`), one estimate each; those without finite depth are left as they are.
 pub(crate) struct FitPlanes<'a> {
@@ -22,19 +22,19 @@ pub(crate) struct FitPlanes<'a> {
 /// Normal equations of `value ≈ a·x + b·y + c`, one plane per lane.
 #[derive(Default)]
 struct Sums {
-    count: Lanes,
-    x: Lanes,
-    y: Lanes,
-    xx: Lanes,
-    xy: Lanes,
-    yy: Lanes,
-    v: Lanes,
-    xv: Lanes,
-    yv: Lanes,
-    vv: Lanes,
+    count: FitLanes,
+    x: FitLanes,
+    y: FitLanes,
+    xx: FitLanes,
+    xy: FitLanes,
+    yy: FitLanes,
+    v: FitLanes,
+    xv: FitLanes,
+    yv: FitLanes,
+    vv: FitLanes,
 }
 
-impl Work for FitPlanes<'_> {
+impl VectorLoop for FitPlanes<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -85,7 +85,7 @@ fn fit(view: &DepthView<'_>, pixels: &[u32], estimates: &mut [Estimate]) {
 impl Sums {
     /// Adds the neighbor at `(x, y)` where it lies on the surface of the center.
     #[inline(always)]
-    fn add(&mut self, x: f32, y: f32, w: &Lanes, center: &Lanes, edge_relative: f32, reach: f32) {
+    fn add(&mut self, x: f32, y: f32, w: &FitLanes, center: &FitLanes, edge_relative: f32, reach: f32) {
         for lane in 0..LANES {
             let (w, center) = (w[lane], center[lane]);
             let larger = if w > center { w } else { center };
@@ -112,8 +112,8 @@ impl Sums {
         view: &DepthView<'_>,
         columns: &[i32; LANES],
         rows: &[i32; LANES],
-        center: &Lanes,
-    ) -> ([Lanes; 3], Lanes) {
+        center: &FitLanes,
+    ) -> ([FitLanes; 3], FitLanes) {
         let (focal, middle) = (view.focal, view.center);
         let focal_mean = (focal[0] * focal[1]).sqrt();
         let mut normals = [[0.0; LANES]; 3];

@@ -11,23 +11,23 @@ use super::status::{ABSENT, no_statuses};
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::layers::{Layer, LayerBuilder};
-use crate::preprocess::registration::Rig;
+use crate::preprocess::layers::{CameraLayer, LayerBuilder};
+use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::{ROOT, TemporalScan, all_frames};
 use crate::settings::Settings;
 
 /// Static pixels of all cameras with their verdicts.
 #[derive(Clone, Debug)]
-pub struct Background {
+pub struct PrunedBackground {
     /// Per camera; pixels that are not static hold no sample.
-    pub layers: Vec<Layer>,
+    pub layers: Vec<CameraLayer>,
     /// Per camera and pixel: as [`Statuses`](super::status::Statuses).
     pub statuses: Vec<Vec<u8>>,
     /// The verdicts.
     pub decided: Vec<Decided>,
 }
 
-impl Background {
+impl PrunedBackground {
     /// A background without any sample: every pixel will count as foreground.
     #[must_use]
     pub fn none(capture: &Capture) -> Self {
@@ -36,7 +36,7 @@ impl Background {
             .iter()
             .map(|camera| {
                 let (width, height) = camera.intrinsics.size();
-                Layer::empty(width, height)
+                CameraLayer::empty(width, height)
             })
             .collect();
         Self::undecided(layers)
@@ -44,7 +44,7 @@ impl Background {
 
     /// Layers on which nothing was decided.
     #[must_use]
-    pub fn undecided(layers: Vec<Layer>) -> Self {
+    pub fn undecided(layers: Vec<CameraLayer>) -> Self {
         Self {
             statuses: layers.iter().map(|layer| vec![ABSENT; layer.level.len()]).collect(),
             decided: layers.iter().map(|_| Decided::default()).collect(),
@@ -63,7 +63,7 @@ impl Background {
     /// Prunes static layers, which need their rates yet, against each other.
     fn prune(capture: &Capture, layers: Vec<StaticLayer>, settings: &Settings, job: &Job) -> Result<Self> {
         let layers = rated(capture, layers, settings, job)?;
-        let rig = Rig::new(&capture.cameras);
+        let rig = CameraPairs::new(&capture.cameras);
         let statuses = no_statuses(&layers);
         let decided = search::prune(&rig, &layers, &statuses, ROOT, settings, job)?;
         let statuses = statuses
@@ -74,7 +74,7 @@ impl Background {
 }
 
 /// A layer with normals, and the pixels of its samples, ascending.
-pub(crate) type StaticLayer = (Layer, Vec<u32>);
+pub(crate) type StaticLayer = (CameraLayer, Vec<u32>);
 
 /// The same with rates, ready to be pruned.
 pub(crate) fn rated(
@@ -82,7 +82,7 @@ pub(crate) fn rated(
     layers: Vec<StaticLayer>,
     settings: &Settings,
     job: &Job,
-) -> Result<Vec<Layer>> {
+) -> Result<Vec<CameraLayer>> {
     let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
     let rated = layers.into_par_iter().zip(&capture.cameras).map(|((mut layer, pixels), camera)| {
         job.check()?;
@@ -112,7 +112,7 @@ pub(crate) fn static_layers(
             }
             (None, None) => Arc::default(),
         };
-        let mut layer = Layer::empty(width, height);
+        let mut layer = CameraLayer::empty(width, height);
         layer.noise = of_camera.noise.clone();
         // Those of all frames are their means.
         layer.noise_share = vec![(scan.frames.max(1) as f32).sqrt().recip()];

@@ -4,15 +4,15 @@ use std::ops::Range;
 
 use super::pass::{Candidate, Pass};
 use crate::capture::INVALID_INVERSE_DEPTH;
-use crate::preprocess::layers::{Layer, Ranks};
+use crate::preprocess::layers::{CameraLayer, Ranks};
 use crate::preprocess::registration::{
-    Block, Carried, IN_VIEW, LANES, Registration, Rig, SameSurface, lanes_of,
+    CameraPairs, Carried, IN_VIEW, LANES, PixelRun, Registration, SameSurface, lanes_of,
 };
-use crate::preprocess::temporal::{Level, NO_SAMPLE};
+use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
 use crate::simd;
 
 /// Another camera that may show something of a band.
-pub(crate) struct Rival<'a> {
+pub(crate) struct OtherCamera<'a> {
     pub(crate) camera: usize,
     pub(crate) registration: &'a Registration,
     pub(crate) limits: SameSurface,
@@ -26,12 +26,12 @@ pub(crate) struct Rival<'a> {
 /// The other cameras that may see something of a camera's rows, of whose sixteen columns each some `lanes` take part.
 #[inline(always)]
 pub(crate) fn rivals<'a>(
-    rig: &'a Rig<'_>,
-    layers: &[Layer],
+    rig: &'a CameraPairs<'_>,
+    layers: &[CameraLayer],
     (camera, rows): (usize, Range<usize>),
     lanes: &[u32],
     limits: impl Fn(usize) -> SameSurface,
-) -> Vec<Rival<'a>> {
+) -> Vec<OtherCamera<'a>> {
     let layer = &layers[camera];
     let ends = [rows.start, rows.end - 1];
     let columns = layer.width.div_ceil(LANES);
@@ -49,7 +49,7 @@ pub(crate) fn rivals<'a>(
         .filter(|&other| other != camera && !layers[other].facets.is_empty())
         .filter_map(|other| {
             let registration = rig.registration(camera, other);
-            registration.may_see([0, layer.width - 1], ends, whole).then(|| Rival {
+            registration.may_see([0, layer.width - 1], ends, whole).then(|| OtherCamera {
                 camera: other,
                 registration,
                 limits: limits(other),
@@ -69,7 +69,7 @@ pub(crate) fn rivals<'a>(
 
 /// Those of sixteen pixels from `place` on whose samples' level is asked for.
 #[inline(always)]
-pub(crate) fn lanes_at(layer: &Layer, place: (usize, usize), holds: impl Fn(Level) -> bool) -> u32 {
+pub(crate) fn lanes_at(layer: &CameraLayer, place: (usize, usize), holds: impl Fn(SpanLevel) -> bool) -> u32 {
     let levels = lanes_of::<_, LANES>(&layer.level, layer.width, place, NO_SAMPLE);
     let mut lanes = 0;
     for lane in 0..LANES {
@@ -81,7 +81,7 @@ pub(crate) fn lanes_at(layer: &Layer, place: (usize, usize), holds: impl Fn(Leve
 /// The smallest and largest inverse depth of the samples in sixteen columns of some rows; the smallest is larger where there
 /// is none.
 #[inline(always)]
-fn depth_bounds(layer: &Layer, column: usize, rows: Range<usize>) -> [f32; 2] {
+fn depth_bounds(layer: &CameraLayer, column: usize, rows: Range<usize>) -> [f32; 2] {
     let (mut smallest, mut largest) = ([f32::INFINITY; LANES], [0.0_f32; LANES]);
     for row in rows {
         let depths =
@@ -96,11 +96,11 @@ fn depth_bounds(layer: &Layer, column: usize, rows: Range<usize>) -> [f32; 2] {
 }
 
 /// A block with something to decide: its place in the row, its lanes and samples, and how its contest stands.
-pub(crate) struct Entry {
+pub(crate) struct PendingRun {
     pub(crate) at: usize,
     pub(crate) lanes: u32,
-    pub(crate) block: Block,
-    pub(crate) contest: Contest,
+    pub(crate) block: PixelRun,
+    pub(crate) contest: BestCandidates,
 }
 
 /// Where the samples of a block lie in a rival's picture, and which of them are to be compared with what it saw.
@@ -119,8 +119,8 @@ impl Way {
 pub(crate) fn hold_row(
     pass: &Pass<'_>,
     camera: usize,
-    entries: &mut [Entry],
-    rival: &mut Rival<'_>,
+    entries: &mut [PendingRun],
+    rival: &mut OtherCamera<'_>,
     ways: &mut [Way],
 ) {
     let target = &pass.layers[rival.camera];
@@ -150,7 +150,7 @@ fn any(lanes: &[u32; LANES]) -> bool {
 }
 
 /// How the contest went for each sample of a block: the best sample so far, at first its own, by both rate models.
-pub(crate) struct Contest {
+pub(crate) struct BestCandidates {
     own_camera: u32,
     rank: [u32; LANES],
     camera: [u32; LANES],
@@ -164,10 +164,10 @@ pub(crate) struct Contest {
     own_rank: [u32; LANES],
 }
 
-impl Contest {
+impl BestCandidates {
     /// Before any other camera than the block's own was asked.
     #[inline(always)]
-    pub(crate) fn new(block: &Block, camera: usize) -> Self {
+    pub(crate) fn new(block: &PixelRun, camera: usize) -> Self {
         Self {
             own_camera: camera as u32,
             rank: block.rank,
@@ -185,7 +185,7 @@ impl Contest {
     /// For which samples it matters what the target saw: where nobody else saw the point yet, or its sample would be the best
     /// by either model.
     #[inline(always)]
-    fn wanted(&self, target: &Layer, rival: usize, carried: &Carried) -> [u32; LANES] {
+    fn wanted(&self, target: &CameraLayer, rival: usize, carried: &Carried) -> [u32; LANES] {
         if !any(&carried.bits) {
             return [0; LANES];
         }
@@ -210,8 +210,8 @@ impl Contest {
         &mut self,
         pass: &Pass<'_>,
         camera: usize,
-        block: &Block,
-        rival: &Rival<'_>,
+        block: &PixelRun,
+        rival: &OtherCamera<'_>,
         carried: &Carried,
         wanted: [u32; LANES],
     ) -> u32 {
@@ -254,7 +254,7 @@ impl Contest {
         (self.camera[lane] != self.own_camera).then(|| Candidate {
             rank: self.rank[lane],
             camera: self.camera[lane] as u16,
-            level: self.level[lane] as Level,
+            level: self.level[lane] as SpanLevel,
             pixel: self.pixel[lane],
         })
     }

@@ -1,16 +1,16 @@
 //! Deciding samples once those they wait for are decided: dropped where a candidate is kept, kept where none is.
 
 use super::decision::{Rule, Verdict};
-use super::pass::{Band, Candidate, Pass, Waiting};
+use super::pass::{Candidate, Pass, SearchBand, Waiting};
 use super::status::{DROPPED, KEPT, UNDECIDED};
 use crate::preprocess::registration::Outcome;
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// Statuses of witnesses are fetched so many samples ahead.
 const AHEAD: usize = 24;
 
 /// Decides every sample of the band whose best candidate is decided; the others wait.
-pub(crate) fn settle(pass: &Pass<'_>, band: &mut Band<'_>) {
+pub(crate) fn settle(pass: &Pass<'_>, band: &mut SearchBand<'_>) {
     for index in 0..band.pixels.len() {
         if let Some(ahead) = band.verdicts.get(index + AHEAD) {
             let statuses = pass.statuses.get(ahead.witness_camera as usize);
@@ -29,7 +29,7 @@ pub(crate) fn settle(pass: &Pass<'_>, band: &mut Band<'_>) {
 }
 
 #[inline(always)]
-fn still_waits(pass: &Pass<'_>, band: &mut Band<'_>, sample: &mut Waiting) -> bool {
+fn still_waits(pass: &Pass<'_>, band: &mut SearchBand<'_>, sample: &mut Waiting) -> bool {
     let pixel = band.pixels[sample.index as usize];
     let verdict = &mut band.verdicts[sample.index as usize];
     loop {
@@ -81,10 +81,10 @@ fn all_but_the_best(pass: &Pass<'_>, camera: usize, pixel: u32) -> Vec<Candidate
 /// Decides what can be decided of the samples that wait.
 pub(crate) struct SettleWaiting<'a, 'b> {
     pub(crate) pass: &'a Pass<'a>,
-    pub(crate) band: &'a mut Band<'b>,
+    pub(crate) band: &'a mut SearchBand<'b>,
 }
 
-impl Work for SettleWaiting<'_, '_> {
+impl VectorLoop for SettleWaiting<'_, '_> {
     type Output = ();
 
     #[inline(always)]

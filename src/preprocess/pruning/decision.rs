@@ -1,7 +1,7 @@
 //! What pruning decides: the rules, the verdict on a sample, and the verdicts of one level.
 
-use crate::preprocess::layers::{Layer, MIXED};
-use crate::preprocess::temporal::{Level, NO_SAMPLE};
+use crate::preprocess::layers::{CameraLayer, MIXED};
+use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
 
 /// Why a sample was kept or dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -102,7 +102,7 @@ pub struct Verdict {
     /// The rule that decided.
     pub rule: Rule,
     /// Level of the witness, see [`FrameInspection::path`](crate::preprocess::inspect::FrameInspection::path); [`NO_SAMPLE`] where there is none.
-    pub witness_level: Level,
+    pub witness_level: SpanLevel,
     /// Camera of the witness; [`Verdict::NO_CAMERA`] where there is none.
     pub witness_camera: u16,
     /// Pixel of the witness, `y * width + x`; 0 where there is none.
@@ -163,7 +163,7 @@ impl Decided {
         }
     }
 
-    pub(crate) fn count_mixed(&mut self, layer: &Layer) {
+    pub(crate) fn count_mixed(&mut self, layer: &CameraLayer) {
         for (pixel, verdict) in self.pixels.iter().zip(&self.verdicts) {
             let is_mixed = layer.ranks[*pixel as usize].rank & MIXED != 0;
             self.mixed += u64::from(is_mixed);

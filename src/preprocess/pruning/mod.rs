@@ -10,13 +10,13 @@ mod search;
 mod span_stack;
 mod status;
 
-pub use background::Background;
+pub use background::PrunedBackground;
 pub(crate) use background::{StaticLayer, rated, static_layers};
-pub(crate) use best_candidate::{Rival, lanes_at, rivals};
+pub(crate) use best_candidate::{OtherCamera, lanes_at, rivals};
 pub use decision::{Decided, Dispute, Rule, Verdict};
 pub use pack::{Masks, pack};
 pub(crate) use pass::{BAND_ROWS, rule_between};
 pub use search::prune;
-pub use span_stack::{Descent, FRAME, load_frame};
+pub use span_stack::{FRAME, SpanStack, load_frame};
 pub(crate) use status::UNDECIDED;
 pub use status::{DROPPED, KEPT, Statuses, no_statuses};

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::decision::Decided;
 use super::status::KEPT;
-use crate::preprocess::layers::Layer;
-use crate::preprocess::temporal::Level;
+use crate::preprocess::layers::CameraLayer;
+use crate::preprocess::temporal::SpanLevel;
 use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, Span, TILE};
 
 /// Which pixels of a picture are kept: for each tile, a mask of columns per row.
@@ -16,14 +16,14 @@ pub struct Masks {
 }
 
 impl Masks {
-    fn none(layer: &Layer) -> Self {
+    fn none(layer: &CameraLayer) -> Self {
         let tiles_across = layer.width.div_ceil(TILE);
         Self { tiles_across, rows: vec![[0; TILE]; tiles_across * layer.height().div_ceil(TILE)] }
     }
 
     /// The samples of `layer` that were decided to be kept.
     #[must_use]
-    pub fn decided(layer: &Layer, decided: &Decided) -> Self {
+    pub fn decided(layer: &CameraLayer, decided: &Decided) -> Self {
         let mut masks = Self::none(layer);
         for (&pixel, verdict) in decided.pixels.iter().zip(&decided.verdicts) {
             if verdict.is_kept() {
@@ -36,7 +36,7 @@ impl Masks {
 
     /// The samples of one level of `layer` whose status is that they are kept.
     #[must_use]
-    pub fn at_level(layer: &Layer, level: Level, statuses: &[AtomicU8]) -> Self {
+    pub fn at_level(layer: &CameraLayer, level: SpanLevel, statuses: &[AtomicU8]) -> Self {
         let mut masks = Self::none(layer);
         for (y, rows) in
             layer.level.chunks(layer.width.max(1)).zip(statuses.chunks(layer.width.max(1))).enumerate()
@@ -63,7 +63,13 @@ impl Masks {
 
 /// The kept samples of one camera over one span; `None` where nothing was kept.
 #[must_use]
-pub fn pack(camera: usize, span: Span, layer: &Layer, masks: Masks, normals: bool) -> Option<SampleImage> {
+pub fn pack(
+    camera: usize,
+    span: Span,
+    layer: &CameraLayer,
+    masks: Masks,
+    normals: bool,
+) -> Option<SampleImage> {
     let count = masks.count();
     if count == 0 {
         return None;

@@ -5,9 +5,9 @@ use std::sync::atomic::Ordering;
 
 use super::decision::{Dispute, Rule, Verdict};
 use super::status::{KEPT, Statuses, UNDECIDED};
-use crate::preprocess::layers::{Layer, MIXED, UNSURE};
-use crate::preprocess::registration::{Rig, SameSurface};
-use crate::preprocess::temporal::Level;
+use crate::preprocess::layers::{CameraLayer, MIXED, UNSURE};
+use crate::preprocess::registration::{CameraPairs, SameSurface};
+use crate::preprocess::temporal::SpanLevel;
 use crate::settings::{PruningMethod, Settings};
 
 /// Rows that one task works on.
@@ -15,10 +15,10 @@ pub(crate) const BAND_ROWS: usize = 16;
 
 /// What all bands share.
 pub(crate) struct Pass<'a> {
-    pub(crate) rig: &'a Rig<'a>,
-    pub(crate) layers: &'a [Layer],
+    pub(crate) rig: &'a CameraPairs<'a>,
+    pub(crate) layers: &'a [CameraLayer],
     pub(crate) statuses: &'a Statuses,
-    pub(crate) decide: Level,
+    pub(crate) decide: SpanLevel,
     pub(crate) settings: &'a Settings,
     pub(crate) limits: SameSurface,
     /// Per camera, whether every sample may stand for others, so that nobody needs to ask.
@@ -29,7 +29,7 @@ pub(crate) struct Pass<'a> {
 
 /// Some rows of one camera: the samples to decide and what is known of each. Until it is settled, a verdict names the
 /// sample's best candidate as if that one were kept.
-pub(crate) struct Band<'a> {
+pub(crate) struct SearchBand<'a> {
     pub(crate) camera: usize,
     pub(crate) rows: Range<usize>,
     pub(crate) pixels: &'a mut [u32],
@@ -52,7 +52,7 @@ pub(crate) struct Candidate {
     pub(crate) rank: u32,
     pub(crate) camera: u16,
     pub(crate) pixel: u32,
-    pub(crate) level: Level,
+    pub(crate) level: SpanLevel,
 }
 
 impl Pass<'_> {

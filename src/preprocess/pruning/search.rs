@@ -21,18 +21,18 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::best_candidate::{Contest, Entry, Rival, Way, hold_row, lanes_at, rivals};
+use super::best_candidate::{BestCandidates, OtherCamera, PendingRun, Way, hold_row, lanes_at, rivals};
 use super::coverage::{SettleWaiting, settle};
 use super::decision::{Decided, Dispute, Rule, Verdict};
-use super::pass::{BAND_ROWS, Band, Pass};
+use super::pass::{BAND_ROWS, Pass, SearchBand};
 use super::status::{DROPPED, KEPT, Statuses, UNDECIDED};
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::layers::{Layer, MIXED};
-use crate::preprocess::registration::{Block, LANES, Rig, SameSurface};
-use crate::preprocess::temporal::{Level, NO_SAMPLE};
+use crate::preprocess::layers::{CameraLayer, MIXED};
+use crate::preprocess::registration::{CameraPairs, LANES, PixelRun, SameSurface};
+use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
 use crate::settings::{MixedPixels, PruningMethod, Settings};
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// Decides every sample of level `decide`; samples of other levels take part as `statuses` says and stay as they are.
 ///
@@ -41,10 +41,10 @@ use crate::simd::{self, Work};
 /// # Errors
 /// `Cancelled`.
 pub fn prune(
-    rig: &Rig<'_>,
-    layers: &[Layer],
+    rig: &CameraPairs<'_>,
+    layers: &[CameraLayer],
     statuses: &Statuses,
-    decide: Level,
+    decide: SpanLevel,
     settings: &Settings,
     job: &Job,
 ) -> Result<Vec<Decided>> {
@@ -104,7 +104,12 @@ const FEW: usize = 8;
 
 /// Marks the samples of level `decide` as undecided, mixed ones as dropped where they are to be. Gives how many there are in
 /// each band of rows.
-fn open(layer: &Layer, statuses: &[AtomicU8], decide: Level, mixed_pixels: MixedPixels) -> Vec<usize> {
+fn open(
+    layer: &CameraLayer,
+    statuses: &[AtomicU8],
+    decide: SpanLevel,
+    mixed_pixels: MixedPixels,
+) -> Vec<usize> {
     let band = (BAND_ROWS * layer.width).max(1);
     let mut counts = Vec::with_capacity(layer.level.len().div_ceil(band));
     for (band_of, (levels, statuses)) in layer.level.chunks(band).zip(statuses.chunks(band)).enumerate() {
@@ -127,7 +132,7 @@ fn open(layer: &Layer, statuses: &[AtomicU8], decide: Level, mixed_pixels: Mixed
 }
 
 /// Whether every sample of the layer may stand for others, so that nobody needs to ask.
-fn all_stand(layer: &Layer, statuses: &[AtomicU8], decide: Level, across_spans: bool) -> bool {
+fn all_stand(layer: &CameraLayer, statuses: &[AtomicU8], decide: SpanLevel, across_spans: bool) -> bool {
     let mut stand = true;
     for (&level, status) in layer.level.iter().zip(statuses) {
         let status = status.load(Ordering::Relaxed);
@@ -137,7 +142,7 @@ fn all_stand(layer: &Layer, statuses: &[AtomicU8], decide: Level, across_spans: 
     stand
 }
 
-fn has_deeper(layer: &Layer, decide: Level) -> bool {
+fn has_deeper(layer: &CameraLayer, decide: SpanLevel) -> bool {
     let mut deeper = false;
     for &level in &layer.level {
         deeper |= (level > decide) & (level != NO_SAMPLE);
@@ -146,7 +151,11 @@ fn has_deeper(layer: &Layer, decide: Level) -> bool {
 }
 
 /// The rows of every camera, cut into bands that hold something to decide.
-fn bands<'a>(layers: &[Layer], counts: &[Vec<usize>], decided: &'a mut [Decided]) -> Vec<Band<'a>> {
+fn bands<'a>(
+    layers: &[CameraLayer],
+    counts: &[Vec<usize>],
+    decided: &'a mut [Decided],
+) -> Vec<SearchBand<'a>> {
     let mut bands = Vec::new();
     for (camera, (decided, counts)) in decided.iter_mut().zip(counts).enumerate() {
         let (mut pixels, mut verdicts) = (&mut decided.pixels[..], &mut decided.verdicts[..]);
@@ -156,7 +165,7 @@ fn bands<'a>(layers: &[Layer], counts: &[Vec<usize>], decided: &'a mut [Decided]
             pixels = rest;
             let (own_verdicts, rest) = verdicts.split_at_mut(count);
             verdicts = rest;
-            bands.push(Band {
+            bands.push(SearchBand {
                 camera,
                 rows: first_row..(first_row + BAND_ROWS).min(layers[camera].height()),
                 pixels: own_pixels,
@@ -172,10 +181,10 @@ fn bands<'a>(layers: &[Layer], counts: &[Vec<usize>], decided: &'a mut [Decided]
 /// Finds the best candidate of every sample of a band.
 struct FindBest<'a, 'b> {
     pass: &'a Pass<'a>,
-    band: &'a mut Band<'b>,
+    band: &'a mut SearchBand<'b>,
 }
 
-impl Work for FindBest<'_, '_> {
+impl VectorLoop for FindBest<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -191,15 +200,20 @@ impl Work for FindBest<'_, '_> {
         for (row, lanes) in band.rows.clone().zip(lanes.chunks_exact(layer.width.div_ceil(LANES))) {
             entries.clear();
             for (at, &lanes) in lanes.iter().enumerate().filter(|(_, lanes)| **lanes != 0) {
-                let block = Block::new(layer, at * LANES, row, lanes);
-                entries.push(Entry { at, lanes, contest: Contest::new(&block, band.camera), block });
+                let block = PixelRun::new(layer, at * LANES, row, lanes);
+                entries.push(PendingRun {
+                    at,
+                    lanes,
+                    contest: BestCandidates::new(&block, band.camera),
+                    block,
+                });
             }
             // One rival after the other, so that its picture is read along its rows.
             for rival in &mut rivals {
                 hold_row(pass, band.camera, &mut entries, rival, &mut ways);
             }
             rivals.sort_by_key(|rival| Reverse(rival.told));
-            for Entry { at, lanes, contest, .. } in &entries {
+            for PendingRun { at, lanes, contest, .. } in &entries {
                 for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
                     let pixel = row * layer.width + at * LANES + lane;
                     let verdict = if pruning {
@@ -218,7 +232,7 @@ impl Work for FindBest<'_, '_> {
 
 /// For each row and each sixteen pixels of it, which of them hold a sample of the level.
 #[inline(always)]
-fn lanes_of_band(band: &Band<'_>, layer: &Layer, level: Level) -> Vec<u32> {
+fn lanes_of_band(band: &SearchBand<'_>, layer: &CameraLayer, level: SpanLevel) -> Vec<u32> {
     let mut all = Vec::with_capacity(band.rows.len() * layer.width.div_ceil(LANES));
     for row in band.rows.clone() {
         for column in (0..layer.width).step_by(LANES) {
@@ -230,7 +244,7 @@ fn lanes_of_band(band: &Band<'_>, layer: &Layer, level: Level) -> Vec<u32> {
 
 /// The other cameras that may see something of the band.
 #[inline(always)]
-fn rivals_of<'a>(pass: &Pass<'a>, band: &Band<'_>, lanes: &[u32]) -> Vec<Rival<'a>> {
+fn rivals_of<'a>(pass: &Pass<'a>, band: &SearchBand<'_>, lanes: &[u32]) -> Vec<OtherCamera<'a>> {
     rivals(pass.rig, pass.layers, (band.camera, band.rows.clone()), lanes, |other| {
         pass.limits
             .between(&pass.layers[band.camera], &pass.layers[other])
@@ -252,7 +266,7 @@ fn first_verdict(
     pass: &Pass<'_>,
     camera: usize,
     pixel: usize,
-    contest: &Contest,
+    contest: &BestCandidates,
     lane: usize,
     disputes: &mut Vec<Dispute>,
 ) -> Verdict {

@@ -8,51 +8,51 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::background::Background;
+use super::background::PrunedBackground;
 use super::decision::Decided;
 use super::search;
 use super::status::{ABSENT, Statuses};
 use crate::capture::{Capture, Frame};
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::layers::{Layer, LayerBuilder};
-use crate::preprocess::registration::Rig;
-use crate::preprocess::temporal::{Level, SpanTree, TemporalScan};
+use crate::preprocess::layers::{CameraLayer, LayerBuilder};
+use crate::preprocess::registration::CameraPairs;
+use crate::preprocess::temporal::{SpanLevel, SpanTree, TemporalScan};
 use crate::samples::Span;
 use crate::settings::{Settings, SpanLevels};
 
 /// The level of samples of one frame where nothing is known of other frames.
-pub const FRAME: Level = 1;
+pub const FRAME: SpanLevel = 1;
 
 /// All cameras on the way down.
-pub struct Descent<'a> {
+pub struct SpanStack<'a> {
     capture: &'a Capture,
     scan: Option<&'a TemporalScan>,
-    rig: &'a Rig<'a>,
+    rig: &'a CameraPairs<'a>,
     settings: &'a Settings,
     builder: LayerBuilder<'a>,
     /// Per camera, every sample that was put so far.
-    pub layers: Vec<Layer>,
+    pub layers: Vec<CameraLayer>,
     statuses: Statuses,
 }
 
 /// What was put and decided at a step down, per camera.
-pub struct Step {
+pub struct StackStep {
     /// The samples, ascending.
     pub pixels: Vec<Vec<u32>>,
     /// The verdicts on them.
     pub decided: Vec<Decided>,
 }
 
-impl<'a> Descent<'a> {
+impl<'a> SpanStack<'a> {
     /// Begins at `background`. Without a `scan` every pixel is one of its frame alone.
     #[must_use]
     pub fn new(
         capture: &'a Capture,
         scan: Option<&'a TemporalScan>,
-        rig: &'a Rig<'a>,
+        rig: &'a CameraPairs<'a>,
         settings: &'a Settings,
-        background: Background,
+        background: PrunedBackground,
     ) -> Self {
         let statuses = background
             .statuses
@@ -77,19 +77,19 @@ impl<'a> Descent<'a> {
     ///
     /// # Errors
     /// Whatever the capture gives (naming file and frame), `Io` where the temporary file cannot be read, and `Cancelled`.
-    pub fn enter(&mut self, span: Span, level: Level, job: &Job) -> Result<Step> {
+    pub fn enter(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<StackStep> {
         let pixels = self.put_span(span, level, job)?;
         let decided = search::prune(self.rig, &self.layers, &self.statuses, level, self.settings, job)?;
-        Ok(Step { pixels, decided })
+        Ok(StackStep { pixels, decided })
     }
 
     /// Puts and completes the samples of `span`, undecided. Gives their pixels, per camera.
     ///
     /// # Errors
-    /// As [`Descent::enter`].
-    pub fn put_span(&mut self, span: Span, level: Level, job: &Job) -> Result<Vec<Vec<u32>>> {
+    /// As [`SpanStack::enter`].
+    pub fn put_span(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<Vec<Vec<u32>>> {
         let (capture, scan, builder) = (self.capture, self.scan, &self.builder);
-        let of_camera = |(camera, layer): (usize, &mut Layer)| {
+        let of_camera = |(camera, layer): (usize, &mut CameraLayer)| {
             job.check()?;
             layer.noise_share.resize(usize::from(level), 0.0);
             layer.noise_share.push((span.len() as f32).sqrt().recip());
@@ -112,7 +112,7 @@ impl<'a> Descent<'a> {
     }
 
     /// Takes the samples of a step away again; later steps must be taken away before.
-    pub fn leave(&mut self, step: &Step) {
+    pub fn leave(&mut self, step: &StackStep) {
         let cameras = self.layers.par_iter_mut().zip(&self.statuses).zip(&step.pixels);
         cameras.for_each(|((layer, statuses), pixels)| {
             for &pixel in pixels {

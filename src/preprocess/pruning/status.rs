@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicU8;
 
-use crate::preprocess::layers::Layer;
+use crate::preprocess::layers::CameraLayer;
 
 /// No sample at the pixel that could stand for another.
 pub const ABSENT: u8 = 0;
@@ -18,6 +18,6 @@ pub type Statuses = Vec<Vec<AtomicU8>>;
 
 /// Statuses in which nothing is decided yet.
 #[must_use]
-pub fn no_statuses(layers: &[Layer]) -> Statuses {
+pub fn no_statuses(layers: &[CameraLayer]) -> Statuses {
     layers.iter().map(|layer| layer.level.iter().map(|_| AtomicU8::new(ABSENT)).collect()).collect()
 }

@@ -31,7 +31,7 @@ pub enum Outcome {
 
 /// What the target says about the samples of a block: for each a set of bits, and where in the target it was looked for.
 #[derive(Clone, Copy, Debug)]
-pub struct Answers<const N: usize = LANES> {
+pub struct SurfaceMatches<const N: usize = LANES> {
     pub(crate) bits: [u32; N],
     /// Pixels of the target, `y * width + x`; 0 where the point lies outside.
     pub pixel: [u32; N],
@@ -70,7 +70,7 @@ impl<const N: usize> Needs<N> {
     }
 }
 
-impl<const N: usize> Answers<N> {
+impl<const N: usize> SurfaceMatches<N> {
     /// Whether the target shows the same surface point as the sample in `lane`.
     #[inline(always)]
     #[must_use]

@@ -4,13 +4,13 @@ use super::reproject::Registration;
 use crate::capture::Camera;
 
 /// All cameras and every way between two of them.
-pub struct Rig<'a> {
+pub struct CameraPairs<'a> {
     cameras: &'a [Camera],
     /// `[source * cameras + target]`.
     registrations: Vec<Registration>,
 }
 
-impl<'a> Rig<'a> {
+impl<'a> CameraPairs<'a> {
     /// All pairs of `cameras`.
     #[must_use]
     pub fn new(cameras: &'a [Camera]) -> Self {

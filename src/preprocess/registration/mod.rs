@@ -9,7 +9,7 @@ mod same_surface;
 
 pub(crate) use answers::{IN_VIEW, Needs};
 pub use answers::{LANES, Outcome};
-pub use camera_pairs::Rig;
-pub use reproject::{Block, Registration};
+pub use camera_pairs::CameraPairs;
 pub(crate) use reproject::{Carried, lanes_of};
+pub use reproject::{PixelRun, Registration};
 pub use same_surface::SameSurface;

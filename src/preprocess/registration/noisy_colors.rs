@@ -1,8 +1,8 @@
 //! Colors that differ by more than the tolerance, but by no more than the noise of both cameras explains.
 
-use super::answers::{Answers, COLOR_AGREES, Needs, SAME, SURROUNDED};
-use super::reproject::Block;
-use crate::preprocess::layers::{COLOR_STEPS, Layer, Look};
+use super::answers::{COLOR_AGREES, Needs, SAME, SURROUNDED, SurfaceMatches};
+use super::reproject::PixelRun;
+use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, Look};
 
 /// All that has to hold before the color of a sample matters.
 const BUT_LOOKS: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
@@ -11,9 +11,9 @@ const BUT_LOOKS: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
 #[cold]
 #[inline(never)]
 pub(crate) fn tell_noise<const N: usize>(
-    (source, block): (&Layer, &Block<N>),
-    (target, looks): (&Layer, &[Look; N]),
-    answers: &Answers<N>,
+    (source, block): (&CameraLayer, &PixelRun<N>),
+    (target, looks): (&CameraLayer, &[Look; N]),
+    answers: &SurfaceMatches<N>,
     sigmas: f32,
     needs: &mut Needs<N>,
 ) {
@@ -30,8 +30,8 @@ pub(crate) fn tell_noise<const N: usize>(
 /// the channel where that is most.
 #[inline(always)]
 fn beyond_noise<const N: usize>(
-    (source, block, lane): (&Layer, &Block<N>, usize),
-    (target, found, look): (&Layer, u32, &Look),
+    (source, block, lane): (&CameraLayer, &PixelRun<N>, usize),
+    (target, found, look): (&CameraLayer, u32, &Look),
     sigmas: f32,
 ) -> f32 {
     let pixel = block.row * source.width + block.column + lane;
@@ -49,9 +49,9 @@ fn beyond_noise<const N: usize>(
 #[cold]
 #[inline(never)]
 pub(crate) fn allow_noise<const N: usize>(
-    (source, block): (&Layer, &Block<N>),
-    (target, looks): (&Layer, &[Look; N]),
-    answers: &mut Answers<N>,
+    (source, block): (&CameraLayer, &PixelRun<N>),
+    (target, looks): (&CameraLayer, &[Look; N]),
+    answers: &mut SurfaceMatches<N>,
     (color_steps, sigmas): (f32, f32),
     wanted: [u32; N],
 ) {

@@ -1,15 +1,15 @@
 //! Depths that differ by more than the tolerance, but by no more than the noise of both cameras explains.
 
-use super::reproject::{Block, Carried};
-use crate::preprocess::layers::{Facet, Layer};
+use super::reproject::{Carried, PixelRun};
+use crate::preprocess::layers::{CameraLayer, Facet};
 
 /// By how much the noise of both cameras may move the points of a block off the surfaces that the target found: for each its
 /// distance along the ray, times both inverse depths as in the [comparison](super::same_surface).
 #[cold]
 #[inline(never)]
 pub(crate) fn granted_to_noise<const N: usize>(
-    (source, block): (&Layer, &Block<N>),
-    (target, carried, found): (&Layer, &Carried<N>, &[Facet; N]),
+    (source, block): (&CameraLayer, &PixelRun<N>),
+    (target, carried, found): (&CameraLayer, &Carried<N>, &[Facet; N]),
     sigmas: f32,
 ) -> [f32; N] {
     let mut granted = [0.0; N];
@@ -28,7 +28,7 @@ pub(crate) fn granted_to_noise<const N: usize>(
 #[cold]
 #[inline(never)]
 pub(crate) fn granted_around<const N: usize>(
-    target: &Layer,
+    target: &CameraLayer,
     carried: &Carried<N>,
     found: &[Facet; N],
     neighbors: &[[f32; N]; 3],

@@ -10,7 +10,7 @@ use glam::{DVec2, Vec3};
 
 use super::answers::{IN_FRONT, IN_VIEW, LANES};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
-use crate::preprocess::layers::{Facet, Layer, Look, Ranks};
+use crate::preprocess::layers::{CameraLayer, Facet, Look, Ranks};
 use crate::simd::{self, whole};
 
 /// Carries samples of one camera into another.
@@ -54,7 +54,7 @@ impl Lens {
 
 /// Pixels of a row, some of which hold samples to be carried.
 #[derive(Clone, Copy, Debug)]
-pub struct Block<const N: usize = LANES> {
+pub struct PixelRun<const N: usize = LANES> {
     pub(crate) column: usize,
     pub(crate) row: usize,
     pub(crate) inverse_depth: [f32; N],
@@ -96,7 +96,7 @@ impl<const N: usize> Carried<N> {
 
     /// Asks for the ranks of what the target saw there to be fetched.
     #[inline(always)]
-    pub(crate) fn prefetch_ranks(&self, target: &Layer) {
+    pub(crate) fn prefetch_ranks(&self, target: &CameraLayer) {
         // Eight share a cache line, and neighboring lanes lie beside each other more often than not.
         for lane in (0..N).step_by(8) {
             simd::prefetch(&target.ranks, self.pixel[lane] as usize);
@@ -105,7 +105,7 @@ impl<const N: usize> Carried<N> {
 
     /// Asks for what the target saw there to be fetched.
     #[inline(always)]
-    pub(crate) fn prefetch(&self, target: &Layer) {
+    pub(crate) fn prefetch(&self, target: &CameraLayer) {
         for lane in (0..N).step_by(4) {
             let pixel = self.pixel[lane] as usize;
             let below = self.off_center[1][lane] > 0.0;
@@ -119,11 +119,11 @@ impl<const N: usize> Carried<N> {
     }
 }
 
-impl<const N: usize> Block<N> {
+impl<const N: usize> PixelRun<N> {
     /// The samples of `layer` from `(column, row)` on for whose bit of `lanes` is set.
     #[inline(always)]
     #[must_use]
-    pub fn new(layer: &Layer, column: usize, row: usize, lanes: u32) -> Self {
+    pub fn new(layer: &CameraLayer, column: usize, row: usize, lanes: u32) -> Self {
         let facets = lanes_of::<_, N>(&layer.facets, layer.width, (column, row), Facet::ABSENT);
         let looks = lanes_of::<_, N>(&layer.looks, layer.width, (column, row), Look::ABSENT);
         let ranks = lanes_of::<_, N>(&layer.ranks, layer.width, (column, row), Ranks::ABSENT);
@@ -216,7 +216,7 @@ impl Registration {
 
     /// Carries the samples of a block.
     #[inline(always)]
-    pub(crate) fn carry<const N: usize>(&self, block: &Block<N>, target_width: usize) -> Carried<N> {
+    pub(crate) fn carry<const N: usize>(&self, block: &PixelRun<N>, target_width: usize) -> Carried<N> {
         let mut carried = Carried::NOWHERE;
         let (column, t, lens) = (block.column as f32, self.translation, &self.target);
         let row = self.first_ray + self.per_row * block.row as f32;

@@ -13,15 +13,15 @@
 //! `step` is what depths are rounded by. Where depth is noisy, so many standard deviations of both samples' noise come to it.
 
 use super::answers::{
-    Answers, COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, Needs, ON_SURFACE, Outcome,
-    SAME, SURROUNDED,
+    COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, Needs, ON_SURFACE, Outcome, SAME,
+    SURROUNDED, SurfaceMatches,
 };
 use super::noisy_colors::{allow_noise, tell_noise};
 use super::noisy_depths::{granted_around, granted_to_noise};
-use super::reproject::{Block, Carried, Lens, Registration};
+use super::reproject::{Carried, Lens, PixelRun, Registration};
 use crate::capture::INVALID_INVERSE_DEPTH;
-use crate::preprocess::layers::{COLOR_STEPS, Facet, Layer, Look, MIXED};
-use crate::preprocess::temporal::Level;
+use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, Facet, Look, MIXED};
+use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
 use crate::simd::whole;
 
@@ -57,7 +57,7 @@ impl SameSurface {
             noise_sigmas: settings.spans.noise * SIGMAS,
             depth_sigmas: settings.spans.noise * SIGMAS,
             overlap: settings.pruning.overlap,
-            deepest: u32::from(Level::MAX),
+            deepest: u32::from(SpanLevel::MAX),
             has_deeper: true,
         }
     }
@@ -72,20 +72,20 @@ impl SameSurface {
             noise_sigmas: 0.0,
             depth_sigmas: 0.0,
             overlap: false,
-            deepest: u32::from(Level::MAX),
+            deepest: u32::from(SpanLevel::MAX),
             has_deeper: true,
         }
     }
 
     /// These thresholds for samples of `level`, to which those of deeper levels do not exist yet.
     #[must_use]
-    pub fn at_level(self, level: Level) -> Self {
+    pub fn at_level(self, level: SpanLevel) -> Self {
         Self { deepest: u32::from(level), ..self }
     }
 
     /// These thresholds for one pair of layers: where neither is noisy, nothing has to be allowed for noise.
     #[must_use]
-    pub fn between(self, source: &Layer, target: &Layer) -> Self {
+    pub fn between(self, source: &CameraLayer, target: &CameraLayer) -> Self {
         let noisy = source.has_color_noise() || target.has_color_noise();
         let noisy_depth = source.has_depth_noise() || target.has_depth_noise();
         Self {
@@ -107,10 +107,10 @@ impl SameSurface {
     pub fn test(
         &self,
         registration: &Registration,
-        (source, x, y): (&Layer, usize, usize),
-        target: &Layer,
+        (source, x, y): (&CameraLayer, usize, usize),
+        target: &CameraLayer,
     ) -> Outcome {
-        let block = Block::<1>::new(source, x, y, 1);
+        let block = PixelRun::<1>::new(source, x, y, 1);
         let carried = registration.carry(&block, target.width);
         if carried.bits[0] & IN_VIEW == 0 {
             return if carried.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
@@ -124,15 +124,15 @@ impl SameSurface {
     pub fn explain(
         &self,
         registration: &Registration,
-        source: (&Layer, usize, usize),
-        target: &Layer,
+        source: (&CameraLayer, usize, usize),
+        target: &CameraLayer,
     ) -> Outcome {
         let outcome = self.test(registration, source, target);
-        let hides_some = self.deepest < u32::from(Level::MAX);
+        let hides_some = self.deepest < u32::from(SpanLevel::MAX);
         if !hides_some || !matches!(outcome, Outcome::NoDepth | Outcome::Seam) {
             return outcome;
         }
-        match self.at_level(Level::MAX).test(registration, source, target) {
+        match self.at_level(SpanLevel::MAX).test(registration, source, target) {
             Outcome::Same(_) => Outcome::ShorterSpan,
             of_all if outcome == Outcome::NoDepth => of_all,
             _ => outcome,
@@ -145,10 +145,10 @@ impl SameSurface {
     pub(crate) fn compare<const N: usize>(
         &self,
         registration: &Registration,
-        source: (&Layer, &Block<N>),
-        target: (&Layer, &Carried<N>),
+        source: (&CameraLayer, &PixelRun<N>),
+        target: (&CameraLayer, &Carried<N>),
         wanted: [u32; N],
-    ) -> Answers<N> {
+    ) -> SurfaceMatches<N> {
         self.compare_telling::<N, false>(registration, source, target, wanted, &mut Needs::new(0.0))
     }
 
@@ -158,11 +158,11 @@ impl SameSurface {
     pub(crate) fn compare_telling<const N: usize, const TELLING: bool>(
         &self,
         registration: &Registration,
-        (source, block): (&Layer, &Block<N>),
-        (target, carried): (&Layer, &Carried<N>),
+        (source, block): (&CameraLayer, &PixelRun<N>),
+        (target, carried): (&CameraLayer, &Carried<N>),
         wanted: [u32; N],
         needs: &mut Needs<N>,
-    ) -> Answers<N> {
+    ) -> SurfaceMatches<N> {
         let limits = self;
         let mut found = [Facet::ABSENT; N];
         for i in 0..N {
@@ -172,7 +172,7 @@ impl SameSurface {
         if limits.depth_sigmas > 0.0 {
             granted = granted_to_noise((source, block), (target, carried, &found), limits.depth_sigmas);
         }
-        let mut answers = Answers { bits: carried.bits, pixel: carried.pixel, level: [0; N] };
+        let mut answers = SurfaceMatches { bits: carried.bits, pixel: carried.pixel, level: [0; N] };
         let lens = &registration.target;
         let [ax, ay, az] = registration.axes;
         for i in 0..N {
@@ -254,8 +254,8 @@ impl SameSurface {
     fn surround<const N: usize, const TELLING: bool>(
         &self,
         lens: &Lens,
-        (target, carried, found): (&Layer, &Carried<N>, &[Facet; N]),
-        answers: &mut Answers<N>,
+        (target, carried, found): (&CameraLayer, &Carried<N>, &[Facet; N]),
+        answers: &mut SurfaceMatches<N>,
         mut wanted: [u32; N],
         needs: &mut Needs<N>,
     ) {

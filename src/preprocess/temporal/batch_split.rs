@@ -10,7 +10,7 @@ use super::span_tree::halves;
 use super::staticness::StaticTest;
 use crate::color::widened;
 use crate::samples::Span;
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// Pixels that go down together.
 pub(crate) const LANES: usize = 16;
@@ -20,9 +20,9 @@ pub(crate) struct ShortSpans {
     /// Halves of halves, each before its own halves.
     pub(crate) given: Vec<(Span, SpanSamples)>,
     /// `[index in given]`
-    nodes: Vec<Node>,
+    nodes: Vec<BatchNode>,
     /// `[index in given]`: of the pixels that go down.
-    ranges: Vec<Ranges>,
+    ranges: Vec<BatchRanges>,
     /// Pixels that wait until there are enough of them, ascending.
     waiting: [usize; LANES],
     waiting_count: usize,
@@ -30,7 +30,7 @@ pub(crate) struct ShortSpans {
 
 /// A span within a batch.
 #[derive(Clone, Copy)]
-struct Node {
+struct BatchNode {
     /// Frames of the batch, from one up to another.
     start: usize,
     end: usize,
@@ -41,14 +41,14 @@ struct Node {
 /// Smallest and largest color and inverse depth of each pixel, as bits: of numbers that are not negative they are in the same
 /// order, and a depth that is missing comes before all others.
 #[derive(Clone, Copy)]
-struct Ranges {
+struct BatchRanges {
     low_color: [[i16; LANES]; 3],
     high_color: [[i16; LANES]; 3],
     low_depth: [i32; LANES],
     high_depth: [i32; LANES],
 }
 
-impl Ranges {
+impl BatchRanges {
     const NOTHING: Self = Self {
         low_color: [[i16::MAX; LANES]; 3],
         high_color: [[0; LANES]; 3],
@@ -114,10 +114,10 @@ impl ShortSpans {
                 spans.extend(halves);
                 [spans.len() - 2, spans.len() - 1]
             });
-            nodes.push(Node { start: local(span.start), end: local(span.end), halves });
+            nodes.push(BatchNode { start: local(span.start), end: local(span.end), halves });
             next += 1;
         }
-        let ranges = vec![Ranges::NOTHING; spans.len()];
+        let ranges = vec![BatchRanges::NOTHING; spans.len()];
         let given = spans.into_iter().map(|span| (span, SpanSamples::with_capacity(room))).collect();
         Self { given, nodes, ranges, waiting: [0; LANES], waiting_count: 0 }
     }
@@ -159,7 +159,7 @@ struct Descend<'a> {
     asked: u32,
 }
 
-impl Work for Descend<'_> {
+impl VectorLoop for Descend<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -174,7 +174,7 @@ impl Work for Descend<'_> {
         // Halves stand behind what they are halves of: from the back, each range is that of two known ones.
         for (index, node) in nodes.iter().enumerate().skip(1).rev() {
             ranges[index] = match node.halves {
-                None => Ranges::of(&runs[node.start], pixels),
+                None => BatchRanges::of(&runs[node.start], pixels),
                 Some([left, right]) => ranges[left].with(&ranges[right]),
             };
         }

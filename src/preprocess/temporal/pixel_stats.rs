@@ -10,7 +10,7 @@ use glam::Vec3;
 use super::staticness::StaticTest;
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::color::{WIDENING, widened_small};
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// A frame from some pixel on, flat: color three to a pixel, inverse depth one, normals (where given) three.
 #[derive(Clone, Copy)]
@@ -176,7 +176,7 @@ struct Add<'a> {
     frames: &'a [FrameRun<'a>],
 }
 
-impl Work for Add<'_> {
+impl VectorLoop for Add<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -185,7 +185,7 @@ impl Work for Add<'_> {
         let pixels = sums.pixels();
         for first in (0..pixels).step_by(HELD) {
             let count = HELD.min(pixels - first);
-            let mut held = Held::NOTHING;
+            let mut held = PixelSums::NOTHING;
             for frame in frames {
                 // So many frames at once are more than the processor follows by itself.
                 simd::prefetch(frame.color, 3 * (first + AHEAD));
@@ -229,7 +229,7 @@ fn add_normals(sums: &mut [f64], frames: &[FrameRun<'_>]) {
 }
 
 /// The sums of some pixels, and their ranges.
-struct Held {
+struct PixelSums {
     min_color: [i16; 3 * HELD],
     max_color: [i16; 3 * HELD],
     /// Sums of [`widened_small`].
@@ -239,7 +239,7 @@ struct Held {
     inverse_depth: [f64; HELD],
 }
 
-impl Held {
+impl PixelSums {
     const NOTHING: Self = Self {
         min_color: [i16::MAX; 3 * HELD],
         max_color: [0; 3 * HELD],
@@ -290,7 +290,7 @@ struct Merge<'a> {
     later: &'a SpanSums,
 }
 
-impl Work for Merge<'_> {
+impl VectorLoop for Merge<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -3,22 +3,22 @@
 
 use super::pixel_stats::{HELD, SpanSums, larger, smaller};
 use super::staticness::{CHANNELS, StaticTest};
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// Lists the pixels, ascending, whose ranges over both spans are in doubt: all that are not static there, and some that are.
 /// Pixels that are closed in both are left out.
 pub(crate) fn list_doubtful(sums: [&SpanSums; 2], test: &StaticTest, doubtful: &mut Vec<u16>) {
     doubtful.clear();
-    simd::run(Doubt { sums, test, doubtful });
+    simd::run(StaticnessPrefilter { sums, test, doubtful });
 }
 
-struct Doubt<'a> {
+struct StaticnessPrefilter<'a> {
     sums: [&'a SpanSums; 2],
     test: &'a StaticTest,
     doubtful: &'a mut Vec<u16>,
 }
 
-impl Work for Doubt<'_> {
+impl VectorLoop for StaticnessPrefilter<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -80,7 +80,7 @@ mod tests {
     use half::f16;
 
     use super::*;
-    use crate::preprocess::noise::Noise;
+    use crate::preprocess::noise::CameraNoise;
     use crate::preprocess::temporal::pixel_stats::FrameRun;
     use crate::settings::SpanSettings;
 
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn every_pixel_that_is_not_static_is_in_doubt_and_most_that_are_static_are_not() {
-        let noise = Noise { color_steps: [0.7; 16], color_steps_overall: 0.7, depth_relative: 1e-4 };
+        let noise = CameraNoise { color_steps: [0.7; 16], color_steps_overall: 0.7, depth_relative: 1e-4 };
         let test = StaticTest::new(&SpanSettings::default(), &noise, 0.0, 60);
         let pixels = 2003;
         let (left, right) = (sums(1, pixels, &test), sums(2, pixels, &test));

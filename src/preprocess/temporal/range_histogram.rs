@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::staticness::StaticTest;
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// Bins per octave of the histograms of ranges.
 const BINS_PER_OCTAVE: f32 = 4.0;
@@ -117,7 +117,7 @@ struct Count<'a> {
     test: &'a StaticTest,
 }
 
-impl Work for Count<'_> {
+impl VectorLoop for Count<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -219,7 +219,7 @@ fn percentiles(bins: &[u64], octaves: f32) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preprocess::noise::Noise;
+    use crate::preprocess::noise::CameraNoise;
     use crate::settings::SpanSettings;
 
     #[test]
@@ -238,7 +238,7 @@ mod tests {
     #[test]
     fn percentiles_and_shares_tell_where_the_tolerance_lies() {
         let settings = SpanSettings::default();
-        let test = StaticTest::new(&settings, &Noise::default(), 0.0, 10);
+        let test = StaticTest::new(&settings, &CameraNoise::default(), 0.0, 10);
         let mut shares = RangeShares::default();
         for i in 0..1000 {
             shares.count(&[i as f32 / 100.0], &[0.0], &[test.granted_color()], &test);

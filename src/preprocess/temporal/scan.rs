@@ -19,11 +19,11 @@ use super::span_store::SpanStore;
 use super::span_tree::SpanTree;
 use super::staticness::StaticTest;
 use super::tree_split::Split;
-use super::two_level::{CameraSum, Ranges};
+use super::two_level::{CameraSum, SequenceRanges};
 use crate::capture::{Capture, Frame};
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::noise::{Noise, NoiseFrames, measure_pairs};
+use crate::preprocess::noise::{CameraNoise, NoiseFrames, measure_pairs};
 use crate::preprocess::normals::{NormalErrors, compare_with_given};
 use crate::samples::samples_in_memory;
 use crate::settings::{Settings, SpanLevels, SpanSettings};
@@ -32,7 +32,7 @@ use crate::settings::{Settings, SpanLevels, SpanSettings};
 #[derive(Debug)]
 pub struct CameraScan {
     /// Range and mean of every pixel over all frames; for the paper's two lengths only.
-    pub ranges: Option<Ranges>,
+    pub ranges: Option<SequenceRanges>,
     /// How far the ranges of all pixels reach; for the tree of spans only.
     pub shares: Option<RangeShares>,
     /// Pixels without depth, over all frames.
@@ -41,7 +41,7 @@ pub struct CameraScan {
     /// looked at before.
     pub depth_step_relative: f32,
     /// Noise of static pixels.
-    pub noise: Noise,
+    pub noise: CameraNoise,
     /// Estimated against given normals on the first frame, with the settings of the scan; empty where none are given.
     pub normal_errors: Vec<NormalErrors>,
 }
@@ -138,7 +138,7 @@ fn batch_size(capture: &Capture, camera: usize, settings: &Settings) -> usize {
 
 /// What is known of a camera before the pass over its frames.
 struct Preview {
-    noise: Noise,
+    noise: CameraNoise,
     depth_step_relative: f32,
     normal_errors: Vec<NormalErrors>,
     /// The frames that were looked at, by their index.
@@ -166,7 +166,7 @@ impl Preview {
     }
 
     /// With what the pass over the frames told.
-    fn with(self, ranges: Option<Ranges>, shares: Option<RangeShares>, invalid: u64) -> CameraScan {
+    fn with(self, ranges: Option<SequenceRanges>, shares: Option<RangeShares>, invalid: u64) -> CameraScan {
         let Self { noise, depth_step_relative, normal_errors, held: _ } = self;
         CameraScan { ranges, shares, invalid, depth_step_relative, noise, normal_errors }
     }

@@ -7,7 +7,7 @@ use half::slice::HalfFloatSliceExt;
 use super::pixel_stats::{SpanSums, direction, relative_range};
 use super::staticness::{CHANNELS, StaticTest, color_range_steps};
 use crate::color;
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// Range of color of every pixel, the widest of the three channels, 8-bit sRGB steps.
 pub(crate) fn color_ranges_steps(sums: &SpanSums) -> Vec<f32> {
@@ -62,7 +62,7 @@ struct Means<'a> {
     inverse_depth: &'a mut [f32],
 }
 
-impl Work for Means<'_> {
+impl VectorLoop for Means<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -12,7 +12,7 @@ use glam::Vec3;
 use half::f16;
 
 use crate::error::Result;
-use crate::samples::{Overflow, Place, Record, Span};
+use crate::samples::{Record, RecordPlace, Span, SpillFile};
 
 /// Samples with their pixels, in ascending order of the pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -114,15 +114,15 @@ impl Record for SpanSamples {
 /// The samples of every camera and span.
 #[derive(Debug)]
 pub struct SpanStore {
-    places: BTreeMap<(usize, Span), Place<SpanSamples>>,
-    overflow: Overflow,
+    places: BTreeMap<(usize, Span), RecordPlace<SpanSamples>>,
+    overflow: SpillFile,
 }
 
 impl SpanStore {
     /// An empty store that holds at most `bound` bytes in memory.
     #[must_use]
     pub fn new(bound: usize) -> Self {
-        Self { places: BTreeMap::new(), overflow: Overflow::new(bound) }
+        Self { places: BTreeMap::new(), overflow: SpillFile::new(bound) }
     }
 
     /// Takes the samples of `camera` over `span`.
@@ -148,8 +148,8 @@ impl SpanStore {
     pub fn counts(&self, camera: usize) -> impl Iterator<Item = (Span, usize)> + '_ {
         let of_camera = (camera, Span { start: 0, end: 0 })..(camera + 1, Span { start: 0, end: 0 });
         self.places.range(of_camera).map(|((_, span), place)| match place {
-            Place::Memory(samples) => (*span, samples.len()),
-            Place::File(_, (samples, _)) => (*span, *samples),
+            RecordPlace::Memory(samples) => (*span, samples.len()),
+            RecordPlace::File(_, (samples, _)) => (*span, *samples),
         })
     }
 }

@@ -11,7 +11,7 @@
 
 use half::f16;
 
-use crate::preprocess::noise::{BRIGHTNESS_BINS, Noise, brightness_bin, granted_range_sigmas};
+use crate::preprocess::noise::{BRIGHTNESS_BINS, CameraNoise, brightness_bin, granted_range_sigmas};
 use crate::settings::SpanSettings;
 use crate::{color, simd};
 
@@ -57,7 +57,12 @@ impl StaticTest {
     /// The rule under `settings` for a camera of this noise, whose depth was rounded to relative steps of
     /// `depth_step_relative`, over `frames` frames.
     #[must_use]
-    pub fn new(settings: &SpanSettings, noise: &Noise, depth_step_relative: f32, frames: usize) -> Self {
+    pub fn new(
+        settings: &SpanSettings,
+        noise: &CameraNoise,
+        depth_step_relative: f32,
+        frames: usize,
+    ) -> Self {
         let sigmas = settings.noise * granted_range_sigmas(frames);
         let color_steps = settings.color_tolerance;
         let granted = noise.color_steps.map(|sigma| color_steps + sigmas * sigma);
@@ -184,7 +189,7 @@ mod tests {
 
     /// Classes that are unlike each other, as those of real renderers are.
     fn test() -> StaticTest {
-        let noise = Noise {
+        let noise = CameraNoise {
             color_steps: std::array::from_fn(|bin| 0.4 + 0.15 * ((bin * 7) % 16) as f32),
             color_steps_overall: 1.0,
             depth_relative: 0.0,

@@ -54,12 +54,12 @@ pub struct Split {
     tree: SpanTree,
     test: StaticTest,
     added: u32,
-    bands: Vec<Band>,
+    bands: Vec<SplitBand>,
     /// Spans that wait for the one beside them; each band holds the sums of each.
     open: Vec<Span>,
 }
 
-struct Band {
+struct SplitBand {
     first: usize,
     pixels: usize,
     /// `[chunk][open span]`
@@ -77,7 +77,7 @@ impl Split {
     pub fn new(pixels: usize, frames: usize, test: StaticTest) -> Self {
         let bands = (0..pixels).step_by(BAND).map(|first| {
             let count = BAND.min(pixels - first);
-            Band {
+            SplitBand {
                 first,
                 pixels: count,
                 chunks: vec![Vec::new(); count.div_ceil(CHUNK)],
@@ -114,13 +114,13 @@ impl Split {
         roots.resize_with(self.bands.len(), || None);
         let bands = self.bands.par_iter_mut().zip(&mut roots).with_max_len(JOB_BANDS);
         let found = bands.fold(
-            || Found::new(&batch),
+            || SplitSamples::new(&batch),
             |mut found, (band, root)| {
                 band.add(&batch, root.as_mut(), &mut found);
                 found
             },
         );
-        let found: Vec<Found> = found.collect();
+        let found: Vec<SplitSamples> = found.collect();
         let counts: Vec<usize> = roots.iter().flatten().map(RootBand::count).collect();
         let mut joined = join(found, &batch);
         let root = root.joined(&counts, BAND);
@@ -163,7 +163,7 @@ impl Split {
 }
 
 /// The samples that were found in bands that follow one another.
-struct Found {
+struct SplitSamples {
     short: ShortSpans,
     /// For each pair of spans in [`Batch::carry`].
     long: Vec<[SpanSamples; 2]>,
@@ -171,7 +171,7 @@ struct Found {
     doubtful: Vec<u16>,
 }
 
-impl Found {
+impl SplitSamples {
     fn new(batch: &Batch<'_>) -> Self {
         let room = || SpanSamples::with_capacity(ROOM);
         Self {
@@ -189,7 +189,7 @@ impl Found {
 }
 
 /// The samples of all bands, those of a span together.
-fn join(found: Vec<Found>, batch: &Batch<'_>) -> Given {
+fn join(found: Vec<SplitSamples>, batch: &Batch<'_>) -> Given {
     let mut parts = found.into_iter().map(|found| found.given(batch));
     let Some(mut joined) = parts.next() else { return Given::new() };
     let later: Vec<Given> = parts.collect();
@@ -202,10 +202,10 @@ fn join(found: Vec<Found>, batch: &Batch<'_>) -> Given {
     joined
 }
 
-impl Band {
+impl SplitBand {
     /// `root` is there with the last frames.
-    fn add(&mut self, batch: &Batch<'_>, mut root: Option<&mut RootBand<'_>>, found: &mut Found) {
-        let Found { short, long, doubtful } = found;
+    fn add(&mut self, batch: &Batch<'_>, mut root: Option<&mut RootBand<'_>>, found: &mut SplitSamples) {
+        let SplitSamples { short, long, doubtful } = found;
         for (index, open) in self.chunks.iter_mut().enumerate() {
             let first = self.first + index * CHUNK;
             let pixels = CHUNK.min(self.first + self.pixels - first);

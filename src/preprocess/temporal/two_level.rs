@@ -23,7 +23,7 @@ use crate::settings::{SpanLevels, SpanSettings};
 
 /// Threshold-independent facts about one camera over all frames.
 #[derive(Debug)]
-pub struct Ranges {
+pub struct SequenceRanges {
     /// Smallest color over time of each channel, bits of half floats that are not below 0. Of no meaning where some frame has no
     /// depth at the pixel.
     pub low_color: Grid<[i16; 3]>,
@@ -40,7 +40,7 @@ pub struct Ranges {
     pub mean_normal: Option<Grid<[f32; 3]>>,
 }
 
-impl Ranges {
+impl SequenceRanges {
     /// Which pixels are background under `settings`, row-major.
     #[must_use]
     pub fn static_pixels(&self, settings: &SpanSettings, test: &StaticTest) -> Vec<bool> {
@@ -114,7 +114,7 @@ const EMPTY_SUM: PixelSum = PixelSum {
     invalid: 0,
 };
 
-/// Gathers [`Ranges`] frame by frame.
+/// Gathers [`SequenceRanges`] frame by frame.
 pub(crate) struct CameraSum {
     width: usize,
     pixels: Vec<PixelSum>,
@@ -145,12 +145,12 @@ impl CameraSum {
     }
 
     /// Ranges and means over so many frames, and pixels without depth.
-    pub(crate) fn finish(self, frames: usize) -> (Ranges, u64) {
+    pub(crate) fn finish(self, frames: usize) -> (SequenceRanges, u64) {
         let (width, height) = (self.width, self.pixels.len() / self.width.max(1));
         let grid = |values| Grid::from_vec(width, height, values);
         let count = frames as f32;
         let pixels = &self.pixels;
-        let ranges = Ranges {
+        let ranges = SequenceRanges {
             low_color: Grid::from_vec(width, height, pixels.iter().map(|sum| sum.low_color).collect()),
             high_color: Grid::from_vec(width, height, pixels.iter().map(|sum| sum.high_color).collect()),
             depth_relative: grid(pixels.iter().map(depth_range_relative).collect()),

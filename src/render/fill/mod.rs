@@ -27,8 +27,8 @@ use rayon::prelude::*;
 use super::vantage::{NO_IMAGE, Picture};
 use crate::capture::Camera;
 use crate::settings::{Fill, RenderSettings};
-use pyramid::{Cell, Pyramid};
-use rays::{Rays, Sight};
+use pyramid::{Pyramid, WeightedMean};
+use rays::{HoleNeighbors, HoleRays};
 
 /// Widths up to this many times the narrowest one have a say in which surface is behind: in a corner of a near object the
 /// narrowest runs from near to near, and only a longer one gets out.
@@ -59,7 +59,7 @@ struct Surface {
     /// Smallest and largest inverse depth of it that the pixel sees.
     range: [f32; 2],
     /// The mean of what the pixel sees of it, nearby pixels counting more.
-    mean: Cell,
+    mean: WeightedMean,
     /// Distance to the remotest painted pixel that it sees of it.
     reach_px: f32,
 }
@@ -86,7 +86,7 @@ pub fn fill(picture: &mut Picture, target: &Camera, settings: &RenderSettings) {
     }
     let tolerance = Tolerance::new(target, settings);
     let (pyramid, rays) =
-        rayon::join(|| Pyramid::pull(picture, tolerance), || Rays::cast(image, (width, height)));
+        rayon::join(|| Pyramid::pull(picture, tolerance), || HoleRays::cast(image, (width, height)));
     let filled: Vec<Vec<Filled>> = (0..height)
         .into_par_iter()
         .map(|y| {
@@ -114,11 +114,11 @@ pub fn fill(picture: &mut Picture, target: &Camera, settings: &RenderSettings) {
 /// The farthest surface that lies across the hole where it is narrow; `None` where the pixel sees nothing painted.
 fn surface_behind(
     picture: &Picture,
-    rays: &Rays,
+    rays: &HoleRays,
     pixel: (usize, usize),
     tolerance: Tolerance,
 ) -> Option<Surface> {
-    let Sight { pixel, distance_px } = rays.sight(pixel);
+    let HoleNeighbors { pixel, distance_px } = rays.sight(pixel);
     let inverse_depth = pixel.map(|pixel| picture.inverse_depth.as_slice()[pixel]);
     let pairs = [0, 1, 2, 3].map(|direction| (distance_px[direction], distance_px[direction + 4]));
     let narrowest_px = pairs.iter().map(|(a, b)| a + b).fold(f32::INFINITY, f32::min);
@@ -133,7 +133,7 @@ fn surface_behind(
         }
     }
     let (far, far_px) = behind?;
-    let mut surface = Surface { range: [far; 2], mean: Cell::EMPTY, reach_px: 0.0 };
+    let mut surface = Surface { range: [far; 2], mean: WeightedMean::EMPTY, reach_px: 0.0 };
     for direction in 0..8 {
         let (near, near_px) = (inverse_depth[direction], distance_px[direction]);
         if near_px.is_finite() && near.max(far) <= near.min(far) * tolerance.factor(near_px + far_px) {

@@ -15,7 +15,7 @@ use crate::render::vantage::{NO_IMAGE, Picture};
 
 /// A mean with its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cell {
+pub(super) struct WeightedMean {
     /// Linear Rec.709.
     pub(super) color: [f32; 3],
     /// Reciprocal of planar z.
@@ -24,7 +24,7 @@ pub(super) struct Cell {
     pub(super) weight: f32,
 }
 
-impl Cell {
+impl WeightedMean {
     /// Nothing.
     pub(super) const EMPTY: Self = Self { color: [0.0; 3], inverse_depth: 0.0, weight: 0.0 };
 
@@ -43,17 +43,17 @@ impl Cell {
     }
 }
 
-struct Level {
+struct PyramidLevel {
     width: usize,
     height: usize,
-    cells: Vec<Cell>,
+    cells: Vec<WeightedMean>,
     /// For each cell the finest level at which there is anything around it, from its own level up.
     anything_from: Vec<u8>,
 }
 
 /// All levels above the picture itself, finest first.
 pub(super) struct Pyramid {
-    levels: Vec<Level>,
+    levels: Vec<PyramidLevel>,
 }
 
 /// Share of a block that must be painted for its mean to be as good as any: with less, what is there lies to one side.
@@ -73,7 +73,7 @@ impl Pyramid {
         let pixel = |x: usize, y: usize| {
             let pixel = y * width + x;
             let painted = picture.image.as_slice()[pixel] != NO_IMAGE;
-            Cell {
+            WeightedMean {
                 color: picture.color.as_slice()[pixel],
                 inverse_depth: picture.inverse_depth.as_slice()[pixel],
                 weight: f32::from(u8::from(painted)),
@@ -100,9 +100,9 @@ impl Pyramid {
         (x, y): (usize, usize),
         surface: Option<&Surface>,
         tolerance: Tolerance,
-    ) -> Option<Cell> {
+    ) -> Option<WeightedMean> {
         let largest_px = surface.map_or(f32::INFINITY, |surface| BLOCKS * surface.reach_px);
-        let mut sum = Cell::EMPTY;
+        let mut sum = WeightedMean::EMPTY;
         let first = self.levels[0].anything_from[y / 2 * self.levels[0].width + x / 2] as usize;
         for (index, level) in self.levels.iter().enumerate().skip(first) {
             let block_px = (2 << index) as f32;
@@ -128,8 +128,8 @@ impl Pyramid {
     }
 }
 
-impl Level {
-    /// Sets [`Level::anything_from`] of the level with this index: what is empty around a cell is empty around its parts.
+impl PyramidLevel {
+    /// Sets [`PyramidLevel::anything_from`] of the level with this index: what is empty around a cell is empty around its parts.
     fn note_empty(&mut self, index: usize, coarser: Option<&Self>) {
         let (width, height, cells) = (self.width, self.height, &self.cells);
         self.anything_from = vec![index as u8; cells.len()];
@@ -149,7 +149,7 @@ impl Level {
     /// The four cells around a pixel's center with their bilinear shares; at the picture's edge the outermost cells go on.
     /// Blocks are `1 << log2_block` pixels wide.
     #[inline]
-    fn around(&self, (x, y): (usize, usize), log2_block: usize, mut visit: impl FnMut(&Cell, f32)) {
+    fn around(&self, (x, y): (usize, usize), log2_block: usize, mut visit: impl FnMut(&WeightedMean, f32)) {
         // In whole halves of a pixel, as rounding down is slow in floats.
         let ends = |pixel: usize, count: usize| {
             let past_center = (2 * pixel + 1) as isize - (1_isize << log2_block);
@@ -169,9 +169,13 @@ impl Level {
 }
 
 /// The next coarser level; inverse depths of one surface differ at most by `factor`.
-fn halve((width, height): (usize, usize), factor: f32, finer: impl Fn(usize, usize) -> Cell + Sync) -> Level {
+fn halve(
+    (width, height): (usize, usize),
+    factor: f32,
+    finer: impl Fn(usize, usize) -> WeightedMean + Sync,
+) -> PyramidLevel {
     let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
-    let mut cells = vec![Cell::EMPTY; columns * rows];
+    let mut cells = vec![WeightedMean::EMPTY; columns * rows];
     cells.par_chunks_mut(columns).enumerate().with_min_len(16).for_each(|(row, cells)| {
         for (column, cell) in cells.iter_mut().enumerate() {
             // The last block of an odd picture is smaller: its pixels count twice.
@@ -180,7 +184,7 @@ fn halve((width, height): (usize, usize), factor: f32, finer: impl Fn(usize, usi
                 .map(|(x, y)| finer(x, y));
             let painted = || block.iter().filter(|part| part.weight > 0.0);
             let farthest = painted().map(|part| part.inverse_depth).fold(f32::INFINITY, f32::min);
-            let mut sum = Cell::EMPTY;
+            let mut sum = WeightedMean::EMPTY;
             for part in painted().filter(|part| part.inverse_depth <= farthest * factor) {
                 sum.add(part.weight, part.color, part.inverse_depth);
             }
@@ -190,5 +194,5 @@ fn halve((width, height): (usize, usize), factor: f32, finer: impl Fn(usize, usi
             }
         }
     });
-    Level { width: columns, height: rows, cells, anything_from: Vec::new() }
+    PyramidLevel { width: columns, height: rows, cells, anything_from: Vec::new() }
 }

@@ -27,7 +27,7 @@ const COLUMNS: [isize; 4] = [-1, -1, 0, 1];
 
 /// What a hole pixel sees, direction by direction; direction `i + 4` is opposite of `i`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sight {
+pub(super) struct HoleNeighbors {
     /// Index of the painted pixel, row-major; 0 where there is none.
     pub(super) pixel: [usize; 8],
     /// Distance to it; infinite where there is none.
@@ -35,13 +35,13 @@ pub(super) struct Sight {
 }
 
 /// Rays from every hole pixel.
-pub(super) struct Rays {
+pub(super) struct HoleRays {
     size: (usize, usize),
     forward: Vec<Steps>,
     backward: Vec<Steps>,
 }
 
-impl Rays {
+impl HoleRays {
     /// Casts all rays over a picture of `size` whose holes hold [`NO_IMAGE`].
     pub(super) fn cast(image: &[u32], size: (usize, usize)) -> Self {
         let last = image.len() - 1;
@@ -53,13 +53,13 @@ impl Rays {
     }
 
     /// What the hole pixel `(x, y)` sees.
-    pub(super) fn sight(&self, (x, y): (usize, usize)) -> Sight {
+    pub(super) fn sight(&self, (x, y): (usize, usize)) -> HoleNeighbors {
         let (width, height) = self.size;
         let last = width * height - 1;
         let (turned_x, turned_y) = (width - 1 - x, height - 1 - y);
         let forward = self.forward[y * width + x];
         let backward = self.backward[turned_y * width + turned_x];
-        let mut sight = Sight { pixel: [0; 8], distance_px: [f32::INFINITY; 8] };
+        let mut sight = HoleNeighbors { pixel: [0; 8], distance_px: [f32::INFINITY; 8] };
         for direction in 0..4 {
             // Pixels to go back, row-major, for each step.
             let stride = [1, width + 1, width, width - 1][direction];
@@ -163,7 +163,7 @@ mod tests {
             let image: Vec<u32> = (0..width * height)
                 .map(|i| if (i * 7919 + i / 3) % every == every - 1 { 3 } else { NO_IMAGE })
                 .collect();
-            let rays = Rays::cast(&image, (width, height));
+            let rays = HoleRays::cast(&image, (width, height));
             for pixel in (0..image.len()).filter(|&pixel| image[pixel] == NO_IMAGE) {
                 let from = (pixel % width, pixel / width);
                 let sight = rays.sight(from);

@@ -27,8 +27,8 @@ const MOST_SAID: u64 = 2000;
 const PATIENCE: Duration = Duration::from_millis(10);
 
 /// A running ffmpeg that is given one picture after another. The film takes its name once it is whole: dropped before
-/// [`Encoder::finish`], nothing is left of it, and what had that name before stays.
-pub struct Encoder {
+/// [`FilmEncoder::finish`], nothing is left of it, and what had that name before stays.
+pub struct FilmEncoder {
     ffmpeg: Child,
     pipe: Option<ChildStdin>,
     /// What it says: a file, as a pipe that is full would hold it up.
@@ -38,7 +38,7 @@ pub struct Encoder {
     out: PathBuf,
 }
 
-impl Encoder {
+impl FilmEncoder {
     /// Starts ffmpeg on a film of `width` by `height` pixels; its format is that which `out` is named after, as in `film.mp4`.
     ///
     /// # Errors
@@ -119,7 +119,7 @@ impl Encoder {
     }
 }
 
-impl Drop for Encoder {
+impl Drop for FilmEncoder {
     fn drop(&mut self) {
         // Of a film that is whole there is no process left to end.
         let _ = self.ffmpeg.kill();

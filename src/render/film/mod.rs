@@ -3,7 +3,7 @@
 mod encoder;
 mod path;
 
-pub use encoder::Encoder;
+pub use encoder::FilmEncoder;
 pub use path::{PathKey, pose_at};
 
 use std::sync::Arc;

@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use super::silhouette::{Patch, Pixel, Question, RING, SIDE};
 use super::surface_points::SurfacePoints;
 use super::view_weights::{BLOCK, Gather};
-use super::visibility_votes::{Points, Votes};
+use super::visibility_votes::{VotedPoints, Votes};
 use crate::render::input::{FrameSamples, Windows};
 use crate::render::resolve::Rows;
 use crate::render::splat::{inverse_depth_of, slot_of};
@@ -17,7 +17,7 @@ const ASKED_OFTEN: usize = 3;
 
 /// What gathering a block needs for a while, and keeps for the next.
 #[derive(Debug)]
-pub(crate) struct Scratch {
+pub(crate) struct GatherScratch {
     /// The block and its ring.
     pub(crate) patch: Patch,
     /// Among the lasting samples, and among all.
@@ -26,18 +26,18 @@ pub(crate) struct Scratch {
     weights: Vec<(f32, u16)>,
     /// What is to be decided at edges, in the order of the pixels.
     questions: Vec<Question>,
-    claims: Points,
+    claims: VotedPoints,
     votes: Vec<Votes>,
     points: SurfacePoints,
 }
 
 /// What was used and may be used again, by one thread each.
 #[derive(Debug, Default)]
-pub(crate) struct Scratches(Mutex<Vec<Scratch>>);
+pub(crate) struct Scratches(Mutex<Vec<GatherScratch>>);
 
 /// One of [`Scratches`] on loan.
 pub(crate) struct Borrowed<'a> {
-    scratch: Option<Scratch>,
+    scratch: Option<GatherScratch>,
     home: &'a Scratches,
 }
 
@@ -55,15 +55,15 @@ impl Scratches {
         Borrowed { scratch, home: self }
     }
 
-    fn idle(&self) -> MutexGuard<'_, Vec<Scratch>> {
+    fn idle(&self) -> MutexGuard<'_, Vec<GatherScratch>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Borrowed<'_> {
     /// What was borrowed, or a new one where there was none.
-    pub(crate) fn get(&mut self, cameras: usize) -> &mut Scratch {
-        self.scratch.get_or_insert_with(|| Scratch::new(cameras))
+    pub(crate) fn get(&mut self, cameras: usize) -> &mut GatherScratch {
+        self.scratch.get_or_insert_with(|| GatherScratch::new(cameras))
     }
 }
 
@@ -73,7 +73,7 @@ impl Drop for Borrowed<'_> {
     }
 }
 
-impl Scratch {
+impl GatherScratch {
     /// For so many cameras.
     fn new(cameras: usize) -> Self {
         Self {
@@ -82,7 +82,7 @@ impl Scratch {
             cameras: Vec::new(),
             weights: Vec::new(),
             questions: Vec::new(),
-            claims: Points::default(),
+            claims: VotedPoints::default(),
             votes: Vec::new(),
             points: SurfacePoints::new(),
         }

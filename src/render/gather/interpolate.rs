@@ -2,11 +2,11 @@
 //! in vectors. Every point hears its cameras in the same order as if it asked alone, so that its color does not depend on its
 //! neighbors.
 
-use super::reproject::{Places, agrees, bilinear, carried};
+use super::reproject::{ReprojectedPoints, agrees, bilinear, carried};
 use super::surface_points::{MOST, SurfacePoints};
-use super::view_weights::{BESIDE_EDGE, EXACT, Gather, MAX_SUBPIXELS, SUBPIXEL_WIDTH, View};
+use super::view_weights::{BESIDE_EDGE, EXACT, Gather, MAX_SUBPIXELS, SUBPIXEL_WIDTH, WeightedView};
 use crate::color::widened;
-use crate::render::input::{LANES, Lanes, Quads, Windows};
+use crate::render::input::{LANES, LaneValues, Quads, Windows};
 use crate::simd::{joined, mask};
 
 /// A camera that shows less of the surface than this share knows nothing of it.
@@ -14,24 +14,24 @@ const LEAST_KNOWN: f32 = 1e-3;
 
 /// Points that one camera is asked for together.
 struct Asked {
-    x: Lanes,
-    y: Lanes,
-    w: Lanes,
+    x: LaneValues,
+    y: LaneValues,
+    w: LaneValues,
     /// One bit for each that there is.
     which: u32,
 }
 
 /// What cameras say of the points.
 #[derive(Clone, Copy)]
-struct Answers {
+struct ViewColors {
     /// Weighted by `weight`.
-    color: [Lanes; 3],
-    weight: Lanes,
+    color: [LaneValues; 3],
+    weight: LaneValues,
     /// Share of the pixel that is known.
-    known: Lanes,
+    known: LaneValues,
 }
 
-impl Answers {
+impl ViewColors {
     const NONE: Self = Self { color: [[0.0; LANES]; 3], weight: [0.0; LANES], known: [0.0; LANES] };
 
     #[inline(always)]
@@ -48,7 +48,7 @@ impl Answers {
 
 /// Red, green and blue of each corner of quads.
 #[inline(always)]
-fn colors(quads: &Quads) -> [[Lanes; 3]; 4] {
+fn colors(quads: &Quads) -> [[LaneValues; 3]; 4] {
     let mut colors = [[[0.0; LANES]; 3]; 4];
     for (bits, colors) in quads.color.iter().zip(&mut colors) {
         for i in 0..LANES {
@@ -110,8 +110,8 @@ impl Gather<'_> {
 
     /// What one camera says of sixteen points.
     #[inline(always)]
-    fn answers(&self, view: &View, points: &Asked, windows: &mut Windows) -> Answers {
-        let mut found = Answers::NONE;
+    fn answers(&self, view: &WeightedView, points: &Asked, windows: &mut Windows) -> ViewColors {
+        let mut found = ViewColors::NONE;
         let mut places = self.places(view, &points.x, &points.y, &points.w);
         let mut left = points.which & places.inside;
         let mut counts = [1.0; LANES];
@@ -126,7 +126,7 @@ impl Gather<'_> {
             let count = counts[left.trailing_zeros() as usize % LANES];
             let alike = left & mask(|i| counts[i] == count);
             left &= !alike;
-            let mut sum = Answers::NONE;
+            let mut sum = ViewColors::NONE;
             let per_subpixel = 1.0 / count;
             let (mut x, mut y, mut sub) = (points.x, points.y, (0.0, 0.0));
             while sub.1 < count {
@@ -156,12 +156,12 @@ impl Gather<'_> {
     #[inline(always)]
     fn interpolated(
         &self,
-        view: &View,
-        places: &Places,
-        (x, y, w): (&Lanes, &Lanes, &Lanes),
+        view: &WeightedView,
+        places: &ReprojectedPoints,
+        (x, y, w): (&LaneValues, &LaneValues, &LaneValues),
         asked: u32,
         windows: &mut Windows,
-    ) -> Answers {
+    ) -> ViewColors {
         let quads = windows.quads::<true>(&self.lookup, view.camera, &places.corners(), asked);
         let (mut known, mut depth, mut moved) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
         for i in 0..LANES {
@@ -181,7 +181,7 @@ impl Gather<'_> {
             moved[i] = u32::from(!is_exact) << i;
         }
         if asked & mask(|i| known[i] >= LEAST_KNOWN) == 0 {
-            return Answers::NONE;
+            return ViewColors::NONE;
         }
         let (mut along, mut down) = (places.along, places.down);
         let moved = joined(&moved);
@@ -195,7 +195,7 @@ impl Gather<'_> {
         }
         let weights = self.weights(view, &places.reciprocal, [x, y, w]);
         let colors = colors(&quads);
-        let mut answers = Answers::NONE;
+        let mut answers = ViewColors::NONE;
         for i in 0..LANES {
             let expected = places.expected[i];
             let limit = expected * view.tolerance;
@@ -245,7 +245,7 @@ fn is_run(at: &[usize; LANES]) -> bool {
 
 /// Some numbers out of many.
 #[inline(always)]
-fn listed(numbers: &[f32; MOST], at: &[usize; LANES]) -> Lanes {
+fn listed(numbers: &[f32; MOST], at: &[usize; LANES]) -> LaneValues {
     if is_run(at)
         && let Some(run) = numbers[at[0] % MOST..].first_chunk::<LANES>()
     {
@@ -260,7 +260,7 @@ fn listed(numbers: &[f32; MOST], at: &[usize; LANES]) -> Lanes {
 
 /// Adds the first `count` of some numbers to others out of many.
 #[inline(always)]
-fn add_listed(sums: &mut [f32; MOST], at: &[usize; LANES], count: usize, parts: &Lanes) {
+fn add_listed(sums: &mut [f32; MOST], at: &[usize; LANES], count: usize, parts: &LaneValues) {
     if is_run(at)
         && let Some(run) = sums[at[0] % MOST..].first_chunk_mut::<LANES>()
     {
@@ -277,7 +277,13 @@ fn add_listed(sums: &mut [f32; MOST], at: &[usize; LANES], count: usize, parts: 
 /// Where between the 2×2 samples the pixel's line of sight meets the surface that the camera itself saw, at inverse depth
 /// `depth`, instead of the one that the z-buffer holds.
 #[inline(always)]
-fn corrected(view: &View, places: &Places, i: usize, (x, y): (f32, f32), depth: f32) -> (f32, f32) {
+fn corrected(
+    view: &WeightedView,
+    places: &ReprojectedPoints,
+    i: usize,
+    (x, y): (f32, f32),
+    depth: f32,
+) -> (f32, f32) {
     let (left, above) = (places.left[i], places.above[i]);
     let seen = carried(&view.target_from_source, left + places.along[i], above + places.down[i], depth);
     let there = &view.source_from_target;

@@ -1,29 +1,29 @@
 //! Where surface points of the vantage lie in a camera, sixteen at a time.
 
-use super::view_weights::{Gather, View};
+use super::view_weights::{Gather, WeightedView};
 use crate::render::geometry::Projector;
-use crate::render::input::{LANES, Lanes};
+use crate::render::input::{LANES, LaneValues};
 use crate::simd::{joined, whole};
 
 /// Sixteen points in one camera.
-pub(crate) struct Places {
+pub(crate) struct ReprojectedPoints {
     /// Which of them the camera looks at: one bit each.
     pub(crate) inside: u32,
     /// Column of the samples to the left, −1 beside the picture.
-    pub(crate) left: Lanes,
+    pub(crate) left: LaneValues,
     /// Row of the samples above.
-    pub(crate) above: Lanes,
+    pub(crate) above: LaneValues,
     /// How far the point lies from the left samples toward the right ones.
-    pub(crate) along: Lanes,
+    pub(crate) along: LaneValues,
     /// The same downward.
-    pub(crate) down: Lanes,
+    pub(crate) down: LaneValues,
     /// Inverse depth there, if it is the surface that the camera sees.
-    pub(crate) expected: Lanes,
+    pub(crate) expected: LaneValues,
     /// Distance from the vantage over that from the camera.
-    pub(crate) reciprocal: Lanes,
+    pub(crate) reciprocal: LaneValues,
 }
 
-impl Places {
+impl ReprojectedPoints {
     /// `left` and `above` as numbers; anything for points that the camera does not look at.
     #[inline(always)]
     pub(crate) fn corners(&self) -> [[i32; LANES]; 2] {
@@ -39,7 +39,13 @@ impl Places {
 impl Gather<'_> {
     /// Where points lie in a camera.
     #[inline(always)]
-    pub(crate) fn places(&self, view: &View, x: &Lanes, y: &Lanes, w: &Lanes) -> Places {
+    pub(crate) fn places(
+        &self,
+        view: &WeightedView,
+        x: &LaneValues,
+        y: &LaneValues,
+        w: &LaneValues,
+    ) -> ReprojectedPoints {
         let zero = [0.0; LANES];
         let (mut left, mut above, mut along, mut down) = (zero, zero, zero, zero);
         let (mut expected, mut reciprocals, mut inside) = (zero, zero, [0_u32; LANES]);
@@ -60,12 +66,17 @@ impl Gather<'_> {
             inside[i] = u32::from(is_inside) << i;
         }
         let inside = joined(&inside);
-        Places { inside, left, above, along, down, expected, reciprocal: reciprocals }
+        ReprojectedPoints { inside, left, above, along, down, expected, reciprocal: reciprocals }
     }
 
     /// How much a camera counts for each of sixteen points.
     #[inline(always)]
-    pub(crate) fn weights(&self, view: &View, reciprocal: &Lanes, [x, y, w]: [&Lanes; 3]) -> Lanes {
+    pub(crate) fn weights(
+        &self,
+        view: &WeightedView,
+        reciprocal: &LaneValues,
+        [x, y, w]: [&LaneValues; 3],
+    ) -> LaneValues {
         let mut weights = [0.0; LANES];
         for i in 0..LANES {
             weights[i] = self.weight(view, reciprocal[i], (x[i], y[i]), w[i]);

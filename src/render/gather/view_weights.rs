@@ -45,7 +45,7 @@ pub(crate) const SUBPIXEL_WIDTH: f32 = 2.5;
 pub(crate) const MAX_SUBPIXELS: f32 = 4.0;
 
 /// A camera and its place beside the vantage.
-pub(crate) struct View {
+pub(crate) struct WeightedView {
     pub(crate) camera: usize,
     pub(crate) source_from_target: Projector,
     pub(crate) target_from_source: Projector,
@@ -58,7 +58,7 @@ pub(crate) struct View {
 /// Finds colors of surface points among the samples of a frame.
 pub(crate) struct Gather<'a> {
     pub(crate) lookup: Lookup<'a>,
-    pub(crate) views: Vec<View>,
+    pub(crate) views: Vec<WeightedView>,
     /// Whether samples that others represent were dropped.
     pub(crate) pruned: bool,
     /// [`MANY`] or [`MANY_PRUNED`].
@@ -76,7 +76,7 @@ impl<'a> Gather<'a> {
         depth_tolerance: f32,
     ) -> Self {
         let center = target.position_in_world();
-        let view = |(camera, source): (usize, &Camera)| View {
+        let view = |(camera, source): (usize, &Camera)| WeightedView {
             camera,
             source_from_target: Projector::new(target, source),
             target_from_source: Projector::new(source, target),
@@ -125,7 +125,7 @@ impl<'a> Gather<'a> {
     /// How much a camera counts: the squared sampling rate, as far as it is of use, times the cosine between its line of
     /// sight and the vantage's.
     #[inline(always)]
-    pub(crate) fn weight(&self, view: &View, reciprocal: f32, (x, y): (f32, f32), w: f32) -> f32 {
+    pub(crate) fn weight(&self, view: &WeightedView, reciprocal: f32, (x, y): (f32, f32), w: f32) -> f32 {
         let [first, across, down] = self.rays_in_world;
         let ray = first + across * x + down * y;
         let sight = ray + view.offset_in_world * w;

@@ -2,14 +2,14 @@
 
 use super::reproject::{agrees, bilinear, carried};
 use super::view_weights::Gather;
-use crate::render::input::{LANES, Lanes, Windows};
+use crate::render::input::{LANES, LaneValues, Windows};
 
 /// Samples beside agreeing ones that say nothing count this much, half for the surface and half against it.
 const SILENCE: f32 = 0.5;
 
 /// Surface points that are put to the vote.
 #[derive(Debug, Default)]
-pub(crate) struct Points {
+pub(crate) struct VotedPoints {
     /// Columns of their pixels.
     pub(crate) x: Vec<f32>,
     /// Rows of their pixels.
@@ -29,7 +29,7 @@ pub(crate) struct Votes {
     pub(crate) most: f32,
 }
 
-impl Points {
+impl VotedPoints {
     pub(crate) fn clear(&mut self) {
         [&mut self.x, &mut self.y, &mut self.w].into_iter().for_each(Vec::clear);
     }
@@ -43,7 +43,7 @@ impl Points {
 
 /// Some numbers from `first` on, 0 where there are no more.
 #[inline(always)]
-fn lanes(numbers: &[f32], first: usize) -> Lanes {
+fn lanes(numbers: &[f32], first: usize) -> LaneValues {
     let mut lanes = [0.0; LANES];
     let count = LANES.min(numbers.len() - first);
     lanes[..count].copy_from_slice(&numbers[first..first + count]);
@@ -55,7 +55,7 @@ impl Gather<'_> {
     #[inline(always)]
     pub(crate) fn vote(
         &self,
-        points: &Points,
+        points: &VotedPoints,
         cameras: &[u16],
         windows: &mut Windows,
         votes: &mut Vec<Votes>,
@@ -84,10 +84,10 @@ impl Gather<'_> {
     fn hear(
         &self,
         camera: u16,
-        [x, y, w]: [&Lanes; 3],
+        [x, y, w]: [&LaneValues; 3],
         asked: u32,
         windows: &mut Windows,
-        [agree, all, most]: &mut [Lanes; 3],
+        [agree, all, most]: &mut [LaneValues; 3],
     ) {
         let view = &self.views[camera as usize];
         let places = self.places(view, x, y, w);

@@ -14,18 +14,18 @@ use super::project::Projector;
 use crate::capture::Camera;
 use crate::render::input::{FrameSamples, FrameTile};
 use crate::samples::TILE;
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// Pixels `[left, right) × [top, bottom)` of the target that a tile may touch, cut to the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Bounds {
+pub(crate) struct TileBounds {
     pub(crate) left: u32,
     pub(crate) right: u32,
     pub(crate) top: u32,
     pub(crate) bottom: u32,
 }
 
-impl Bounds {
+impl TileBounds {
     /// Whether there is no pixel in it.
     pub(crate) fn is_empty(self) -> bool {
         self.left >= self.right || self.top >= self.bottom
@@ -34,7 +34,7 @@ impl Bounds {
 
 /// Rows of the picture and the tiles that may touch them.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Band {
+pub(crate) struct RowBand {
     pub(crate) rows: Range<usize>,
     /// Numbers of tiles in [`FrameSamples`], ascending.
     pub(crate) tiles: Vec<u32>,
@@ -42,7 +42,7 @@ pub(crate) struct Band {
 
 /// How far from the projected pixel of a sample its footprint reaches.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reach {
+pub(crate) struct FootprintReach {
     /// In target pixels, at least.
     pub(crate) pixels: f32,
     /// In projected source pixels.
@@ -58,10 +58,10 @@ pub(crate) fn bounds(
     tiles: Range<usize>,
     projectors: &[Projector],
     target: &Camera,
-    reach: Reach,
-) -> Vec<Bounds> {
+    reach: FootprintReach,
+) -> Vec<TileBounds> {
     let tiles = frame.tiles(tiles);
-    let mut bounds = vec![Bounds::default(); tiles.len()];
+    let mut bounds = vec![TileBounds::default(); tiles.len()];
     let parts = bounds.par_chunks_mut(64 * TOGETHER).zip(tiles.par_chunks(64 * TOGETHER));
     parts.for_each(|(bounds, tiles)| simd::run(Bounding { tiles, projectors, target, reach, bounds }));
     bounds
@@ -71,11 +71,11 @@ struct Bounding<'a> {
     tiles: &'a [FrameTile<'a>],
     projectors: &'a [Projector],
     target: &'a Camera,
-    reach: Reach,
-    bounds: &'a mut [Bounds],
+    reach: FootprintReach,
+    bounds: &'a mut [TileBounds],
 }
 
-impl Work for Bounding<'_> {
+impl VectorLoop for Bounding<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -121,7 +121,7 @@ impl Boxes {
     }
 
     #[inline(always)]
-    fn bounds(&self, target: &Camera, reach: Reach, bounds: &mut [Bounds]) {
+    fn bounds(&self, target: &Camera, reach: FootprintReach, bounds: &mut [TileBounds]) {
         let all = |value: f32| [value; TOGETHER];
         let (mut min, mut max) = ([all(f32::INFINITY); 2], [all(f32::NEG_INFINITY); 2]);
         let (mut nearest_z, mut behind) = (all(f32::INFINITY), [0_u32; TOGETHER]);
@@ -159,7 +159,7 @@ impl Boxes {
         }
         for (lane, bounds) in bounds.iter_mut().enumerate() {
             if behind[lane] < 8 {
-                *bounds = Bounds {
+                *bounds = TileBounds {
                     left: low[0][lane] as u32,
                     right: high[0][lane] as u32,
                     top: low[1][lane] as u32,
@@ -171,24 +171,24 @@ impl Boxes {
 }
 
 /// Cuts the picture into at most `count` bands with about as many tiles each.
-pub(crate) fn bands(bounds: &[Bounds], first_tile: usize, height: usize, count: usize) -> Vec<Band> {
+pub(crate) fn bands(bounds: &[TileBounds], first_tile: usize, height: usize, count: usize) -> Vec<RowBand> {
     let mut middles = vec![0_usize; height];
     for place in bounds.iter().filter(|place| !place.is_empty()) {
         middles[(place.top + place.bottom) as usize / 2] += 1;
     }
     let total: usize = middles.iter().sum();
-    let mut bands: Vec<Band> = Vec::new();
+    let mut bands: Vec<RowBand> = Vec::new();
     let (mut start, mut found) = (0, 0);
     for (row, middle) in middles.iter().enumerate() {
         found += middle;
         let full = found * count >= total * (bands.len() + 1) && bands.len() + 1 < count;
         if full || row + 1 == height {
-            bands.push(Band { rows: start..row + 1, tiles: Vec::new() });
+            bands.push(RowBand { rows: start..row + 1, tiles: Vec::new() });
             start = row + 1;
         }
     }
     bands.par_iter_mut().for_each(|band| {
-        let touches = |place: &Bounds| {
+        let touches = |place: &TileBounds| {
             !place.is_empty()
                 && (place.top as usize) < band.rows.end
                 && place.bottom as usize > band.rows.start

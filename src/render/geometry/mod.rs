@@ -4,6 +4,6 @@ mod cull;
 mod footprint;
 mod project;
 
-pub(crate) use cull::{Band, Bounds, Reach, bands, bounds};
+pub(crate) use cull::{FootprintReach, RowBand, TileBounds, bands, bounds};
 pub(crate) use footprint::{CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, footprints};
 pub(crate) use project::{ProjectedRow, Projector, focal, rays_in_world};

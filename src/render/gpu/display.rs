@@ -15,7 +15,7 @@ use super::context::Context;
 use super::pipelines::pipeline;
 use super::recorder::compute_pass;
 use super::shaders;
-use super::target::{Target, read_words};
+use super::target::{GpuTarget, read_words};
 use crate::error::Result;
 
 /// How holes are shown: stripes of two colors.
@@ -93,7 +93,7 @@ impl Display {
     pub(crate) fn show(
         &mut self,
         context: &Context,
-        target: &Target,
+        target: &GpuTarget,
         mut encoder: wgpu::CommandEncoder,
         pattern: &HolePattern,
     ) -> Result<(ScreenTexture, u64)> {

@@ -46,8 +46,8 @@ use display::Display;
 use memory::SampleMemory;
 use pipelines::Pipelines;
 use recorder::Recorder;
-use scene::Scene;
-use target::Target;
+use scene::SceneBindings;
+use target::GpuTarget;
 
 /// How a [`GpuRenderer`] is set up.
 #[derive(Clone, Copy, Debug)]
@@ -72,21 +72,21 @@ pub struct GpuRenderer {
     context: Context,
     pipelines: Pipelines,
     memory: SampleMemory,
-    target: Option<Target>,
-    background: Option<Background>,
+    target: Option<GpuTarget>,
+    background: Option<CachedBackground>,
     display: Option<Display>,
 }
 
 /// What the background layer of the target was painted from.
 #[derive(Debug)]
-struct Background {
+struct CachedBackground {
     samples: Arc<SampleSet>,
     images: Vec<usize>,
     camera: Camera,
     settings: RenderSettings,
 }
 
-impl Background {
+impl CachedBackground {
     fn is(&self, other: &Self) -> bool {
         self.images == other.images
             && (Arc::ptr_eq(&self.samples, &other.samples)
@@ -251,12 +251,12 @@ impl GpuRenderer {
         vantage: &Vantage,
         settings: &RenderSettings,
         job: &Job,
-        finish: impl FnOnce(&Context, &Target, wgpu::CommandEncoder) -> Result<T>,
+        finish: impl FnOnce(&Context, &GpuTarget, wgpu::CommandEncoder) -> Result<T>,
     ) -> Result<(T, RenderStats)> {
         check(samples, vantage)?;
         job.check()?;
         let frame = FrameSamples::at(samples, vantage.frame)?;
-        let wanted = Background {
+        let wanted = CachedBackground {
             samples: samples.clone(),
             images: frame.images[..frame.lasting_images].to_vec(),
             camera: vantage.camera.clone(),
@@ -267,7 +267,8 @@ impl GpuRenderer {
         let context = &*context;
         let result = context.guarded(|| {
             let target = target_for(target, context, pipelines, &vantage.camera, settings)?;
-            let scene = Scene::new(context, pipelines, memory, target, (&frame, &vantage.camera, settings))?;
+            let scene =
+                SceneBindings::new(context, pipelines, memory, target, (&frame, &vantage.camera, settings))?;
             job.check()?;
             let mut encoder =
                 context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -295,18 +296,18 @@ impl GpuRenderer {
 
 /// Buffers of the right size: the ones there are, or others.
 fn target_for<'a>(
-    target: &'a mut Option<Target>,
+    target: &'a mut Option<GpuTarget>,
     context: &Context,
     pipelines: &Pipelines,
     camera: &Camera,
     settings: &RenderSettings,
-) -> Result<&'a Target> {
+) -> Result<&'a GpuTarget> {
     let size = camera.intrinsics.size();
     let blends = matches!(settings.kernel, Kernel::Block | Kernel::Surfel);
-    let fits = |target: &Target| (target.width, target.height) == size && target.blends == blends;
+    let fits = |target: &GpuTarget| (target.width, target.height) == size && target.blends == blends;
     let found = match target.take().filter(fits) {
         Some(found) => found,
-        None => Target::new(context, pipelines, size, blends)?,
+        None => GpuTarget::new(context, pipelines, size, blends)?,
     };
     Ok(target.insert(found))
 }

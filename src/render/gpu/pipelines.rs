@@ -28,13 +28,13 @@ pub(super) struct Pipelines {
 
 /// What a binding holds.
 #[derive(Clone, Copy)]
-enum Holds {
+enum BindingKind {
     Stage,
     Read,
     Write,
 }
 
-fn layout(device: &wgpu::Device, label: &str, bindings: &[Holds]) -> wgpu::BindGroupLayout {
+fn layout(device: &wgpu::Device, label: &str, bindings: &[BindingKind]) -> wgpu::BindGroupLayout {
     let entries: Vec<_> = bindings
         .iter()
         .enumerate()
@@ -43,11 +43,11 @@ fn layout(device: &wgpu::Device, label: &str, bindings: &[Holds]) -> wgpu::BindG
             visibility: wgpu::ShaderStages::COMPUTE,
             ty: wgpu::BindingType::Buffer {
                 ty: match holds {
-                    Holds::Stage => wgpu::BufferBindingType::Uniform,
-                    Holds::Read => wgpu::BufferBindingType::Storage { read_only: true },
-                    Holds::Write => wgpu::BufferBindingType::Storage { read_only: false },
+                    BindingKind::Stage => wgpu::BufferBindingType::Uniform,
+                    BindingKind::Read => wgpu::BufferBindingType::Storage { read_only: true },
+                    BindingKind::Write => wgpu::BufferBindingType::Storage { read_only: false },
                 },
-                has_dynamic_offset: matches!(holds, Holds::Stage),
+                has_dynamic_offset: matches!(holds, BindingKind::Stage),
                 min_binding_size: None,
             },
             count: None,
@@ -89,7 +89,7 @@ pub(super) fn pipeline(
 impl Pipelines {
     /// Compiles the stages; `one_pass` asks for 64-bit atomics.
     pub(super) fn new(context: &Context, one_pass: bool) -> Self {
-        use Holds::{Read, Stage, Write};
+        use BindingKind::{Read, Stage, Write};
         let device = &context.device;
         let scene_layout = layout(device, "scene", &[Stage, Read, Read, Read, Read, Read, Read]);
         let layer_layout = layout(device, "layer", &[Write, Write]);

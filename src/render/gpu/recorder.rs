@@ -2,15 +2,15 @@
 
 use super::layout::GROUPS_ACROSS;
 use super::pipelines::Pipelines;
-use super::scene::Scene;
-use super::target::Target;
+use super::scene::SceneBindings;
+use super::target::GpuTarget;
 use crate::render::gather::BLOCK;
 
 /// Writes the stages of one picture down, in the order in which they run.
 pub(super) struct Recorder<'a> {
     pub(super) pipelines: &'a Pipelines,
-    pub(super) scene: &'a Scene,
-    pub(super) target: &'a Target,
+    pub(super) scene: &'a SceneBindings,
+    pub(super) target: &'a GpuTarget,
     pub(super) encoder: &'a mut wgpu::CommandEncoder,
 }
 
@@ -24,7 +24,7 @@ impl Recorder<'_> {
         pass.set_pipeline(&self.pipelines.surface);
         pass.set_bind_group(1, &buffers.group, &[]);
         for step in 0..if self.pipelines.one_pass { 1 } else { 2 } {
-            pass.set_bind_group(0, &self.scene.group, &[Scene::stage_offset(layer, step)]);
+            pass.set_bind_group(0, &self.scene.group, &[SceneBindings::stage_offset(layer, step)]);
             dispatch(&mut pass, tiles);
         }
         drop(pass);
@@ -32,7 +32,7 @@ impl Recorder<'_> {
             self.encoder.clear_buffer(&buffers.sums, 0, None);
             let mut pass = compute_pass(self.encoder, "blend");
             pass.set_pipeline(&self.pipelines.blend);
-            pass.set_bind_group(0, &self.scene.group, &[Scene::stage_offset(layer, 0)]);
+            pass.set_bind_group(0, &self.scene.group, &[SceneBindings::stage_offset(layer, 0)]);
             pass.set_bind_group(1, &buffers.group, &[]);
             dispatch(&mut pass, tiles);
         }
@@ -40,7 +40,7 @@ impl Recorder<'_> {
 
     /// Makes the picture from both layers.
     pub(super) fn resolve(&mut self) {
-        let stage = [Scene::stage_offset(0, 0)];
+        let stage = [SceneBindings::stage_offset(0, 0)];
         if let Some(gather_group) = &self.scene.gather_group {
             let blocks = |pixels: usize| pixels.div_ceil(BLOCK) as u32;
             let stages = [("silhouette", &self.pipelines.silhouette), ("gather", &self.pipelines.gather)];

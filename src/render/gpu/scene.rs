@@ -9,7 +9,7 @@ use super::context::Context;
 use super::layout::{GpuPiece, GpuProjector, GpuStage, GpuView, MAX_CAMERAS, kernel_number};
 use super::memory::{MAX_PAGES, SampleMemory};
 use super::pipelines::{Pipelines, bind};
-use super::target::Target;
+use super::target::GpuTarget;
 use super::upload::PlacedPiece;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
@@ -22,7 +22,7 @@ use crate::settings::{Kernel, RenderSettings};
 const STAGE_STRIDE: usize = 256;
 
 /// What every stage of a picture binds.
-pub(super) struct Scene {
+pub(super) struct SceneBindings {
     /// What all stages bind.
     pub(super) group: wgpu::BindGroup,
     /// What the gather stage binds besides, where the kernel gathers.
@@ -34,7 +34,7 @@ pub(super) struct Scene {
 /// What is painted: the samples of a frame, from where, and how.
 pub(super) type Wanted<'a> = (&'a FrameSamples<'a>, &'a Camera, &'a RenderSettings);
 
-impl Scene {
+impl SceneBindings {
     /// Brings everything onto the adapter.
     ///
     /// # Errors
@@ -43,7 +43,7 @@ impl Scene {
         context: &Context,
         pipelines: &Pipelines,
         memory: &mut SampleMemory,
-        target: &Target,
+        target: &GpuTarget,
         wanted: Wanted<'_>,
     ) -> Result<Self> {
         let (frame, camera, settings) = wanted;

@@ -10,13 +10,13 @@ use wgpu::BufferUsages as Usage;
 
 /// What was painted of some images.
 #[derive(Debug)]
-pub(super) struct Layer {
+pub(super) struct PaintedImages {
     pub(super) keys: wgpu::Buffer,
     pub(super) sums: wgpu::Buffer,
     pub(super) group: wgpu::BindGroup,
 }
 
-impl Layer {
+impl PaintedImages {
     fn new(context: &Context, pipelines: &Pipelines, pixels: u64, blends: bool) -> Result<Self> {
         let usage = Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC;
         let keys = context.buffer("keys", 4 * KEY_WORDS * pixels, usage)?;
@@ -28,18 +28,18 @@ impl Layer {
 
 /// See the module's page.
 #[derive(Debug)]
-pub(super) struct Target {
+pub(super) struct GpuTarget {
     pub(super) width: usize,
     pub(super) height: usize,
     pub(super) blends: bool,
     /// Background and foreground.
-    pub(super) layers: [Layer; 2],
+    pub(super) layers: [PaintedImages; 2],
     pub(super) picture: wgpu::Buffer,
     pub(super) resolve_group: wgpu::BindGroup,
     readback: wgpu::Buffer,
 }
 
-impl Target {
+impl GpuTarget {
     /// Buffers for a picture of this size, with sums where the kernel blends.
     ///
     /// # Errors
@@ -52,8 +52,8 @@ impl Target {
     ) -> Result<Self> {
         let pixels = (width * height) as u64;
         let layers = [
-            Layer::new(context, pipelines, pixels, blends)?,
-            Layer::new(context, pipelines, pixels, blends)?,
+            PaintedImages::new(context, pipelines, pixels, blends)?,
+            PaintedImages::new(context, pipelines, pixels, blends)?,
         ];
         let bytes = 4 * PICTURE_WORDS * pixels;
         let picture = context.buffer("picture", bytes, Usage::STORAGE | Usage::COPY_SRC)?;

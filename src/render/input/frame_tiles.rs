@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::render::splat::slot_of;
 use crate::samples::{SampleImage, SampleSet, TILE, TILE_SAMPLES, TileDepths};
 use crate::settings::PruningMethod;
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// Tiles that slots can tell apart.
 const MAX_TILES: usize = 1 << 24;
@@ -177,7 +177,7 @@ struct Numbering<'a, 'b> {
     numbers: &'b mut Numbers,
 }
 
-impl Work for Numbering<'_, '_> {
+impl VectorLoop for Numbering<'_, '_> {
     type Output = ();
 
     #[inline(always)]

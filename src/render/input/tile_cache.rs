@@ -18,7 +18,7 @@ use crate::simd::joined;
 pub(crate) const LANES: usize = 16;
 
 /// One number for each of them.
-pub(crate) type Lanes = [f32; LANES];
+pub(crate) type LaneValues = [f32; LANES];
 
 /// Tiles along each side of a window.
 const TILES: usize = 4;
@@ -31,14 +31,14 @@ const NO_CELL: u32 = u32::MAX;
 /// The 2×2 samples around each point: left above, right above, left below, right below.
 pub(crate) struct Quads {
     /// Inverse depths in the camera; [`MISSING`] where there is no sample.
-    pub(crate) depth: [Lanes; 4],
+    pub(crate) depth: [LaneValues; 4],
     /// Three half floats each, red lowest.
     pub(crate) color: [[u64; LANES]; 4],
 }
 
 /// One camera's window.
 #[derive(Debug)]
-struct Window {
+struct TileCache {
     depth: [f32; AREA],
     color: [u64; AREA],
     /// Which tile of the camera is in each place: `row + 1 << 16 | column + 1`.
@@ -50,7 +50,7 @@ struct Window {
 /// A window for each camera that was asked for.
 #[derive(Debug)]
 pub(crate) struct Windows {
-    cameras: Vec<Option<Box<Window>>>,
+    cameras: Vec<Option<Box<TileCache>>>,
     packed: [f32; TILE_SAMPLES],
 }
 
@@ -100,7 +100,7 @@ impl Windows {
         asked: u32,
     ) -> Quads {
         let Self { cameras, packed } = self;
-        let window = cameras[camera].get_or_insert_with(Window::new);
+        let window = cameras[camera].get_or_insert_with(TileCache::new);
         let (near, corner, touched) = within((x, y), asked);
         for row in touched[2]..=touched[3] {
             for column in touched[0]..=touched[1] {
@@ -174,7 +174,7 @@ fn within((x, y): (&[i32; LANES], &[i32; LANES]), which: u32) -> (u32, (i32, i32
     (near, corner, ends)
 }
 
-impl Window {
+impl TileCache {
     #[expect(
         clippy::large_stack_arrays,
         reason = "48 KiB on their way to the heap, once per camera and thread"
@@ -339,7 +339,7 @@ impl Window {
         &self,
         (x, y): (&[i32; LANES], &[i32; LANES]),
         (right, below): (i32, i32),
-    ) -> (Lanes, [u64; LANES]) {
+    ) -> (LaneValues, [u64; LANES]) {
         let (mut at, mut depth, mut color) = ([0_u32; LANES], [0.0; LANES], [0; LANES]);
         for i in 0..LANES {
             at[i] = place(x[i] + right, y[i] + below) as u32;

@@ -15,7 +15,7 @@ const NONE: u32 = u32::MAX;
 
 /// Where a camera's cells begin, and its size.
 #[derive(Clone, Copy, Debug)]
-struct Cells {
+struct CameraGrid {
     width: i32,
     height: i32,
     across: usize,
@@ -26,7 +26,7 @@ struct Cells {
 /// Which tiles of a frame lie in each cell. That of lasting tiles is kept from one frame to the next.
 #[derive(Clone, Debug)]
 pub(crate) struct CellTable {
-    cameras: Vec<Cells>,
+    cameras: Vec<CameraGrid>,
     /// The first tile of each cell.
     cells: Vec<u32>,
     /// The next tile of the same cell, for each tile.
@@ -40,11 +40,11 @@ impl CellTable {
         let cells_of = |camera: &Camera| {
             let (width, height) = camera.intrinsics.size();
             let (across, down) = (width.div_ceil(TILE), height.div_ceil(TILE));
-            let cells = Cells { width: width as i32, height: height as i32, across, down, first };
+            let cells = CameraGrid { width: width as i32, height: height as i32, across, down, first };
             first += across * down;
             cells
         };
-        let cameras: Vec<Cells> = cameras.iter().map(cells_of).collect();
+        let cameras: Vec<CameraGrid> = cameras.iter().map(cells_of).collect();
         Self { cameras, cells: vec![NONE; first], next: Vec::new() }
     }
 
@@ -71,7 +71,7 @@ impl<'a> Lookup<'a> {
     /// Columns and rows of a camera.
     #[inline(always)]
     pub(crate) fn size(&self, camera: usize) -> (i32, i32) {
-        let Cells { width, height, .. } = self.table.cameras[camera];
+        let CameraGrid { width, height, .. } = self.table.cameras[camera];
         (width, height)
     }
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::render::gather::BLOCK;
-use crate::render::geometry::Bounds;
+use crate::render::geometry::TileBounds;
 
 /// A set of blocks.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -32,7 +32,7 @@ impl Blocks {
     }
 
     /// Adds the blocks that `bounds` touch, and those beside them as far as decisions at an edge reach.
-    pub(crate) fn mark(&mut self, bounds: &[Bounds], reach: usize) {
+    pub(crate) fn mark(&mut self, bounds: &[TileBounds], reach: usize) {
         let down = self.marked.len().checked_div(self.across).unwrap_or(0);
         for place in bounds.iter().filter(|place| !place.is_empty()) {
             let first = |start: u32| (start as usize).saturating_sub(reach) / BLOCK;

@@ -11,26 +11,26 @@ pub(crate) use dirty_blocks::Blocks;
 
 use rayon::prelude::*;
 
-use super::gather::{BLOCK, Gather, Patch, RING, SIDE, Scratch, Scratches};
+use super::gather::{BLOCK, Gather, GatherScratch, Patch, RING, SIDE, Scratches};
 use super::input::FrameSamples;
 use super::splat::{LEAST_WEIGHT, Sum, inverse_depth_of, slot_of};
 use super::vantage::{NO_IMAGE, Picture};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::Kernel;
-use crate::simd::{self, Work};
-use per_pixel::{Shown, put};
+use crate::simd::{self, VectorLoop};
+use per_pixel::{ForegroundPixel, put};
 
 /// What was painted of some tiles.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Layer {
+pub(crate) struct PaintedTiles {
     /// See [`crate::render::splat`]; row-major.
     pub(crate) keys: Vec<u64>,
     /// Blended colors; empty for kernels that do not blend.
     pub(crate) sums: Vec<Sum>,
 }
 
-impl Layer {
+impl PaintedTiles {
     /// Nothing painted, on so many pixels.
     pub(crate) fn reset(&mut self, keys: usize, sums: usize) {
         clear(&mut self.keys, keys, 0);
@@ -50,9 +50,9 @@ pub(crate) struct Resolve<'a> {
     pub(crate) kernel: Kernel,
     pub(crate) width: usize,
     pub(crate) surface_ratio: f32,
-    pub(crate) background: &'a Layer,
+    pub(crate) background: &'a PaintedTiles,
     /// Left out to resolve the background alone.
-    pub(crate) foreground: Option<&'a Layer>,
+    pub(crate) foreground: Option<&'a PaintedTiles>,
     /// The picture of the background alone, where there is one already.
     pub(crate) background_picture: Option<&'a Picture>,
     /// Where the kernel gathers: among the lasting samples, and among all.
@@ -120,7 +120,7 @@ const TALL: usize = 2;
 
 struct Strips<'a> {
     which: &'a Blocks,
-    scratch: &'a mut Scratch,
+    scratch: &'a mut GatherScratch,
     rows: Vec<Strip<'a>>,
 }
 
@@ -132,7 +132,7 @@ pub(crate) struct Strip<'a> {
     pub(crate) rows: Rows<'a>,
 }
 
-impl Work for Strips<'_> {
+impl VectorLoop for Strips<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -160,9 +160,9 @@ impl Work for Strips<'_> {
 impl Strip<'_> {
     /// Resolves one block.
     #[inline(always)]
-    fn block(&mut self, column: usize, scratch: &mut Scratch, shown: &mut Vec<Shown>) {
+    fn block(&mut self, column: usize, scratch: &mut GatherScratch, shown: &mut Vec<ForegroundPixel>) {
         let resolve = self.resolve;
-        let block = Block { left: column * BLOCK, top: self.row * BLOCK };
+        let block = BlockOrigin { left: column * BLOCK, top: self.row * BLOCK };
         if resolve.gather.is_some() {
             self.gather(&block, scratch);
         } else if let (Some(foreground), Some(background)) = (resolve.foreground, resolve.background_picture)
@@ -177,7 +177,7 @@ impl Strip<'_> {
     /// Gathers one block: pixels beside which a foreground is seen among all samples, others among those of the background
     /// alone, which is what the background's picture shows there.
     #[inline(always)]
-    fn gather(&mut self, block: &Block, scratch: &mut Scratch) {
+    fn gather(&mut self, block: &BlockOrigin, scratch: &mut GatherScratch) {
         let resolve = self.resolve;
         let Some([among_lasting, among_all]) = resolve.gather else { return };
         let near = resolve.foreground.map_or([0; BLOCK], |layer| resolve.near_foreground(block, layer));
@@ -199,7 +199,7 @@ impl Strip<'_> {
 }
 
 /// Column and row of the first pixel of a block.
-pub(crate) struct Block {
+pub(crate) struct BlockOrigin {
     pub(crate) left: usize,
     pub(crate) top: usize,
 }
@@ -212,7 +212,7 @@ impl Resolve<'_> {
     /// The pixels of a block beside which, as far as decisions at an edge look, a foreground sample is seen: a mask of columns
     /// per row.
     #[inline(always)]
-    fn near_foreground(&self, block: &Block, foreground: &Layer) -> [u16; BLOCK] {
+    fn near_foreground(&self, block: &BlockOrigin, foreground: &PaintedTiles) -> [u16; BLOCK] {
         let mut seen = [0_u32; SIDE];
         let (mut front, mut back) = ([0; SIDE], [0; SIDE]);
         for (row, seen) in seen.iter_mut().enumerate() {
@@ -273,7 +273,7 @@ impl Resolve<'_> {
 
     /// Loads a block and its ring: the nearer keys of the background and of a foreground.
     #[inline(always)]
-    fn load(&self, block: &Block, foreground: Option<&Layer>, patch: &mut Patch) {
+    fn load(&self, block: &BlockOrigin, foreground: Option<&PaintedTiles>, patch: &mut Patch) {
         (patch.left, patch.top, patch.surface_ratio) = (block.left, block.top, self.surface_ratio);
         let mut border = [0; SIDE];
         for (row, keys) in patch.keys.iter_mut().enumerate() {
@@ -290,7 +290,7 @@ impl Resolve<'_> {
     fn patch_row<'b>(
         &self,
         keys: &'b [u64],
-        block: &Block,
+        block: &BlockOrigin,
         row: usize,
         border: &'b mut [u64; SIDE],
     ) -> &'b [u64; SIDE] {
@@ -311,13 +311,13 @@ impl Resolve<'_> {
 impl Strip<'_> {
     /// Positions in the strip of a row of a block, and how many rows the block has.
     #[inline(always)]
-    pub(crate) fn extent(&self, block: &Block) -> (usize, usize) {
+    pub(crate) fn extent(&self, block: &BlockOrigin) -> (usize, usize) {
         let rows = self.rows.image.len() / self.resolve.width;
         (BLOCK.min(self.resolve.width - block.left), rows)
     }
 
     #[inline(always)]
-    fn copy(&mut self, block: &Block, from: &Picture) {
+    fn copy(&mut self, block: &BlockOrigin, from: &Picture) {
         let (columns, rows) = self.extent(block);
         for row in 0..rows {
             let to = row * self.resolve.width + block.left..row * self.resolve.width + block.left + columns;
@@ -330,7 +330,7 @@ impl Strip<'_> {
     }
 
     #[inline(always)]
-    fn blend(&mut self, block: &Block) {
+    fn blend(&mut self, block: &BlockOrigin) {
         let (columns, rows) = self.extent(block);
         for row in 0..rows {
             for column in 0..columns {

@@ -2,7 +2,7 @@
 //! over a background that is there already.
 
 use super::dirty_blocks::Blocks;
-use super::{Block, Layer, Strip};
+use super::{BlockOrigin, PaintedTiles, Strip};
 use crate::color::widened;
 use crate::render::gather::BLOCK;
 use crate::render::input::ColorPlace;
@@ -13,7 +13,7 @@ use crate::simd;
 
 /// The nearest samples of a block of pixels. Aligned, so that no row of a vector's width lies across cache lines.
 #[repr(align(64))]
-struct Found {
+struct NearestSamples {
     keys: [[u64; BLOCK]; BLOCK],
     places: [[ColorPlace; BLOCK]; BLOCK],
     /// Three half floats each.
@@ -21,26 +21,26 @@ struct Found {
 }
 
 /// A foreground sample that is seen: pixel of the strip, key and place.
-pub(crate) type Shown = (usize, u64, ColorPlace);
+pub(crate) type ForegroundPixel = (usize, u64, ColorPlace);
 
 impl Strip<'_> {
     /// Resolves the blocks of a set, each of whose pixels shows its nearest sample. Samples of neighboring pixels lie far apart
     /// in memory: while those of a block are on their way, the block before is shown.
     #[inline(always)]
     pub(crate) fn points_of(&mut self, which: &Blocks) {
-        let empty = || Found {
+        let empty = || NearestSamples {
             keys: [[0; BLOCK]; BLOCK],
             places: [[ColorPlace::default(); BLOCK]; BLOCK],
             colors: [[0; BLOCK]; BLOCK],
         };
         let (mut first, mut second) = (empty(), empty());
         let (mut found, mut next) = (&mut first, &mut second);
-        let mut before: Option<Block> = None;
+        let mut before: Option<BlockOrigin> = None;
         for column in 0..self.resolve.width.div_ceil(BLOCK) {
             if !which.contains(column, self.row) {
                 continue;
             }
-            let block = Block { left: column * BLOCK, top: self.row * BLOCK };
+            let block = BlockOrigin { left: column * BLOCK, top: self.row * BLOCK };
             self.find_points(&block, next);
             if let Some(before) = before.replace(block) {
                 self.show_points(&before, found);
@@ -54,7 +54,12 @@ impl Strip<'_> {
 
     /// Paints the foreground into a block that shows the background, for kernels that decide about each pixel alone.
     #[inline(always)]
-    pub(crate) fn paint_over(&mut self, block: &Block, foreground: &Layer, shown: &mut Vec<Shown>) {
+    pub(crate) fn paint_over(
+        &mut self,
+        block: &BlockOrigin,
+        foreground: &PaintedTiles,
+        shown: &mut Vec<ForegroundPixel>,
+    ) {
         let (resolve, frame) = (self.resolve, self.resolve.frame);
         let (columns, rows) = self.extent(block);
         let is_point = resolve.kernel == Kernel::Point;
@@ -86,7 +91,7 @@ impl Strip<'_> {
 
     /// Finds the nearest samples of a block, and asks for them.
     #[inline(always)]
-    fn find_points(&mut self, block: &Block, found: &mut Found) {
+    fn find_points(&mut self, block: &BlockOrigin, found: &mut NearestSamples) {
         let frame = self.resolve.frame;
         let (columns, rows) = self.extent(block);
         for row in 0..rows {
@@ -114,7 +119,7 @@ impl Strip<'_> {
 
     /// Sets a block to what was found.
     #[inline(always)]
-    fn show_points(&mut self, block: &Block, found: &mut Found) {
+    fn show_points(&mut self, block: &BlockOrigin, found: &mut NearestSamples) {
         let frame = self.resolve.frame;
         let (columns, rows) = self.extent(block);
         for row in 0..rows {
@@ -131,7 +136,7 @@ impl Strip<'_> {
 
     /// Sets a row of pixels to what was found.
     #[inline(always)]
-    fn show(&mut self, block: &Block, row: usize, found: &Found) {
+    fn show(&mut self, block: &BlockOrigin, row: usize, found: &NearestSamples) {
         let (columns, _) = self.extent(block);
         let at = row * self.resolve.width + block.left;
         let (mut planes, mut depths, mut images) = ([[0.0; BLOCK]; 3], [0.0; BLOCK], [NO_IMAGE; BLOCK]);

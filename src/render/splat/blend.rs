@@ -16,11 +16,11 @@ use rayon::prelude::*;
 use super::surface::{Stage, split_at_bands};
 use super::zkey::inverse_depth_of;
 use crate::error::Result;
-use crate::render::geometry::{Band, MAX_STRETCH, ProjectedRow, Projector, Reach, footprints};
+use crate::render::geometry::{FootprintReach, MAX_STRETCH, ProjectedRow, Projector, RowBand, footprints};
 use crate::render::input::{DenseTile, FrameTile, beside_edges, slopes};
 use crate::samples::TILE;
 use crate::settings::Kernel;
-use crate::simd::{self, Work};
+use crate::simd::{self, VectorLoop};
 
 /// One pixel's sum of weighted colors, and of weights.
 pub(crate) type Sum = [f32; 4];
@@ -40,7 +40,8 @@ const KERNEL_END: f32 = 6.0;
 const MAX_REACH: f32 = 64.0;
 
 /// How far a sample's weight reaches: the filter alone, and with it two of the widest footprints.
-pub(crate) const BLEND_REACH: Reach = Reach { pixels: 1.5, source_pixels: 2.0 * MAX_STRETCH };
+pub(crate) const BLEND_REACH: FootprintReach =
+    FootprintReach { pixels: 1.5, source_pixels: 2.0 * MAX_STRETCH };
 
 /// Adds up the pixels of `bands` over the samples that are no farther than `surface_ratio` of the nearest depth in `keys`.
 ///
@@ -48,7 +49,7 @@ pub(crate) const BLEND_REACH: Reach = Reach { pixels: 1.5, source_pixels: 2.0 * 
 /// `Cancelled`.
 pub(crate) fn blend(
     stage: &Stage<'_>,
-    bands: &[Band],
+    bands: &[RowBand],
     keys: &[u64],
     surface_ratio: f32,
     sums: &mut [Sum],
@@ -65,13 +66,13 @@ pub(crate) fn blend(
 
 struct BandBlend<'a> {
     stage: &'a Stage<'a>,
-    band: &'a Band,
+    band: &'a RowBand,
     keys: &'a [u64],
     surface_ratio: f32,
     sums: &'a mut [Sum],
 }
 
-impl Work for BandBlend<'_> {
+impl VectorLoop for BandBlend<'_> {
     type Output = Result<()>;
 
     #[inline(always)]

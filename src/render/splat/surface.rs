@@ -12,13 +12,13 @@ use super::zkey::{CORE, key, nearness};
 use crate::error::Result;
 use crate::job::Job;
 use crate::render::geometry::{
-    Band, CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedRow, Projector,
+    CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedRow, Projector, RowBand,
     footprints,
 };
 use crate::render::input::{DenseTile, FrameSamples, slopes};
 use crate::samples::TILE;
 use crate::settings::Kernel;
-use crate::simd::{self, Work, joined, whole};
+use crate::simd::{self, VectorLoop, joined, whole};
 
 /// A sample belongs to the core of a pixel that gets at least this share of it by bilinear weights, and else to its
 /// fringe. The fringe fills pixels that are no sample's core; elsewhere it stays away, so that silhouettes do not grow.
@@ -41,10 +41,10 @@ pub(crate) struct Stage<'a> {
 
 /// Cuts a buffer of `width` columns into the rows of each band; bands ascend.
 pub(crate) fn split_at_bands<'a, 'b, T>(
-    bands: &'a [Band],
+    bands: &'a [RowBand],
     width: usize,
     buffer: &'b mut [T],
-) -> Vec<(&'a Band, &'b mut [T])> {
+) -> Vec<(&'a RowBand, &'b mut [T])> {
     let (mut rest, mut row) = (buffer, 0);
     let mut parts = Vec::with_capacity(bands.len());
     for band in bands {
@@ -60,17 +60,20 @@ pub(crate) fn split_at_bands<'a, 'b, T>(
 ///
 /// # Errors
 /// `Cancelled`.
-pub(crate) fn surface(stage: &Stage<'_>, bands: &[Band], keys: &mut [u64]) -> Result<()> {
+pub(crate) fn surface(stage: &Stage<'_>, bands: &[RowBand], keys: &mut [u64]) -> Result<()> {
     split_at_bands(bands, stage.width, keys).into_par_iter().try_for_each(|(band, keys)| {
-        let window = Window::of(stage.width, &band.rows);
+        let window = PictureRows::of(stage.width, &band.rows);
         match stage.kernel {
-            Kernel::Point => simd::run(BandSurface { stage, band, keys, splat: Points(window) }),
+            Kernel::Point => simd::run(BandSurface { stage, band, keys, splat: PointSplat(window) }),
             Kernel::Block => simd::run(BandSurface { stage, band, keys, splat: Squares(window) }),
             Kernel::Surfel | Kernel::Gather => simd::run(BandSurface {
                 stage,
                 band,
                 keys,
-                splat: Planes { window, fringe: stage.kernel == Kernel::Gather && stage.frame.is_pruned() },
+                splat: PlaneSplat {
+                    window,
+                    fringe: stage.kernel == Kernel::Gather && stage.frame.is_pruned(),
+                },
             }),
         }
     })
@@ -79,7 +82,7 @@ pub(crate) fn surface(stage: &Stage<'_>, bands: &[Band], keys: &mut [u64]) -> Re
 /// One band of the picture.
 struct BandSurface<'a, S> {
     stage: &'a Stage<'a>,
-    band: &'a Band,
+    band: &'a RowBand,
     keys: &'a mut [u64],
     splat: S,
 }
@@ -97,7 +100,7 @@ struct Raised<'a> {
 /// How the samples of a kernel touch pixels.
 trait Splat {
     /// Raises the keys of what a row of a tile touches; `slots` is that of the row's first pixel.
-    fn row(&self, row: &Row<'_>, slots: u32, raised: &mut Raised<'_>);
+    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut Raised<'_>);
 
     /// Ends a tile.
     #[inline(always)]
@@ -105,7 +108,7 @@ trait Splat {
 }
 
 /// A row of a tile.
-struct Row<'a> {
+struct TileRow<'a> {
     projector: &'a Projector,
     /// Reciprocal focal length of the camera.
     per_footprint: f32,
@@ -119,7 +122,7 @@ struct Row<'a> {
 /// Samples are asked for so many tiles before they are read.
 const TILES_AHEAD: usize = 4;
 
-impl<S: Splat> Work for BandSurface<'_, S> {
+impl<S: Splat> VectorLoop for BandSurface<'_, S> {
     type Output = Result<()>;
 
     #[inline(always)]
@@ -142,7 +145,7 @@ impl<S: Splat> Work for BandSurface<'_, S> {
                 let projected = projector.row(projector.ray(x, (y + row) as f32), w);
                 let per_footprint = stage.per_footprint[camera];
                 let line =
-                    Row { projector, per_footprint, tile: &dense, rows: &tile.rows, nth: row, projected };
+                    TileRow { projector, per_footprint, tile: &dense, rows: &tile.rows, nth: row, projected };
                 splat.row(&line, number << 8 | (row as u32) << 4, &mut raised);
             }
             splat.end(&mut raised);
@@ -175,7 +178,7 @@ impl Raised<'_> {
 
 /// The rows of the picture that are being painted.
 #[derive(Clone, Copy)]
-struct Window {
+struct PictureRows {
     width: u32,
     right: f32,
     top: f32,
@@ -184,7 +187,7 @@ struct Window {
     last: u32,
 }
 
-impl Window {
+impl PictureRows {
     fn of(width: usize, rows: &Range<usize>) -> Self {
         Self {
             width: width as u32,
@@ -207,7 +210,7 @@ impl Window {
     }
 }
 
-impl Window {
+impl PictureRows {
     /// Raises the keys of the pixels from the first to the last column and row of `edges` to what `key_at` gives.
     #[inline(always)]
     fn raise(&self, keys: &mut [u64], edges: [f32; 4], key_at: impl Fn(f32, f32) -> u64) {
@@ -225,11 +228,11 @@ impl Window {
 }
 
 /// `point`: a sample touches the pixel that it falls into.
-struct Points(Window);
+struct PointSplat(PictureRows);
 
-impl Splat for Points {
+impl Splat for PointSplat {
     #[inline(always)]
-    fn row(&self, row: &Row<'_>, slots: u32, raised: &mut Raised<'_>) {
+    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut Raised<'_>) {
         let (w, projected) = (row.tile.row(row.nth), &row.projected);
         for i in 0..TILE {
             let (pixel, inside) = self.0.pixel(projected.u[i].floor(), projected.v[i].floor(), i);
@@ -249,11 +252,11 @@ impl Splat for Points {
 }
 
 /// `block`: a sample touches the 2×2 pixels around it.
-struct Squares(Window);
+struct Squares(PictureRows);
 
 impl Splat for Squares {
     #[inline(always)]
-    fn row(&self, row: &Row<'_>, slots: u32, raised: &mut Raised<'_>) {
+    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut Raised<'_>) {
         let (w, projected) = (row.tile.row(row.nth), &row.projected);
         for corner in 0..4 {
             let (right, below) = ((corner & 1) as f32, (corner >> 1) as f32);
@@ -275,16 +278,16 @@ impl Splat for Squares {
 }
 
 /// `surfel` and `gather`: a sample touches the pixels whose centers its footprint covers, at the depth of its plane.
-struct Planes {
-    window: Window,
+struct PlaneSplat {
+    window: PictureRows,
     /// Whether magnified samples have a fringe, which fills pixels that are in no footprint, where neighbors may have been dropped.
     /// What of it is surface has to be decided afterwards, see [`crate::render::gather`].
     fringe: bool,
 }
 
-impl Splat for Planes {
+impl Splat for PlaneSplat {
     #[inline(always)]
-    fn row(&self, row: &Row<'_>, slots: u32, raised: &mut Raised<'_>) {
+    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut Raised<'_>) {
         let (w, projected) = (row.tile.row(row.nth), &row.projected);
         let slopes = slopes(row.tile, row.nth, row.per_footprint);
         let found = footprints(row.projector, projected, w, &slopes);
@@ -388,7 +391,7 @@ impl Large<'_> {
     }
 }
 
-impl Row<'_> {
+impl TileRow<'_> {
     /// How far the footprint of sample `i` reaches with its fringe, in source pixels: to the left, right, up and down. There is none
     /// toward samples of the same tile, whose own footprints are there.
     #[inline(always)]

@@ -14,16 +14,16 @@
 //! ```
 
 use super::integers::{unzigzag, zigzag};
-use super::model::{ACTIVITIES, Plane};
+use super::model::{ACTIVITIES, CodedPlane};
 use super::neighborhood::{
-    AROUND, BLOCK, CELLS, Cells, N, NE, NN, NUMBERS, NW, Near, Pixels, Place, R, STRIDE, W, WW, activity,
-    bit_length, cell, median_prediction, plane_prediction,
+    AROUND, BLOCK, BlockPixels, CELLS, CodingContext, N, NE, NN, NUMBERS, NW, Near, PerPixel, R, STRIDE, W,
+    WW, activity, bit_length, cell, median_prediction, plane_prediction,
 };
 use super::rans::LANES;
 
 /// What is known of a block before its samples.
 #[derive(Clone, Copy, Debug)]
-pub struct Shape {
+pub struct BlockShape {
     /// Columns of the block that lie in the picture.
     pub width: usize,
     /// Rows of the block that lie in the picture.
@@ -47,12 +47,12 @@ pub trait Coder {
     fn held(&mut self, lane: usize, context: usize, value: bool) -> bool;
 
     /// Codes `value`, or ignores it and decodes one.
-    fn code(&mut self, plane: Plane, context: usize, value: u32) -> u32;
+    fn code(&mut self, plane: CodedPlane, context: usize, value: u32) -> u32;
 }
 
 /// A pixel that holds a sample.
 #[derive(Clone, Copy, Default)]
-struct Held {
+struct SamplePixel {
     at: u16,
     near: Near,
 }
@@ -60,11 +60,11 @@ struct Held {
 /// Walks over a block. Reused from block to block.
 pub struct Walker {
     /// Zigzag residuals of each number, by [`cell`].
-    residuals: Box<[Cells<u32>; NUMBERS]>,
+    residuals: Box<[PerPixel<u32>; NUMBERS]>,
     /// 1 where the depth equalled the reference's, by [`cell`].
-    as_before: Box<Cells<u8>>,
+    as_before: Box<PerPixel<u8>>,
     /// Pixels that hold a sample, in order.
-    held: Box<[Held; BLOCK * BLOCK]>,
+    held: Box<[SamplePixel; BLOCK * BLOCK]>,
 }
 
 impl Default for Walker {
@@ -74,7 +74,7 @@ impl Default for Walker {
         Self {
             residuals: Box::new([[0; CELLS]; NUMBERS]),
             as_before: Box::new([0; CELLS]),
-            held: Box::new([Held::default(); BLOCK * BLOCK]),
+            held: Box::new([SamplePixel::default(); BLOCK * BLOCK]),
         }
     }
 }
@@ -85,20 +85,25 @@ impl Walker {
     pub fn walk<C: Coder>(
         &mut self,
         coder: &mut C,
-        shape: &Shape,
-        pixels: &mut Pixels,
-        reference: Option<&Pixels>,
+        shape: &BlockShape,
+        pixels: &mut BlockPixels,
+        reference: Option<&BlockPixels>,
     ) {
         let count = self.mask(coder, shape, &mut pixels.rows, reference.map(|reference| &reference.rows));
         for nth in 0..count.min(BLOCK * BLOCK) {
-            let Held { at, near } = self.held[nth];
+            let SamplePixel { at, near } = self.held[nth];
             let at = usize::from(at);
             let before = reference.filter(|_| near.has(R));
             // Compiled twice: within a surface everything is there, and nothing needs to be asked.
             if near.has(AROUND) && before.is_none() {
-                self.sample(coder, shape, &mut pixels.values, Place { at, near: Near(AROUND), before: None });
+                self.sample(
+                    coder,
+                    shape,
+                    &mut pixels.values,
+                    CodingContext { at, near: Near(AROUND), before: None },
+                );
             } else {
-                self.sample(coder, shape, &mut pixels.values, Place { at, near, before });
+                self.sample(coder, shape, &mut pixels.values, CodingContext { at, near, before });
             }
         }
     }
@@ -108,7 +113,7 @@ impl Walker {
     fn mask<C: Coder>(
         &mut self,
         coder: &mut C,
-        shape: &Shape,
+        shape: &BlockShape,
         rows: &mut [u64; BLOCK],
         reference: Option<&[u64; BLOCK]>,
     ) -> usize {
@@ -146,7 +151,7 @@ impl Walker {
                     row |= u64::from(held) << x;
                     // Written in any case and counted if it is one: no branch.
                     self.held[count % (BLOCK * BLOCK)] =
-                        Held { at: cell(x, y) as u16, near: Near(context as u8 & (AROUND | R)) };
+                        SamplePixel { at: cell(x, y) as u16, near: Near(context as u8 & (AROUND | R)) };
                     count += usize::from(held);
                 }
             }
@@ -159,27 +164,33 @@ impl Walker {
     fn sample<C: Coder>(
         &mut self,
         coder: &mut C,
-        shape: &Shape,
-        values: &mut [Cells<i32>; NUMBERS],
-        place: Place<'_>,
+        shape: &BlockShape,
+        values: &mut [PerPixel<i32>; NUMBERS],
+        place: CodingContext<'_>,
     ) {
         // Every pixel's cell does; said here so that no access below is checked.
         if !(cell(0, 0)..CELLS).contains(&place.at) {
             return;
         }
         self.depth(coder, shape.depth_shift, &mut values[0], place);
-        let green = self.channel(coder, (1, Plane::Green), (shape.colors, 0), values, place);
-        self.channel(coder, (2, Plane::Red), (shape.colors, green), values, place);
-        self.channel(coder, (3, Plane::Blue), (shape.colors, green), values, place);
+        let green = self.channel(coder, (1, CodedPlane::Green), (shape.colors, 0), values, place);
+        self.channel(coder, (2, CodedPlane::Red), (shape.colors, green), values, place);
+        self.channel(coder, (3, CodedPlane::Blue), (shape.colors, green), values, place);
         if shape.normals {
-            self.coordinate(coder, (4, Plane::NormalX), values, place);
-            self.coordinate(coder, (5, Plane::NormalY), values, place);
+            self.coordinate(coder, (4, CodedPlane::NormalX), values, place);
+            self.coordinate(coder, (5, CodedPlane::NormalY), values, place);
         }
     }
 
     #[inline(always)]
-    fn depth<C: Coder>(&mut self, coder: &mut C, shift: u32, depths: &mut Cells<i32>, place: Place<'_>) {
-        let Place { at, near, before } = place;
+    fn depth<C: Coder>(
+        &mut self,
+        coder: &mut C,
+        shift: u32,
+        depths: &mut PerPixel<i32>,
+        place: CodingContext<'_>,
+    ) {
+        let CodingContext { at, near, before } = place;
         let before = before.map(|before| before.values[0][at]);
         let (prediction, kind) = match before {
             None => plane_prediction(depths, shift, place),
@@ -195,7 +206,13 @@ impl Walker {
             }
         };
         let context = kind * ACTIVITIES + activity(&self.residuals[0], place);
-        code_number(coder, (Plane::Depth, context), prediction, &mut depths[at], &mut self.residuals[0][at]);
+        code_number(
+            coder,
+            (CodedPlane::Depth, context),
+            prediction,
+            &mut depths[at],
+            &mut self.residuals[0][at],
+        );
         self.as_before[at] = u8::from(before == Some(depths[at]));
     }
 
@@ -204,12 +221,12 @@ impl Walker {
     fn channel<C: Coder>(
         &mut self,
         coder: &mut C,
-        (number, plane): (usize, Plane),
+        (number, plane): (usize, CodedPlane),
         (colors, green): (usize, i32),
-        values: &mut [Cells<i32>; NUMBERS],
-        place: Place<'_>,
+        values: &mut [PerPixel<i32>; NUMBERS],
+        place: CodingContext<'_>,
     ) -> i32 {
-        let Place { at, near, before } = place;
+        let CodingContext { at, near, before } = place;
         let channel = &mut values[number];
         let kind = if near.has(W | N) {
             0
@@ -235,11 +252,11 @@ impl Walker {
     fn coordinate<C: Coder>(
         &mut self,
         coder: &mut C,
-        (number, plane): (usize, Plane),
-        values: &mut [Cells<i32>; NUMBERS],
-        place: Place<'_>,
+        (number, plane): (usize, CodedPlane),
+        values: &mut [PerPixel<i32>; NUMBERS],
+        place: CodingContext<'_>,
     ) {
-        let Place { at, near, before } = place;
+        let CodingContext { at, near, before } = place;
         let axis = &mut values[number];
         let (prediction, kind) = match (before, near.first(at)) {
             (Some(before), _) => (before.values[number][at], 2),
@@ -261,7 +278,7 @@ fn eight(bits: u64) -> u64 {
 #[inline(always)]
 fn code_number<C: Coder>(
     coder: &mut C,
-    (plane, context): (Plane, usize),
+    (plane, context): (CodedPlane, usize),
     prediction: i32,
     value: &mut i32,
     residual: &mut u32,

@@ -2,19 +2,19 @@
 
 use super::block_walk::Coder;
 use super::integers::{BitReader, BitWriter, join, split};
-use super::model::{Counts, MASK_CONTEXTS, MaskSplits, Model, Plane};
-use super::rans::{Decoder, Encoder};
+use super::model::{CodedPlane, Counts, FrequencyTables, MASK_CONTEXTS, MaskSplits};
+use super::rans::{Decoder, RansEncoder};
 
 /// Counts tokens, so that a model can be fitted.
 pub struct Counter<'a>(pub &'a mut Counts);
 
 impl Coder for Counter<'_> {
     fn held(&mut self, _: usize, context: usize, value: bool) -> bool {
-        self.0.add(Plane::Mask, context, u32::from(value));
+        self.0.add(CodedPlane::Mask, context, u32::from(value));
         value
     }
 
-    fn code(&mut self, plane: Plane, context: usize, value: u32) -> u32 {
+    fn code(&mut self, plane: CodedPlane, context: usize, value: u32) -> u32 {
         self.0.add(plane, context, value);
         value
     }
@@ -26,7 +26,7 @@ impl Coder for Counter<'_> {
 /// u16 number of words | words, big-endian | plain bits
 /// ```
 pub struct ModelWriter<'a> {
-    model: &'a Model,
+    model: &'a FrequencyTables,
     /// The coder's state that each token changes, where its slots begin and how many it has.
     tokens: Vec<(u8, u16, u16)>,
     bits: BitWriter,
@@ -35,11 +35,11 @@ pub struct ModelWriter<'a> {
 impl<'a> ModelWriter<'a> {
     /// For one block.
     #[must_use]
-    pub fn new(model: &'a Model) -> Self {
+    pub fn new(model: &'a FrequencyTables) -> Self {
         Self { model, tokens: Vec::new(), bits: BitWriter::default() }
     }
 
-    fn push(&mut self, lane: usize, plane: Plane, context: usize, token: usize) {
+    fn push(&mut self, lane: usize, plane: CodedPlane, context: usize, token: usize) {
         let (start, frequency) = self.model.table(plane, context).range(token);
         self.tokens.push((lane as u8, start as u16, frequency as u16));
     }
@@ -47,7 +47,7 @@ impl<'a> ModelWriter<'a> {
     /// The block's code.
     #[must_use]
     pub fn finish(self) -> Vec<u8> {
-        let mut encoder = Encoder::default();
+        let mut encoder = RansEncoder::default();
         for (lane, start, frequency) in self.tokens.into_iter().rev() {
             encoder.push(usize::from(lane), (u32::from(start), u32::from(frequency)));
         }
@@ -61,11 +61,11 @@ impl<'a> ModelWriter<'a> {
 
 impl Coder for ModelWriter<'_> {
     fn held(&mut self, lane: usize, context: usize, value: bool) -> bool {
-        self.push(lane, Plane::Mask, context, usize::from(value));
+        self.push(lane, CodedPlane::Mask, context, usize::from(value));
         value
     }
 
-    fn code(&mut self, plane: Plane, context: usize, value: u32) -> u32 {
+    fn code(&mut self, plane: CodedPlane, context: usize, value: u32) -> u32 {
         let (token, bits) = split(value);
         self.push(plane.lane(), plane, context, token);
         self.bits.push(value, bits);
@@ -75,7 +75,7 @@ impl Coder for ModelWriter<'_> {
 
 /// Reads what [`ModelWriter`] wrote.
 pub struct ModelReader<'a> {
-    model: &'a Model,
+    model: &'a FrequencyTables,
     mask: &'a MaskSplits,
     tokens: Decoder<'a>,
     bits: BitReader<'a>,
@@ -84,7 +84,7 @@ pub struct ModelReader<'a> {
 impl<'a> ModelReader<'a> {
     /// Over all of `code`; `None` where it is cut short.
     #[must_use]
-    pub fn new(model: &'a Model, code: &'a [u8]) -> Option<Self> {
+    pub fn new(model: &'a FrequencyTables, code: &'a [u8]) -> Option<Self> {
         let (count, rest) = code.split_first_chunk()?;
         let (words, bits) = rest.split_at_checked(2 * usize::from(u16::from_be_bytes(*count)))?;
         let tokens = Decoder::new(words.as_chunks().0);
@@ -105,7 +105,7 @@ impl Coder for ModelReader<'_> {
     }
 
     #[inline(always)]
-    fn code(&mut self, plane: Plane, context: usize, _: u32) -> u32 {
+    fn code(&mut self, plane: CodedPlane, context: usize, _: u32) -> u32 {
         let token = self.tokens.next(plane.lane(), self.model.table(plane, context));
         let (base, bits) = join(token);
         base | self.bits.next(bits)
@@ -113,12 +113,12 @@ impl Coder for ModelReader<'_> {
 }
 
 /// Bits of a number of each plane that is written as it is.
-const fn plain_bits(plane: Plane) -> u32 {
+const fn plain_bits(plane: CodedPlane) -> u32 {
     match plane {
-        Plane::Mask => 1,
-        Plane::Depth => 32,
-        Plane::Green | Plane::Red | Plane::Blue => 16,
-        Plane::NormalX | Plane::NormalY => 8,
+        CodedPlane::Mask => 1,
+        CodedPlane::Depth => 32,
+        CodedPlane::Green | CodedPlane::Red | CodedPlane::Blue => 16,
+        CodedPlane::NormalX | CodedPlane::NormalY => 8,
     }
 }
 
@@ -138,11 +138,11 @@ impl Coder for PlainWriter {
     const PREDICTS: bool = false;
 
     fn held(&mut self, _: usize, _: usize, value: bool) -> bool {
-        self.0.push(u32::from(value), plain_bits(Plane::Mask));
+        self.0.push(u32::from(value), plain_bits(CodedPlane::Mask));
         value
     }
 
-    fn code(&mut self, plane: Plane, _: usize, value: u32) -> u32 {
+    fn code(&mut self, plane: CodedPlane, _: usize, value: u32) -> u32 {
         self.0.push(value, plain_bits(plane));
         value
     }
@@ -169,12 +169,16 @@ impl Coder for PlainReader<'_> {
     const PREDICTS: bool = false;
 
     fn held(&mut self, _: usize, _: usize, _: bool) -> bool {
-        self.0.next(plain_bits(Plane::Mask)) != 0
+        self.0.next(plain_bits(CodedPlane::Mask)) != 0
     }
 
-    fn code(&mut self, plane: Plane, _: usize, _: u32) -> u32 {
+    fn code(&mut self, plane: CodedPlane, _: usize, _: u32) -> u32 {
         let value = self.0.next(plain_bits(plane));
         // Coordinates of normals have a sign.
-        if matches!(plane, Plane::NormalX | Plane::NormalY) { value as u8 as i8 as u32 } else { value }
+        if matches!(plane, CodedPlane::NormalX | CodedPlane::NormalY) {
+            value as u8 as i8 as u32
+        } else {
+            value
+        }
     }
 }

@@ -11,7 +11,7 @@ mod model;
 mod neighborhood;
 mod rans;
 
-pub use block_walk::{Coder, Shape, Walker};
+pub use block_walk::{BlockShape, Coder, Walker};
 pub use coders::{Counter, ModelReader, ModelWriter, PlainReader, PlainWriter};
-pub use model::{Counts, Model};
-pub use neighborhood::{BLOCK, Pixels, cell};
+pub use model::{Counts, FrequencyTables};
+pub use neighborhood::{BLOCK, BlockPixels, cell};

@@ -13,7 +13,7 @@ pub const ACTIVITIES: usize = 17;
 
 /// The planes of an image, each with contexts of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Plane {
+pub enum CodedPlane {
     /// Which pixels hold a sample.
     Mask,
     /// Inverse depth.
@@ -30,7 +30,7 @@ pub enum Plane {
     NormalY,
 }
 
-impl Plane {
+impl CodedPlane {
     /// Every plane, in the order of its tables in the store.
     pub const ALL: [Self; 7] =
         [Self::Mask, Self::Depth, Self::Green, Self::Red, Self::Blue, Self::NormalX, Self::NormalY];
@@ -71,14 +71,14 @@ pub struct Counts([Vec<[u32; TOKENS]>; 7]);
 impl Default for Counts {
     /// Nothing seen yet.
     fn default() -> Self {
-        Self(Plane::ALL.map(|plane| vec![[0; TOKENS]; plane.contexts()]))
+        Self(CodedPlane::ALL.map(|plane| vec![[0; TOKENS]; plane.contexts()]))
     }
 }
 
 impl Counts {
     /// Counts a token.
     #[inline(always)]
-    pub fn add(&mut self, plane: Plane, context: usize, value: u32) {
+    pub fn add(&mut self, plane: CodedPlane, context: usize, value: u32) {
         let count = &mut self.0[plane as usize][context][split(value).0];
         *count = count.saturating_add(1);
     }
@@ -103,24 +103,24 @@ struct PlaneModel {
 }
 
 /// Contexts of the mask.
-pub const MASK_CONTEXTS: usize = Plane::Mask.contexts();
+pub const MASK_CONTEXTS: usize = CodedPlane::Mask.contexts();
 
 /// Per context of the mask, the slot from which on a pixel holds a sample.
 pub type MaskSplits = [u16; MASK_CONTEXTS];
 
 /// The tables of every plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Model {
+pub struct FrequencyTables {
     planes: [PlaneModel; 7],
     /// What the mask's tables say, in little room: most tokens are the mask's.
     mask: Box<MaskSplits>,
 }
 
-impl Model {
+impl FrequencyTables {
     /// The table of a context.
     #[inline(always)]
     #[must_use]
-    pub fn table(&self, plane: Plane, context: usize) -> &Table {
+    pub fn table(&self, plane: CodedPlane, context: usize) -> &Table {
         let model = &self.planes[plane as usize];
         &model.tables[model.table_of[context] as usize]
     }
@@ -135,7 +135,7 @@ impl Model {
     fn of(planes: Vec<PlaneModel>) -> Result<Self, String> {
         let planes: [PlaneModel; 7] = planes.try_into().map_err(|_| "planes are missing")?;
         let mut mask = Box::new([0; MASK_CONTEXTS]);
-        let model = &planes[Plane::Mask as usize];
+        let model = &planes[CodedPlane::Mask as usize];
         for (split, &table) in mask.iter_mut().zip(&model.table_of) {
             *split = model.tables[table as usize].frequency(0) as u16;
         }
@@ -147,7 +147,7 @@ impl Model {
     /// # Errors
     /// Never for counts that were counted; the tables are checked as those of a file are.
     pub fn fit(counts: &Counts) -> Result<Self, String> {
-        let mut models = Vec::with_capacity(Plane::ALL.len());
+        let mut models = Vec::with_capacity(CodedPlane::ALL.len());
         for contexts in &counts.0 {
             let mut model = PlaneModel { table_of: Vec::new(), tables: Vec::new() };
             for (length, histogram) in share_tables(contexts) {
@@ -162,7 +162,7 @@ impl Model {
     /// Bits that what was counted takes by these tables, plane by plane.
     #[must_use]
     pub fn bits(&self, counts: &Counts) -> [f64; 7] {
-        Plane::ALL.map(|plane| {
+        CodedPlane::ALL.map(|plane| {
             let contexts = counts.0[plane as usize].iter().enumerate();
             let tokens = contexts.flat_map(|(context, histogram)| {
                 let table = self.table(plane, context);
@@ -205,14 +205,14 @@ impl Model {
         bytes
     }
 
-    /// Reads what [`Model::encode`] wrote.
+    /// Reads what [`FrequencyTables::encode`] wrote.
     ///
     /// # Errors
     /// Says what is wrong.
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
         let mut reader = ByteReader::new(bytes);
-        let mut models = Vec::with_capacity(Plane::ALL.len());
-        for plane in Plane::ALL {
+        let mut models = Vec::with_capacity(CodedPlane::ALL.len());
+        for plane in CodedPlane::ALL {
             let tables = reader.varint()? as usize;
             if tables == 0 || tables > plane.contexts() {
                 return Err(format!("{tables} tables for {} contexts", plane.contexts()));
@@ -259,7 +259,7 @@ fn decode_table(reader: &mut ByteReader, tokens: usize) -> Result<Table, String>
     Table::new(&frequencies)
 }
 
-type Histogram = [u32; TOKENS];
+type TokenCounts = [u32; TOKENS];
 
 /// Bytes that a token costs in a stored table, about.
 const BYTES_PER_TOKEN: f64 = 1.4;
@@ -268,7 +268,7 @@ const BYTES_PER_TOKEN: f64 = 1.4;
 const BYTES_WORTH_A_TABLE: f64 = 30.0;
 
 /// What coding a histogram's tokens with a table of their own costs, table included, bits.
-fn cost(histogram: &Histogram) -> f64 {
+fn cost(histogram: &TokenCounts) -> f64 {
     let total: f64 = histogram.iter().map(|count| f64::from(*count)).sum();
     if total == 0.0 {
         return 0.0;
@@ -278,29 +278,29 @@ fn cost(histogram: &Histogram) -> f64 {
     tokens + 8.0 * (2.0 + BYTES_WORTH_A_TABLE + BYTES_PER_TOKEN * used.count() as f64)
 }
 
-fn sum(a: &Histogram, b: &Histogram) -> Histogram {
+fn sum(a: &TokenCounts, b: &TokenCounts) -> TokenCounts {
     std::array::from_fn(|token| a[token].saturating_add(b[token]))
 }
 
 /// Joins neighboring contexts while that saves bits: how many contexts, and what was counted in them.
 ///
 /// Greedy: the pair that saves most first. Contexts that were never seen cost nothing to join.
-fn share_tables(contexts: &[Histogram]) -> Vec<(usize, Histogram)> {
-    struct Run {
+fn share_tables(contexts: &[TokenCounts]) -> Vec<(usize, TokenCounts)> {
+    struct ZeroRun {
         length: usize,
-        histogram: Histogram,
+        histogram: TokenCounts,
         cost: f64,
         /// Bits saved by joining the next run.
         gain: f64,
     }
-    let mut runs: Vec<Run> = Vec::new();
+    let mut runs: Vec<ZeroRun> = Vec::new();
     for histogram in contexts {
         match runs.last_mut() {
             Some(last) if histogram.iter().all(|count| *count == 0) => last.length += 1,
-            _ => runs.push(Run { length: 1, histogram: *histogram, cost: cost(histogram), gain: 0.0 }),
+            _ => runs.push(ZeroRun { length: 1, histogram: *histogram, cost: cost(histogram), gain: 0.0 }),
         }
     }
-    let gain = |a: &Run, b: &Run| a.cost + b.cost - cost(&sum(&a.histogram, &b.histogram));
+    let gain = |a: &ZeroRun, b: &ZeroRun| a.cost + b.cost - cost(&sum(&a.histogram, &b.histogram));
     for index in 1..runs.len() {
         runs[index - 1].gain = gain(&runs[index - 1], &runs[index]);
     }
@@ -326,7 +326,7 @@ fn share_tables(contexts: &[Histogram]) -> Vec<(usize, Histogram)> {
 }
 
 /// Frequencies that add up to [`SCALE`], at least 1 for whatever was counted.
-fn frequencies(histogram: &Histogram) -> Vec<u16> {
+fn frequencies(histogram: &TokenCounts) -> Vec<u16> {
     let total: u64 = histogram.iter().map(|count| u64::from(*count)).sum();
     let mut frequencies = vec![0_u16; TOKENS];
     if total == 0 {
@@ -355,9 +355,9 @@ mod tests {
     fn counted() -> Counts {
         let mut counts = Counts::default();
         for nth in 0..3000_u32 {
-            counts.add(Plane::Depth, (nth % 187) as usize, nth * nth % 97);
-            counts.add(Plane::Mask, (nth % 5) as usize, u32::from(nth % 7 == 0));
-            counts.add(Plane::Red, 800, if nth == 9 { u32::MAX } else { 0 });
+            counts.add(CodedPlane::Depth, (nth % 187) as usize, nth * nth % 97);
+            counts.add(CodedPlane::Mask, (nth % 5) as usize, u32::from(nth % 7 == 0));
+            counts.add(CodedPlane::Red, 800, if nth == 9 { u32::MAX } else { 0 });
         }
         counts
     }
@@ -365,43 +365,43 @@ mod tests {
     #[test]
     fn whatever_was_counted_can_be_coded_and_tables_come_back() {
         let counts = counted();
-        let model = Model::fit(&counts).unwrap();
-        for plane in Plane::ALL {
+        let model = FrequencyTables::fit(&counts).unwrap();
+        for plane in CodedPlane::ALL {
             for (context, histogram) in counts.0[plane as usize].iter().enumerate() {
                 for (token, count) in histogram.iter().enumerate() {
                     assert!(*count == 0 || model.table(plane, context).frequency(token) > 0);
                 }
             }
         }
-        assert_eq!(Model::decode(&model.encode()).unwrap(), model);
+        assert_eq!(FrequencyTables::decode(&model.encode()).unwrap(), model);
     }
 
     #[test]
     fn contexts_share_tables_until_they_are_worth_their_own() {
         let mut counts = Counts::default();
-        assert!(Model::fit(&counts).unwrap().encode().len() < 60);
+        assert!(FrequencyTables::fit(&counts).unwrap().encode().len() < 60);
         for nth in 0..20_000 {
-            counts.add(Plane::Depth, 3, nth % 4);
-            counts.add(Plane::Depth, 4, 12 + nth % 4);
-            counts.add(Plane::Green, 3, nth % 4);
-            counts.add(Plane::Green, 4, nth % 4);
+            counts.add(CodedPlane::Depth, 3, nth % 4);
+            counts.add(CodedPlane::Depth, 4, 12 + nth % 4);
+            counts.add(CodedPlane::Green, 3, nth % 4);
+            counts.add(CodedPlane::Green, 4, nth % 4);
         }
-        let model = Model::fit(&counts).unwrap();
-        assert_ne!(model.table(Plane::Depth, 3), model.table(Plane::Depth, 4));
-        assert_eq!(model.planes[Plane::Green as usize].tables.len(), 1);
+        let model = FrequencyTables::fit(&counts).unwrap();
+        assert_ne!(model.table(CodedPlane::Depth, 3), model.table(CodedPlane::Depth, 4));
+        assert_eq!(model.planes[CodedPlane::Green as usize].tables.len(), 1);
     }
 
     #[test]
     fn damaged_tables_are_refused() {
-        let bytes = Model::fit(&counted()).unwrap().encode();
+        let bytes = FrequencyTables::fit(&counted()).unwrap().encode();
         for length in 0..bytes.len() {
-            assert!(Model::decode(&bytes[..length]).is_err());
+            assert!(FrequencyTables::decode(&bytes[..length]).is_err());
         }
-        assert!(Model::decode(&[bytes.as_slice(), &[0]].concat()).is_err());
+        assert!(FrequencyTables::decode(&[bytes.as_slice(), &[0]].concat()).is_err());
         for position in 0..bytes.len() {
             let mut damaged = bytes.clone();
             damaged[position] ^= 0x55;
-            let _ = Model::decode(&damaged);
+            let _ = FrequencyTables::decode(&damaged);
         }
     }
 }

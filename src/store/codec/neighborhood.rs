@@ -27,18 +27,18 @@ pub const fn cell(x: usize, y: usize) -> usize {
 }
 
 /// Something of every pixel of a block, by [`cell`].
-pub type Cells<T> = [T; CELLS];
+pub type PerPixel<T> = [T; CELLS];
 
 /// What a block of pixels holds.
-pub struct Pixels {
+pub struct BlockPixels {
     /// Per row, bit `x`: whether there is a sample in column `x`.
     pub rows: [u64; BLOCK],
     /// Per number (depth, green, red, blue, normal), by [`cell`]: depth as shifted bits, color as a rank, normal as it is. Only
     /// those of samples mean something.
-    pub values: Box<[Cells<i32>; NUMBERS]>,
+    pub values: Box<[PerPixel<i32>; NUMBERS]>,
 }
 
-impl Default for Pixels {
+impl Default for BlockPixels {
     /// An empty block.
     #[expect(clippy::large_stack_arrays, reason = "once a thread, on its way to the heap")]
     fn default() -> Self {
@@ -46,7 +46,7 @@ impl Default for Pixels {
     }
 }
 
-impl Pixels {
+impl BlockPixels {
     /// Forgets every sample.
     pub fn clear(&mut self) {
         self.rows = [0; BLOCK];
@@ -92,10 +92,10 @@ impl Near {
 
 /// Where a sample stands, what is around it, and the block in the reference where that has the sample too.
 #[derive(Clone, Copy)]
-pub(crate) struct Place<'a> {
+pub(crate) struct CodingContext<'a> {
     pub(crate) at: usize,
     pub(crate) near: Near,
-    pub(crate) before: Option<&'a Pixels>,
+    pub(crate) before: Option<&'a BlockPixels>,
 }
 
 #[inline(always)]
@@ -105,7 +105,7 @@ pub(crate) fn bit_length(value: u32) -> usize {
 
 /// How badly the neighbors were predicted: the length of four times the mean of their residuals, nearer ones twice.
 #[inline(always)]
-pub(crate) fn activity(residuals: &Cells<u32>, place: Place<'_>) -> usize {
+pub(crate) fn activity(residuals: &PerPixel<u32>, place: CodingContext<'_>) -> usize {
     /// By which of W, N, NW, NE there are: 2³² over the sum of their weights, rounded up. Exact for what is divided here.
     const RECIPROCALS: [u64; 16] = {
         let mut reciprocals = [0; 16];
@@ -117,7 +117,7 @@ pub(crate) fn activity(residuals: &Cells<u32>, place: Place<'_>) -> usize {
         }
         reciprocals
     };
-    let Place { at, near, .. } = place;
+    let CodingContext { at, near, .. } = place;
     let of = |back: usize, pixel| u64::from(residuals[at - back]) * u64::from(near.count(pixel));
     let sum = 2 * (of(1, W) + of(STRIDE, N)) + of(STRIDE + 1, NW) + of(STRIDE - 1, NE);
     // From here on the length is the largest in any case.
@@ -131,8 +131,8 @@ const NO_DEPTH: i32 = 0x3E00_0000;
 
 /// The depth at a pixel if its neighbors lie on one plane, and from how much that was concluded: 3 a plane, 2 a neighbor, 1 nothing.
 #[inline(always)]
-pub(crate) fn plane_prediction(depths: &Cells<i32>, shift: u32, place: Place<'_>) -> (i32, usize) {
-    let Place { at, near, .. } = place;
+pub(crate) fn plane_prediction(depths: &PerPixel<i32>, shift: u32, place: CodingContext<'_>) -> (i32, usize) {
+    let CodingContext { at, near, .. } = place;
     let depth = |back: usize| f64::from(f32::from_bits((depths[at - back] as u32) << shift));
     let [w, n, nw, ne] = [depth(1), depth(STRIDE), depth(STRIDE + 1), depth(STRIDE - 1)];
     let planes = [w + n - nw, 2.0 * w - depth(2), 2.0 * n - depth(2 * STRIDE), w + ne - n];
@@ -157,8 +157,8 @@ pub(crate) fn plane_prediction(depths: &Cells<i32>, shift: u32, place: Place<'_>
 
 /// The color at a pixel from its neighbors.
 #[inline(always)]
-pub(crate) fn median_prediction(channel: &Cells<i32>, place: Place<'_>, colors: usize) -> i32 {
-    let Place { at, near, .. } = place;
+pub(crate) fn median_prediction(channel: &PerPixel<i32>, place: CodingContext<'_>, colors: usize) -> i32 {
+    let CodingContext { at, near, .. } = place;
     if !near.has(W | N) {
         return near.first(at).map_or(colors as i32 / 2, |first| channel[first % CELLS]);
     }

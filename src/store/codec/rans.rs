@@ -87,20 +87,20 @@ impl Table {
 }
 
 /// Codes tokens in reverse: the last one first.
-pub struct Encoder {
+pub struct RansEncoder {
     states: [u32; LANES],
     /// Last word first.
     words: Vec<u16>,
 }
 
-impl Default for Encoder {
+impl Default for RansEncoder {
     /// An encoder before its first token.
     fn default() -> Self {
         Self { states: [LOWEST; LANES], words: Vec::new() }
     }
 }
 
-impl Encoder {
+impl RansEncoder {
     /// Codes the token that stands before all those coded so far, given where its slots begin and how many it has, which must not
     /// be none.
     pub fn push(&mut self, lane: usize, (start, frequency): (u32, u32)) {
@@ -197,7 +197,7 @@ mod tests {
         [&[1, 4095_u16][..], &[0, 0, 4096], &skewed].map(|f| Table::new(f).unwrap())
     }
 
-    fn words(encoder: Encoder) -> Vec<[u8; 2]> {
+    fn words(encoder: RansEncoder) -> Vec<[u8; 2]> {
         encoder.finish().into_iter().map(u16::to_be_bytes).collect()
     }
 
@@ -207,7 +207,7 @@ mod tests {
             let tables = tables();
             let coded: Vec<(usize, usize)> =
                 tokens.iter().map(|&t| match t % 3 { 0 => (0, t / 3 % 2), 1 => (1, 2), _ => (2, t) }).collect();
-            let mut encoder = Encoder::default();
+            let mut encoder = RansEncoder::default();
             for (nth, &(table, token)) in coded.iter().enumerate().rev() {
                 encoder.push(nth % LANES, tables[table].range(token));
             }
@@ -238,7 +238,7 @@ mod tests {
     #[test]
     fn a_likely_token_takes_next_to_nothing() {
         let [skewed, certain, _] = tables();
-        let mut encoder = Encoder::default();
+        let mut encoder = RansEncoder::default();
         (0..4000).for_each(|_| encoder.push(1, skewed.range(1)));
         (0..4000).for_each(|_| encoder.push(1, certain.range(2)));
         assert_eq!(encoder.finish().len(), 2 * LANES);

@@ -18,12 +18,12 @@ use crate::error::{Error, Result};
 use crate::preprocess::diagnostics::Report;
 use crate::samples::{DepthPlane, SampleImage, SampleSet};
 use crate::settings::Settings;
-use crate::store::codec::Model;
+use crate::store::codec::FrequencyTables;
 use crate::store::container::{
     ChunkHeader, FormReader, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, ReadAt, SETTINGS, STORE,
 };
-use crate::store::image::{self, BlockEntry, Coding, Damage, Decoded, ImageHead, Palette};
-use crate::store::playback::Places;
+use crate::store::image::{self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, ImageHead};
+use crate::store::playback::VisibleBlocks;
 
 /// What a store says of itself before any image is read.
 #[derive(Clone, Debug)]
@@ -72,8 +72,8 @@ impl StoreInfo {
 pub struct Store {
     pub(crate) path: PathBuf,
     pub(crate) info: StoreInfo,
-    model: Model,
-    palette: Palette,
+    model: FrequencyTables,
+    palette: ColorRanks,
     pub(crate) form: FormReader<Box<dyn ReadAt>>,
     /// What could not be read so far, by image.
     damage: Mutex<BTreeMap<usize, Vec<String>>>,
@@ -127,8 +127,9 @@ impl Store {
         let json = |id| move |error: serde_json::Error| in_chunk(path, id, error);
         let report = serde_json::from_slice(chunks.get(REPORT)).map_err(json(REPORT))?;
         let provenance = serde_json::from_slice(chunks.get(PROVENANCE)).map_err(json(PROVENANCE))?;
-        let palette = Palette::decode(chunks.get(PALETTE)).map_err(|what| in_chunk(path, PALETTE, what))?;
-        let model = Model::decode(chunks.get(MODEL)).map_err(|what| in_chunk(path, MODEL, what))?;
+        let palette =
+            ColorRanks::decode(chunks.get(PALETTE)).map_err(|what| in_chunk(path, PALETTE, what))?;
+        let model = FrequencyTables::decode(chunks.get(MODEL)).map_err(|what| in_chunk(path, MODEL, what))?;
         let images = decode_index(chunks.get(INDEX), form.size(), cameras.len(), frame_numbers.len())
             .map_err(|what| in_chunk(path, INDEX, what))?;
         let info = StoreInfo {
@@ -203,7 +204,7 @@ impl Store {
         index: usize,
         so_far: Option<&Decoded>,
         before: Option<&Decoded>,
-        places: Option<&Places>,
+        places: Option<&VisibleBlocks>,
     ) -> Result<Decoded> {
         let decoded = match so_far {
             Some(so_far) => Ok(so_far.clone()),
@@ -235,7 +236,7 @@ impl Store {
         index: usize,
         mut decoded: Decoded,
         before: Option<&Decoded>,
-        places: Option<&Places>,
+        places: Option<&VisibleBlocks>,
     ) -> Result<Decoded> {
         let Some(head) = decoded.head.clone() else { return Ok(decoded) };
         let missing = decoded.missing(places);
@@ -268,8 +269,8 @@ impl Store {
         Ok(decoded)
     }
 
-    fn coding(&self, entry: &ImageEntry, head: &ImageHead) -> Coding<'_> {
-        Coding {
+    fn coding(&self, entry: &ImageEntry, head: &ImageHead) -> BlockCoding<'_> {
+        BlockCoding {
             model: &self.model,
             palette: &self.palette,
             depth_shift: head.depth_shift,

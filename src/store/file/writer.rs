@@ -17,13 +17,13 @@ use super::provenance::{PlaneBytes, Provenance};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::diagnostics::Report;
-use crate::samples::{ImageFacts, SampleImage, SampleSet, Span, Spool};
+use crate::samples::{ImageBuffer, ImageFacts, SampleImage, SampleSet, Span};
 use crate::settings::{self, StoreSettings};
-use crate::store::codec::{Counts, Model};
+use crate::store::codec::{Counts, FrequencyTables};
 use crate::store::container::{
     ChunkId, FormWriter, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE,
 };
-use crate::store::image::{self, Coding, Palette, Used};
+use crate::store::image::{self, BlockCoding, ColorRanks, Used};
 use crate::whole_file;
 
 /// Images that are encoded at a time: enough for every thread, few enough to be held in memory.
@@ -64,7 +64,7 @@ pub fn write_with(
     extras: &Extras,
     job: &Job,
 ) -> Result<u64> {
-    write_spooled(path, samples, &Spool::of(&samples.images), report, extras, job)
+    write_spooled(path, samples, &ImageBuffer::of(&samples.images), report, extras, job)
 }
 
 /// As [`write_with`], of images that may be in a file; those of the set itself are not asked for.
@@ -74,7 +74,7 @@ pub fn write_with(
 pub fn write_spooled(
     path: &Path,
     samples: &SampleSet,
-    images: &Spool,
+    images: &ImageBuffer,
     report: &Report,
     extras: &Extras,
     job: &Job,
@@ -103,7 +103,7 @@ pub fn write_to(
     extras: &Extras,
     job: &Job,
 ) -> Result<u64> {
-    Input { path, samples, images: &Spool::of(&samples.images), extras, job }.write_to(target, report)
+    Input { path, samples, images: &ImageBuffer::of(&samples.images), extras, job }.write_to(target, report)
 }
 
 /// What is written, for whom, and under which name errors speak of it.
@@ -111,7 +111,7 @@ struct Input<'a> {
     path: &'a Path,
     /// Everything but the images.
     samples: &'a SampleSet,
-    images: &'a Spool,
+    images: &'a ImageBuffer,
     extras: &'a Extras,
     job: &'a Job,
 }
@@ -171,7 +171,7 @@ impl Input<'_> {
     }
 
     /// The colors that occur, as far as the settings leave them apart; checks every image.
-    fn palette(&self) -> Result<Palette> {
+    fn palette(&self) -> Result<ColorRanks> {
         let cameras = &self.samples.cameras;
         let used = (0..self.images.len()).into_par_iter().try_fold(Used::new, |mut used, index| {
             self.job.check()?;
@@ -183,7 +183,7 @@ impl Input<'_> {
             Ok(used)
         });
         let used = used.try_reduce(Used::new, |used, more| Ok::<_, Error>(used.plus(&more)))?;
-        Ok(Palette::within(&used, self.color_room()))
+        Ok(ColorRanks::within(&used, self.color_room()))
     }
 
     /// By how much a color may be moved, 8-bit steps.
@@ -192,7 +192,7 @@ impl Input<'_> {
     }
 
     /// The images as they are stored, where the settings ask for less than all of them.
-    fn reduced(&self, palette: &Palette) -> Result<Option<Spool>> {
+    fn reduced(&self, palette: &ColorRanks) -> Result<Option<ImageBuffer>> {
         let settings = &self.samples.settings.store;
         if settings.precision == crate::settings::Precision::Lossless {
             return Ok(None);
@@ -207,9 +207,10 @@ impl Input<'_> {
     }
 
     /// Chooses references and fits a model to `images`, whose colors are those of the palette.
-    fn prepare<'a>(&self, images: &'a Spool, palette: Palette) -> Result<Prepared<'a>> {
-        let fit =
-            |counts: &Counts| Model::fit(counts).map_err(|what| Error::invalid(self.path.display(), what));
+    fn prepare<'a>(&self, images: &'a ImageBuffer, palette: ColorRanks) -> Result<Prepared<'a>> {
+        let fit = |counts: &Counts| {
+            FrequencyTables::fit(counts).map_err(|what| Error::invalid(self.path.display(), what))
+        };
         let mut prepared = Prepared {
             references: choose_references(&images.facts().collect::<Vec<_>>()),
             images,
@@ -240,10 +241,10 @@ fn place_of(image: &SampleImage, path: &Path) -> String {
 
 /// All that is decided before the first sample is written.
 struct Prepared<'a> {
-    images: &'a Spool,
+    images: &'a ImageBuffer,
     references: Vec<Option<u32>>,
-    palette: Palette,
-    model: Model,
+    palette: ColorRanks,
+    model: FrequencyTables,
     planes: PlaneBytes,
 }
 
@@ -262,10 +263,10 @@ impl Prepared<'_> {
         Ok((self.images.get(index)?, reference.transpose()?))
     }
 
-    fn coding(&self, samples: &SampleSet, image: &SampleImage) -> Coding<'_> {
+    fn coding(&self, samples: &SampleSet, image: &SampleImage) -> BlockCoding<'_> {
         let camera = &samples.cameras[image.camera as usize];
         let settings = &samples.settings.store;
-        Coding {
+        BlockCoding {
             model: &self.model,
             palette: &self.palette,
             depth_shift: image::depth_shift(camera, settings),

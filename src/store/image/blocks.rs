@@ -2,12 +2,12 @@
 
 use half::f16;
 
-use super::color_ranks::Palette;
+use super::color_ranks::ColorRanks;
 use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, TILE, TILE_SAMPLES};
 use crate::simd;
 use crate::store::codec::{
-    BLOCK, Coder, Counter, Counts, Model, ModelReader, ModelWriter, Pixels, PlainReader, PlainWriter, Shape,
-    Walker, cell,
+    BLOCK, BlockPixels, BlockShape, Coder, Counter, Counts, FrequencyTables, ModelReader, ModelWriter,
+    PlainReader, PlainWriter, Walker, cell,
 };
 
 /// Tiles across a block, and down.
@@ -18,9 +18,9 @@ const LARGEST_DEPTH: u32 = 0x7F7F_FFFF;
 
 /// What all blocks of an image share.
 #[derive(Clone, Copy)]
-pub(crate) struct Coding<'a> {
-    pub(crate) model: &'a Model,
-    pub(crate) palette: &'a Palette,
+pub(crate) struct BlockCoding<'a> {
+    pub(crate) model: &'a FrequencyTables,
+    pub(crate) palette: &'a ColorRanks,
     pub(crate) depth_shift: u32,
     pub(crate) normals: bool,
     pub(crate) plain: bool,
@@ -47,21 +47,21 @@ pub(crate) struct Block<'a> {
 }
 
 /// Working memory of one thread.
-pub(crate) struct Scratch {
+pub(crate) struct CodingScratch {
     walker: Walker,
-    pixels: Pixels,
-    reference: Pixels,
+    pixels: BlockPixels,
+    reference: BlockPixels,
 }
 
-impl Scratch {
+impl CodingScratch {
     fn new() -> Self {
-        Self { walker: Walker::default(), pixels: Pixels::default(), reference: Pixels::default() }
+        Self { walker: Walker::default(), pixels: BlockPixels::default(), reference: BlockPixels::default() }
     }
 
     /// Runs `work` with this thread's scratch memory. `work` must not wait for other threads' work.
     pub(crate) fn with<R>(work: impl FnOnce(&mut Self) -> R) -> R {
         thread_local! {
-            static SCRATCH: std::cell::RefCell<Scratch> = std::cell::RefCell::new(Scratch::new());
+            static SCRATCH: std::cell::RefCell<CodingScratch> = std::cell::RefCell::new(CodingScratch::new());
         }
         SCRATCH.with_borrow_mut(work)
     }
@@ -111,10 +111,10 @@ pub(crate) fn summary(image: &SampleImage, block: &BlockTiles) -> (usize, u32, u
     )
 }
 
-impl Coding<'_> {
-    fn shape(&self, place: (u16, u16), tiles: u16) -> Shape {
+impl BlockCoding<'_> {
+    fn shape(&self, place: (u16, u16), tiles: u16) -> BlockShape {
         let (left, top) = (place.0 as usize * BLOCK, place.1 as usize * BLOCK);
-        Shape {
+        BlockShape {
             width: self.size.0.saturating_sub(left).min(BLOCK),
             height: self.size.1.saturating_sub(top).min(BLOCK),
             tiles,
@@ -125,7 +125,7 @@ impl Coding<'_> {
     }
 
     /// Puts the samples of a block where a walk finds them.
-    fn spread(&self, Block { image, tiles }: Block<'_>, pixels: &mut Pixels) {
+    fn spread(&self, Block { image, tiles }: Block<'_>, pixels: &mut BlockPixels) {
         pixels.clear();
         let mut depths = [0.0; TILE_SAMPLES];
         for (inside, &index) in tiles.index.iter().enumerate().filter(|(_, index)| **index != u32::MAX) {
@@ -155,12 +155,12 @@ impl Coding<'_> {
 
     /// Counts the tokens of a block.
     pub(crate) fn count(&self, block: Block<'_>, reference: Option<Block<'_>>, counts: &mut Counts) {
-        Scratch::with(|scratch| self.walk(&mut Counter(counts), scratch, block, reference));
+        CodingScratch::with(|scratch| self.walk(&mut Counter(counts), scratch, block, reference));
     }
 
     /// The code of a block.
     pub(crate) fn encode(&self, block: Block<'_>, reference: Option<Block<'_>>) -> Vec<u8> {
-        Scratch::with(|scratch| {
+        CodingScratch::with(|scratch| {
             if self.plain {
                 let mut writer = PlainWriter::default();
                 self.walk(&mut writer, scratch, block, reference);
@@ -176,7 +176,7 @@ impl Coding<'_> {
     fn walk<C: Coder>(
         &self,
         coder: &mut C,
-        scratch: &mut Scratch,
+        scratch: &mut CodingScratch,
         block: Block<'_>,
         reference: Option<Block<'_>>,
     ) {
@@ -200,7 +200,7 @@ impl Coding<'_> {
         code: &[u8],
         reference: Option<Block<'_>>,
     ) -> Result<BlockSamples, String> {
-        Scratch::with(|scratch| {
+        CodingScratch::with(|scratch| {
             scratch.pixels.clear();
             let reference = reference.map(|block| {
                 self.spread(block, &mut scratch.reference);
@@ -224,7 +224,7 @@ impl Coding<'_> {
     }
 
     /// Takes the samples of a block from where a walk left them.
-    fn gather(&self, place: (u16, u16), tiles: u16, pixels: &Pixels) -> Result<BlockSamples, String> {
+    fn gather(&self, place: (u16, u16), tiles: u16, pixels: &BlockPixels) -> Result<BlockSamples, String> {
         let count = pixels.rows.iter().map(|row| row.count_ones() as usize).sum();
         let mut samples = BlockSamples::with_capacity(tiles.count_ones() as usize, count, self.normals);
         let mut depths = [0.0; TILE_SAMPLES];
@@ -278,12 +278,12 @@ impl Coding<'_> {
 struct Decoding<'a> {
     reader: ModelReader<'a>,
     walker: &'a mut Walker,
-    shape: &'a Shape,
-    pixels: &'a mut Pixels,
-    reference: Option<&'a Pixels>,
+    shape: &'a BlockShape,
+    pixels: &'a mut BlockPixels,
+    reference: Option<&'a BlockPixels>,
 }
 
-impl simd::Work for Decoding<'_> {
+impl simd::VectorLoop for Decoding<'_> {
     /// Whether the code was whole.
     type Output = bool;
 

@@ -51,7 +51,7 @@ impl Used {
 
 /// The list, and the rank of every half that is in it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Palette {
+pub(crate) struct ColorRanks {
     /// Codes, ascending.
     codes: Vec<u16>,
     /// The halves they stand for.
@@ -60,7 +60,7 @@ pub(crate) struct Palette {
     ranks: Vec<u16>,
 }
 
-impl Palette {
+impl ColorRanks {
     /// In which every half that is used is found as it is.
     fn lossless(used: &Used) -> Self {
         let (Some(first), Some(last)) = (used.codes().next(), used.codes().next_back()) else {
@@ -147,7 +147,7 @@ impl Palette {
         bytes
     }
 
-    /// Reads what [`Palette::encode`] wrote.
+    /// Reads what [`ColorRanks::encode`] wrote.
     pub(crate) fn decode(bytes: &[u8]) -> Result<Self, String> {
         let mut reader = ByteReader::new(bytes);
         let mut codes = Vec::new();
@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn a_lossless_palette_has_every_color_that_occurs_and_few_others() {
         let colors = [-0.5, 0.0, 0.1, 0.75, 12.0];
-        let palette = Palette::lossless(&used(colors));
+        let palette = ColorRanks::lossless(&used(colors));
         assert_eq!(palette.len(), 5);
         for color in colors.map(f16::from_f32) {
             assert_eq!(palette.color(palette.rank(color)), Some(color));
@@ -202,10 +202,10 @@ mod tests {
         assert_eq!(palette.color(5), None);
         assert_eq!(palette.color(-1), None);
         // Every half from 0 to 1 follows the one before it, so that two numbers say it all.
-        let dense = Palette::lossless(&used((0..=0x3C00).map(|bits| f16::from_bits(bits).to_f32())));
+        let dense = ColorRanks::lossless(&used((0..=0x3C00).map(|bits| f16::from_bits(bits).to_f32())));
         assert!(dense.encode().len() < 12);
-        assert_eq!(Palette::decode(&dense.encode()).unwrap(), dense);
-        assert_eq!(Palette::decode(&palette.encode()).unwrap(), palette);
+        assert_eq!(ColorRanks::decode(&dense.encode()).unwrap(), dense);
+        assert_eq!(ColorRanks::decode(&palette.encode()).unwrap(), palette);
     }
 
     #[test]
@@ -213,21 +213,21 @@ mod tests {
         let steps = |half: f16| steps_table()[half.to_bits() as usize];
         for bits in [8, 10, 12, 16] {
             let halves = || (0..31_000_u16).map(f16::from_bits).chain([f16::from_f32(-2.0)]);
-            let palette = Palette::within(&used(halves().map(f16::to_f32)), half_step(bits));
+            let palette = ColorRanks::within(&used(halves().map(f16::to_f32)), half_step(bits));
             for half in halves() {
                 let shown = palette.color(palette.rank(half)).unwrap();
                 assert!((steps(shown) - steps(half)).abs() <= half_step(bits), "{half} as {shown}");
             }
-            assert_eq!(Palette::decode(&palette.encode()).unwrap(), palette);
+            assert_eq!(ColorRanks::decode(&palette.encode()).unwrap(), palette);
         }
-        let displayed = Palette::within(&used((0..=1000).map(|i| i as f32 / 1000.0)), half_step(8));
+        let displayed = ColorRanks::within(&used((0..=1000).map(|i| i as f32 / 1000.0)), half_step(8));
         assert!(displayed.len() <= 256, "{}", displayed.len());
     }
 
     #[test]
     fn damaged_palettes_are_refused() {
         for bytes in [&[][..], &[0], &[0, 0], &[0, 1], &[0x80], &[0xFF, 0xFF, 0x03, 2], &[0xFF; 20]] {
-            assert!(Palette::decode(bytes).is_err(), "{bytes:?}");
+            assert!(ColorRanks::decode(bytes).is_err(), "{bytes:?}");
         }
     }
 }

@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::blocks::{Block, BlockSamples, Coding, assemble, blocks_of, find, summary};
+use super::blocks::{Block, BlockCoding, BlockSamples, assemble, blocks_of, find, summary};
 use crate::capture::Camera;
 use crate::samples::{SampleImage, TILE};
 use crate::store::codec::{BLOCK, Counts};
@@ -105,7 +105,7 @@ pub(crate) fn check(image: &SampleImage, cameras: &[Camera], frames: usize) -> R
 pub(crate) fn count(
     image: &SampleImage,
     reference: Option<&SampleImage>,
-    coding: &Coding,
+    coding: &BlockCoding,
     counts: &mut Counts,
 ) {
     let before = reference.map(|reference| (reference, blocks_of(reference)));
@@ -120,7 +120,7 @@ pub(crate) fn encode(
     image: &SampleImage,
     reference: Option<&SampleImage>,
     camera: &Camera,
-    coding: &Coding,
+    coding: &BlockCoding,
 ) -> (Vec<u8>, usize) {
     let blocks = blocks_of(image);
     let before = reference.map(|reference| (reference, blocks_of(reference)));
@@ -227,7 +227,7 @@ pub(crate) fn decode<'a>(
     image: &SampleImage,
     head: &ImageHead,
     reference: Option<Reference>,
-    coding: &Coding,
+    coding: &BlockCoding,
     code: impl Fn(&BlockEntry) -> Result<&'a [u8], String> + Sync,
     blocks: &[&BlockEntry],
 ) -> (SampleImage, Vec<Damage>) {

@@ -6,8 +6,8 @@ mod decoded;
 mod image_chunk;
 mod precision;
 
-pub(crate) use blocks::Coding;
-pub(crate) use color_ranks::{Palette, Used};
+pub(crate) use blocks::BlockCoding;
+pub(crate) use color_ranks::{ColorRanks, Used};
 pub(crate) use decoded::Decoded;
 pub use image_chunk::{BlockEntry, ImageHead};
 pub(crate) use image_chunk::{Damage, check, count, decode, decode_head, encode};

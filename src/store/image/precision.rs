@@ -4,7 +4,7 @@
 //! is rounded by leaving off its lowest bits: the relative error of `w` is that of `z`, and a pixel's footprint at depth `z` is
 //! `z / f` across, so that an error of `p` footprints is a relative error of `p / f`, whatever the depth.
 
-use super::color_ranks::{Palette, half_step};
+use super::color_ranks::{ColorRanks, half_step};
 use crate::capture::Camera;
 use crate::color::steps_from_linear;
 use crate::samples::{DepthPlane, SampleImage};
@@ -83,7 +83,7 @@ pub(crate) fn depth_shift(camera: &Camera, settings: &StoreSettings) -> u32 {
 pub(crate) fn reduce(
     image: &SampleImage,
     camera: &Camera,
-    palette: &Palette,
+    palette: &ColorRanks,
     color_room: f32,
     settings: &StoreSettings,
 ) -> Result<SampleImage, String> {

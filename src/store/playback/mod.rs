@@ -4,4 +4,4 @@ mod playback;
 mod visible_blocks;
 
 pub use playback::{DEFAULT_CACHE_BYTES, Playback};
-pub(crate) use visible_blocks::Places;
+pub(crate) use visible_blocks::VisibleBlocks;

@@ -16,7 +16,7 @@ use quick_cache::Weighter;
 use quick_cache::sync::Cache;
 use rayon::prelude::*;
 
-use super::visible_blocks::{self, Places};
+use super::visible_blocks::{self, VisibleBlocks};
 use crate::capture::{Camera, EXPECTED_IN_ONE_PIECE};
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -25,9 +25,9 @@ use crate::store::file::{Store, chain};
 use crate::store::image::Decoded;
 
 #[derive(Clone)]
-struct BytesWeighter;
+struct ImageBytes;
 
-impl Weighter<usize, Arc<Decoded>> for BytesWeighter {
+impl Weighter<usize, Arc<Decoded>> for ImageBytes {
     fn weight(&self, _index: &usize, decoded: &Arc<Decoded>) -> u64 {
         let blocks = decoded.head.as_ref().map_or(0, |head| size_of_val(head.blocks.as_slice()));
         (decoded.image.bytes() + blocks) as u64 + 1
@@ -42,7 +42,7 @@ pub struct Playback {
     store: Store,
     /// Every image in its place, none with a sample.
     outline: Arc<SampleSet>,
-    cache: Cache<usize, Arc<Decoded>, BytesWeighter>,
+    cache: Cache<usize, Arc<Decoded>, ImageBytes>,
 }
 
 impl Playback {
@@ -50,11 +50,7 @@ impl Playback {
     #[must_use]
     pub fn new(store: Store, cache_bytes: u64) -> Self {
         let outline = Arc::new(store.outline());
-        Self {
-            store,
-            outline,
-            cache: Cache::with_weighter(EXPECTED_IN_ONE_PIECE, cache_bytes, BytesWeighter),
-        }
+        Self { store, outline, cache: Cache::with_weighter(EXPECTED_IN_ONE_PIECE, cache_bytes, ImageBytes) }
     }
 
     /// The store, which also says what of it could not be read.
@@ -96,7 +92,7 @@ impl Playback {
     }
 
     /// For each camera, the blocks of some images that a vantage needs.
-    fn needed(&self, vantage: &Camera, path: &[usize], job: &Job) -> Result<Vec<Places>> {
+    fn needed(&self, vantage: &Camera, path: &[usize], job: &Job) -> Result<Vec<VisibleBlocks>> {
         let images = &self.store.info().images;
         let cameras = &self.outline.cameras;
         let heads: Result<Vec<_>> = path
@@ -108,7 +104,8 @@ impl Playback {
                     return Ok((camera, decoded));
                 }
                 // At no place: the head alone is read.
-                let decoded = Arc::new(self.store.decode(index, None, None, Some(&Places::default()))?);
+                let decoded =
+                    Arc::new(self.store.decode(index, None, None, Some(&VisibleBlocks::default()))?);
                 self.cache.insert(index, decoded.clone());
                 Ok((camera, decoded))
             })
@@ -125,7 +122,7 @@ impl Playback {
     fn set<'a>(
         &self,
         path: Vec<usize>,
-        places: impl Fn(usize) -> Option<&'a Places> + Sync,
+        places: impl Fn(usize) -> Option<&'a VisibleBlocks> + Sync,
         job: &Job,
     ) -> Result<Arc<SampleSet>> {
         let camera = |index: usize| self.store.info().images[index].camera as usize;
@@ -167,7 +164,7 @@ impl Playback {
     }
 
     /// An image with its blocks at some places, or all: from the cache, or decoded from the nearest of its references that is there.
-    fn image(&self, index: usize, places: Option<&Places>, job: &Job) -> Result<Arc<Decoded>> {
+    fn image(&self, index: usize, places: Option<&VisibleBlocks>, job: &Job) -> Result<Arc<Decoded>> {
         let mut missing = Vec::new();
         let mut before = None;
         for index in chain(&self.store.info().images, index).unwrap_or_default() {

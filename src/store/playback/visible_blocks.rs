@@ -27,12 +27,12 @@ const MAX_BLOCKS: f64 = 65_536.0;
 
 /// Blocks of a camera's pictures, by place.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Places {
+pub(crate) struct VisibleBlocks {
     across: usize,
     held: Vec<bool>,
 }
 
-impl Places {
+impl VisibleBlocks {
     /// None of the blocks in so many columns and rows.
     fn none((across, down): (usize, usize)) -> Self {
         Self { across, held: vec![false; across * down] }
@@ -124,7 +124,7 @@ impl Eye {
     }
 
     /// Adds the blocks that the hull of some points is projected to.
-    fn add_projection(&self, points: &[DVec3; 8], places: &mut Places) {
+    fn add_projection(&self, points: &[DVec3; 8], places: &mut VisibleBlocks) {
         if points.iter().all(|point| point.z <= 0.0) {
             return;
         }
@@ -151,7 +151,7 @@ pub(crate) fn needed<'a>(
     vantage: &Camera,
     cameras: &[Camera],
     blocks: impl Iterator<Item = (usize, &'a BlockEntry)> + Clone,
-) -> Vec<Places> {
+) -> Vec<VisibleBlocks> {
     // As large as the blocks that there are: a file that says how large its pictures are need not have any.
     let mut extents = vec![(0, 0); cameras.len()];
     for (camera, block) in blocks.clone() {
@@ -159,7 +159,7 @@ pub(crate) fn needed<'a>(
         *across = (*across).max(usize::from(block.place.0) + 1);
         *down = (*down).max(usize::from(block.place.1) + 1);
     }
-    let mut places: Vec<Places> = extents.into_iter().map(Places::none).collect();
+    let mut places: Vec<VisibleBlocks> = extents.into_iter().map(VisibleBlocks::none).collect();
     let vantage = Eye::of(vantage);
     let eyes: Vec<Eye> = cameras.iter().map(Eye::of).collect();
     for (camera, block) in blocks {
@@ -184,10 +184,10 @@ mod tests {
 
     #[test]
     fn what_reaches_beyond_all_numbers_touches_every_block_up_to_the_edge() {
-        let mut places = Places::none((3, 2));
+        let mut places = VisibleBlocks::none((3, 2));
         places.add([100.0, -5.0], [f64::INFINITY, 1e300]);
         assert_eq!(places.held, [false, true, true, false, true, true]);
-        let mut places = Places::none((3, 2));
+        let mut places = VisibleBlocks::none((3, 2));
         places.add([f64::INFINITY, 0.0], [f64::INFINITY, 10.0]);
         assert_eq!(places.held, [false; 6]);
         let camera = Camera::look_at(
@@ -198,7 +198,7 @@ mod tests {
             DVec3::Z,
         );
         for nearly_beside in [f64::MIN_POSITIVE, 1e-300] {
-            let mut places = Places::none((3, 2));
+            let mut places = VisibleBlocks::none((3, 2));
             let points = std::array::from_fn(|i| DVec3::new(i as f64 - 3.5, 3.5 - i as f64, nearly_beside));
             Eye::of(&camera).add_projection(&points, &mut places);
             assert_eq!(places.held, [true; 6], "{nearly_beside:e}");

@@ -11,7 +11,7 @@ use std::path::Path;
 
 use clap::{Args, Subcommand};
 
-use crate::cli::{Failure, output};
+use crate::cli::{CommandError, output};
 use crate::error::Result;
 use crate::store::file::Store;
 use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
@@ -20,11 +20,11 @@ use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
     #[command(subcommand)]
-    what: What,
+    what: ExportKind,
 }
 
 #[derive(Debug, Subcommand)]
-enum What {
+enum ExportKind {
     /// Samples as binary PLY: points with normal, color and radius.
     Points(points::PointsArgs),
     /// Pictures along a camera path, as EXR and PNG.
@@ -36,12 +36,12 @@ enum What {
 }
 
 impl ExportArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         match self.what {
-            What::Points(args) => args.run(),
-            What::Pictures(args) => args.run(),
-            What::Video(args) => args.run(),
-            What::Store(args) => args.run(),
+            ExportKind::Points(args) => args.run(),
+            ExportKind::Pictures(args) => args.run(),
+            ExportKind::Video(args) => args.run(),
+            ExportKind::Store(args) => args.run(),
         }
     }
 }

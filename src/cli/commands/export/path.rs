@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::capture::{Camera, View, transforms};
+use crate::capture::{Camera, TruthView, transforms};
 use crate::error::{Error, Result};
 use crate::render::Vantage;
 use crate::render::film::{PathKey, pose_at};
@@ -33,7 +33,7 @@ pub(crate) fn along(manifest: &Path, store: &StoreInfo) -> Result<Stops> {
     let (Some(first), Some(last)) = (views.first(), views.last()) else { return invalid("has no view") };
     let all = views.len() == 1;
     let range = first.frame_number..=last.frame_number;
-    let key = |view: &View| PathKey {
+    let key = |view: &TruthView| PathKey {
         time: view.frame_number as f64,
         world_from_camera: view.camera.world_from_camera,
     };

@@ -8,7 +8,7 @@ use clap::Args;
 use super::path::{self, Stops};
 use crate::cli::commands::render::PaintingArgs;
 use crate::cli::output::{self, PicturePaths};
-use crate::cli::{Failure, SettingsArgs};
+use crate::cli::{CommandError, SettingsArgs};
 use crate::error::Result;
 use crate::job::Job;
 use crate::render::film::{self, Reel};
@@ -40,7 +40,7 @@ impl FilmArgs {
     }
 
     /// The open store, the stops of the path, and the settings to paint with.
-    pub(crate) fn plan(&self) -> Result<(Arc<Playback>, Stops, RenderSettings), Failure> {
+    pub(crate) fn plan(&self) -> Result<(Arc<Playback>, Stops, RenderSettings), CommandError> {
         self.settings.only("render")?;
         output::can_be_read_again(&self.path)?;
         let playback = super::open(&self.store)?;
@@ -80,7 +80,7 @@ pub(crate) struct PicturesArgs {
 }
 
 impl PicturesArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         output::folder(&self.out)?;
         let (playback, stops, settings) = self.film.plan()?;
         let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::ply;
-use crate::cli::{Failure, output};
+use crate::cli::{CommandError, output};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::store::playback::Playback;
@@ -27,7 +27,7 @@ pub(crate) struct PointsArgs {
 }
 
 impl PointsArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         output::apart_from(&self.store, &self.out)?;
         if self.frame.is_some() || self.still {
             output::file(&self.out, "points.ply")?;

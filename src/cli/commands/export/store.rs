@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::{Failure, SettingsArgs, output};
+use crate::cli::{CommandError, SettingsArgs, output};
 use crate::store;
 use crate::store::file::Store;
 
@@ -22,7 +22,7 @@ pub(crate) struct StoreArgs {
 }
 
 impl StoreArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         self.settings.only("store")?;
         output::file(&self.out, "scene.ovl")?;
         self.settings.apart_from(&self.out)?;

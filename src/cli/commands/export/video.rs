@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::pictures::{FilmArgs, paint};
-use crate::cli::{Failure, output};
+use crate::cli::{CommandError, output};
 use crate::error::Error;
-use crate::render::film::Encoder;
+use crate::render::film::FilmEncoder;
 
 /// Arguments of `overlook export video`.
 #[derive(Debug, Args)]
@@ -32,12 +32,12 @@ fn frames_per_second(text: &str) -> Result<f64, String> {
 }
 
 impl VideoArgs {
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
         output::file(&self.out, "film.mp4")?;
         let (playback, stops, settings) = self.film.plan()?;
         self.film.apart_from(&self.out)?;
         let (width, height) = stops.vantages[0].camera.intrinsics.size();
-        let mut encoder = Encoder::start(&self.out, [width, height], self.fps)?;
+        let mut encoder = FilmEncoder::start(&self.out, [width, height], self.fps)?;
         let notice = output::watched(|job| {
             let painted = paint(&playback, &stops, &settings, job, |_, picture| encoder.add(picture));
             let written = painted.and_then(|notice| encoder.finish(job).map(|()| notice));
