@@ -9,7 +9,7 @@ use super::{views, window};
 
 /// Something to look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-pub(super) enum DockView {
+pub(crate) enum DockView {
     /// What a camera saw.
     Source,
     /// What is left, from anywhere.
@@ -42,7 +42,7 @@ pub(super) enum DockView {
 
 impl DockView {
     /// Every view, in the order of the menu.
-    pub(super) const ALL: [Self; 14] = [
+    pub(crate) const ALL: [Self; 14] = [
         Self::Source,
         Self::Live,
         Self::Compare,
@@ -60,7 +60,7 @@ impl DockView {
     ];
 
     /// Its name on its tab.
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Source => "Source",
             Self::Live => "Live view",
@@ -80,7 +80,7 @@ impl DockView {
     }
 
     /// What it shows, in a sentence.
-    pub(super) fn help(self) -> &'static str {
+    pub(crate) fn help(self) -> &'static str {
         match self {
             Self::Source => "What a camera saw, and what became of each of its pixels.",
             Self::Live => "What is left of the capture, from anywhere.",
@@ -110,7 +110,7 @@ impl DockView {
 }
 
 /// Where the views lie.
-pub(super) struct Dock {
+pub(crate) struct Dock {
     tree: Tree<DockView>,
 }
 
@@ -120,7 +120,7 @@ const LOWER_SHARE: f32 = 0.315;
 
 impl Dock {
     /// The layout of a first run.
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let mut tiles = Tiles::default();
         let tabs = |tiles: &mut Tiles<DockView>, views: &[DockView]| {
             let panes: Vec<TileId> = views.iter().map(|view| tiles.insert_pane(*view)).collect();
@@ -159,7 +159,7 @@ impl Dock {
     }
 
     /// A layout as [`Dock::to_json`] gave it; that of a first run where it cannot be read or shows nothing.
-    pub(super) fn from_json(text: &str) -> Self {
+    pub(crate) fn from_json(text: &str) -> Self {
         match serde_json::from_str::<Tree<DockView>>(text) {
             Ok(tree) if tree.root().is_some() && !tree.tiles.is_empty() => Self { tree },
             _ => Self::new(),
@@ -167,22 +167,22 @@ impl Dock {
     }
 
     /// The layout as text.
-    pub(super) fn to_json(&self) -> String {
+    pub(crate) fn to_json(&self) -> String {
         serde_json::to_string(&self.tree).unwrap_or_default()
     }
 
     /// The views that can be seen now.
-    pub(super) fn visible(&self) -> Vec<DockView> {
+    pub(crate) fn visible(&self) -> Vec<DockView> {
         self.tree.active_tiles().into_iter().filter_map(|id| self.tree.tiles.get_pane(&id).copied()).collect()
     }
 
     /// Whether a view is somewhere in the layout.
-    pub(super) fn holds(&self, view: DockView) -> bool {
+    pub(crate) fn holds(&self, view: DockView) -> bool {
         self.tree.tiles.find_pane(&view).is_some()
     }
 
     /// Brings a view to the front, wherever it is; puts it beside its neighbor where it is nowhere.
-    pub(super) fn open(&mut self, view: DockView) {
+    pub(crate) fn open(&mut self, view: DockView) {
         if !self.holds(view) {
             let pane = self.tree.tiles.insert_pane(view);
             let beside = self
@@ -212,7 +212,7 @@ impl Dock {
     }
 
     /// Draws all views.
-    pub(super) fn ui(&mut self, ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    pub(crate) fn ui(&mut self, ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let mut desk = Desk { state, commands };
         self.tree.ui(&mut desk, ui);
     }

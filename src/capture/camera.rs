@@ -9,9 +9,9 @@ use glam::{DAffine3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// Largest width and height of a picture that is believed, wherever it comes from.
-pub const MAX_SIDE: usize = 32_768;
+pub(super) const MAX_SIDE: usize = 32_768;
 /// Largest number of pixels of a picture that is believed: 16 k × 16 k.
-pub const MAX_PIXELS: usize = 1 << 28;
+pub(super) const MAX_PIXELS: usize = 1 << 28;
 
 /// Whether a picture may have so many columns and rows.
 #[must_use]

@@ -9,7 +9,7 @@ use super::frame::Frame;
 use crate::error::Result;
 
 /// `(camera, frame)`, as the source counts them.
-pub type CameraFrame = (usize, usize);
+pub(super) type CameraFrame = (usize, usize);
 
 #[derive(Clone)]
 struct FrameBytes;

@@ -84,7 +84,7 @@ enum CliCommand {
 
 /// Settings: the defaults, then a file, then single values.
 #[derive(Debug, Args)]
-struct SettingsArgs {
+pub(crate) struct SettingsArgs {
     /// Settings to start from (TOML; `overlook settings` prints them all).
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
@@ -138,7 +138,7 @@ fn open_capture(path: &Path, settings: &CaptureSettings) -> Result<Capture, Comm
 
 /// Why a command ends early.
 #[derive(Debug)]
-enum CommandError {
+pub(crate) enum CommandError {
     /// The command line makes no sense: exit code 2.
     Usage(String),
     /// The input is bad, or the work failed: exit code 1.

@@ -29,9 +29,6 @@ pub use cpu::{CpuRenderer, MAX_PIXELS};
 pub use renderer::{Painter, Renderer, WindowPicture};
 pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 
-use fill::fill;
-use output::pick;
-
 #[cfg(test)]
 mod tests {
     use crate::demo::{Demo, DemoSpec};

@@ -23,7 +23,7 @@ use crate::preprocess::diagnostics::Report;
 use crate::samples::{SampleImage, SampleSet};
 use crate::settings::StoreSettings;
 
-use file::{Extras, Store, verify, write_with};
+use file::{Extras, Store, write_with};
 
 /// Writes an open store again, as this Overlook writes it, with what it carries beside the samples; `storage` says how, if it is
 /// not to be as before. Gives its size in bytes. `path` may be the store's own.

@@ -1,9 +1,9 @@
 //! Carries out the commands of the inspector: the pixel, settings as they were, the camera path.
 
 use crate::app::dock::DockView;
+use crate::app::model::setting_names;
 use crate::app::model::{
     self, Command, ExportRequest, ExportTarget, NoticeKind, PRESETS, Purpose, SavedPathKey, Study,
-    setting_names,
 };
 use crate::app::work::{Spot, StudyRequest};
 use crate::app::{OverlookApp, views};
@@ -112,7 +112,7 @@ impl OverlookApp {
 
     /// Puts the settings of a chart's point on, and says which that changes.
     fn take_point(&mut self, settings: Settings) {
-        let changes = crate::app::model::setting_names::changes(&self.state.settings, &settings);
+        let changes = setting_names::changes(&self.state.settings, &settings);
         if changes.is_empty() {
             self.state.notify(NoticeKind::Done, "On already", "The sliders stand at these settings.");
             return;

@@ -59,11 +59,11 @@ impl CameraPath {
     pub(crate) fn at(&self, picture: f32) -> Option<SavedPathKey> {
         let last = self.keys.len().checked_sub(1)?;
         let time = f64::from(picture / self.pictures_per_leg as f32).clamp(0.0, last as f64);
-        let timed = self.keys.iter().enumerate().map(|(index, key)| crate::render::film::PathKey {
+        let timed = self.keys.iter().enumerate().map(|(index, key)| film::PathKey {
             time: index as f64,
             world_from_camera: key.rig.world_from_camera,
         });
-        let world_from_camera = crate::render::film::pose_at(&timed.collect::<Vec<_>>(), time)?;
+        let world_from_camera = film::pose_at(&timed.collect::<Vec<_>>(), time)?;
         let leg = (time as usize).min(last.saturating_sub(1));
         let share = time - leg as f64;
         let (from, to) = (&self.keys[leg], &self.keys[(leg + 1).min(last)]);

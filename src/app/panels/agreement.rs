@@ -11,7 +11,7 @@ use crate::preprocess::diagnostics::{PairResiduals, Report, Residual};
 const LIGHTEST_FOOTPRINTS: f32 = 2.0;
 
 /// Both matrices, and what is to be said about cameras that do not fit.
-pub(super) fn ui(ui: &mut Ui, report: &Report) {
+pub(crate) fn ui(ui: &mut Ui, report: &Report) {
     let tokens = Tokens::in_ui(ui);
     ui.heading("How well cameras agree");
     let help = "How far samples of the row's camera lie off what the column's camera saw there, in pixel footprints. Where all of one camera's pairs are light, that camera is wrong.";

@@ -13,7 +13,7 @@ const BARS_HEIGHT: f32 = 40.0;
 const FIGURES: f32 = 14.0;
 
 /// The histogram with its line; `name` names it for screen readers.
-pub(super) fn histogram_ui(
+pub(crate) fn histogram_ui(
     ui: &mut Ui,
     field: &'static Field,
     name: &str,

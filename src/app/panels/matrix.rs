@@ -6,20 +6,20 @@ use crate::app::theme::Tokens;
 use crate::app::work;
 
 /// What is shown of a pair.
-pub(super) struct PairCell {
+pub(crate) struct PairCell {
     /// 0 to 1: the lighter the larger; `None` leaves the cell dark.
-    pub(super) strength: Option<f32>,
+    pub(crate) strength: Option<f32>,
     /// Shown where there is room for it, and where the cell is not dark.
-    pub(super) text: String,
+    pub(crate) text: String,
     /// Shown where the pointer rests.
-    pub(super) help: String,
+    pub(crate) help: String,
 }
 
 const NAME_WIDTH: f32 = 78.0;
 const HEADER_HEIGHT: f32 = 18.0;
 
 /// The cells of all pairs of cameras with these names; `cell` is given row and column.
-pub(super) fn ui(ui: &mut Ui, names: &[&str], cell: impl Fn(usize, usize) -> Option<PairCell>) {
+pub(crate) fn ui(ui: &mut Ui, names: &[&str], cell: impl Fn(usize, usize) -> Option<PairCell>) {
     let cameras = names.len();
     if cameras == 0 {
         return;
@@ -72,7 +72,7 @@ fn camera_name(
 }
 
 /// The first characters of a name, and whether there are more.
-pub(super) fn short(name: &str, length: usize) -> String {
+pub(crate) fn short(name: &str, length: usize) -> String {
     if name.chars().count() <= length {
         return name.to_owned();
     }

@@ -12,14 +12,14 @@ use crate::app::widgets::empty_ui;
 const NEAR: f32 = 12.0;
 
 /// Room below a plot for a line of text.
-pub(super) const HINT: f32 = 20.0;
+pub(crate) const HINT: f32 = 20.0;
 
 /// Width of a mark in the legend.
 const MARK: f32 = 12.0;
 
 /// What an entry of the legend shows.
 #[derive(Clone, Copy)]
-pub(super) enum Mark {
+pub(crate) enum Mark {
     /// Points of one shape.
     Points(MarkerShape),
     /// A line.
@@ -29,13 +29,13 @@ pub(super) enum Mark {
 }
 
 /// The shape of the series of an index.
-pub(super) fn shape(index: usize) -> MarkerShape {
+pub(crate) fn shape(index: usize) -> MarkerShape {
     [MarkerShape::Circle, MarkerShape::Diamond, MarkerShape::Square, MarkerShape::Up, MarkerShape::Down]
         [index % 5]
 }
 
 /// The legend, in rows above the plot: inside it, it would hide points.
-pub(super) fn legend_ui<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Mark, Color32, &'a str)>) {
+pub(crate) fn legend_ui<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Mark, Color32, &'a str)>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(5.0, 1.0);
         ui.spacing_mut().interact_size.y = 0.0;
@@ -75,7 +75,7 @@ fn mark_at(mark: Mark, at: Pos2, color: Color32) -> Shape {
 }
 
 /// The point under the pointer, if one is near.
-pub(super) fn nearest(plot_ui: &PlotUi<'_>, places: impl Iterator<Item = [f64; 2]>) -> Option<usize> {
+pub(crate) fn nearest(plot_ui: &PlotUi<'_>, places: impl Iterator<Item = [f64; 2]>) -> Option<usize> {
     let pointer = plot_ui.screen_from_plot(plot_ui.pointer_coordinate()?);
     places
         .enumerate()
@@ -86,7 +86,7 @@ pub(super) fn nearest(plot_ui: &PlotUi<'_>, places: impl Iterator<Item = [f64; 2
 }
 
 /// The button that measures, or goes on where it was stopped.
-pub(super) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &mut Vec<Command>) {
+pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &mut Vec<Command>) {
     let charts = &state.inspector.charts;
     let (name, help) = match study {
         _ if charts.goes_on(study, &state.settings) => {
@@ -111,7 +111,7 @@ pub(super) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &
 }
 
 /// What stands in place of a chart without points: why, or that the first is on its way.
-pub(super) fn no_points_ui(
+pub(crate) fn no_points_ui(
     ui: &mut Ui,
     state: &State,
     study: Study,
@@ -133,7 +133,7 @@ pub(super) fn no_points_ui(
 }
 
 /// A line below a plot.
-pub(super) fn hint_ui(ui: &mut Ui, hint: &str) {
+pub(crate) fn hint_ui(ui: &mut Ui, hint: &str) {
     let hint = RichText::new(hint).small().color(Tokens::in_ui(ui).text_weak);
     ui.add(egui::Label::new(hint).truncate());
 }

@@ -7,9 +7,8 @@ use egui_material_icons::icons::ICON_SCATTER_PLOT;
 use egui_plot::{Line, Plot, Points};
 
 use super::chart_parts::{HINT, Mark, hint_ui, legend_ui, nearest, no_points_ui, shape, study_button};
-use crate::app::model::{
-    self, Command, Quantity, State, Study, point_name, series_name, setting_names, settings_alone,
-};
+use crate::app::model::setting_names;
+use crate::app::model::{self, Command, Quantity, State, Study, point_name, series_name, settings_alone};
 use crate::app::theme::Tokens;
 use crate::app::widgets::choice_ui;
 use crate::app::work;
@@ -93,7 +92,7 @@ fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 /// What a point is and costs, first by the axes that are shown.
 fn words(point: &Point, axes: [Quantity; 2]) -> String {
-    let mut lines = vec![crate::app::model::setting_names::label(&point_name(point))];
+    let mut lines = vec![setting_names::label(&point_name(point))];
     lines.extend(axes.map(|quantity| format!("{}: {}", quantity.name(), quantity.words(point))));
     lines.push(format!(
         "{:.2} ± {:.2} dB with holes filled, SSIM {:.3}, coverage {:.1} %",

@@ -23,7 +23,7 @@ const MORE_WIDTH: f32 = 56.0;
 const HOLE_WIDTH: f32 = 172.0;
 
 /// The legend of the left picture.
-pub(super) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, legend: &Legend) {
+pub(crate) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, legend: &Legend) {
     let tokens = Tokens::in_ui(ui);
     line_ui(ui, |ui| match legend {
         Legend::Plain if key.overlay == Overlay::Normals => {
@@ -82,7 +82,7 @@ fn winners_ui(ui: &mut Ui, state: &State, won_by: &[u64], total: u64) {
 }
 
 /// The legend of the right picture.
-pub(super) fn live_legend_ui(ui: &mut Ui, state: &State) {
+pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
     let tokens = Tokens::in_ui(ui);
     line_ui(ui, |ui| {
         match state.live.color_by {
@@ -108,7 +108,7 @@ pub(super) fn live_legend_ui(ui: &mut Ui, state: &State) {
 }
 
 /// The kept share of each tile, where tiles are large enough on the screen to read it.
-pub(super) fn tile_shares(
+pub(crate) fn tile_shares(
     painter: &Painter,
     picture: Rect,
     size: egui::Vec2,
@@ -180,7 +180,7 @@ fn swatches_ui(ui: &mut Ui, entries: &[(Color32, String)], reserved: f32) {
 }
 
 /// A color bar, `width` wide, between the names of its ends.
-pub(super) fn bar(ui: &mut Ui, low: &str, high: &str, width: f32, color: impl Fn(f32) -> Color32) {
+pub(crate) fn bar(ui: &mut Ui, low: &str, high: &str, width: f32, color: impl Fn(f32) -> Color32) {
     ui.label(RichText::new(low).small());
     let (rect, _) = ui.allocate_exact_size(vec2(width, 10.0), Sense::hover());
     gradient(ui.painter(), rect, color);

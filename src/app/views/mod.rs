@@ -22,4 +22,4 @@ pub(crate) use marks::in_camera;
 pub(crate) use pixel_view::pixel_view_ui;
 pub(crate) use source_view::{cameras_ui, source_view_ui};
 pub(crate) use stability_view::stability_ui;
-pub(crate) use words::{argument, pending_verdict};
+pub(crate) use words::argument;

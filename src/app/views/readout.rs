@@ -12,7 +12,7 @@ const MOUSE: &str = "Point at a pixel to see what became of it, and why. Wheel t
                      fit, click to keep the pixel.";
 
 /// A line below the source picture: what became of the pixel, or how much of the picture is kept.
-pub(super) fn readout_ui(ui: &mut Ui, state: &State, pixel: Option<(usize, usize)>) {
+pub(crate) fn readout_ui(ui: &mut Ui, state: &State, pixel: Option<(usize, usize)>) {
     let tokens = Tokens::in_ui(ui);
     let (line, more, color) = match pixel {
         Some((x, y)) => {

@@ -48,7 +48,7 @@ pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result
     let truth = if known { Truth::Views(truth.clone()) } else { Truth::HoldOut };
     match request.study {
         Study::Sweep => {
-            let mut plan = crate::evaluate::sweep::SweepPlan::standard(&request.settings, capture);
+            let mut plan = sweep::SweepPlan::standard(&request.settings, capture);
             plan.done = request.known;
             let of = plan.trials.len();
             sweep::run(capture, &plan, &truth, job, |point, known| {

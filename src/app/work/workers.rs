@@ -234,11 +234,8 @@ fn open(request: OpenRequest, job: &Job) -> Result<Message> {
 }
 
 fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Message> {
-    if crate::store::file::Store::is_store(&path)? {
-        let playback = Playback::new(
-            crate::store::file::Store::open(&path)?,
-            crate::store::playback::DEFAULT_CACHE_BYTES,
-        );
+    if store::file::Store::is_store(&path)? {
+        let playback = Playback::new(store::file::Store::open(&path)?, store::playback::DEFAULT_CACHE_BYTES);
         return Ok(Message::Opened(Arc::new(OpenScene::of_store(path, playback, job)?)));
     }
     let named_json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
@@ -323,7 +320,7 @@ fn file(request: FileRequest, job: &Job) -> Result<Message> {
             let frames_are_ranked = scene.capture().is_some_and(Capture::frames_are_ranked);
             let provenance = Provenance { frames_are_ranked, ..Provenance::default() };
             let extras = Extras { provenance, ..Extras::default() };
-            let bytes = crate::store::file::write_with(&path, &samples, &report, &extras, job)?;
+            let bytes = store::file::write_with(&path, &samples, &report, &extras, job)?;
             let holds = Some((scene.id, samples.settings.clone()));
             Ok(Message::Saved { path, bytes: Some(bytes), holds })
         }

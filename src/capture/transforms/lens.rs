@@ -6,7 +6,7 @@ use serde_json::Value;
 /// Keys of lenses. They are read so that a bent picture is refused, and never written.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
-pub struct LensKeys {
+pub(super) struct LensKeys {
     /// Radial distortion.
     pub k1: Option<f64>,
     /// Radial distortion.
@@ -57,7 +57,7 @@ const NO_PINHOLES: [&str; 5] = ["ortho", "fisheye", "pano", "equirect", "spher"]
 impl LensKeys {
     /// These keys, and where they are missing the file's.
     #[must_use]
-    pub fn or(self, file: Self) -> Self {
+    pub(super) fn or(self, file: Self) -> Self {
         Self {
             k1: self.k1.or(file.k1),
             k2: self.k2.or(file.k2),
@@ -85,7 +85,7 @@ impl LensKeys {
 
     /// Whether nothing of this speaks against a pinhole.
     #[must_use]
-    pub fn is_pinhole(&self) -> bool {
+    pub(super) fn is_pinhole(&self) -> bool {
         let coefficients =
             [self.k1, self.k2, self.k3, self.k4, self.k5, self.k6, self.p1, self.p2, self.p3, self.p4];
         let is_bent = coefficients.into_iter().flatten().any(|coefficient| coefficient != 0.0);

@@ -16,7 +16,7 @@ const MAX_BYTES: u64 = 256 << 20;
 /// A camera's name; some writers number their cameras.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum CameraName {
+pub(super) enum CameraName {
     /// `"camera": "left"`.
     Text(String),
     /// `"camera": 3`.
@@ -35,7 +35,7 @@ impl std::fmt::Display for CameraName {
 /// Keys that stand for the whole file or for one entry; an entry's wins.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Keys {
+pub(super) struct Keys {
     /// Name of the camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraName>,
@@ -125,7 +125,7 @@ pub struct Keys {
 /// The value of `normal_space`. Null is not the same as a missing key: the file's would stand then.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum NormalSpaceName {
+pub(super) enum NormalSpaceName {
     /// A name, `world` or `camera`.
     Text(String),
     /// No normals are to be read.
@@ -144,7 +144,7 @@ impl Keys {
     /// These keys, and where they are missing the file's. Focal lengths and angles say one thing in several ways: where these keys
     /// have one of them, none of the file's counts.
     #[must_use]
-    pub fn or(self, file: &Self) -> Self {
+    pub(super) fn or(self, file: &Self) -> Self {
         let mut file = file.clone();
         let own = [self.fl_x, self.fl_y, self.camera_angle_x, self.camera_angle_y];
         if own.iter().any(Option::is_some) {
@@ -189,7 +189,7 @@ impl Keys {
 
 /// One picture of one camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct PictureEntry {
+pub(super) struct PictureEntry {
     /// The picture, relative to the manifest.
     pub file_path: String,
     /// The depth, where it is in a file of its own.
@@ -210,7 +210,7 @@ pub struct PictureEntry {
 
 /// A whole manifest. Keys it does not know are passed over, as nerfstudio writes many.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Manifest {
+pub(super) struct Manifest {
     /// Keys of all entries.
     #[serde(flatten)]
     pub keys: Keys,
@@ -223,7 +223,7 @@ impl Manifest {
     ///
     /// # Errors
     /// `Io` where it cannot be read, `Invalid` where it is missing, for broken JSON, a missing key, or no entries.
-    pub fn read(path: &Path) -> Result<Self> {
+    pub(super) fn read(path: &Path) -> Result<Self> {
         if !path.exists() {
             return Err(Error::invalid(
                 path.display(),
@@ -248,7 +248,7 @@ impl Manifest {
     ///
     /// # Errors
     /// As [`Manifest::read`], but for `Io`.
-    pub fn from_json(bytes: &[u8], place: &str) -> Result<Self> {
+    pub(super) fn from_json(bytes: &[u8], place: &str) -> Result<Self> {
         // Editors of Windows put a byte-order mark before UTF-8.
         let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         let mut manifest: Self = serde_json::from_slice(bytes).map_err(|error| {

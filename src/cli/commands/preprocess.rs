@@ -18,7 +18,6 @@ use crate::job::Job;
 use crate::preprocess::diagnostics::{CameraReport, PairResiduals, Report};
 use crate::preprocess::{Spooled, preprocess_spooled};
 use crate::settings::{CaptureSettings, Settings, SpanLevels};
-use crate::store;
 use crate::store::file::{Extras, Provenance};
 
 /// Arguments of `overlook preprocess`.

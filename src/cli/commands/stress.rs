@@ -9,7 +9,6 @@ use serde::Serialize;
 
 use crate::cli::input::TruthArgs;
 use crate::cli::{CommandError, SettingsArgs, output};
-use crate::evaluate::chart;
 use crate::evaluate::stress::{self, BreakingPoint as PointOfFailure, Disturbance, StressPlan, StressPoint};
 use crate::evaluate::truth::Truth;
 use crate::settings::Settings;

@@ -8,7 +8,6 @@ use serde::Serialize;
 use super::render::PaintingArgs;
 use crate::cli::input::TruthArgs;
 use crate::cli::{CommandError, SettingsArgs, output};
-use crate::evaluate::chart;
 use crate::evaluate::sweep::{self, Point, SweepPlan};
 use crate::settings::Settings;
 

@@ -10,7 +10,6 @@ use crate::cli::{CommandError, output};
 use crate::error::Error;
 use crate::job::Job;
 use crate::render::{CpuRenderer, Vantage};
-use crate::store;
 use crate::store::file::{Store, Verification};
 use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 

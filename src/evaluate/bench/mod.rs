@@ -27,7 +27,6 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::render::gpu::{AdapterChoice, GpuRenderer};
 use crate::settings::{Backend, Instructions};
-use crate::simd;
 use limits::LimitMeter;
 use measure::RepeatLimits;
 use report::MeasuredStage;

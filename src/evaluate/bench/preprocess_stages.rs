@@ -189,7 +189,7 @@ fn pack_frame(bench: &Bench<'_>) -> Result<StageResult> {
 fn stored(set: &SampleSet, job: &Job) -> Result<(tempfile::TempDir, PathBuf)> {
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
     let path = folder.path().join("speed.ovl");
-    crate::store::file::write(&path, set, &Report::default(), job)?;
+    store::file::write(&path, set, &Report::default(), job)?;
     Ok((folder, path))
 }
 
@@ -197,7 +197,7 @@ fn write_store(bench: &Bench<'_>) -> Result<StageResult> {
     let (_folder, path) = stored(&bench.scene.pruned, bench.job)?;
     let report = Report::default();
     let times = repeat(bench.budget, bench.job, || {
-        crate::store::file::write(&path, &bench.scene.pruned, &report, bench.job)
+        store::file::write(&path, &bench.scene.pruned, &report, bench.job)
     })?;
     Ok(of_pruned_set(bench, times))
 }
@@ -206,7 +206,7 @@ fn write_store(bench: &Bench<'_>) -> Result<StageResult> {
 /// its slowest.
 fn decode_foreground(bench: &Bench<'_>) -> Result<StageResult> {
     let (_folder, path) = stored(&bench.scene.split, bench.job)?;
-    let store = crate::store::file::Store::open(&path)?;
+    let store = store::file::Store::open(&path)?;
     let images = store.info().images.iter().enumerate();
     let is_first = |span: Span| span.start == 0 && span.len() == 1;
     let passing: Vec<usize> =
@@ -230,9 +230,9 @@ fn first_picture(bench: &Bench<'_>) -> Result<StageResult> {
     let size = bench.scene.capture.cameras[0].intrinsics;
     let [vantage, _] = bench.scene.vantages((size.width, size.height), 0);
     let times = repeat(bench.budget, bench.job, || {
-        let playback = crate::store::playback::Playback::new(
-            crate::store::file::Store::open(&path)?,
-            crate::store::playback::DEFAULT_CACHE_BYTES,
+        let playback = store::playback::Playback::new(
+            store::file::Store::open(&path)?,
+            store::playback::DEFAULT_CACHE_BYTES,
         );
         let samples = playback.seen_from(&vantage.camera, vantage.frame, bench.job)?;
         CpuRenderer::new().render(&samples, &vantage, &RenderSettings::default(), bench.job)

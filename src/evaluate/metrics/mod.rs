@@ -122,8 +122,8 @@ impl Pair {
         Scores {
             psnr_db: psnr_db(&self.painted, &self.truth, reached()).unwrap_or(psnr_all_db),
             psnr_all_db,
-            ssim: ssim::ssim(&painted_luma, &true_luma, |x, y| self.is_reached[(x, y)]),
-            ms_ssim: ms_ssim::ms_ssim(&painted_luma, &true_luma, &self.is_reached),
+            ssim: ssim(&painted_luma, &true_luma, |x, y| self.is_reached[(x, y)]),
+            ms_ssim: ms_ssim(&painted_luma, &true_luma, &self.is_reached),
             flip: flip_sum / reached_count.max(1) as f64,
             silhouette_steps: psnr::mean_squared_error(&self.painted, &self.truth, near)
                 .map(|error| 255.0 * error.sqrt()),
@@ -132,7 +132,7 @@ impl Pair {
     }
 
     fn flip(&self) -> Grid<f32> {
-        flip::flip(&self.painted_linear, &self.true_linear, flip::DEFAULT_PIXELS_PER_DEGREE)
+        flip(&self.painted_linear, &self.true_linear, DEFAULT_PIXELS_PER_DEGREE)
     }
 
     /// Difference of what is shown from the truth, 0 to 1 and negative; `None` where no sample or no truth is.

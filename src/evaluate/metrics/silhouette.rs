@@ -4,7 +4,7 @@
 use crate::grid::Grid;
 
 /// How far from a step in depth a pixel may lie, pixels.
-pub const REACH_PX: f64 = 3.0;
+pub(super) const REACH_PX: f64 = 3.0;
 
 /// A step is a second difference of inverse depth, which vanishes on every plane, of this share of the nearest depth
 /// involved. A crease that turns by 90° where a surface is 1000 pixels away gives a tenth of it.
@@ -13,7 +13,7 @@ const STEP_RELATIVE: f32 = 0.02;
 /// Which pixels lie within [`REACH_PX`] of a step in depth, given inverse depths (0 at infinity, negative where unknown;
 /// next to the unknown nothing is a step).
 #[must_use]
-pub fn near_silhouettes(inverse_depth: &Grid<f32>) -> Grid<bool> {
+pub(super) fn near_silhouettes(inverse_depth: &Grid<f32>) -> Grid<bool> {
     let (width, height) = inverse_depth.size();
     let reach = REACH_PX as usize;
     let mut near = Grid::filled(width, height, false);

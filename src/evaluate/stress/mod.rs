@@ -57,7 +57,7 @@ impl StressPlan {
     /// paper's settings as they are.
     #[must_use]
     pub fn standard(settings: &Settings) -> Self {
-        let paper = super::sweep::paper(settings);
+        let paper = sweep::paper(settings);
         let mut undefended = paper.clone();
         undefended.render = settings.render.clone();
         let method = |name: &str, settings| Method { name: name.to_owned(), settings };

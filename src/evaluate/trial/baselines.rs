@@ -17,13 +17,13 @@ use crate::samples::{DepthPlane, SampleImage, SampleSet, SampleTile, Span, TILE}
 
 /// Keeps `count` samples chosen at random, each with the same chance; all where there are no more.
 #[must_use]
-pub fn random(set: &SampleSet, count: u64) -> SampleSet {
+pub(super) fn random(set: &SampleSet, count: u64) -> SampleSet {
     thinned(set, count, &|_, _| 0)
 }
 
 /// Keeps one sample of each cube, of cubes just small enough that at least `count` stay, and of these `count` at random.
 #[must_use]
-pub fn voxel_grid(set: &SampleSet, count: u64) -> SampleSet {
+pub(super) fn voxel_grid(set: &SampleSet, count: u64) -> SampleSet {
     if set.sample_count() <= count {
         return set.clone();
     }

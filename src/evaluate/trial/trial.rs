@@ -30,7 +30,6 @@ use crate::settings::{
     Backend, CaptureSettings, Fill, Kernel, NormalSettings, PruningMethod, RenderSettings, Settings,
     SpanSettings,
 };
-use crate::store;
 
 use super::standard_error::MeanEstimate;
 

@@ -7,7 +7,7 @@ use crate::capture::{Capture, TruthView};
 use crate::error::{Error, Result};
 
 /// Most frames of a held-out camera that are scored, evenly spaced over the capture.
-pub const MAX_FRAMES: usize = 5;
+pub(super) const MAX_FRAMES: usize = 5;
 
 /// The capture without the cameras named, and views with truth from their places.
 ///

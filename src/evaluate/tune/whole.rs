@@ -6,7 +6,6 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{Spooled, preprocess_spooled};
 use crate::settings::{RenderSettings, Settings};
-use crate::store;
 use crate::store::file::{Extras, InputFiles, Provenance};
 
 /// Stores of one capture, by their settings.

@@ -36,7 +36,7 @@ impl CalibrationWarning {
 
 /// No two cameras agree about what never moves: what they have in common is wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SharedDoubt {
+pub(super) struct SharedDoubt {
     /// How far the two cameras are off that fit each other best, most samples, in footprints; `None` where no camera finds
     /// anything that another sees.
     pub footprints: Option<f32>,
@@ -45,7 +45,7 @@ pub struct SharedDoubt {
 impl SharedDoubt {
     /// In words.
     #[must_use]
-    pub fn sentence(&self) -> String {
+    pub(super) fn sentence(&self) -> String {
         const CHECK: &str = "check depth_kind, depth_unit_scale_factor and the lens, which concern all of them, and the poses";
         match self.footprints {
             Some(footprints) => format!(
@@ -82,7 +82,7 @@ const DOUBTFUL_RATIO: f32 = 8.0;
 /// What is to be said of all cameras together, where not even those two agree that fit best; see [`PairResiduals`] for `pairs`.
 /// Noise and rounding may put surfaces so many footprints apart as `granted`.
 #[must_use]
-pub fn shared_doubt(pairs: &[Vec<PairResiduals>], granted_footprints: f32) -> Option<SharedDoubt> {
+pub(super) fn shared_doubt(pairs: &[Vec<PairResiduals>], granted_footprints: f32) -> Option<SharedDoubt> {
     let of = |a: usize, b: usize| pairs.get(a)?.get(b).copied();
     let others = |a: usize| (0..pairs.len()).filter(move |b| *b != a);
     let all = || (0..pairs.len()).flat_map(|a| others(a).filter_map(move |b| of(a, b)));

@@ -23,7 +23,7 @@ const MIN_SHARE: f32 = 0.12;
 const MAX_OFF_LINE: f32 = 0.35;
 
 /// Tells mixed pixels of a layer.
-pub struct MixedTest<'a> {
+pub(super) struct MixedTest<'a> {
     layer: &'a CameraLayer,
     edge_relative: f32,
 }
@@ -31,14 +31,14 @@ pub struct MixedTest<'a> {
 impl<'a> MixedTest<'a> {
     /// For a layer of `camera`. A step in depth of more than `edge_footprints` parts two surfaces.
     #[must_use]
-    pub fn new(layer: &'a CameraLayer, camera: &Camera, edge_footprints: f32) -> Self {
+    pub(super) fn new(layer: &'a CameraLayer, camera: &Camera, edge_footprints: f32) -> Self {
         let k = camera.intrinsics;
         Self { layer, edge_relative: edge_footprints / ((k.fx * k.fy).sqrt() as f32) }
     }
 
     /// Whether pixel `(x, y)` is blended with one of its neighbors.
     #[must_use]
-    pub fn is_mixed(&self, x: usize, y: usize) -> bool {
+    pub(super) fn is_mixed(&self, x: usize, y: usize) -> bool {
         DIRECTIONS.iter().any(|&toward| self.is_blended(x, y, toward))
     }
 

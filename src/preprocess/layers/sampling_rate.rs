@@ -104,7 +104,7 @@ impl ViewingRays {
 /// An unknown (zero) normal counts as the floor. That it loses to every known one is up to the sample's
 /// [`Ranks`](super::packed_sample::Ranks).
 #[must_use]
-pub fn cosine_of_incidence(ray: Vec3, normal: Vec3, floor: f32) -> f32 {
+pub(super) fn cosine_of_incidence(ray: Vec3, normal: Vec3, floor: f32) -> f32 {
     (-normal.dot(ray) / ray.length()).max(floor)
 }
 
@@ -143,14 +143,14 @@ const RANK_SHIFT: u32 = 13;
 
 /// The order in which samples win: smaller wins. Monotone in the footprint (positive, finite).
 #[must_use]
-pub fn rank(footprint: f32) -> u32 {
+pub(super) fn rank(footprint: f32) -> u32 {
     footprint.to_bits() >> RANK_SHIFT
 }
 
 /// The paper's `r` for one point seen by two cameras, as printed: view vectors `v`, look vectors `d` (unit, world space),
 /// distances along the view vector, and the normal at the point. For reference and tests.
 #[must_use]
-pub fn paper_r(view: [Vec3; 2], look: [Vec3; 2], distance: Vec2, normal: Vec3) -> f32 {
+pub(super) fn paper_r(view: [Vec3; 2], look: [Vec3; 2], distance: Vec2, normal: Vec3) -> f32 {
     let numerator = (view[0] * distance.x).dot(look[0]) * normal.dot(-view[1]);
     let denominator = (view[1] * distance.y).dot(look[1]) * normal.dot(-view[0]);
     numerator / denominator

@@ -22,7 +22,6 @@ use rayon::prelude::*;
 
 use crate::grid::Grid;
 use crate::settings::NormalEstimator;
-use crate::simd;
 use depth_view::{Estimate, NOTHING};
 use plane_fit::FitPlanes;
 

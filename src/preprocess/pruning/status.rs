@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicU8;
 use crate::preprocess::layers::CameraLayer;
 
 /// No sample at the pixel that could stand for another.
-pub const ABSENT: u8 = 0;
+pub(super) const ABSENT: u8 = 0;
 /// Waiting for better samples to be decided.
 pub(crate) const UNDECIDED: u8 = 1;
 /// Stays.

@@ -31,7 +31,7 @@ pub enum Outcome {
 
 /// What the target says about the samples of a block: for each a set of bits, and where in the target it was looked for.
 #[derive(Clone, Copy, Debug)]
-pub struct SurfaceMatches<const N: usize = LANES> {
+pub(crate) struct SurfaceMatches<const N: usize = LANES> {
     pub(crate) bits: [u32; N],
     /// Pixels of the target, `y * width + x`; 0 where the point lies outside.
     pub pixel: [u32; N],
@@ -74,13 +74,13 @@ impl<const N: usize> SurfaceMatches<N> {
     /// Whether the target shows the same surface point as the sample in `lane`.
     #[inline(always)]
     #[must_use]
-    pub fn is_same(&self, lane: usize) -> bool {
+    pub(crate) fn is_same(&self, lane: usize) -> bool {
         self.bits[lane] & SAME == SAME
     }
 
     /// In words.
     #[must_use]
-    pub fn outcome(&self, lane: usize) -> Outcome {
+    pub(crate) fn outcome(&self, lane: usize) -> Outcome {
         let bits = self.bits[lane];
         let first_missing = (!bits & SAME).trailing_zeros();
         match 1_u32.checked_shl(first_missing).unwrap_or(0) {

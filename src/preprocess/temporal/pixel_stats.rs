@@ -14,7 +14,7 @@ use crate::simd::{self, VectorLoop};
 
 /// A frame from some pixel on, flat: color three to a pixel, inverse depth one, normals (where given) three.
 #[derive(Clone, Copy)]
-pub struct FrameRun<'a> {
+pub(super) struct FrameRun<'a> {
     /// Bits of half floats.
     pub color: &'a [i16],
     /// 1/z; negative where there is no depth.
@@ -25,7 +25,7 @@ pub struct FrameRun<'a> {
 
 /// See the module's page. One entry per pixel, or three.
 #[derive(Clone, Debug, Default)]
-pub struct SpanSums {
+pub(super) struct SpanSums {
     /// Frames that were added.
     pub frames: u32,
     /// Whether the pixel was static over every part of the span that was looked at.
@@ -43,7 +43,7 @@ pub struct SpanSums {
 impl SpanSums {
     /// The sums over the first `pixels` pixels of some frames, of which there is at least one.
     #[must_use]
-    pub fn of(frames: &[FrameRun<'_>], pixels: usize) -> Self {
+    pub(super) fn of(frames: &[FrameRun<'_>], pixels: usize) -> Self {
         let normals = frames.first().map_or(0, |frame| frame.normal.len().min(3 * pixels));
         let mut sums = Self {
             frames: frames.len() as u32,
@@ -62,27 +62,27 @@ impl SpanSums {
 
     /// Pixels.
     #[must_use]
-    pub fn pixels(&self) -> usize {
+    pub(super) fn pixels(&self) -> usize {
         self.inverse_depth.len()
     }
 
     /// Whether any pixel has no depth in some frame.
     #[must_use]
-    pub fn lacks_depth(&self) -> bool {
+    pub(super) fn lacks_depth(&self) -> bool {
         self.min_inverse_depth.iter().fold(false, |lacks, w| lacks | (*w < 0.0))
     }
 
     /// Whether the pixel is open and stays within the tolerance.
     #[inline(always)]
     #[must_use]
-    pub fn is_static(&self, pixel: usize, test: &StaticTest) -> bool {
+    pub(super) fn is_static(&self, pixel: usize, test: &StaticTest) -> bool {
         self.is_static_with(self, pixel, test)
     }
 
     /// Whether the pixel is open in both and stays within the tolerance over both together.
     #[inline(always)]
     #[must_use]
-    pub fn is_static_with(&self, later: &Self, pixel: usize, test: &StaticTest) -> bool {
+    pub(super) fn is_static_with(&self, later: &Self, pixel: usize, test: &StaticTest) -> bool {
         if !(self.is_open[pixel] & later.is_open[pixel]) {
             return false;
         }
@@ -99,25 +99,25 @@ impl SpanSums {
     }
 
     /// Adds the frames that follow.
-    pub fn merge(&mut self, later: &Self) {
+    pub(super) fn merge(&mut self, later: &Self) {
         self.frames += later.frames;
         simd::run(Merge { sums: self, later });
     }
 
     /// Takes the pixel out: no longer span is static there.
-    pub fn close(&mut self, pixel: usize) {
+    pub(super) fn close(&mut self, pixel: usize) {
         self.is_open[pixel] = false;
     }
 
     /// Whether no pixel was taken out.
     #[must_use]
-    pub fn is_all_open(&self) -> bool {
+    pub(super) fn is_all_open(&self) -> bool {
         self.is_open.iter().fold(true, |all, open| all & open)
     }
 
     /// Whether the pixel was not taken out, here or in a part of the span.
     #[must_use]
-    pub fn is_open(&self, pixel: usize) -> bool {
+    pub(super) fn is_open(&self, pixel: usize) -> bool {
         self.is_open[pixel]
     }
 }

@@ -16,7 +16,7 @@ const COLOR_BINS: usize = 18 * BINS_PER_OCTAVE as usize;
 const DEPTH_BINS: usize = DEPTH_OCTAVES as usize * BINS_PER_OCTAVE as usize + 2;
 
 /// The shares of pixels whose ranges [`RangeFacts`] names.
-pub const PERCENTILES: [f32; 5] = [50.0, 75.0, 90.0, 95.0, 99.0];
+pub(super) const PERCENTILES: [f32; 5] = [50.0, 75.0, 90.0, 95.0, 99.0];
 
 /// Counts pixels by their ranges.
 #[derive(Clone, Debug)]

@@ -18,7 +18,7 @@ use super::vantage::{NO_IMAGE, Picture};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::Kernel;
-use crate::simd::{self, VectorLoop};
+use crate::simd::VectorLoop;
 use per_pixel::{ForegroundPixel, put};
 
 /// What was painted of some tiles.

@@ -13,21 +13,21 @@
 /// A signed number as an unsigned one, small magnitudes first.
 #[inline(always)]
 #[must_use]
-pub fn zigzag(value: i32) -> u32 {
+pub(super) fn zigzag(value: i32) -> u32 {
     ((value << 1) ^ (value >> 31)) as u32
 }
 
 /// Undoes [`zigzag`].
 #[inline(always)]
 #[must_use]
-pub fn unzigzag(value: u32) -> i32 {
+pub(super) fn unzigzag(value: u32) -> i32 {
     (value >> 1) as i32 ^ -((value & 1) as i32)
 }
 
 /// The token of a number, and how many plain bits, its lowest, follow it.
 #[inline(always)]
 #[must_use]
-pub fn split(value: u32) -> (usize, u32) {
+pub(super) fn split(value: u32) -> (usize, u32) {
     if value < 16 {
         return (value as usize, 0);
     }
@@ -38,7 +38,7 @@ pub fn split(value: u32) -> (usize, u32) {
 /// Undoes [`split`]: the number without its plain bits, and how many of them follow.
 #[inline(always)]
 #[must_use]
-pub fn join(token: usize) -> (u32, u32) {
+pub(super) fn join(token: usize) -> (u32, u32) {
     const JOINED: [(u32, u32); 128] = {
         let mut joined = [(0, 0); 128];
         let mut token = 0;
@@ -58,7 +58,7 @@ pub fn join(token: usize) -> (u32, u32) {
 
 /// Bits one after another, the lowest of a byte first.
 #[derive(Default)]
-pub struct BitWriter {
+pub(super) struct BitWriter {
     bytes: Vec<u8>,
     pending: u64,
     count: u32,
@@ -66,7 +66,7 @@ pub struct BitWriter {
 
 impl BitWriter {
     /// Appends the lowest `bits` (at most 32) of `value`.
-    pub fn push(&mut self, value: u32, bits: u32) {
+    pub(super) fn push(&mut self, value: u32, bits: u32) {
         let kept = u64::from(value) & ((1_u64 << bits) - 1);
         self.pending |= kept << self.count;
         self.count += bits;
@@ -79,7 +79,7 @@ impl BitWriter {
 
     /// All bytes; the bits left over are 0.
     #[must_use]
-    pub fn finish(mut self) -> Vec<u8> {
+    pub(super) fn finish(mut self) -> Vec<u8> {
         if self.count > 0 {
             self.bytes.push(self.pending as u8);
         }
@@ -88,7 +88,7 @@ impl BitWriter {
 }
 
 /// Reads what [`BitWriter`] wrote; beyond the end there are zeros, which [`BitReader::is_whole`] tells.
-pub struct BitReader<'a> {
+pub(super) struct BitReader<'a> {
     rest: &'a [u8],
     pending: u64,
     /// Bits pending that count: at most 63.
@@ -99,13 +99,13 @@ pub struct BitReader<'a> {
 impl<'a> BitReader<'a> {
     /// Over all of `bytes`.
     #[must_use]
-    pub fn new(bytes: &'a [u8]) -> Self {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self { rest: bytes, pending: 0, count: 0, starved: false }
     }
 
     /// The next `bits`, at most 32.
     #[inline(always)]
-    pub fn next(&mut self, bits: u32) -> u32 {
+    pub(super) fn next(&mut self, bits: u32) -> u32 {
         if let Some(eight) = self.rest.first_chunk::<8>() {
             // To at least 56 bits, without a branch on how many are there; what is above `count` already is put there again.
             self.pending |= u64::from_le_bytes(*eight) << self.count;
@@ -141,7 +141,7 @@ impl<'a> BitReader<'a> {
 
     /// Whether everything was read, and nothing beyond it.
     #[must_use]
-    pub fn is_whole(&self) -> bool {
+    pub(super) fn is_whole(&self) -> bool {
         // Bytes that are left may have been looked at beforehand.
         !self.starved && self.rest.is_empty() && self.count < 8 && self.pending == 0
     }

@@ -9,7 +9,7 @@ use super::rans::{SCALE, TOKENS, Table};
 use crate::store::container::{ByteReader, push_varint};
 
 /// Levels of activity that contexts tell apart; the last is *no neighbor*.
-pub const ACTIVITIES: usize = 17;
+pub(super) const ACTIVITIES: usize = 17;
 
 /// The planes of an image, each with contexts of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,10 +103,10 @@ struct PlaneModel {
 }
 
 /// Contexts of the mask.
-pub const MASK_CONTEXTS: usize = CodedPlane::Mask.contexts();
+pub(super) const MASK_CONTEXTS: usize = CodedPlane::Mask.contexts();
 
 /// Per context of the mask, the slot from which on a pixel holds a sample.
-pub type MaskSplits = [u16; MASK_CONTEXTS];
+pub(super) type MaskSplits = [u16; MASK_CONTEXTS];
 
 /// The tables of every plane.
 #[derive(Clone, Debug, PartialEq, Eq)]

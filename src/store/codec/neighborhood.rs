@@ -12,7 +12,7 @@ use super::model::ACTIVITIES;
 pub const BLOCK: usize = 64;
 
 /// Numbers a sample has at most: depth, green, red, blue, and two of the normal.
-pub const NUMBERS: usize = 6;
+pub(super) const NUMBERS: usize = 6;
 
 /// Columns to the left of a block and rows above it that never hold a sample, so that reading a neighbor needs no check.
 const MARGIN: usize = 2;
@@ -27,7 +27,7 @@ pub const fn cell(x: usize, y: usize) -> usize {
 }
 
 /// Something of every pixel of a block, by [`cell`].
-pub type PerPixel<T> = [T; CELLS];
+pub(super) type PerPixel<T> = [T; CELLS];
 
 /// What a block of pixels holds.
 pub struct BlockPixels {

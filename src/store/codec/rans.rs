@@ -15,19 +15,19 @@
 //! decoder that ends in another state than the encoder began with has read damaged code.
 
 /// Bits of the sum of a table's frequencies.
-pub const SCALE_BITS: u32 = 12;
+pub(super) const SCALE_BITS: u32 = 12;
 
 /// Sum of a table's frequencies.
-pub const SCALE: u32 = 1 << SCALE_BITS;
+pub(super) const SCALE: u32 = 1 << SCALE_BITS;
 
 /// Tokens that a table may tell apart.
-pub const TOKENS: usize = 128;
+pub(super) const TOKENS: usize = 128;
 
 /// The smallest state, and the one that encoding begins with.
 const LOWEST: u32 = 1 << 16;
 
 /// States that take turns.
-pub const LANES: usize = 4;
+pub(super) const LANES: usize = 4;
 
 /// Slots that one entry of [`Table::first`] stands for.
 const COARSE_BITS: u32 = 4;
@@ -87,7 +87,7 @@ impl Table {
 }
 
 /// Codes tokens in reverse: the last one first.
-pub struct RansEncoder {
+pub(super) struct RansEncoder {
     states: [u32; LANES],
     /// Last word first.
     words: Vec<u16>,
@@ -103,7 +103,7 @@ impl Default for RansEncoder {
 impl RansEncoder {
     /// Codes the token that stands before all those coded so far, given where its slots begin and how many it has, which must not
     /// be none.
-    pub fn push(&mut self, lane: usize, (start, frequency): (u32, u32)) {
+    pub(super) fn push(&mut self, lane: usize, (start, frequency): (u32, u32)) {
         debug_assert!(frequency > 0, "a token that cannot be coded");
         let state = &mut self.states[lane];
         if u64::from(*state) >= u64::from(frequency) << (32 - SCALE_BITS) {
@@ -115,7 +115,7 @@ impl RansEncoder {
 
     /// The words in the order a [`Decoder`] reads them.
     #[must_use]
-    pub fn finish(mut self) -> Vec<u16> {
+    pub(super) fn finish(mut self) -> Vec<u16> {
         for state in self.states.into_iter().rev() {
             self.words.extend([state as u16, (state >> 16) as u16]);
         }
@@ -125,7 +125,7 @@ impl RansEncoder {
 }
 
 /// Decodes tokens, first to last. Damaged code gives wrong tokens, never a panic; [`Decoder::is_whole`] tells.
-pub struct Decoder<'a> {
+pub(super) struct Decoder<'a> {
     states: [u32; LANES],
     /// Big-endian words.
     words: &'a [[u8; 2]],
@@ -136,7 +136,7 @@ pub struct Decoder<'a> {
 impl<'a> Decoder<'a> {
     /// Over all of `words`, big-endian.
     #[must_use]
-    pub fn new(words: &'a [[u8; 2]]) -> Self {
+    pub(super) fn new(words: &'a [[u8; 2]]) -> Self {
         let word = |nth: usize| words.get(nth).map_or(0, |word| u32::from(u16::from_be_bytes(*word)));
         let states = std::array::from_fn(|lane| word(2 * lane) << 16 | word(2 * lane + 1));
         Self { states, words, position: 2 * LANES }
@@ -144,7 +144,7 @@ impl<'a> Decoder<'a> {
 
     /// The next token.
     #[inline(always)]
-    pub fn next(&mut self, lane: usize, table: &Table) -> usize {
+    pub(super) fn next(&mut self, lane: usize, table: &Table) -> usize {
         let before = self.states[lane];
         let slot = before & (SCALE - 1);
         let mut token = table.first[(slot >> COARSE_BITS) as usize] as usize;
@@ -160,7 +160,7 @@ impl<'a> Decoder<'a> {
 
     /// The next token where there are two: whether it is the second, whose slots begin at `split`.
     #[inline(always)]
-    pub fn next_of_two(&mut self, lane: usize, split: u16) -> bool {
+    pub(super) fn next_of_two(&mut self, lane: usize, split: u16) -> bool {
         let (before, split) = (self.states[lane], u32::from(split));
         let slot = before & (SCALE - 1);
         let second = slot >= split;
@@ -181,7 +181,7 @@ impl<'a> Decoder<'a> {
 
     /// Whether the code ended exactly where the encoder began.
     #[must_use]
-    pub fn is_whole(&self) -> bool {
+    pub(super) fn is_whole(&self) -> bool {
         self.position == self.words.len() && self.states == [LOWEST; LANES]
     }
 }

@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::diagnostics::Report;
 use crate::samples::{ImageBuffer, ImageFacts, SampleImage, SampleSet, Span};
-use crate::settings::{self, StoreSettings};
+use crate::settings::StoreSettings;
 use crate::store::codec::{Counts, FrequencyTables};
 use crate::store::container::{
     ChunkId, FormWriter, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE,

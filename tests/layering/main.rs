@@ -1,19 +1,49 @@
 //! Keeps the layers of the architecture: a module imports only from those to its left, and each outside library stays
 //! where it belongs.
 
+mod imports;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use imports::Imports;
+
 /// Modules from the bottom up. A module may use those before it and itself.
-const LAYERS: [&[&str]; 8] = [
-    &["error", "grid", "job", "color", "settings", "simd", "whole_file"],
+const LAYERS: [&[&str]; 9] = [
+    &["error", "grid", "job", "color", "random", "settings", "simd", "whole_file"],
     &["capture"],
-    &["preprocess"],
-    &["store"],
+    &["samples", "demo"],
+    &["store", "preprocess"],
     &["render"],
     &["evaluate"],
     &["cli", "app"],
-    &["main", "lib"],
+    &["lib"],
+    &["main"],
+];
+
+/// Modules that may not use another although it lies below them: pictures are rendered from samples, whoever made them.
+const STRANGERS: [(&str, &str); 1] = [("render", "preprocess")];
+
+/// Folders of a module from the first to the last in the order in which data flows: a folder may use those before it.
+const STAGES: [(&str, &[&str]); 5] = [
+    (
+        "preprocess",
+        &[
+            "noise",
+            "normals",
+            "temporal",
+            "layers",
+            "registration",
+            "pruning",
+            "interactive",
+            "inspect",
+            "diagnostics",
+        ],
+    ),
+    ("render", &["input", "geometry", "splat", "gather", "resolve", "fill", "output", "gpu", "film"]),
+    ("app", &["model", "work", "control", "views", "panels"]),
+    ("store", &["container", "codec", "image", "file", "playback"]),
+    ("cli", &["output", "input", "commands"]),
 ];
 
 /// Outside libraries that only some files may use, as prefixes of paths below `src`.
@@ -28,17 +58,14 @@ const CONFINED: [(&str, &[&str]); 11] = [
     ("wgpu", &["render/gpu", "app/"]),
     ("clap", &["cli/", "main.rs"]),
     ("indicatif", &["cli/"]),
-    ("resvg", &["evaluate/chart"]),
+    ("resvg", &["evaluate/chart/"]),
 ];
 
 /// Files that know bytes, not cameras, as prefixes of paths below `src`.
-const BYTES_ONLY: [&str; 4] = ["store/iff.rs", "store/source.rs", "store/bytes.rs", "store/coding/"];
-
-/// What they may use of the store: each other.
-const BYTES_MODULES: [&str; 4] = ["iff", "source", "bytes", "coding"];
+const BYTES_ONLY: [&str; 2] = ["store/container/", "store/codec/"];
 
 /// A file longer than this holds two ideas.
-const MAX_LINES: usize = 450;
+const MAX_LINES: usize = 400;
 
 fn sources() -> Vec<(String, String)> {
     fn visit(folder: &Path, files: &mut Vec<PathBuf>) {
@@ -83,55 +110,82 @@ fn layer_of(module: &str) -> Option<usize> {
     LAYERS.iter().position(|layer| layer.contains(&module))
 }
 
-/// Names that directly follow `prefix` in `code`, as in `crate::NAME`; also inside `crate::{A, B::{C, D}}`, on however many lines.
-fn names_after<'a>(code: &'a str, prefix: &'a str) -> impl Iterator<Item = &'a str> {
-    let name = |text: &'a str| {
-        text.trim_start().split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or_default()
-    };
-    code.match_indices(prefix).flat_map(move |(at, _)| {
-        let rest = &code[at + prefix.len()..];
-        let Some(list) = rest.strip_prefix('{') else { return vec![name(rest)] };
-        let (mut depth, mut begins, mut names) = (0, 0, Vec::new());
-        for (at, letter) in list.char_indices() {
-            match letter {
-                '{' => depth += 1,
-                '}' if depth > 0 => depth -= 1,
-                ',' | '}' if depth == 0 => {
-                    names.push(name(&list[begins..at]));
-                    begins = at + 1;
-                }
-                _ => {}
-            }
-            if letter == '}' && begins == at + 1 {
-                break;
-            }
-        }
-        names
-    })
-}
-
-#[test]
-fn names_are_found_in_nested_lists_that_go_on_over_lines() {
-    let code =
-        "use crate::{\n    app::{self, views},\n    grid::Grid,\n};\nlet it = crate::store::read(a, b);";
-    assert_eq!(names_after(code, "crate::").collect::<Vec<_>>(), ["app", "grid", "", "store"]);
+/// The module at the top of a path below `src`.
+fn top(file: &str) -> &str {
+    file.split(['/', '.']).next().unwrap_or_default()
 }
 
 #[test]
 fn a_module_imports_only_from_the_layers_below_it() {
-    for (name, text) in sources() {
-        let module = name.split(['/', '.']).next().unwrap();
-        let own = layer_of(module).unwrap_or_else(|| panic!("{name} belongs to no layer"));
-        if module == "lib" || module == "main" {
-            continue;
-        }
-        let code: Vec<&str> = code(&text).collect();
-        for used in names_after(&code.join("\n"), "crate::") {
-            let Some(layer) = layer_of(used) else { continue };
-            // What lies at the bottom may use its like.
-            assert!(layer < own || used == module || (own == 0 && layer == 0), "src/{name} uses {used}");
+    for (file, imported) in Imports::read(&sources()).pairs() {
+        let own = layer_of(top(file)).unwrap_or_else(|| panic!("{file} belongs to no layer"));
+        let layer = layer_of(top(imported)).unwrap_or_else(|| panic!("{imported} belongs to no layer"));
+        // What lies at the bottom may use its like.
+        let is_below = layer < own || top(file) == top(imported) || (own == 0 && layer == 0);
+        assert!(is_below, "src/{file} imports from src/{imported}");
+        assert!(!STRANGERS.contains(&(top(file), top(imported))), "src/{file} imports from src/{imported}");
+    }
+}
+
+#[test]
+fn no_imports_run_in_a_circle() {
+    let imports = Imports::read(&sources());
+    let circles = imports.circles();
+    assert!(circles.is_empty(), "files that import from each other: {circles:#?}");
+}
+
+/// The place of a file's folder among the stages of a module; `None` outside of them.
+fn stage_of(file: &str, module: &str, stages: &[&str]) -> Option<usize> {
+    let folder = file.strip_prefix(module)?.strip_prefix('/')?.split_once('/')?.0;
+    let place = stages.iter().position(|stage| *stage == folder);
+    assert!(place.is_some() || folder == "tests", "src/{module}/{folder} is in no order");
+    place
+}
+
+#[test]
+fn within_a_module_a_folder_imports_only_from_earlier_ones() {
+    let imports = Imports::read(&sources());
+    let mut wrong = Vec::new();
+    for (module, stages) in STAGES {
+        for (file, imported) in imports.pairs() {
+            let (own, other) = (stage_of(file, module, stages), stage_of(imported, module, stages));
+            if let (Some(own), Some(other)) = (own, other)
+                && other > own
+            {
+                wrong.push(format!("src/{file} imports from src/{imported}, a later stage"));
+            }
         }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// Files with these names and texts, for tests of what the rules find.
+fn planted(files: &[(&str, &str)]) -> Imports {
+    let files: Vec<_> = files.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
+    Imports::read(&files)
+}
+
+#[test]
+fn a_planted_circle_is_found() {
+    let first = ("stage/first.rs", "use super::second::Two;\npub struct One(Two);");
+    let folder = ("stage/mod.rs", "mod first;\nmod second;\npub use first::One;");
+    let harmless = (
+        "stage/second.rs",
+        "/// Used by [`One`](super::first::One).\npub const TWO: &str = \"super::first::One\";",
+    );
+    assert_eq!(planted(&[folder, first, harmless]).circles(), Vec::<Vec<&str>>::new());
+    for back in [
+        "use super::first::One;",
+        "use crate::stage::{first::One as Other};",
+        "use super::first;\nfn f() { first::f(); }",
+        "fn f() -> crate::stage::first::One { todo!() }",
+    ] {
+        let imports = planted(&[folder, first, ("stage/second.rs", back)]);
+        assert_eq!(imports.circles(), [["stage/first.rs", "stage/second.rs"]], "{back}");
+    }
+    // Through the folder's re-export the circle is one of three files.
+    let imports = planted(&[folder, first, ("stage/second.rs", "use super::One;")]);
+    assert_eq!(imports.circles(), [["stage/first.rs", "stage/mod.rs", "stage/second.rs"]]);
 }
 
 #[test]
@@ -149,25 +203,12 @@ fn each_outside_library_stays_where_it_belongs() {
 
 #[test]
 fn files_that_know_bytes_know_no_cameras() {
-    let sources = sources();
-    let modules_of_store: Vec<&str> = sources
-        .iter()
-        .filter_map(|(name, _)| name.strip_prefix("store/")?.split(['/', '.']).next())
-        .collect();
-    let is_foreign = |name: &&str| modules_of_store.contains(name) && !BYTES_MODULES.contains(name);
-    for prefix in BYTES_ONLY {
-        let mut files = sources.iter().filter(|(name, _)| name.starts_with(prefix)).peekable();
-        assert!(files.peek().is_some(), "there is no src/{prefix}");
-        for (name, text) in files {
-            let is_nested = name.matches('/').count() == 2 && !name.ends_with("/mod.rs");
-            let store = if is_nested { "super::super::" } else { "super::" };
-            let code = code(text).collect::<Vec<_>>().join("\n");
-            let mut used = names_after(&code, "crate::").filter(|used| !used.is_empty());
-            let foreign = used.find(|used| *used != "store" && layer_of(used) != Some(0));
-            assert_eq!(foreign, None, "in src/{name}");
-            let mut of_store = names_after(&code, "crate::store::").chain(names_after(&code, store));
-            assert_eq!(of_store.find(is_foreign), None, "in src/{name}");
-        }
+    let imports = Imports::read(&sources());
+    let is_bytes = |file: &str| BYTES_ONLY.iter().any(|folder| file.starts_with(folder));
+    assert!(BYTES_ONLY.iter().all(|folder| imports.files.iter().any(|file| file.starts_with(folder))));
+    for (file, imported) in imports.pairs().filter(|(file, _)| is_bytes(file)) {
+        let is_bottom = layer_of(top(imported)) == Some(0);
+        assert!(is_bytes(imported) || is_bottom, "src/{file} imports from src/{imported}");
     }
 }
 
