@@ -109,17 +109,10 @@ impl Seek for Full {
 
 #[test]
 fn a_disk_that_fills_at_any_byte_gives_an_error() {
-    let extras = Extras::default();
+    let extras = Extras { report: small_report(), ..Extras::default() };
     let write = |room| {
         let full = Full { room, position: 0 };
-        overlook::store::file::write_to(
-            full,
-            Path::new("full.ovl"),
-            &small_set(),
-            &small_report(),
-            &extras,
-            &Job::new(),
-        )
+        overlook::store::file::write_to(full, Path::new("full.ovl"), &small_set(), &extras, &Job::new())
     };
     let size = write(usize::MAX).unwrap() as usize;
     for room in (0..size).step_by(97).chain([size - 1]) {
@@ -160,8 +153,13 @@ fn provenance_and_unknown_chunks_stay_when_a_store_is_written_again() {
         ..Provenance::default()
     };
     let unknown = vec![(*b"ANNO", b"by hand".to_vec()), (*b"XTRA", Vec::new())];
-    let extras = Extras { provenance: provenance.clone(), unknown: unknown.clone(), held_to: None };
-    overlook::store::file::write_with(&first, &moving_set(), &small_report(), &extras, &Job::new()).unwrap();
+    let extras = Extras {
+        report: small_report(),
+        provenance: provenance.clone(),
+        unknown: unknown.clone(),
+        held_to: None,
+    };
+    overlook::store::file::write_with(&first, &moving_set(), &extras, &Job::new()).unwrap();
 
     let output = Command::new(env!("CARGO_BIN_EXE_overlook"))
         .args(["export", "store"])

@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::manifest::{Keys, Manifest, NormalSpaceName};
-use super::manifest_path;
+use super::manifest::{Keys, Manifest, NormalSpaceName, manifest_path};
 use crate::capture::exr::{
     ChannelInfo, ChannelWishes, DepthKind, DepthRules, HALF_MAX, MISS_DEPTH, NormalSpace,
 };

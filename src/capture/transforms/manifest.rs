@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -10,8 +10,25 @@ use serde_json::Value;
 use super::lens::LensKeys;
 use crate::error::{Error, Result};
 
+/// Name of the manifest in a capture's folder.
+pub const MANIFEST_NAME: &str = "transforms.json";
+
 /// Largest manifest that is read: some 100,000 entries.
 const MAX_BYTES: u64 = 256 << 20;
+
+/// The manifest of a capture or of views: itself, or the one in the folder.
+#[must_use]
+pub fn manifest_path(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(MANIFEST_NAME) } else { path.to_path_buf() }
+}
+
+/// The manifest of truth vantages that stands beside a capture (a folder, or its manifest), where there is one.
+#[must_use]
+pub fn truth_beside(capture: &Path) -> Option<PathBuf> {
+    let folder = if capture.is_dir() { capture } else { capture.parent()? };
+    let views = folder.join("novel").join(MANIFEST_NAME);
+    views.is_file().then_some(views)
+}
 
 /// A camera's name; some writers number their cameras.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -24,15 +24,15 @@ mod source;
 mod write;
 
 pub use files::picture_places;
-pub use write::{ManifestEntry, ManifestFacts, write_capture, write_manifest};
+pub use manifest::{MANIFEST_NAME, manifest_path, truth_beside};
+pub use write::{ManifestEntry, ManifestFacts, picture_name, write_capture, write_manifest};
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::camera::Camera;
 use super::{Capture, CaptureParts, TruthView};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
@@ -40,15 +40,6 @@ use cameras::{CameraFiles, PlacedEntry};
 use load::Need;
 use manifest::{Keys, Manifest};
 use source::FileSource;
-
-/// Name of the manifest in a capture's folder.
-pub const MANIFEST_NAME: &str = "transforms.json";
-
-/// Where the picture of a camera at a frame of this number lies in a capture's folder, as far as we name it.
-#[must_use]
-pub fn picture_name(camera: &Camera, frame_number: i64) -> String {
-    format!("{}/{frame_number:04}.exr", camera.name)
-}
 
 /// Opens a capture: a `transforms.json`, or a folder that holds one.
 ///
@@ -86,14 +77,6 @@ pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     ))
 }
 
-/// The manifest of truth vantages that stands beside a capture (a folder, or its manifest), where there is one.
-#[must_use]
-pub fn truth_beside(capture: &Path) -> Option<PathBuf> {
-    let folder = if capture.is_dir() { capture } else { capture.parent()? };
-    let views = folder.join("novel").join("transforms.json");
-    views.is_file().then_some(views)
-}
-
 /// Reads vantages, and where the pictures exist their truth, from a manifest of the same form.
 ///
 /// A true picture needs no depth: where none is recorded, every pixel of it counts as a sample at infinity. Views of one camera that
@@ -127,12 +110,6 @@ pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<TruthVi
             Ok(TruthView { file_path: entry.file_path, camera, frame_number: entry.number, truth })
         })
         .collect()
-}
-
-/// The manifest of a capture or of views: itself, or the one in the folder.
-#[must_use]
-pub fn manifest_path(path: &Path) -> PathBuf {
-    if path.is_dir() { path.join(MANIFEST_NAME) } else { path.to_path_buf() }
 }
 
 /// The name of the folder that the manifest lies in, or of the manifest itself at the root.

@@ -12,8 +12,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::manifest::{CameraName, Keys, Manifest, NormalSpaceName, PictureEntry};
-use super::{MANIFEST_NAME, picture_name, pose};
+use super::manifest::{CameraName, Keys, MANIFEST_NAME, Manifest, NormalSpaceName, PictureEntry};
+use super::pose;
 use crate::capture::camera::Camera;
 use crate::capture::exr::write_frame;
 use crate::capture::frame::Frame;
@@ -24,6 +24,12 @@ use crate::whole_file;
 
 /// Folder of the vantages below a capture's.
 const NOVEL_FOLDER: &str = "novel";
+
+/// Where the picture of a camera at a frame of this number lies in a capture's folder, as far as we name it.
+#[must_use]
+pub fn picture_name(camera: &Camera, frame_number: i64) -> String {
+    format!("{}/{frame_number:04}.exr", camera.name)
+}
 
 /// One picture of a manifest to be written.
 pub struct ManifestEntry<'a> {

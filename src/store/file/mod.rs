@@ -5,12 +5,10 @@ mod header;
 mod provenance;
 mod read_all;
 mod reader;
-mod verify;
 mod writer;
 
 pub(crate) use header::chain;
 pub use header::{ImageEntry, MAX_REFERENCES, VERSION};
 pub use provenance::{InputFiles, PlaneBytes, Provenance};
 pub use reader::{Store, StoreInfo};
-pub use verify::{Verification, verify};
 pub use writer::{Extras, write, write_spooled, write_to, write_with};

@@ -7,7 +7,6 @@ use super::header::chain;
 use super::reader::Store;
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::diagnostics::Report;
 use crate::samples::SampleSet;
 use crate::store::container::{ChunkId, FORM_HEADER, IMAGE};
 use crate::store::image::Decoded;
@@ -63,7 +62,7 @@ impl Store {
     ///
     /// # Errors
     /// `Io` and `Cancelled`.
-    pub fn read_all(&self, job: &Job) -> Result<(SampleSet, Report)> {
+    pub fn read_all(&self, job: &Job) -> Result<SampleSet> {
         let count = self.info.images.len();
         job.start("Reading the store", count);
         let depths: Vec<usize> = (0..count)
@@ -89,14 +88,14 @@ impl Store {
         let mut samples = self.outline();
         let images = decoded.into_iter().flatten().map(|decoded| decoded.image);
         samples.images = images.filter(|image| !image.is_empty()).collect();
-        Ok((samples, self.info.report.clone()))
+        Ok(samples)
     }
 
     /// As [`Store::read_all`], where nothing may be damaged.
     ///
     /// # Errors
     /// `Io`, `Invalid` naming what is damaged, `Cancelled`.
-    pub fn read_undamaged(&self, job: &Job) -> Result<(SampleSet, Report)> {
+    pub fn read_undamaged(&self, job: &Job) -> Result<SampleSet> {
         let read = self.read_all(job)?;
         match self.damage().first() {
             None => Ok(read),

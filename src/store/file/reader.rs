@@ -15,15 +15,15 @@ use super::header::{Head, ImageEntry, chain, decode_head, decode_index};
 use super::provenance::Provenance;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
-use crate::preprocess::diagnostics::Report;
 use crate::samples::{DepthPlane, SampleImage, SampleSet};
 use crate::settings::Settings;
 use crate::store::codec::FrequencyTables;
 use crate::store::container::{
     ChunkHeader, FormReader, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, ReadAt, SETTINGS, STORE,
 };
-use crate::store::image::{self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, ImageHead};
-use crate::store::playback::VisibleBlocks;
+use crate::store::image::{
+    self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, ImageHead, VisibleBlocks,
+};
 
 /// What a store says of itself before any image is read.
 #[derive(Clone, Debug)]
@@ -42,8 +42,8 @@ pub struct StoreInfo {
     pub settings: Settings,
     /// Settings that the store was made with and this Overlook does not have, one line each.
     pub warnings: Vec<String>,
-    /// What was dropped and why.
-    pub report: Report,
+    /// What was dropped and why, as JSON, which the store does not interpret.
+    pub report: String,
     /// What it was made from.
     pub provenance: Provenance,
     /// The images, in the order they are painted in.
@@ -125,7 +125,8 @@ impl Store {
         let (settings, warnings) =
             decode_settings(chunks.get(SETTINGS)).map_err(|what| in_chunk(path, SETTINGS, what))?;
         let json = |id| move |error: serde_json::Error| in_chunk(path, id, error);
-        let report = serde_json::from_slice(chunks.get(REPORT)).map_err(json(REPORT))?;
+        let report = std::str::from_utf8(chunks.get(REPORT)).map_err(|what| in_chunk(path, REPORT, what))?;
+        serde_json::from_str::<serde::de::IgnoredAny>(report).map_err(json(REPORT))?;
         let provenance = serde_json::from_slice(chunks.get(PROVENANCE)).map_err(json(PROVENANCE))?;
         let palette =
             ColorRanks::decode(chunks.get(PALETTE)).map_err(|what| in_chunk(path, PALETTE, what))?;
@@ -140,7 +141,7 @@ impl Store {
             up_in_world,
             settings,
             warnings,
-            report,
+            report: report.to_owned(),
             provenance,
             images,
             bytes: form.size(),

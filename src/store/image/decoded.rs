@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::image_chunk::{BlockEntry, Damage, ImageHead};
+use super::visible_blocks::VisibleBlocks;
 use crate::samples::SampleImage;
-use crate::store::playback::VisibleBlocks;
 
 /// An image as far as it was read, and what of it could not be.
 #[derive(Clone, Debug)]

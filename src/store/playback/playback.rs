@@ -16,13 +16,12 @@ use quick_cache::Weighter;
 use quick_cache::sync::Cache;
 use rayon::prelude::*;
 
-use super::visible_blocks::{self, VisibleBlocks};
 use crate::capture::{Camera, EXPECTED_IN_ONE_PIECE};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::SampleSet;
 use crate::store::file::{Store, chain};
-use crate::store::image::Decoded;
+use crate::store::image::{Decoded, VisibleBlocks, visible_blocks};
 
 #[derive(Clone)]
 struct ImageBytes;
@@ -115,7 +114,7 @@ impl Playback {
             let blocks = decoded.head.iter().flat_map(|head| &head.blocks);
             blocks.map(|block| (*camera, block))
         });
-        Ok(visible_blocks::needed(vantage, cameras, blocks))
+        Ok(visible_blocks(vantage, cameras, blocks))
     }
 
     /// The outline with some images in it, read at those places of their cameras, or all.

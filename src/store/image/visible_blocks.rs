@@ -12,9 +12,9 @@
 
 use glam::{DMat3, DVec3};
 
+use super::image_chunk::BlockEntry;
 use crate::capture::Camera;
 use crate::store::codec::BLOCK;
-use crate::store::image::BlockEntry;
 
 /// Pixels by which the footprints of samples reach beyond their block: twice what renderers stretch them to, and a pixel for rounding.
 const SOURCE_REACH: f64 = 4.0;
@@ -147,7 +147,7 @@ impl Eye {
 }
 
 /// For each camera the blocks that a vantage needs, given the blocks that there are, with their cameras.
-pub(crate) fn needed<'a>(
+pub(crate) fn visible_blocks<'a>(
     vantage: &Camera,
     cameras: &[Camera],
     blocks: impl Iterator<Item = (usize, &'a BlockEntry)> + Clone,

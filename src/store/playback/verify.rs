@@ -3,13 +3,16 @@
 use std::path::Path;
 use std::time::Instant;
 
-use super::reader::Store;
+use super::playback::Playback;
 use crate::error::Result;
 use crate::job::Job;
-use crate::store::playback::Playback;
+use crate::store::file::Store;
 
 /// Decoded images that are kept meanwhile, bytes.
 const CACHE_BYTES: u64 = 256 << 20;
+
+/// Bytes of one input pixel as 8-bit color and 32-bit depth.
+const INPUT_PIXEL_BYTES: f64 = 7.0;
 
 /// What became of the reading.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
@@ -53,6 +56,8 @@ pub fn verify(path: &Path, job: &Job) -> Result<Verification> {
         job.advance(1);
     }
     let seconds = started.elapsed().as_secs_f64();
+    let pixels: usize = info.cameras.iter().map(|camera| camera.intrinsics.pixel_count()).sum();
+    let input_bytes = INPUT_PIXEL_BYTES * (pixels * frames) as f64;
     let mut damage = playback.store().walk()?;
     damage.extend(playback.store().damage());
     Ok(Verification {
@@ -62,7 +67,7 @@ pub fn verify(path: &Path, job: &Job) -> Result<Verification> {
         bytes: info.bytes,
         seconds_to_first_frame,
         seconds,
-        input_gb_per_s: info.report.bytes_raw as f64 / seconds.max(1e-9) / 1e9,
+        input_gb_per_s: input_bytes / seconds.max(1e-9) / 1e9,
         damage,
     })
 }
