@@ -187,7 +187,7 @@ mod tests {
             SolidShape::Sphere { radius: 0.7 },
             SolidShape::Block { half: DVec3::new(0.5, 0.3, 0.8), round: 0.0 },
             SolidShape::Block { half: DVec3::new(0.5, 0.3, 0.8), round: 0.1 },
-            SolidShape::cylinder(0.4, 0.6),
+            crate::demo::tracer::cylinder(0.4, 0.6),
             SolidShape::Cone { bottom: 0.6, top: 0.2, half_height: 0.5 },
             SolidShape::Cone { bottom: 0.5, top: 0.0, half_height: 0.5 },
             SolidShape::Torus { major: 0.6, minor: 0.2 },

@@ -11,6 +11,6 @@ pub(crate) mod trace;
 mod world;
 
 pub(crate) use camera_noise::RenderNoise;
-pub(crate) use shapes::SolidShape;
+pub(crate) use shapes::{SolidShape, block, cone, cylinder, sphere, torus};
 pub(crate) use texture::{Material, Pattern, hash};
 pub(crate) use world::{Builder, Lamp, Light, World, upright_to};
