@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::Value;
 
 use super::lens::LensKeys;
@@ -31,7 +31,7 @@ pub fn truth_beside(capture: &Path) -> Option<PathBuf> {
 }
 
 /// A camera's name; some writers number their cameras.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(untagged)]
 pub(super) enum CameraName {
     /// `"camera": "left"`.
@@ -50,97 +50,71 @@ impl std::fmt::Display for CameraName {
 }
 
 /// Keys that stand for the whole file or for one entry; an entry's wins.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub(super) struct Keys {
     /// Name of the camera.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraName>,
     /// Number of the frame, where there is no `frame`. Fractions (nerfstudio's 0 to 1) are ranked in a capture, and refused in views.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
     /// The same by its other name; always a number of a frame, also where the times of a capture are fractions.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<f64>,
     /// Horizontal focal length, pixels.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub fl_x: Option<f64>,
     /// Vertical focal length, pixels; where missing, as `fl_x` but for pixels that are not square by the picture's header.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub fl_y: Option<f64>,
     /// Principal point, pixels from the left edge; the middle where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cx: Option<f64>,
     /// Principal point, pixels from the top edge; the middle where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cy: Option<f64>,
     /// Columns; from the picture where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub w: Option<f64>,
     /// Rows; from the picture where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub h: Option<f64>,
     /// Horizontal angle of view, radians, where there is no `fl_x`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_angle_x: Option<f64>,
     /// Vertical angle of view, radians, where there is no `fl_y`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_angle_y: Option<f64>,
     /// `PINHOLE`, or a model that is one where its distortion is 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_model: Option<String>,
     /// What else is said of the lens.
-    #[serde(flatten, skip_serializing)]
+    #[serde(flatten)]
     pub lens: LensKeys,
     /// World units of the poses per unit of the scene they were made from.
-    #[serde(skip_serializing)]
     pub applied_scale: Option<f64>,
     /// See [`DepthKind`](crate::capture::exr::DepthKind).
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_kind: Option<String>,
     /// Full name of the depth channel.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_channel: Option<String>,
     /// Layer of the normal channels.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_channel: Option<String>,
     /// Layer that all channels belong to.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub layer: Option<String>,
     /// The depth that stands for "nothing hit".
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_miss_value: Option<f64>,
     /// World units per unit of the depth files; 0.001 for PNG and 1 for EXR where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_unit_scale_factor: Option<f64>,
     /// instant-ngp's word for `depth_unit_scale_factor`.
-    #[serde(skip_serializing)]
     pub integer_depth_scale: Option<f64>,
     /// Distance of the near plane.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub near_clip: Option<f64>,
     /// Planar z from which on nothing was hit.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub far_clip: Option<f64>,
     /// `world`, `camera`, or null where normals are not to be read.
-    #[serde(deserialize_with = "present", skip_serializing_if = "Option::is_none")]
+    #[serde(deserialize_with = "present")]
     pub normal_space: Option<NormalSpaceName>,
     /// Whether color is filtered across silhouettes.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub antialiased_color: Option<bool>,
     /// Where pixel centers lie in the units of `cx`: 0.5 (our convention), or 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_center_offset: Option<f64>,
     /// What colors mean; anything with `linear` in it is taken as it is, `srgb` is decoded.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub color_space: Option<String>,
     /// Up in world space.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
 }
 
 /// The value of `normal_space`. Null is not the same as a missing key: the file's would stand then.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(untagged)]
 pub(super) enum NormalSpaceName {
     /// A name, `world` or `camera`.
@@ -153,70 +127,54 @@ fn present<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<N
     NormalSpaceName::deserialize(deserializer).map(Some)
 }
 
+/// The keys of `own`, and where one is missing that of `file`.
+macro_rules! own_or_file {
+    ($own:expr, $file:expr; $($key:ident),+) => {
+        Self { $($key: $own.$key.or($file.$key)),+ }
+    };
+}
+
 impl Keys {
-    fn unit_of_depth(&self) -> Option<f64> {
-        self.depth_unit_scale_factor.or(self.integer_depth_scale)
+    fn name_unit_of_depth(&mut self) {
+        self.depth_unit_scale_factor = self.depth_unit_scale_factor.or(self.integer_depth_scale.take());
     }
 
-    /// These keys, and where they are missing the file's. Focal lengths and angles say one thing in several ways: where these keys
-    /// have one of them, none of the file's counts.
+    /// These keys, and where they are missing the file's. Where a thing can be said in several ways (the lens by focal lengths and
+    /// angles, the frame by number and time), these keys have one of them and none of the file's counts.
     #[must_use]
-    pub(super) fn or(self, file: &Self) -> Self {
+    pub(super) fn or(mut self, file: &Self) -> Self {
         let mut file = file.clone();
         let own = [self.fl_x, self.fl_y, self.camera_angle_x, self.camera_angle_y];
         if own.iter().any(Option::is_some) {
             (file.fl_x, file.fl_y, file.camera_angle_x, file.camera_angle_y) = (None, None, None, None);
         }
-        let unit_of_depth = self.unit_of_depth().or(file.unit_of_depth());
-        let says_which = self.frame.or(self.time).is_some();
-        let (frame, time) = if says_which { (self.frame, self.time) } else { (file.frame, file.time) };
-        let time = time.filter(|_| frame.is_none());
-        Self {
-            camera: self.camera.or(file.camera),
-            time,
-            frame,
-            fl_x: self.fl_x.or(file.fl_x),
-            fl_y: self.fl_y.or(file.fl_y),
-            cx: self.cx.or(file.cx),
-            cy: self.cy.or(file.cy),
-            w: self.w.or(file.w),
-            h: self.h.or(file.h),
-            camera_angle_x: self.camera_angle_x.or(file.camera_angle_x),
-            camera_angle_y: self.camera_angle_y.or(file.camera_angle_y),
-            camera_model: self.camera_model.or(file.camera_model),
-            lens: self.lens.or(file.lens),
-            applied_scale: self.applied_scale.or(file.applied_scale),
-            depth_kind: self.depth_kind.or(file.depth_kind),
-            depth_channel: self.depth_channel.or(file.depth_channel),
-            normal_channel: self.normal_channel.or(file.normal_channel),
-            layer: self.layer.or(file.layer),
-            depth_miss_value: self.depth_miss_value.or(file.depth_miss_value),
-            depth_unit_scale_factor: unit_of_depth,
-            integer_depth_scale: None,
-            near_clip: self.near_clip.or(file.near_clip),
-            far_clip: self.far_clip.or(file.far_clip),
-            normal_space: self.normal_space.or(file.normal_space),
-            antialiased_color: self.antialiased_color.or(file.antialiased_color),
-            pixel_center_offset: self.pixel_center_offset.or(file.pixel_center_offset),
-            color_space: self.color_space.or(file.color_space),
-            up: self.up.or(file.up),
+        if self.frame.or(self.time).is_some() {
+            (file.frame, file.time) = (None, None);
         }
+        self.name_unit_of_depth();
+        file.name_unit_of_depth();
+        let both = own_or_file!(self, file;
+            camera, time, frame, fl_x, fl_y, cx, cy, w, h, camera_angle_x, camera_angle_y, camera_model, lens,
+            applied_scale, depth_kind, depth_channel, normal_channel, layer, depth_miss_value,
+            depth_unit_scale_factor, integer_depth_scale, near_clip, far_clip, normal_space, antialiased_color,
+            pixel_center_offset, color_space, up);
+        Self { time: both.time.filter(|_| both.frame.is_none()), ..both }
     }
 }
 
 /// One picture of one camera.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 pub(super) struct PictureEntry {
     /// The picture, relative to the manifest.
     pub file_path: String,
     /// The depth, where it is in a file of its own.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub depth_file_path: Option<String>,
     /// instant-ngp's word for `depth_file_path`, which it is read as.
-    #[serde(default, skip_serializing)]
+    #[serde(default)]
     pub depth_path: Option<String>,
     /// The normals, where they are in a file of their own.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub normal_file_path: Option<String>,
     /// Camera to world, row-major, OpenGL axes; 4 rows or 3.
     pub transform_matrix: Vec<Vec<f64>>,
@@ -226,7 +184,7 @@ pub(super) struct PictureEntry {
 }
 
 /// A whole manifest. Keys it does not know are passed over, as nerfstudio writes many.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 pub(super) struct Manifest {
     /// Keys of all entries.
     #[serde(flatten)]

@@ -25,7 +25,7 @@ mod write;
 
 pub use files::picture_places;
 pub use manifest::{MANIFEST_NAME, manifest_path, truth_beside};
-pub use write::{ManifestEntry, ManifestFacts, picture_name, write_capture, write_manifest};
+pub use write::{picture_name, write_capture};
 
 use std::collections::BTreeSet;
 use std::path::Path;

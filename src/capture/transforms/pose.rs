@@ -293,7 +293,7 @@ mod tests {
     #[test]
     fn models_of_lenses_are_pinholes_where_their_distortion_is_0() {
         let with = |model: &str, k1: f64| {
-            let lens = LensKeys { k1: Some(k1), ..LensKeys::default() };
+            let lens = LensKeys::from(serde_json::Map::from_iter([("k1".to_owned(), k1.into())]));
             let camera_model = Some(model.to_owned());
             let keys = Keys { fl_x: Some(500.0), camera_model, lens, ..Keys::default() };
             intrinsics(&keys, || Ok(SIZE), || 1.0, "")
