@@ -34,7 +34,8 @@ pub(super) struct LensKeys(Map<String, Value>);
 impl From<Map<String, Value>> for LensKeys {
     /// Leaves out all other keys, and those whose value is null.
     fn from(mut keys: Map<String, Value>) -> Self {
-        let is_known = |key| COEFFICIENTS.contains(&key) || OTHER_LENSES.contains(&key) || key == CAMERA_TYPE;
+        let is_known =
+            |key: &str| COEFFICIENTS.contains(&key) || OTHER_LENSES.contains(&key) || key == CAMERA_TYPE;
         keys.retain(|key, value| is_known(key.as_str()) && !value.is_null());
         Self(keys)
     }
