@@ -25,7 +25,7 @@ impl Weighter<CameraFrame, Arc<Frame>> for FrameBytes {
 /// Nobody waits for anybody: a frame that two threads ask for at once may be decoded twice, and the results are equal. A
 /// cache that made the second wait could wait forever, since the first may need the second's thread to go on (work that
 /// is split over a thread pool while it loads).
-pub struct FrameCache {
+pub(crate) struct FrameCache {
     cache: Cache<CameraFrame, Arc<Frame>, FrameBytes>,
 }
 
@@ -36,8 +36,7 @@ pub(crate) const EXPECTED_IN_ONE_PIECE: usize = 32;
 
 impl FrameCache {
     /// A cache that holds at most `capacity_bytes` of decoded frames.
-    #[must_use]
-    pub fn new(capacity_bytes: usize) -> Self {
+    pub(crate) fn new(capacity_bytes: usize) -> Self {
         Self { cache: Cache::with_weighter(EXPECTED_IN_ONE_PIECE, capacity_bytes as u64, FrameBytes) }
     }
 
@@ -45,7 +44,11 @@ impl FrameCache {
     ///
     /// # Errors
     /// Whatever `load` gives; errors are not cached, so that a mended file is read again.
-    pub fn get_or_load(&self, key: CameraFrame, load: impl FnOnce() -> Result<Frame>) -> Result<Arc<Frame>> {
+    pub(crate) fn get_or_load(
+        &self,
+        key: CameraFrame,
+        load: impl FnOnce() -> Result<Frame>,
+    ) -> Result<Arc<Frame>> {
         if let Some(frame) = self.cache.get(&key) {
             return Ok(frame);
         }

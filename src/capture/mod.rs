@@ -17,13 +17,13 @@ pub mod transforms;
 pub use camera::{Camera, Intrinsics, is_believable_size};
 pub use frame::{Frame, INVALID_INVERSE_DEPTH};
 pub(crate) use frame_cache::EXPECTED_IN_ONE_PIECE;
-pub use frame_cache::FrameCache;
 
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::error::{Error, Result};
+use frame_cache::FrameCache;
 
 /// Where the frames of a capture come from: files, or a scene that is rendered when asked.
 pub trait FrameSource: Send + Sync {

@@ -8,10 +8,10 @@
 //! format". What differs: prediction and entropy coding in place of runs, of which half floats have few; checksums, a version,
 //! an index for random access. The file holds exactly what the set holds, unless a precision is asked for.
 
-pub mod codec;
-pub mod container;
+mod codec;
+mod container;
 pub mod file;
-pub mod image;
+mod image;
 pub mod playback;
 
 use std::path::Path;

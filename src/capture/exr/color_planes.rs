@@ -9,7 +9,7 @@ use crate::simd::{self, VectorLoop};
 
 /// Linear red, green and blue, row-major, not yet checked.
 #[derive(Clone, Debug)]
-pub enum ColorPlanes {
+pub(crate) enum ColorPlanes {
     /// As most renderers write them.
     Half([Vec<f16>; 3]),
     /// Where one of them is more precise.
@@ -39,8 +39,7 @@ impl ColorPlanes {
     ///
     /// # Panics
     /// Where planes are not of one size.
-    #[must_use]
-    pub fn into_halves(self, inverse_depth: &mut [f32]) -> (Vec<[f16; 3]>, usize) {
+    pub(crate) fn into_halves(self, inverse_depth: &mut [f32]) -> (Vec<[f16; 3]>, usize) {
         let mut color = vec![[f16::ZERO; 3]; inverse_depth.len()];
         let without = match self {
             Self::Half(planes) => {

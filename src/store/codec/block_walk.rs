@@ -23,23 +23,23 @@ use super::rans::LANES;
 
 /// What is known of a block before its samples.
 #[derive(Clone, Copy, Debug)]
-pub struct BlockShape {
+pub(crate) struct BlockShape {
     /// Columns of the block that lie in the picture.
-    pub width: usize,
+    pub(crate) width: usize,
     /// Rows of the block that lie in the picture.
-    pub height: usize,
+    pub(crate) height: usize,
     /// Bit `4 y + x`: whether the tile in column `x`, row `y` of the block holds a sample.
-    pub tiles: u16,
+    pub(crate) tiles: u16,
     /// Lowest bits that no inverse depth of the store has.
-    pub depth_shift: u32,
+    pub(crate) depth_shift: u32,
     /// Colors of the palette.
-    pub colors: usize,
+    pub(crate) colors: usize,
     /// Whether samples have normals.
-    pub normals: bool,
+    pub(crate) normals: bool,
 }
 
 /// What becomes of residuals.
-pub trait Coder {
+pub(crate) trait Coder {
     /// Whether numbers are predicted; without, they come as they are.
     const PREDICTS: bool = true;
 
@@ -58,7 +58,7 @@ struct SamplePixel {
 }
 
 /// Walks over a block. Reused from block to block.
-pub struct Walker {
+pub(crate) struct Walker {
     /// Zigzag residuals of each number, by [`cell`].
     residuals: Box<[PerPixel<u32>; NUMBERS]>,
     /// 1 where the depth equalled the reference's, by [`cell`].
@@ -82,7 +82,7 @@ impl Default for Walker {
 impl Walker {
     /// Hands every number of `pixels` to `coder` and takes what it gives back.
     #[inline(always)]
-    pub fn walk<C: Coder>(
+    pub(crate) fn walk<C: Coder>(
         &mut self,
         coder: &mut C,
         shape: &BlockShape,

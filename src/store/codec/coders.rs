@@ -6,7 +6,7 @@ use super::model::{CodedPlane, Counts, FrequencyTables, MASK_CONTEXTS, MaskSplit
 use super::rans::{Decoder, RansEncoder};
 
 /// Counts tokens, so that a model can be fitted.
-pub struct Counter<'a>(pub &'a mut Counts);
+pub(crate) struct Counter<'a>(pub &'a mut Counts);
 
 impl Coder for Counter<'_> {
     fn held(&mut self, _: usize, context: usize, value: bool) -> bool {
@@ -25,7 +25,7 @@ impl Coder for Counter<'_> {
 /// ```text
 /// u16 number of words | words, big-endian | plain bits
 /// ```
-pub struct ModelWriter<'a> {
+pub(crate) struct ModelWriter<'a> {
     model: &'a FrequencyTables,
     /// The coder's state that each token changes, where its slots begin and how many it has.
     tokens: Vec<(u8, u16, u16)>,
@@ -34,8 +34,7 @@ pub struct ModelWriter<'a> {
 
 impl<'a> ModelWriter<'a> {
     /// For one block.
-    #[must_use]
-    pub fn new(model: &'a FrequencyTables) -> Self {
+    pub(crate) fn new(model: &'a FrequencyTables) -> Self {
         Self { model, tokens: Vec::new(), bits: BitWriter::default() }
     }
 
@@ -45,8 +44,7 @@ impl<'a> ModelWriter<'a> {
     }
 
     /// The block's code.
-    #[must_use]
-    pub fn finish(self) -> Vec<u8> {
+    pub(crate) fn finish(self) -> Vec<u8> {
         let mut encoder = RansEncoder::default();
         for (lane, start, frequency) in self.tokens.into_iter().rev() {
             encoder.push(usize::from(lane), (u32::from(start), u32::from(frequency)));
@@ -74,7 +72,7 @@ impl Coder for ModelWriter<'_> {
 }
 
 /// Reads what [`ModelWriter`] wrote.
-pub struct ModelReader<'a> {
+pub(crate) struct ModelReader<'a> {
     model: &'a FrequencyTables,
     mask: &'a MaskSplits,
     tokens: Decoder<'a>,
@@ -83,8 +81,7 @@ pub struct ModelReader<'a> {
 
 impl<'a> ModelReader<'a> {
     /// Over all of `code`; `None` where it is cut short.
-    #[must_use]
-    pub fn new(model: &'a FrequencyTables, code: &'a [u8]) -> Option<Self> {
+    pub(crate) fn new(model: &'a FrequencyTables, code: &'a [u8]) -> Option<Self> {
         let (count, rest) = code.split_first_chunk()?;
         let (words, bits) = rest.split_at_checked(2 * usize::from(u16::from_be_bytes(*count)))?;
         let tokens = Decoder::new(words.as_chunks().0);
@@ -92,8 +89,7 @@ impl<'a> ModelReader<'a> {
     }
 
     /// Whether all of the code was read, and made sense.
-    #[must_use]
-    pub fn is_whole(&self) -> bool {
+    pub(crate) fn is_whole(&self) -> bool {
         self.tokens.is_whole() && self.bits.is_whole()
     }
 }
@@ -124,12 +120,11 @@ const fn plain_bits(plane: CodedPlane) -> u32 {
 
 /// Writes numbers as they are: the off form.
 #[derive(Default)]
-pub struct PlainWriter(BitWriter);
+pub(crate) struct PlainWriter(BitWriter);
 
 impl PlainWriter {
     /// The block's code.
-    #[must_use]
-    pub fn finish(self) -> Vec<u8> {
+    pub(crate) fn finish(self) -> Vec<u8> {
         self.0.finish()
     }
 }
@@ -149,18 +144,16 @@ impl Coder for PlainWriter {
 }
 
 /// Reads what [`PlainWriter`] wrote.
-pub struct PlainReader<'a>(BitReader<'a>);
+pub(crate) struct PlainReader<'a>(BitReader<'a>);
 
 impl<'a> PlainReader<'a> {
     /// Over all of `code`.
-    #[must_use]
-    pub fn new(code: &'a [u8]) -> Self {
+    pub(crate) fn new(code: &'a [u8]) -> Self {
         Self(BitReader::new(code))
     }
 
     /// Whether all of the code was read.
-    #[must_use]
-    pub fn is_whole(&self) -> bool {
+    pub(crate) fn is_whole(&self) -> bool {
         self.0.is_whole()
     }
 }

@@ -11,7 +11,7 @@ mod model;
 mod neighborhood;
 mod rans;
 
-pub use block_walk::{BlockShape, Coder, Walker};
-pub use coders::{Counter, ModelReader, ModelWriter, PlainReader, PlainWriter};
-pub use model::{Counts, FrequencyTables};
-pub use neighborhood::{BLOCK, BlockPixels, cell};
+pub(crate) use block_walk::{BlockShape, Coder, Walker};
+pub(crate) use coders::{Counter, ModelReader, ModelWriter, PlainReader, PlainWriter};
+pub(crate) use model::{Counts, FrequencyTables};
+pub(crate) use neighborhood::{BLOCK, BlockPixels, cell};

@@ -13,7 +13,7 @@ pub(super) const ACTIVITIES: usize = 17;
 
 /// The planes of an image, each with contexts of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CodedPlane {
+pub(crate) enum CodedPlane {
     /// Which pixels hold a sample.
     Mask,
     /// Inverse depth.
@@ -32,12 +32,11 @@ pub enum CodedPlane {
 
 impl CodedPlane {
     /// Every plane, in the order of its tables in the store.
-    pub const ALL: [Self; 7] =
+    pub(crate) const ALL: [Self; 7] =
         [Self::Mask, Self::Depth, Self::Green, Self::Red, Self::Blue, Self::NormalX, Self::NormalY];
 
     /// Contexts of the plane.
-    #[must_use]
-    pub const fn contexts(self) -> usize {
+    pub(crate) const fn contexts(self) -> usize {
         match self {
             Self::Mask => 1 << 10,
             Self::Depth => 11 * ACTIVITIES,
@@ -53,8 +52,7 @@ impl CodedPlane {
     }
 
     /// Which of the coder's states the plane's tokens change, but for the mask's: of a sample, each color has one of its own.
-    #[must_use]
-    pub const fn lane(self) -> usize {
+    pub(crate) const fn lane(self) -> usize {
         match self {
             Self::Mask | Self::Depth | Self::NormalX | Self::NormalY => 0,
             Self::Green => 1,
@@ -66,7 +64,7 @@ impl CodedPlane {
 
 /// How often each token was seen in each context of each plane.
 #[derive(Clone)]
-pub struct Counts([Vec<[u32; TOKENS]>; 7]);
+pub(crate) struct Counts([Vec<[u32; TOKENS]>; 7]);
 
 impl Default for Counts {
     /// Nothing seen yet.
@@ -78,14 +76,13 @@ impl Default for Counts {
 impl Counts {
     /// Counts a token.
     #[inline(always)]
-    pub fn add(&mut self, plane: CodedPlane, context: usize, value: u32) {
+    pub(crate) fn add(&mut self, plane: CodedPlane, context: usize, value: u32) {
         let count = &mut self.0[plane as usize][context][split(value).0];
         *count = count.saturating_add(1);
     }
 
     /// Adds what was counted elsewhere.
-    #[must_use]
-    pub fn plus(mut self, other: &Self) -> Self {
+    pub(crate) fn plus(mut self, other: &Self) -> Self {
         let counts = self.0.iter_mut().flatten().flatten();
         for (count, more) in counts.zip(other.0.iter().flatten().flatten()) {
             *count = count.saturating_add(*more);
@@ -110,7 +107,7 @@ pub(super) type MaskSplits = [u16; MASK_CONTEXTS];
 
 /// The tables of every plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FrequencyTables {
+pub(crate) struct FrequencyTables {
     planes: [PlaneModel; 7],
     /// What the mask's tables say, in little room: most tokens are the mask's.
     mask: Box<MaskSplits>,
@@ -119,15 +116,13 @@ pub struct FrequencyTables {
 impl FrequencyTables {
     /// The table of a context.
     #[inline(always)]
-    #[must_use]
-    pub fn table(&self, plane: CodedPlane, context: usize) -> &Table {
+    pub(crate) fn table(&self, plane: CodedPlane, context: usize) -> &Table {
         let model = &self.planes[plane as usize];
         &model.tables[model.table_of[context] as usize]
     }
 
     /// See [`MaskSplits`].
-    #[must_use]
-    pub fn mask(&self) -> &MaskSplits {
+    pub(crate) fn mask(&self) -> &MaskSplits {
         &self.mask
     }
 
@@ -146,7 +141,7 @@ impl FrequencyTables {
     ///
     /// # Errors
     /// Never for counts that were counted; the tables are checked as those of a file are.
-    pub fn fit(counts: &Counts) -> Result<Self, String> {
+    pub(crate) fn fit(counts: &Counts) -> Result<Self, String> {
         let mut models = Vec::with_capacity(CodedPlane::ALL.len());
         for contexts in &counts.0 {
             let mut model = PlaneModel { table_of: Vec::new(), tables: Vec::new() };
@@ -160,8 +155,7 @@ impl FrequencyTables {
     }
 
     /// Bits that what was counted takes by these tables, plane by plane.
-    #[must_use]
-    pub fn bits(&self, counts: &Counts) -> [f64; 7] {
+    pub(crate) fn bits(&self, counts: &Counts) -> [f64; 7] {
         CodedPlane::ALL.map(|plane| {
             let contexts = counts.0[plane as usize].iter().enumerate();
             let tokens = contexts.flat_map(|(context, histogram)| {
@@ -177,8 +171,7 @@ impl FrequencyTables {
     }
 
     /// As FORMAT.md describes `MODL`.
-    #[must_use]
-    pub fn encode(&self) -> Vec<u8> {
+    pub(crate) fn encode(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         for plane in &self.planes {
             push_varint(&mut bytes, plane.tables.len() as u64);
@@ -206,10 +199,7 @@ impl FrequencyTables {
     }
 
     /// Reads what [`FrequencyTables::encode`] wrote.
-    ///
-    /// # Errors
-    /// Says what is wrong.
-    pub fn decode(bytes: &[u8]) -> Result<Self, String> {
+    pub(crate) fn decode(bytes: &[u8]) -> Result<Self, String> {
         let mut reader = ByteReader::new(bytes);
         let mut models = Vec::with_capacity(CodedPlane::ALL.len());
         for plane in CodedPlane::ALL {

@@ -37,7 +37,7 @@ const STARTS: usize = 258;
 
 /// Frequencies of the tokens in one context.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Table {
+pub(crate) struct Table {
     /// Where the slots of each token begin; all that follow the last token are [`SCALE`].
     starts: [u16; STARTS],
     /// The token of every 16th slot: where to begin to look.
@@ -49,7 +49,7 @@ impl Table {
     ///
     /// # Errors
     /// Where they do not add up to [`SCALE`], or are more than [`TOKENS`].
-    pub fn new(frequencies: &[u16]) -> Result<Self, String> {
+    pub(crate) fn new(frequencies: &[u16]) -> Result<Self, String> {
         let sum: u32 = frequencies.iter().map(|frequency| u32::from(*frequency)).sum();
         if sum != SCALE || frequencies.len() > TOKENS {
             return Err(format!("frequencies add up to {sum}, not {SCALE}"));
@@ -73,15 +73,13 @@ impl Table {
 
     /// Where a token's slots begin, and how many it has.
     #[inline(always)]
-    #[must_use]
-    pub fn range(&self, token: usize) -> (u32, u32) {
+    pub(crate) fn range(&self, token: usize) -> (u32, u32) {
         let start = u32::from(self.starts[token]);
         (start, u32::from(self.starts[token + 1]) - start)
     }
 
     /// The frequency of a token.
-    #[must_use]
-    pub fn frequency(&self, token: usize) -> u32 {
+    pub(crate) fn frequency(&self, token: usize) -> u32 {
         self.range(token).1
     }
 }
@@ -114,7 +112,6 @@ impl RansEncoder {
     }
 
     /// The words in the order a [`Decoder`] reads them.
-    #[must_use]
     pub(super) fn finish(mut self) -> Vec<u16> {
         for state in self.states.into_iter().rev() {
             self.words.extend([state as u16, (state >> 16) as u16]);
@@ -135,7 +132,6 @@ pub(super) struct Decoder<'a> {
 
 impl<'a> Decoder<'a> {
     /// Over all of `words`, big-endian.
-    #[must_use]
     pub(super) fn new(words: &'a [[u8; 2]]) -> Self {
         let word = |nth: usize| words.get(nth).map_or(0, |word| u32::from(u16::from_be_bytes(*word)));
         let states = std::array::from_fn(|lane| word(2 * lane) << 16 | word(2 * lane + 1));
@@ -180,7 +176,6 @@ impl<'a> Decoder<'a> {
     }
 
     /// Whether the code ended exactly where the encoder began.
-    #[must_use]
     pub(super) fn is_whole(&self) -> bool {
         self.position == self.words.len() && self.states == [LOWEST; LANES]
     }

@@ -10,7 +10,7 @@ use crate::samples::{ImageFacts, SampleSet, Span};
 use crate::store::container::{ByteReader, push_text};
 
 /// Version of the format. Another major version cannot be read; a minor one only adds chunks that may be skipped.
-pub const VERSION: (u16, u16) = (3, 0);
+pub(crate) const VERSION: (u16, u16) = (3, 0);
 
 /// Most pixels that one picture of every camera may have together: what is drawn takes a table of them.
 const MAX_TOTAL_PIXELS: usize = 1 << 34;
@@ -47,7 +47,7 @@ pub struct ImageEntry {
 }
 
 /// Images that must be read before one can be: no chain of references is longer.
-pub const MAX_REFERENCES: usize = 7;
+pub(crate) const MAX_REFERENCES: usize = 7;
 
 /// Stands for no reference in the index.
 const NO_REFERENCE: u32 = u32::MAX;

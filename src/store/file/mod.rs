@@ -7,8 +7,10 @@ mod read_all;
 mod reader;
 mod writer;
 
+pub use crate::store::container::ReadAt;
+pub use crate::store::image::{BlockEntry, ImageHead};
+pub use header::ImageEntry;
 pub(crate) use header::chain;
-pub use header::{ImageEntry, MAX_REFERENCES, VERSION};
 pub use provenance::{InputFiles, PlaneBytes, Provenance};
 pub use reader::{Store, StoreInfo};
 pub use writer::{Extras, write, write_spooled, write_to, write_with};

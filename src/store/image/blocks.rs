@@ -190,9 +190,6 @@ impl BlockCoding<'_> {
     }
 
     /// The samples that `code` stands for.
-    ///
-    /// # Errors
-    /// Says what is wrong with the code.
     pub(crate) fn decode(
         &self,
         place: (u16, u16),
