@@ -20,6 +20,7 @@ mod manifest;
 mod png;
 mod pose;
 mod position_depth;
+mod same_camera;
 mod source;
 mod write;
 
@@ -102,7 +103,7 @@ pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<TruthVi
     places
         .into_iter()
         .map(|entry| {
-            let camera = cameras::without_rounding(&mut known, entry.camera()?);
+            let camera = same_camera::without_rounding(&mut known, entry.camera()?);
             let truth = entry.files.color.is_file().then(|| {
                 let (files, camera, place) = (entry.files.clone(), camera.clone(), entry.place.clone());
                 Arc::new(move || load::frame(&files, &camera, &place, Need::ColorOnly)) as super::TruthLoader

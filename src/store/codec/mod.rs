@@ -10,6 +10,7 @@ mod integers;
 mod model;
 mod neighborhood;
 mod rans;
+mod table_fit;
 
 pub(crate) use block_walk::{BlockShape, Coder, Walker};
 pub(crate) use coders::{Counter, ModelReader, ModelWriter, PlainReader, PlainWriter};
