@@ -86,6 +86,11 @@ impl Error {
     }
 }
 
+/// A message of a library as one line.
+pub(crate) fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

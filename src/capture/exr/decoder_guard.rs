@@ -8,7 +8,7 @@ use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::compression::Compression;
 use exr::meta::MetaData;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, one_line};
 
 /// Sizes at the start of a DWA chunk: a version, nine sizes, and the kind of entropy coding, 8 bytes each.
 const DWA_SIZES: std::ops::Range<usize> = 1..10;
@@ -97,8 +97,4 @@ fn damaged(place: &str, what: &str) -> Error {
             one_line(what)
         ),
     )
-}
-
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

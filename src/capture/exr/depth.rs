@@ -187,10 +187,15 @@ impl DepthRules {
             (found.distance(pixel) - 2.0 * rounding).max(0.0)
         };
         let hits = (0..inverse_depth.len()).step_by(step).filter(is_hit);
-        let mut distances: Vec<f64> = hits.map(distance).collect();
-        let middle = distances.len() / 2;
-        (!distances.is_empty()).then(|| *distances.select_nth_unstable_by(middle, f64::total_cmp).1)
+        median(hits.map(distance))
     }
+}
+
+/// The upper median; `None` of no values.
+pub(crate) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// One row of raw values that become inverse depths.

@@ -18,7 +18,7 @@ use exr::meta::header::Header;
 use super::decoder_guard::{self, guarded};
 use super::plane::ChannelPlane;
 use super::zip::Inflater;
-use crate::capture::camera::{MAX_SIDE, is_believable_size};
+use crate::capture::camera::{MAX_SIDE, is_believable_size, wrong_size};
 use crate::error::{Error, Result};
 
 /// No compression but DWA makes more than a thousand bytes of one, and a pixel has at least one.
@@ -181,15 +181,7 @@ impl ExrFile {
             .chain(&self.data)
             .find(|window| (window.width, window.height) == expected)
             .copied()
-            .ok_or_else(|| {
-                Error::invalid(
-                    &self.place,
-                    format!(
-                        "the picture is {}×{} but its camera is {}×{}; render it at the camera's size",
-                        self.display.width, self.display.height, expected.0, expected.1
-                    ),
-                )
-            })
+            .ok_or_else(|| wrong_size(&self.place, (self.display.width, self.display.height), expected))
     }
 
     /// Decodes the channels with these indices (into [`ExrFile::channels`]), in their order.

@@ -23,7 +23,7 @@ mod zip;
 pub(crate) use assemble::{DepthTrouble, Layers, NormalSpace};
 pub(crate) use channels::{ChannelNames, ChannelWishes};
 pub(crate) use color_planes::ColorPlanes;
-pub(crate) use depth::{DepthKind, DepthRules, HALF_MAX, MISS_DEPTH};
+pub(crate) use depth::{DepthKind, DepthRules, HALF_MAX, MISS_DEPTH, median};
 pub use file::{ChannelInfo, DataWindow, ExrFile};
 pub use plane::ChannelPlane;
 pub(crate) use write::{write_frame, write_picture};

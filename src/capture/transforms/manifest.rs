@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::lens::LensKeys;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, one_line};
 
 /// Name of the manifest in a capture's folder.
 pub const MANIFEST_NAME: &str = "transforms.json";
@@ -228,11 +228,9 @@ impl Manifest {
         let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         let mut manifest: Self = serde_json::from_slice(bytes).map_err(|error| {
             let what = wrong_value(bytes).unwrap_or_else(|| error.to_string());
-            let what = what.split_whitespace().collect::<Vec<_>>().join(" ");
-            Error::invalid(
-                place,
-                format!("not a manifest ({what}); see the keys of nerfstudio's transforms.json"),
-            )
+            let what = one_line(&what);
+            let what = format!("not a manifest ({what}); see the keys of nerfstudio's transforms.json");
+            Error::invalid(place, what)
         })?;
         for entry in &mut manifest.frames {
             entry.depth_file_path = entry.depth_file_path.take().or(entry.depth_path.take());

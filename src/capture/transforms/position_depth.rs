@@ -9,7 +9,7 @@ use super::cameras::{CameraFiles, PlacedEntry};
 use super::files::{Format, PictureFiles, format_of};
 use super::load::{DecodedPlanes, DepthChannels, ExrPicture};
 use crate::capture::camera::Camera;
-use crate::capture::exr::DepthKind;
+use crate::capture::exr::{DepthKind, median};
 use crate::error::Result;
 
 /// How far depth may be off positions in the middle, relative, and be the same but for filters and rounding.
@@ -72,9 +72,7 @@ fn distance(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Option
     let rounding = 2.0 * f64::from(positions.step_relative + depths.step_relative);
     let pairs = positions.inverse_depth.iter().zip(&depths.inverse_depth);
     let hits = pairs.filter(|(position, depth)| **position > 0.0 && **depth > 0.0);
-    let mut distances: Vec<f64> = hits.map(|(position, depth)| off(*position, *depth)).collect();
-    let middle = distances.len() / 2;
-    let median = (!distances.is_empty()).then(|| *distances.select_nth_unstable_by(middle, f64::total_cmp).1);
+    let median = median(hits.map(|(position, depth)| off(*position, *depth)));
     Ok(median.map(|median| (median - rounding).max(0.0)))
 }
 

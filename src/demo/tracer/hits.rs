@@ -22,6 +22,7 @@ impl SolidShape {
     /// solid at a grazing angle.
     pub(crate) fn hit(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Option<f64> {
         let within = |t: f64| (t > t_min && t < t_max).then_some(t);
+        let first = |hits: &[f64]| hits.iter().filter_map(|t| within(*t)).min_by(f64::total_cmp);
         match self {
             Self::Sphere { radius } => {
                 let a = direction.length_squared();
@@ -35,10 +36,7 @@ impl SolidShape {
                 if enter > leave { None } else { within(enter).or_else(|| within(leave)) }
             }
             Self::Cone { bottom, top, half_height } => {
-                cone_hits(origin, direction, *bottom, *top, *half_height)
-                    .into_iter()
-                    .filter(|t| *t > t_min && *t < t_max)
-                    .min_by(f64::total_cmp)
+                first(&cone_hits(origin, direction, *bottom, *top, *half_height))
             }
             Self::Convex { planes, .. } => {
                 let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -58,10 +56,7 @@ impl SolidShape {
                 if enter > leave { None } else { within(enter).or_else(|| within(leave)) }
             }
             Self::Ring { inner, outer, half_height } => {
-                ring_hits(origin, direction, (*inner, *outer), *half_height)
-                    .into_iter()
-                    .filter(|t| *t > t_min && *t < t_max)
-                    .min_by(f64::total_cmp)
+                first(&ring_hits(origin, direction, (*inner, *outer), *half_height))
             }
             Self::Block { .. } | Self::Torus { .. } => self.traced_hit(origin, direction, t_min, t_max),
         }

@@ -6,12 +6,6 @@
 //! continued from two or three neighbors as a plane, and the median of up to four such planes is taken: one of them across a
 //! silhouette does no harm. What differs: where the *reference*, the image of the frames just before, has a sample at the pixel,
 //! that sample is the prediction. Its depth is believed only while a neighbor's depth equalled its reference's: things move.
-//!
-//! ```text
-//!              NN
-//!          NW  N  NE          neighbors are those of the same block that hold a sample
-//!      WW  W   ×
-//! ```
 
 use super::integers::{unzigzag, zigzag};
 use super::model::{ACTIVITIES, CodedPlane};

@@ -54,7 +54,8 @@ fn malformed(offset: u64, what: impl Into<String>) -> IffError {
     IffError::Malformed { offset, what: what.into() }
 }
 
-fn checksum(id: ChunkId, payload: &[u8]) -> u32 {
+/// The CRC-32 of a chunk's id and of its payload before the checksum.
+pub(crate) fn checksum(id: ChunkId, payload: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     hasher.update(&id);
     hasher.update(payload);

@@ -10,5 +10,6 @@ pub(crate) use bytes::{
 };
 pub(crate) use iff::{
     CHECKSUM, CHUNK_HEADER, ChunkHeader, ChunkId, FORM_HEADER, FormReader, FormWriter, IffError, agree,
+    checksum,
 };
 pub use source::ReadAt;

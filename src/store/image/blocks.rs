@@ -14,7 +14,7 @@ use crate::store::codec::{
 pub(crate) const TILES: usize = BLOCK / TILE;
 
 /// The largest bits of a finite inverse depth.
-const LARGEST_DEPTH: u32 = 0x7F7F_FFFF;
+pub(super) const LARGEST_DEPTH: u32 = 0x7F7F_FFFF;
 
 /// What all blocks of an image share.
 #[derive(Clone, Copy)]

@@ -6,7 +6,7 @@
 
 use half::f16;
 
-use crate::color::steps_table;
+use crate::color::steps_from_linear;
 use crate::samples::SampleImage;
 use crate::store::container::{ByteReader, push_varint};
 
@@ -23,6 +23,11 @@ fn code_of(half: f16) -> u16 {
 #[inline(always)]
 fn half_of(code: u16) -> f16 {
     f16::from_bits(if code & 0x8000 == 0 { !code } else { code & 0x7FFF })
+}
+
+/// The 8-bit display steps of the half with a code.
+fn steps_of(code: u16) -> f32 {
+    steps_from_linear(half_of(code))
 }
 
 /// Which halves occur in some images, by [`code_of`].
@@ -76,7 +81,6 @@ impl ColorRanks {
         if room <= 0.0 {
             return Self::lossless(used);
         }
-        let steps_of = |code: u16| steps_table()[half_of(code).to_bits() as usize];
         let mut codes: Vec<u16> = Vec::new();
         let mut covered_to = f32::NEG_INFINITY;
         for code in used.codes() {
@@ -95,7 +99,6 @@ impl ColorRanks {
 
     /// From codes in ascending order, at least one.
     fn of(codes: Vec<u16>) -> Self {
-        let steps_of = |code: u16| steps_table()[half_of(code).to_bits() as usize];
         let mut ranks = Vec::new();
         for (rank, pair) in codes.windows(2).enumerate() {
             let (below, above) = (pair[0], pair[1]);
@@ -210,7 +213,7 @@ mod tests {
 
     #[test]
     fn a_coarse_palette_keeps_within_half_a_step() {
-        let steps = |half: f16| steps_table()[half.to_bits() as usize];
+        let steps = steps_from_linear;
         for bits in [8, 10, 12, 16] {
             let halves = || (0..31_000_u16).map(f16::from_bits).chain([f16::from_f32(-2.0)]);
             let palette = ColorRanks::within(&used(halves().map(f16::to_f32)), half_step(bits));

@@ -13,7 +13,7 @@ use super::blocks::{Block, BlockCoding, BlockSamples, assemble, blocks_of, find,
 use crate::capture::Camera;
 use crate::samples::{SampleImage, TILE};
 use crate::store::codec::{BLOCK, Counts};
-use crate::store::container::{ByteReader, IMAGE, agree};
+use crate::store::container::{ByteReader, IMAGE, agree, checksum};
 
 const HAS_NORMALS: u8 = 1;
 const IS_PLAIN: u8 = 2;
@@ -152,17 +152,10 @@ pub(crate) fn encode(
         payload.extend((code.len() as u32).to_be_bytes());
         payload.extend(crc32fast::hash(code).to_be_bytes());
     }
-    payload.extend(head_checksum(&payload).to_be_bytes());
+    payload.extend(checksum(IMAGE, &payload).to_be_bytes());
     let head = payload.len();
     payload.extend(codes.iter().flatten());
     (payload, head)
-}
-
-fn head_checksum(head: &[u8]) -> u32 {
-    let mut hasher = crc32fast::Hasher::new();
-    hasher.update(&IMAGE);
-    hasher.update(head);
-    hasher.finalize()
 }
 
 /// Reads a head; `length` is that of the whole payload.
@@ -173,7 +166,7 @@ pub(crate) fn decode_head(head: &[u8], length: usize, camera: &Camera) -> Result
     let Some((checked, stated)) = head.split_last_chunk::<4>() else {
         return Err("it is cut short".to_owned());
     };
-    if !agree(stated, head_checksum(checked)) {
+    if !agree(stated, checksum(IMAGE, checked)) {
         return Err("its head is damaged".to_owned());
     }
     let mut reader = ByteReader::new(checked);

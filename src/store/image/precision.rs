@@ -4,6 +4,7 @@
 //! is rounded by leaving off its lowest bits: the relative error of `w` is that of `z`, and a pixel's footprint at depth `z` is
 //! `z / f` across, so that an error of `p` footprints is a relative error of `p / f`, whatever the depth.
 
+use super::blocks::LARGEST_DEPTH;
 use super::color_ranks::{ColorRanks, half_step};
 use crate::capture::Camera;
 use crate::color::steps_from_linear;
@@ -92,7 +93,9 @@ pub(crate) fn reduce(
     let before = image.inverse_depths();
     let after: Vec<f32> = before
         .iter()
-        .map(|depth| f32::from_bits(depth.to_bits().saturating_add(half).min(LARGEST) >> shift << shift))
+        .map(|depth| {
+            f32::from_bits(depth.to_bits().saturating_add(half).min(LARGEST_DEPTH) >> shift << shift)
+        })
         .collect();
     let color = image.color.iter().map(|color| color.map(|half| palette.color(palette.rank(half))));
     let color: Option<Vec<_>> = color.map(|[red, green, blue]| Some([red?, green?, blue?])).collect();
@@ -111,6 +114,3 @@ pub(crate) fn reduce(
     }
     Ok(reduced)
 }
-
-/// Bits of the largest finite float.
-const LARGEST: u32 = 0x7F7F_FFFF;

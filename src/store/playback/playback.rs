@@ -75,7 +75,7 @@ impl Playback {
     /// # Errors
     /// `Invalid` where there is no such frame, `Io`, `Cancelled`.
     pub fn at(&self, frame: usize, job: &Job) -> Result<Arc<SampleSet>> {
-        let path = self.checked_path(frame)?;
+        let path = self.path(frame)?;
         self.set(path, |_| None, job)
     }
 
@@ -85,7 +85,7 @@ impl Playback {
     /// # Errors
     /// As [`Playback::at`].
     pub fn seen_from(&self, vantage: &Camera, frame: usize, job: &Job) -> Result<Arc<SampleSet>> {
-        let path = self.checked_path(frame)?;
+        let path = self.path(frame)?;
         let places = self.needed(vantage, &path, job)?;
         self.set(path, |camera| places.get(camera), job)
     }
@@ -146,20 +146,17 @@ impl Playback {
     }
 
     /// The images whose span contains a frame.
-    fn path(&self, frame: usize) -> Vec<usize> {
-        let images = self.store.info().images.iter().enumerate();
-        images.filter(|(_, image)| image.span.contains(frame)).map(|(index, _)| index).collect()
-    }
-
-    fn checked_path(&self, frame: usize) -> Result<Vec<usize>> {
+    ///
+    /// # Errors
+    /// `Invalid` where there is no such frame.
+    fn path(&self, frame: usize) -> Result<Vec<usize>> {
         let frames = self.outline.frame_count();
         if frame >= frames {
-            return Err(Error::invalid(
-                &self.outline.name,
-                format!("there is no frame {frame}; there are {frames}"),
-            ));
+            let what = format!("there is no frame {frame}; there are {frames}");
+            return Err(Error::invalid(&self.outline.name, what));
         }
-        Ok(self.path(frame))
+        let images = self.store.info().images.iter().enumerate();
+        Ok(images.filter(|(_, image)| image.span.contains(frame)).map(|(index, _)| index).collect())
     }
 
     /// An image with its blocks at some places, or all: from the cache, or decoded from the nearest of its references that is there.
