@@ -33,10 +33,8 @@ use file::{Extras, Store, StoreInfo, write_with};
 pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, job: &Job) -> Result<u64> {
     let mut samples = store.read_all(job)?;
     if let Some(damage) = store.damage().first() {
-        return Err(Error::invalid(
-            path.display(),
-            format!("is not written, since there is damage: {damage}"),
-        ));
+        let what = format!("is not written, since there is damage: {damage}");
+        return Err(Error::invalid(path.display(), what));
     }
     let held_to = Some(samples.settings.store.clone());
     if let Some(storage) = storage {

@@ -89,13 +89,11 @@ impl Layers {
             self.depth_trouble == DepthTrouble::MayBeUnmeasured && without_color < self.inverse_depth.len();
         if !is_unmeasured && self.inverse_depth.iter().all(|&inverse| inverse < 0.0) {
             let color_share = 100.0 * without_color as f64 / self.inverse_depth.len().max(1) as f64;
-            return Err(Error::invalid(
-                place,
-                format!(
-                    "not one pixel of channel '{}' is a depth ({color_share:.0} % have no color either); render it again",
-                    self.depth_name
-                ),
-            ));
+            let what = format!(
+                "not one pixel of channel '{}' is a depth ({color_share:.0} % have no color either); render it again",
+                self.depth_name
+            );
+            return Err(Error::invalid(place, what));
         }
         for (inverse, alpha) in self.inverse_depth.iter_mut().zip(self.alpha.iter().flatten()) {
             if *alpha <= 0.0 && *inverse == 0.0 {

@@ -66,7 +66,8 @@ pub struct ExrFile {
     display: DataWindow,
     data: Vec<DataWindow>,
     pixels_per_byte: Vec<usize>,
-    has_other_primaries: bool,
+    /// Whether the header states chromaticities that are not those of Rec.709.
+    pub(crate) has_other_primaries: bool,
 }
 
 impl ExrFile {
@@ -78,10 +79,8 @@ impl ExrFile {
     pub fn open(path: &Path, place: &str) -> Result<Self> {
         let length = std::fs::metadata(path).map_err(|error| unreadable(path, place, error))?.len();
         if length > MAX_FILE_BYTES {
-            return Err(Error::invalid(
-                place,
-                format!("{length} bytes are too many for one picture; save it again"),
-            ));
+            let what = format!("{length} bytes are too many for one picture; save it again");
+            return Err(Error::invalid(place, what));
         }
         let bytes = std::fs::read(path).map_err(|error| unreadable(path, place, error))?;
         Self::from_bytes(bytes, place)
@@ -158,12 +157,6 @@ impl ExrFile {
     #[must_use]
     pub fn channels(&self) -> &[ChannelInfo] {
         &self.channels
-    }
-
-    /// Whether the header states chromaticities that are not those of Rec.709.
-    #[must_use]
-    pub fn has_other_primaries(&self) -> bool {
-        self.has_other_primaries
     }
 
     /// The window to decode for a camera of `expected` size, or the whole picture where that is not known.

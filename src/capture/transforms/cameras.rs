@@ -27,7 +27,8 @@ pub(super) struct PlacedEntry {
     pub number: i64,
     /// Where its pixels are and how they are read.
     pub files: PictureFiles,
-    keys: Keys,
+    /// What the manifest says of it: the entry's own keys before those of the whole.
+    pub keys: Keys,
     world_from_camera: DAffine3,
 }
 
@@ -39,11 +40,6 @@ impl PlacedEntry {
             || header_probe::picture_size(picture, &self.place),
             || header_probe::pixel_aspect(picture),
         )
-    }
-
-    /// What the manifest says of it: the entry's own keys before those of the whole.
-    pub(super) fn keys(&self) -> &Keys {
-        &self.keys
     }
 
     fn camera_of_size(
@@ -179,10 +175,9 @@ impl CameraFiles {
             }
             let frames = by_camera.entry(entry.camera_name.clone()).or_default();
             if let Some(first) = frames.get(&entry.number) {
-                return Err(Error::invalid(
-                    &entry.place,
-                    format!("this camera has that frame already, in {}; take one out", first.file_path),
-                ));
+                let what =
+                    format!("this camera has that frame already, in {}; take one out", first.file_path);
+                return Err(Error::invalid(&entry.place, what));
             }
             frames.insert(entry.number, entry);
         }

@@ -120,13 +120,11 @@ impl PictureFiles {
             if let Some(path) = path
                 && !path.is_file()
             {
-                return Err(Error::invalid(
-                    place,
-                    format!(
-                        "the {what} file {} is missing; put it back or take its entry out of the manifest",
-                        path.display()
-                    ),
-                ));
+                let what = format!(
+                    "the {what} file {} is missing; put it back or take its entry out of the manifest",
+                    path.display()
+                );
+                return Err(Error::invalid(place, what));
             }
         }
         Ok(())

@@ -135,11 +135,12 @@ pub(crate) fn refuse_times(manifest: &Manifest, path: &Path, is_ranked: bool) ->
         let given = given.into_iter().find_map(|(time, is_frame)| Some((time?, is_frame)));
         let Some((time, is_frame)) = given else { continue };
         if !is_number(time) || (is_ranked && !is_frame) {
+            let what = format!(
+                "time {time} names no frame, for where times are fractions, frames are numbered by their order; write that number as \"frame\" in place of the time"
+            );
             return Err(Error::invalid(
                 format!("{}, frames[{index}] ({})", path.display(), entry.file_path),
-                format!(
-                    "time {time} names no frame, for where times are fractions, frames are numbered by their order; write that number as \"frame\" in place of the time"
-                ),
+                what,
             ));
         }
     }

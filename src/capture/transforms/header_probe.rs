@@ -60,7 +60,7 @@ pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
                 kind = Some(picture.depth()?.kind());
             }
             probe.has_normals |= picture.names.normal.is_some();
-            probe.has_other_primaries = picture.file.has_other_primaries();
+            probe.has_other_primaries = picture.file.has_other_primaries;
         }
     }
     if let Some(path) = &files.depth {

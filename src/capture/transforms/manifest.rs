@@ -210,10 +210,8 @@ impl Manifest {
         }
         let length = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
         if length > MAX_BYTES {
-            return Err(Error::invalid(
-                path.display(),
-                format!("{length} bytes are too many for a manifest"),
-            ));
+            let what = format!("{length} bytes are too many for a manifest");
+            return Err(Error::invalid(path.display(), what));
         }
         let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
         Self::from_json(&bytes, &path.display().to_string())

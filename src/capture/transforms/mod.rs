@@ -37,7 +37,7 @@ use glam::DVec3;
 use super::{Capture, CaptureParts, TruthView};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
-use cameras::{CameraFiles, PlacedEntry};
+use cameras::CameraFiles;
 use load::Need;
 use manifest::{Keys, Manifest};
 use source::FileSource;
@@ -57,7 +57,7 @@ pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     let mut warnings = std::mem::take(&mut recording.warnings);
     let has_normals = source::normals_in_all_cameras(&recording, &mut warnings)?;
     position_depth::prefer_to_contradicting_depth(&mut recording, &mut warnings);
-    let keys = || recording.entries.iter().flatten().map(PlacedEntry::keys);
+    let keys = || recording.entries.iter().flatten().map(|entry| &entry.keys);
     warnings.extend(unknown_color_spaces(keys()));
     warnings.extend(scaled_poses(keys()));
     let up_in_world = up_in_world(keys(), &path)?;

@@ -21,26 +21,21 @@ const SAME_INTRINSICS_PX: f64 = 1e-3;
 /// `Unsupported` where it moves or zooms, `Invalid` where its size changes.
 pub(super) fn refuse_motion(first: &Camera, other: &Camera, first_number: i64, place: &str) -> Result<()> {
     if !is_still(first, other) {
-        return Err(Error::unsupported(
-            place,
-            format!("the camera moved since frame {first_number}; only static cameras are supported"),
-        ));
+        let what = format!("the camera moved since frame {first_number}; only static cameras are supported");
+        return Err(Error::unsupported(place, what));
     }
     let (a, b) = (&first.intrinsics, &other.intrinsics);
     if (a.width, a.height) != (b.width, b.height) {
-        return Err(Error::invalid(
-            place,
-            format!(
-                "the picture is {}×{} but was {}×{} in frame {first_number}; every frame of a camera must have the same size",
-                b.width, b.height, a.width, a.height
-            ),
-        ));
+        let what = format!(
+            "the picture is {}×{} but was {}×{} in frame {first_number}; every frame of a camera must have the same size",
+            b.width, b.height, a.width, a.height
+        );
+        return Err(Error::invalid(place, what));
     }
     if !same_lens(a, b) {
-        return Err(Error::unsupported(
-            place,
-            format!("the camera zooms since frame {first_number}; only a fixed focal length is supported"),
-        ));
+        let what =
+            format!("the camera zooms since frame {first_number}; only a fixed focal length is supported");
+        return Err(Error::unsupported(place, what));
     }
     Ok(())
 }

@@ -206,10 +206,8 @@ fn create_folder_of(folder: &Path, file_path: &str) -> Result<()> {
         .components()
         .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
     if !is_below {
-        return Err(Error::invalid(
-            folder.display(),
-            format!("'{file_path}' is no path below this folder; rename the camera or the picture"),
-        ));
+        let what = format!("'{file_path}' is no path below this folder; rename the camera or the picture");
+        return Err(Error::invalid(folder.display(), what));
     }
     let path = folder.join(file_path);
     let parent = path.parent().unwrap_or(folder);

@@ -85,7 +85,7 @@ impl<'a> ModelReader<'a> {
         let (count, rest) = code.split_first_chunk()?;
         let (words, bits) = rest.split_at_checked(2 * usize::from(u16::from_be_bytes(*count)))?;
         let tokens = Decoder::new(words.as_chunks().0);
-        Some(Self { model, mask: model.mask(), tokens, bits: BitReader::new(bits) })
+        Some(Self { model, mask: &model.mask, tokens, bits: BitReader::new(bits) })
     }
 
     /// Whether all of the code was read, and made sense.

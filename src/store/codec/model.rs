@@ -111,7 +111,7 @@ pub(super) type MaskSplits = [u16; MASK_CONTEXTS];
 pub(crate) struct FrequencyTables {
     planes: [PlaneModel; 7],
     /// What the mask's tables say, in little room: most tokens are the mask's.
-    mask: Box<MaskSplits>,
+    pub(super) mask: Box<MaskSplits>,
 }
 
 impl FrequencyTables {
@@ -120,11 +120,6 @@ impl FrequencyTables {
     pub(crate) fn table(&self, plane: CodedPlane, context: usize) -> &Table {
         let model = &self.planes[plane as usize];
         &model.tables[model.table_of[context] as usize]
-    }
-
-    /// See [`MaskSplits`].
-    pub(crate) fn mask(&self) -> &MaskSplits {
-        &self.mask
     }
 
     /// From the planes in their order.

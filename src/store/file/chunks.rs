@@ -86,13 +86,11 @@ pub(crate) fn decode_settings(toml: &[u8]) -> Result<(Settings, Vec<String>), St
 fn checked_version(head: &[u8], path: &Path) -> Result<(u16, u16)> {
     let version = decode_version(head).map_err(|what| in_chunk(path, HEAD, what))?;
     if version.0 != VERSION.0 {
-        return Err(Error::unsupported(
-            path.display(),
-            format!(
-                "the store has version {}.{}, this Overlook reads {}.x; use the Overlook that wrote it or preprocess again",
-                version.0, version.1, VERSION.0
-            ),
-        ));
+        let what = format!(
+            "the store has version {}.{}, this Overlook reads {}.x; use the Overlook that wrote it or preprocess again",
+            version.0, version.1, VERSION.0
+        );
+        return Err(Error::unsupported(path.display(), what));
     }
     Ok(version)
 }

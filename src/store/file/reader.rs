@@ -103,12 +103,10 @@ impl Store {
         let is_folder = file.metadata().is_ok_and(|metadata| metadata.is_dir());
         if is_folder {
             let place = path.display();
-            return Err(Error::invalid(
-                &place,
-                format!(
-                    "is a folder, not a store; make one of a capture with overlook preprocess {place} --out scene.ovl"
-                ),
-            ));
+            let what = format!(
+                "is a folder, not a store; make one of a capture with overlook preprocess {place} --out scene.ovl"
+            );
+            return Err(Error::invalid(&place, what));
         }
         Self::over(path, Box::new(file))
     }

@@ -47,6 +47,7 @@ pub(crate) struct Block<'a> {
 }
 
 /// Working memory of one thread.
+#[derive(Default)]
 pub(crate) struct CodingScratch {
     walker: Walker,
     pixels: BlockPixels,
@@ -54,14 +55,10 @@ pub(crate) struct CodingScratch {
 }
 
 impl CodingScratch {
-    fn new() -> Self {
-        Self { walker: Walker::default(), pixels: BlockPixels::default(), reference: BlockPixels::default() }
-    }
-
     /// Runs `work` with this thread's scratch memory. `work` must not wait for other threads' work.
     pub(crate) fn with<R>(work: impl FnOnce(&mut Self) -> R) -> R {
         thread_local! {
-            static SCRATCH: std::cell::RefCell<CodingScratch> = std::cell::RefCell::new(CodingScratch::new());
+            static SCRATCH: std::cell::RefCell<CodingScratch> = std::cell::RefCell::default();
         }
         SCRATCH.with_borrow_mut(work)
     }
