@@ -16,8 +16,7 @@ pub(super) const MAX_SIDE: usize = 32_768;
 pub(super) const MAX_PIXELS: usize = 1 << 28;
 
 /// Whether a picture may have so many columns and rows.
-#[must_use]
-pub fn is_believable_size(width: usize, height: usize) -> bool {
+pub(crate) fn is_believable_size(width: usize, height: usize) -> bool {
     let sides = 1..=MAX_SIDE;
     sides.contains(&width) && sides.contains(&height) && width * height <= MAX_PIXELS
 }

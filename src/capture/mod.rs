@@ -14,7 +14,8 @@ mod frame;
 mod frame_cache;
 pub mod transforms;
 
-pub use camera::{Camera, Intrinsics, is_believable_size};
+pub(crate) use camera::is_believable_size;
+pub use camera::{Camera, Intrinsics};
 pub use frame::{Frame, INVALID_INVERSE_DEPTH};
 pub(crate) use frame_cache::EXPECTED_IN_ONE_PIECE;
 

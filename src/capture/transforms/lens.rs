@@ -43,14 +43,12 @@ impl From<Map<String, Value>> for LensKeys {
 
 impl LensKeys {
     /// These keys, and where they are missing the file's.
-    #[must_use]
     pub(super) fn or(self, mut file: Self) -> Self {
         file.0.extend(self.0);
         file
     }
 
     /// Whether nothing of this speaks against a pinhole.
-    #[must_use]
     pub(super) fn is_pinhole(&self) -> bool {
         let is_bent = |(key, value): (&String, &Value)| {
             if key != CAMERA_TYPE {

@@ -11,20 +11,18 @@ use super::lens::LensKeys;
 use crate::error::{Error, Result, one_line};
 
 /// Name of the manifest in a capture's folder.
-pub const MANIFEST_NAME: &str = "transforms.json";
+pub(crate) const MANIFEST_NAME: &str = "transforms.json";
 
 /// Largest manifest that is read: some 100,000 entries.
 const MAX_BYTES: u64 = 256 << 20;
 
 /// The manifest of a capture or of views: itself, or the one in the folder.
-#[must_use]
-pub fn manifest_path(path: &Path) -> PathBuf {
+pub(crate) fn manifest_path(path: &Path) -> PathBuf {
     if path.is_dir() { path.join(MANIFEST_NAME) } else { path.to_path_buf() }
 }
 
 /// The manifest of truth vantages that stands beside a capture (a folder, or its manifest), where there is one.
-#[must_use]
-pub fn truth_beside(capture: &Path) -> Option<PathBuf> {
+pub(crate) fn truth_beside(capture: &Path) -> Option<PathBuf> {
     let folder = if capture.is_dir() { capture } else { capture.parent()? };
     let views = folder.join("novel").join(MANIFEST_NAME);
     views.is_file().then_some(views)
@@ -141,7 +139,6 @@ impl Keys {
 
     /// These keys, and where they are missing the file's. Where a thing can be said in several ways (the lens by focal lengths and
     /// angles, the frame by number and time), these keys have one of them and none of the file's counts.
-    #[must_use]
     pub(super) fn or(mut self, file: &Self) -> Self {
         let mut file = file.clone();
         let own = [self.fl_x, self.fl_y, self.camera_angle_x, self.camera_angle_y];

@@ -25,8 +25,9 @@ mod source;
 mod write;
 
 pub use files::picture_places;
-pub use manifest::{MANIFEST_NAME, manifest_path, truth_beside};
-pub use write::{picture_name, write_capture};
+pub(crate) use manifest::{MANIFEST_NAME, manifest_path, truth_beside};
+pub(crate) use write::picture_name;
+pub use write::write_capture;
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -27,8 +27,7 @@ use crate::whole_file;
 const NOVEL_FOLDER: &str = "novel";
 
 /// Where the picture of a camera at a frame of this number lies in a capture's folder, as far as we name it.
-#[must_use]
-pub fn picture_name(camera: &Camera, frame_number: i64) -> String {
+pub(crate) fn picture_name(camera: &Camera, frame_number: i64) -> String {
     format!("{}/{frame_number:04}.exr", camera.name)
 }
 
