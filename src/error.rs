@@ -1,4 +1,4 @@
-//! What can go wrong, said once: what, where, and what to do about it.
+//! Errors: what is wrong, where, and what to do about it.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ pub enum Error {
         /// What failed and what to use instead.
         what: String,
     },
-    /// The person asked for the job to stop; nothing was changed.
+    /// The job was cancelled; nothing was changed.
     #[error("cancelled")]
     Cancelled,
 }

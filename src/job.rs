@@ -91,13 +91,13 @@ impl Job {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Whether the work was asked to stop.
+    /// Whether the job is cancelled.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Gives [`Error::Cancelled`] once the work was asked to stop.
+    /// Gives [`Error::Cancelled`] once the job is cancelled.
     ///
     /// # Errors
     /// [`Error::Cancelled`] after [`Job::cancel`].

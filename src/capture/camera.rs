@@ -15,7 +15,7 @@ pub(super) const MAX_SIDE: usize = 32_768;
 /// Largest number of pixels of a picture that is believed: 16 k × 16 k.
 pub(super) const MAX_PIXELS: usize = 1 << 28;
 
-/// Whether a picture may have so many columns and rows.
+/// Whether a picture may have this many columns and rows.
 pub(crate) fn is_believable_size(width: usize, height: usize) -> bool {
     let sides = 1..=MAX_SIDE;
     sides.contains(&width) && sides.contains(&height) && width * height <= MAX_PIXELS

@@ -1,4 +1,4 @@
-//! The bounded cache of decoded frames that stands between a capture and everybody who reads it.
+//! The bounded cache of decoded frames between a capture and its readers.
 
 use std::sync::Arc;
 
@@ -22,16 +22,14 @@ impl Weighter<CameraFrame, Arc<Frame>> for FrameBytes {
 
 /// Decoded frames, least valuable first out, never more than the given number of bytes.
 ///
-/// Nobody waits for anybody: a frame that two threads ask for at once may be decoded twice, and the results are equal. A
-/// cache that made the second wait could wait forever, since the first may need the second's thread to go on (work that
-/// is split over a thread pool while it loads).
+/// No thread waits for another: a frame that two threads request at once may be decoded twice, with equal results. Waiting could
+/// deadlock, since the first thread may need the second one to go on (work that is split over a thread pool while it loads).
 pub(crate) struct FrameCache {
     cache: Cache<CameraFrame, Arc<Frame>, FrameBytes>,
 }
 
-/// Number of things that a cache of heavy ones sizes its tables for; more or fewer work as well. For more than these it would be
-/// cut into parts, the more of them the more processors there are, and each would hold its share of the bytes: less, perhaps,
-/// than one of the things takes.
+/// The number of entries that a cache of large values is sized for. Beyond it the cache would be split into shards, more with more
+/// processors, and a shard's share of the bytes may be less than one value takes.
 pub(crate) const EXPECTED_IN_ONE_PIECE: usize = 32;
 
 impl FrameCache {

@@ -26,7 +26,7 @@ use glam::DVec3;
 use crate::error::{Error, Result};
 use frame_cache::FrameCache;
 
-/// Where the frames of a capture come from: files, or a scene that is rendered when asked.
+/// Where the frames of a capture come from: files, or a scene that is rendered on demand.
 pub trait FrameSource: Send + Sync {
     /// Decodes or renders one frame. Called from many threads at once.
     ///

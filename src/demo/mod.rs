@@ -52,7 +52,7 @@ pub struct DemoSpec {
     pub noise: Option<f32>,
 }
 
-/// A scene and the way it is recorded unless told otherwise.
+/// A scene and the way it is recorded by default.
 #[derive(Debug)]
 struct DemoScene {
     name: &'static str,
@@ -187,7 +187,7 @@ impl Demo {
         Ok(Self { scene, cameras: rig.cameras(cameras, size), novel, frames, noise })
     }
 
-    /// The scene as a capture whose frames are traced when asked for.
+    /// The scene as a capture whose frames are traced on demand.
     #[must_use]
     pub fn capture(&self, settings: &CaptureSettings) -> Capture {
         let parts = CaptureParts {

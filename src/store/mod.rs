@@ -28,8 +28,8 @@ use file::{Extras, Store, StoreInfo, write_with};
 /// not to be as before. Gives its size in bytes. `path` may be the store's own.
 ///
 /// # Errors
-/// As [`write()`]; `Invalid` where some of it is damaged, since nothing would say so any more, where it was held to less
-/// precision than `storage` asks for, and where it lacks the normals that are asked for.
+/// As [`write()`]; `Invalid` where some of it is damaged, since the copy would not show that, where it has less precision than
+/// `storage` demands, and where it lacks demanded normals.
 pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, job: &Job) -> Result<u64> {
     let mut samples = store.read_all(job)?;
     if let Some(damage) = store.damage().first() {
@@ -46,10 +46,10 @@ pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, 
     write_with(path, &samples, &extras, job)
 }
 
-/// Leaves normals out unless they are asked for.
+/// Leaves normals out unless they are kept.
 ///
 /// # Errors
-/// Where they are asked for and are not there.
+/// Where they are to be kept and there are none.
 fn set_normals(samples: &mut SampleSet, are_kept: bool) -> std::result::Result<(), String> {
     if are_kept && samples.images.iter().any(|image| image.normal.is_none()) {
         return Err("cannot have normals: the store holds none; preprocess the capture again, or set store.normals=false".to_owned());

@@ -38,10 +38,10 @@ impl NormalSpace {
     }
 }
 
-/// What is known of depth of which pixels cannot be used.
+/// Why pixels of a depth channel may be unusable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) enum DepthTrouble {
-    /// Nothing: it must not be.
+    /// No reason is known: unusable depth is an error.
     #[default]
     Unknown,
     /// A sensor measured nothing, which happens.
@@ -65,7 +65,7 @@ pub(crate) struct Layers {
     pub(crate) normal: Option<([Vec<f32>; 3], NormalSpace)>,
     /// What the depth was read from, for messages: a channel's or a file's name.
     pub(crate) depth_name: String,
-    /// What is known of depth that cannot be used.
+    /// Why pixels of it may be unusable.
     pub(crate) depth_trouble: DepthTrouble,
 }
 

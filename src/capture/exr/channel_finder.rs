@@ -202,7 +202,7 @@ impl<'a> Finder<'a> {
         best.map(|(index, _)| index).or_else(|| (self.names.len() == 1).then_some(0))
     }
 
-    /// How well a channel answers for depth, 0 best; none where it is something else.
+    /// How well a channel fits as depth, 0 best; `None` where it is something else.
     fn depth_score(&self, name: &Name, root: Option<&str>, color_layer: Option<&str>) -> Option<u8> {
         let (parent, pass) = split_pass(name.layer);
         let is_plain = name.suffix.eq_ignore_ascii_case("Z") || name.suffix.eq_ignore_ascii_case("depth");
@@ -304,7 +304,7 @@ fn is_inside(layer: &str, root: &str) -> bool {
     layer == root || layer.strip_prefix(root).is_some_and(|rest| rest.starts_with('.'))
 }
 
-/// Whether passes that answer equally well are of one root; with no picture to tell which is meant, of several none is.
+/// Whether passes that fit equally well have one root. Without a picture, nothing decides between several roots, and none is taken.
 fn is_one_root<'a>(root: Option<&str>, mut layers: impl Iterator<Item = &'a str>) -> bool {
     let first = layers.next().map(|layer| split_pass(layer).0);
     root.is_some() || layers.all(|layer| Some(split_pass(layer).0) == first)

@@ -53,7 +53,7 @@ impl ChannelNames {
     /// Recognizes channels among their full names. What is not there is `None`; `place` is named in errors.
     ///
     /// # Errors
-    /// `Invalid` where a wished-for channel is missing, or where several layers answer equally well.
+    /// `Invalid` where a wished-for channel is missing, or where several layers fit equally well.
     pub(crate) fn find<'a>(
         full: impl IntoIterator<Item = &'a str>,
         wishes: &ChannelWishes,

@@ -27,7 +27,7 @@ impl From<[ChannelPlane; 3]> for ColorPlanes {
     }
 }
 
-/// Pixels whose color is narrowed at a time: alone, each half float would ask the processor what it can do.
+/// Pixels whose color is narrowed at a time: each conversion detects the processor's features anew.
 const NARROWED: usize = 256;
 
 /// Sign taken off and with these bits set, a half float is infinite or not a number.
@@ -52,7 +52,7 @@ impl ColorPlanes {
     }
 }
 
-/// Takes the inverse depth from pixels of which a channel is not finite, and says how many there are.
+/// Invalidates the inverse depth of pixels with a channel that is not finite; gives their number.
 #[inline(always)]
 fn invalidate<T: Copy>(
     [red, green, blue]: [&[T]; 3],

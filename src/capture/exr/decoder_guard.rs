@@ -72,11 +72,11 @@ pub(crate) fn guarded<T>(place: &str, decode: impl FnOnce() -> exr::error::Resul
 }
 
 thread_local! {
-    /// Whether a panic of this thread is caught and told as an error.
+    /// Whether a panic of this thread is caught and becomes an error.
     static EXPECTED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Keeps panics that are told as errors from being printed as well; all others are printed as before.
+/// Keeps panics that become errors from being printed as well; all others are printed as before.
 fn silence_expected_panics() {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {

@@ -4,7 +4,7 @@
 //! planar_z                      z = v
 //! ray_distance                  z = v · cos a            a: angle between ray and optical axis
 //! ray_distance_from_near_clip   z = v · cos a + near     (Mitsuba 3 measures from the near plane, along the ray)
-//! position                      z = forward · (p − eye)  (leaves no doubt about the kind)
+//! position                      z = forward · (p − eye)  (states its kind by itself)
 //! ```
 
 use glam::{DVec2, DVec3};
@@ -52,7 +52,7 @@ impl DepthKind {
 pub(crate) struct DepthRules {
     /// What they measure.
     pub(crate) kind: DepthKind,
-    /// The value that stands for "nothing hit", beside those that always do.
+    /// The value that means "nothing hit", beside those that always do.
     pub(crate) miss_value: Option<f64>,
     /// Distance of the near plane, world units.
     pub(crate) near_clip: f64,
@@ -61,7 +61,7 @@ pub(crate) struct DepthRules {
     /// World units per unit of the file.
     pub(crate) unit_scale: f64,
     /// Values from here on were not hit: [`MISS_DEPTH`] in floats, and the largest number of narrower ones and of whole numbers,
-    /// which stands for all that lies farther.
+    /// which represents everything that lies farther.
     pub(crate) misses_from: f32,
     /// Whether 0 means "not measured" (depth sensors) rather than "nothing hit" (renderers).
     pub(crate) zero_is_unknown: bool,

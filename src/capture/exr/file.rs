@@ -27,7 +27,7 @@ const MAX_PIXELS_PER_BYTE: usize = 1100;
 const DWA_BLOCK_PIXELS: usize = 64;
 /// How far the chromaticities of a file may lie from those of Rec.709 and be them.
 const CHROMATICITY_SLACK: f32 = 1e-3;
-/// Pixels beyond these are no lens's.
+/// Ratios of a pixel's width to its height that are believed.
 const BELIEVABLE_PIXEL_ASPECTS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 /// Largest file that is read: one frame of the largest believable size with a dozen float channels stays below it.
 const MAX_FILE_BYTES: u64 = 4 << 30;
@@ -144,7 +144,7 @@ impl ExrFile {
         })
     }
 
-    /// How many times as wide as high the pixels of a picture are; `None` where the header cannot be read or says what cannot be.
+    /// Width of a pixel over its height; `None` where the header cannot be read or states an absurd ratio.
     #[must_use]
     pub fn pixel_aspect(path: &Path) -> Option<f64> {
         let file = BufReader::new(File::open(path).ok()?);

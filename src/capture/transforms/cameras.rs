@@ -231,7 +231,7 @@ impl CameraFiles {
     }
 }
 
-/// What to say of a camera without one of the frames. `times` are those that frames were ranked by, and `poses` how many cameras
+/// The error of a camera without one of the frames. `times` are those that frames were ranked by, and `poses` how many cameras
 /// were made of poses because entries name none.
 fn no_such_frame(
     name: &str,

@@ -100,8 +100,8 @@ fn numbers_by_name(entries: &[PictureEntry], cameras: &[String]) -> Option<Vec<i
     are_same.then(|| numbers.iter().map(|number| first.range(..number).count() as i64).collect())
 }
 
-/// Refuses pictures of which nothing but their names says which frame they are, where cameras have some of the same numbers there
-/// and not all: by their order, pictures of different frames would be taken for one.
+/// Refuses cameras whose file names share some numbers and not all, where nothing else numbers the frames: counted by order,
+/// pictures of different frames would be taken for one frame.
 ///
 /// # Errors
 /// `Invalid` naming a camera and a number that it lacks.

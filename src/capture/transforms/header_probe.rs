@@ -1,4 +1,4 @@
-//! What the headers of a frame's files tell before a picture is decoded.
+//! Facts from the headers of a frame's files, known before a picture is decoded.
 
 use std::path::Path;
 
@@ -25,13 +25,13 @@ pub(crate) fn picture_size(path: &Path, place: &str) -> Result<(usize, usize)> {
     }
 }
 
-/// How many times as wide as high the pixels of a picture are, by its header; 1 where it says nothing.
+/// Width of a pixel over its height by the picture's header; 1 where it states none.
 pub(crate) fn pixel_aspect(path: &Path) -> f64 {
     let is_exr = format_of(path, "").is_ok_and(|format| format == Format::Exr);
     is_exr.then(|| ExrFile::pixel_aspect(path)).flatten().unwrap_or(1.0)
 }
 
-/// What the headers of a frame's files tell.
+/// Facts from the headers of a frame's files.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct HeaderFacts {
     /// Whether there are normals, and they are to be read.
@@ -75,7 +75,7 @@ pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
     Ok(probe)
 }
 
-/// Checks the header of a file of depth, and tells what it measures.
+/// Checks the header of a file of depth, and gives the kind of its values.
 fn probe_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthKind> {
     let place = &place_of_depth(path, place);
     if format_of(path, place)? == Format::Exr {

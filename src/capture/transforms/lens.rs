@@ -1,4 +1,4 @@
-//! What a manifest says of a lens that is no pinhole, in whichever words its writer has.
+//! Keys of a manifest that describe a lens other than a pinhole, by the names that several programs give them.
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -61,10 +61,10 @@ impl LensKeys {
     }
 }
 
-/// Texts that say no.
+/// Texts that mean "no".
 const NOS: [&str; 6] = ["", "0", "no", "off", "none", "false"];
 
-/// Whether there is a number other than 0, a true, or a text that does not say no, somewhere in a value.
+/// Whether there is a number other than 0, a true, or a text other than a "no", somewhere in a value.
 fn is_anything(value: &Value) -> bool {
     match value {
         Value::Bool(is_so) => *is_so,

@@ -227,8 +227,8 @@ fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
     })
 }
 
-/// Whole numbers have no one relative error: a unit is the coarser the nearer. That of nearly the nearest depth stands for all, as
-/// a few stray hits must not.
+/// The relative error of depth in whole units grows toward the camera. That of nearly the nearest depth is taken, so that a few
+/// stray hits do not decide.
 fn step_of_whole_units(rules: &DepthRules, inverse_depth: &[f32]) -> f32 {
     0.5 * rules.unit_scale as f32 * quantile_of_hits(inverse_depth, NEARLY_ALL)
 }
@@ -249,7 +249,7 @@ fn off_the_rays(apart_px: f64, camera: &Camera, place: &str) -> Error {
     Error::invalid(place, what)
 }
 
-/// The share of hits that the quantization step of depth in whole units is told for.
+/// The share of hits that are no nearer than the depth whose quantization step is taken for all.
 const NEARLY_ALL: f64 = 0.99;
 
 /// What a share of the finite values above 0 stays below, or 0.
@@ -304,7 +304,7 @@ impl DepthChannels {
     }
 }
 
-/// Decoded planes, taken in the order they were asked for.
+/// Decoded planes, taken in the order of the request.
 pub(super) struct DecodedPlanes(std::vec::IntoIter<ChannelPlane>);
 
 impl DecodedPlanes {

@@ -47,7 +47,7 @@ impl std::fmt::Display for CameraName {
     }
 }
 
-/// Keys that stand for the whole file or for one entry; an entry's wins.
+/// Keys of the whole file or of one entry; an entry's wins.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub(super) struct Keys {
@@ -88,7 +88,7 @@ pub(super) struct Keys {
     pub normal_channel: Option<String>,
     /// Layer that all channels belong to.
     pub layer: Option<String>,
-    /// The depth that stands for "nothing hit".
+    /// The depth that means "nothing hit".
     pub depth_miss_value: Option<f64>,
     /// World units per unit of the depth files; 0.001 for PNG and 1 for EXR where missing.
     pub depth_unit_scale_factor: Option<f64>,
@@ -260,7 +260,7 @@ fn wrong_key(object: &Value) -> Option<String> {
     })
 }
 
-/// What to say of a file that is something else by its first bytes: a store, or a picture.
+/// The advice on a file that is a store or a picture by its first bytes.
 fn other_file(path: &Path) -> Result<Option<&'static str>> {
     let mut start = [0; 4];
     let mut file = File::open(path).map_err(|error| Error::io(path, error))?;

@@ -45,8 +45,8 @@ use source::FileSource;
 
 /// Opens a capture: a `transforms.json`, or a folder that holds one.
 ///
-/// Every file is looked for, and the first one of each camera has its header read; pictures are decoded when asked for, but for
-/// first ones that hold both depth and positions while nothing says which of them counts.
+/// Every file is looked for, and the first one of each camera has its header read; pictures are decoded on demand, except
+/// for first ones with both depth and positions where the manifest does not decide between them.
 ///
 /// # Errors
 /// `Io`, `Invalid`, `Unsupported`: what, where, what to do.

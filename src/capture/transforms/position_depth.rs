@@ -12,16 +12,16 @@ use crate::capture::camera::Camera;
 use crate::capture::exr::{DepthKind, median};
 use crate::error::Result;
 
-/// How far depth may be off positions in the middle, relative, and be the same but for filters and rounding.
+/// How far depth may be off positions in the median, relative, where filters and rounding alone set them apart.
 const SAME_RELATIVE: f64 = 0.01;
 
-/// Has positions read in place of depth wherever these are off each other in the first frame of a camera, and says so.
+/// Reads positions in place of depth, with a warning, where the two differ in the first frame of any camera.
 pub(crate) fn prefer_to_contradicting_depth(recording: &mut CameraFiles, warnings: &mut Vec<String>) {
     let cameras: Vec<(&Camera, &[PlacedEntry])> =
         recording.cameras.iter().zip(recording.entries.iter().map(Vec::as_slice)).collect();
     let of_camera = |(camera, entries): &(&Camera, &[PlacedEntry])| {
         let first = entries.first()?;
-        // What cannot be read is told when it is asked for.
+        // A frame that cannot be read gives its error when it is loaded.
         distance(&first.files, camera, &first.place).ok().flatten()
     };
     let distances: Vec<Option<f64>> = cameras.par_iter().map(of_camera).collect();

@@ -3,14 +3,14 @@
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
 
-/// How far two places may lie apart and be the same camera's, relative to the distance from the origin up to [`NEAR`]: matrices
+/// How far two positions of one camera may lie apart, relative to the distance from the origin up to [`NEAR`]: matrices
 /// that went through six digits of text.
 const SAME_PLACE: f64 = 1e-6;
 /// The same farther out: matrices that went through `f32`.
 const SAME_PLACE_FAR: f64 = 1.2e-7;
 /// World units from the origin in which scenes are built.
 const NEAR: f64 = 1e3;
-/// How far the entries of two rotations may differ and be the same camera's: a fiftieth of a pixel at a focal length of 2000.
+/// How far the entries of two rotations of one camera may differ: a fiftieth of a pixel at a focal length of 2000.
 const SAME_ROTATION: f64 = 1e-5;
 /// How far focal length and principal point may differ, pixels.
 const SAME_INTRINSICS_PX: f64 = 1e-3;

@@ -7,7 +7,7 @@ use crate::capture::FrameSource;
 use crate::capture::frame::Frame;
 use crate::error::Result;
 
-/// Decodes a frame from its files whenever it is asked for.
+/// Decodes frames from their files on demand.
 pub(super) struct FileSource {
     /// What is where.
     pub recording: CameraFiles,
@@ -40,7 +40,7 @@ impl FrameSource for FileSource {
     }
 }
 
-/// Reads the headers of every camera's first frame, and tells whether all of them give normals.
+/// Reads the headers of every camera's first frame, and gives whether all of them have normals.
 ///
 /// # Errors
 /// Whatever makes these frames unreadable: no color, no depth, another size.

@@ -69,7 +69,7 @@ impl SolidShape {
         let speed = direction.length();
         // A face may lie in the side of the box: the last bit must not decide whether the way out is within it.
         let (mut t, end) = (enter.max(t_min), (leave + BOX_MARGIN_M / speed).min(t_max));
-        // A ray that starts inside walks along the negative distance to the way out.
+        // A ray that starts inside follows the negative distance to its exit.
         let side = self.distance(origin + direction * t).signum();
         for _ in 0..MAX_STEPS {
             if t > end {

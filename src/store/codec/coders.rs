@@ -1,6 +1,6 @@
-//! What a walk over a block is done for: counting tokens, writing them, reading them. Each is a [`Coder`].
+//! The purposes of traversing a block: counting tokens, writing them, reading them. Each is a [`Coder`].
 
-use super::block_walk::Coder;
+use super::block_traversal::Coder;
 use super::integers::{BitReader, BitWriter, join, split};
 use super::model::{CodedPlane, Counts, FrequencyTables, MASK_CONTEXTS, MaskSplits};
 use super::rans::{Decoder, RansEncoder};
@@ -9,7 +9,7 @@ use super::rans::{Decoder, RansEncoder};
 pub(crate) struct Counter<'a>(pub &'a mut Counts);
 
 impl Coder for Counter<'_> {
-    fn held(&mut self, _: usize, context: usize, value: bool) -> bool {
+    fn has_sample(&mut self, _: usize, context: usize, value: bool) -> bool {
         self.0.add(CodedPlane::Mask, context, u32::from(value));
         value
     }
@@ -27,7 +27,7 @@ impl Coder for Counter<'_> {
 /// ```
 pub(crate) struct ModelWriter<'a> {
     model: &'a FrequencyTables,
-    /// The coder's state that each token changes, where its slots begin and how many it has.
+    /// Each token's stream, where its slots begin and how many it has.
     tokens: Vec<(u8, u16, u16)>,
     bits: BitWriter,
 }
@@ -38,16 +38,16 @@ impl<'a> ModelWriter<'a> {
         Self { model, tokens: Vec::new(), bits: BitWriter::default() }
     }
 
-    fn push(&mut self, lane: usize, plane: CodedPlane, context: usize, token: usize) {
+    fn push(&mut self, stream: usize, plane: CodedPlane, context: usize, token: usize) {
         let (start, frequency) = self.model.table(plane, context).range(token);
-        self.tokens.push((lane as u8, start as u16, frequency as u16));
+        self.tokens.push((stream as u8, start as u16, frequency as u16));
     }
 
     /// The block's code.
     pub(crate) fn finish(self) -> Vec<u8> {
         let mut encoder = RansEncoder::default();
-        for (lane, start, frequency) in self.tokens.into_iter().rev() {
-            encoder.push(usize::from(lane), (u32::from(start), u32::from(frequency)));
+        for (stream, start, frequency) in self.tokens.into_iter().rev() {
+            encoder.push(usize::from(stream), (u32::from(start), u32::from(frequency)));
         }
         let words = encoder.finish();
         let mut code = Vec::from((words.len() as u16).to_be_bytes());
@@ -58,14 +58,14 @@ impl<'a> ModelWriter<'a> {
 }
 
 impl Coder for ModelWriter<'_> {
-    fn held(&mut self, lane: usize, context: usize, value: bool) -> bool {
-        self.push(lane, CodedPlane::Mask, context, usize::from(value));
+    fn has_sample(&mut self, stream: usize, context: usize, value: bool) -> bool {
+        self.push(stream, CodedPlane::Mask, context, usize::from(value));
         value
     }
 
     fn code(&mut self, plane: CodedPlane, context: usize, value: u32) -> u32 {
         let (token, bits) = split(value);
-        self.push(plane.lane(), plane, context, token);
+        self.push(plane.stream(), plane, context, token);
         self.bits.push(value, bits);
         value
     }
@@ -96,13 +96,13 @@ impl<'a> ModelReader<'a> {
 
 impl Coder for ModelReader<'_> {
     #[inline(always)]
-    fn held(&mut self, lane: usize, context: usize, _: bool) -> bool {
-        self.tokens.next_of_two(lane, self.mask[context % MASK_CONTEXTS])
+    fn has_sample(&mut self, stream: usize, context: usize, _: bool) -> bool {
+        self.tokens.next_of_two(stream, self.mask[context % MASK_CONTEXTS])
     }
 
     #[inline(always)]
     fn code(&mut self, plane: CodedPlane, context: usize, _: u32) -> u32 {
-        let token = self.tokens.next(plane.lane(), self.model.table(plane, context));
+        let token = self.tokens.next(plane.stream(), self.model.table(plane, context));
         let (base, bits) = join(token);
         base | self.bits.next(bits)
     }
@@ -132,7 +132,7 @@ impl PlainWriter {
 impl Coder for PlainWriter {
     const PREDICTS: bool = false;
 
-    fn held(&mut self, _: usize, _: usize, value: bool) -> bool {
+    fn has_sample(&mut self, _: usize, _: usize, value: bool) -> bool {
         self.0.push(u32::from(value), plain_bits(CodedPlane::Mask));
         value
     }
@@ -161,7 +161,7 @@ impl<'a> PlainReader<'a> {
 impl Coder for PlainReader<'_> {
     const PREDICTS: bool = false;
 
-    fn held(&mut self, _: usize, _: usize, _: bool) -> bool {
+    fn has_sample(&mut self, _: usize, _: usize, _: bool) -> bool {
         self.0.next(plain_bits(CodedPlane::Mask)) != 0
     }
 

@@ -82,7 +82,7 @@ impl BitWriter {
     }
 }
 
-/// Reads what [`BitWriter`] wrote; beyond the end there are zeros, which [`BitReader::is_whole`] tells.
+/// Reads what [`BitWriter`] wrote; beyond the end there are zeros, which [`BitReader::is_whole`] detects.
 pub(super) struct BitReader<'a> {
     rest: &'a [u8],
     pending: u64,

@@ -1,10 +1,10 @@
 //! Lossless coding of the samples in a block of pixels: prediction from neighbors, then entropy coding of what is left.
 //!
 //! ```text
-//! block ─ walk: prediction, context ─▶ residual ─ integers ─▶ token + plain bits ─ rans, by the model of the context ─▶ bytes
+//! block ─ traversal: prediction, context ─▶ residual ─ integers ─▶ token + plain bits ─ rans, by the model of the context ─▶ bytes
 //! ```
 
-mod block_walk;
+mod block_traversal;
 mod coders;
 mod integers;
 mod model;
@@ -12,7 +12,7 @@ mod neighborhood;
 mod rans;
 mod table_fit;
 
-pub(crate) use block_walk::{BlockShape, Coder, Walker};
+pub(crate) use block_traversal::{BlockShape, BlockTraversal, Coder};
 pub(crate) use coders::{Counter, ModelReader, ModelWriter, PlainReader, PlainWriter};
 pub(crate) use model::{Counts, FrequencyTables};
 pub(crate) use neighborhood::{BLOCK, BlockPixels, cell};

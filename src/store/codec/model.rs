@@ -1,4 +1,4 @@
-//! What the decoder knows beforehand: how often each token occurs in each context.
+//! The static model of the entropy coder: how often each token occurs in each context.
 //!
 //! The tables are counted over the whole store and stand in it once. Blocks then need no time to learn, however small they
 //! are, and each is read without any other. Contexts are numbered so that neighbors resemble each other; those that are not
@@ -9,7 +9,7 @@ use super::rans::{SCALE, TOKENS, Table};
 use super::table_fit::{TokenCounts, frequencies, share_tables};
 use crate::store::container::{ByteReader, push_varint};
 
-/// Levels of activity that contexts tell apart; the last is *no neighbor*.
+/// Levels of activity that contexts distinguish; the last is *no neighbor*.
 pub(super) const ACTIVITIES: usize = 17;
 
 /// The planes of an image, each with contexts of its own.
@@ -52,8 +52,8 @@ impl CodedPlane {
         if matches!(self, Self::Mask) { 2 } else { TOKENS }
     }
 
-    /// Which of the coder's states the plane's tokens change, but for the mask's: of a sample, each color has one of its own.
-    pub(crate) const fn lane(self) -> usize {
+    /// The stream that the plane's tokens are coded in, except the mask's: of a sample, each color has a stream of its own.
+    pub(crate) const fn stream(self) -> usize {
         match self {
             Self::Mask | Self::Depth | Self::NormalX | Self::NormalY => 0,
             Self::Green => 1,
@@ -110,7 +110,7 @@ pub(super) type MaskSplits = [u16; MASK_CONTEXTS];
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct FrequencyTables {
     planes: [PlaneModel; 7],
-    /// What the mask's tables say, in little room: most tokens are the mask's.
+    /// A compact form of the mask's tables, since most tokens are the mask's.
     pub(super) mask: Box<MaskSplits>,
 }
 

@@ -1,4 +1,4 @@
-//! What is known at a pixel of a block before its sample is: the samples around it and the reference's, and what they predict.
+//! The causal neighborhood of a pixel in a block: the samples coded before it, the reference's, and what they predict.
 //!
 //! ```text
 //!              NN
@@ -54,7 +54,7 @@ impl BlockPixels {
 
 /// Which of the pixels around one hold a sample: bits as the mask's context has them. All of these are coded before it.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Near(pub(crate) u8);
+pub(crate) struct Neighbors(pub(crate) u8);
 
 pub(crate) const W: u8 = 1;
 pub(crate) const N: u8 = 1 << 1;
@@ -68,7 +68,7 @@ pub(crate) const R: u8 = 1 << 6;
 /// Every neighbor.
 pub(crate) const AROUND: u8 = W | N | NW | NE | WW | NN;
 
-impl Near {
+impl Neighbors {
     #[inline(always)]
     pub(crate) fn has(self, pixels: u8) -> bool {
         self.0 & pixels == pixels
@@ -93,7 +93,7 @@ impl Near {
 #[derive(Clone, Copy)]
 pub(crate) struct CodingContext<'a> {
     pub(crate) at: usize,
-    pub(crate) near: Near,
+    pub(crate) near: Neighbors,
     pub(crate) before: Option<&'a BlockPixels>,
 }
 

@@ -65,8 +65,7 @@ impl Chunks {
     }
 }
 
-/// Settings come and go between versions; the samples are none the worse. What this Overlook does not know is left out
-/// and told.
+/// Settings come and go between versions, which does the samples no harm: unknown ones are left out with a warning.
 pub(crate) fn decode_settings(toml: &[u8]) -> Result<(Settings, Vec<String>), String> {
     let text = std::str::from_utf8(toml).map_err(|error| error.to_string())?;
     let table: toml::Table = text.parse().map_err(|_| "it is not TOML".to_owned())?;

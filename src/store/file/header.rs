@@ -49,7 +49,7 @@ pub struct ImageEntry {
 /// Images that must be read before one can be: no chain of references is longer.
 pub(crate) const MAX_REFERENCES: usize = 7;
 
-/// Stands for no reference in the index.
+/// No reference, in the index.
 const NO_REFERENCE: u32 = u32::MAX;
 
 pub(crate) fn encode_head(samples: &SampleSet) -> Result<Vec<u8>, String> {
@@ -198,7 +198,7 @@ pub(crate) fn decode_index(
         }
     }
     check_held_once(&entries)?;
-    // Two entries for one chunk would let a small file stand for any number of samples.
+    // Two entries for one chunk would let a small file claim any number of samples.
     let end = |entry: &ImageEntry| entry.offset.saturating_add(u64::from(entry.length));
     if !entries.is_sorted_by(|a, b| end(a) <= b.offset) {
         return Err("images overlap or are out of order".to_owned());
@@ -212,7 +212,7 @@ pub(crate) fn decode_index(
     Ok(entries)
 }
 
-/// A camera has at most one image of a span: two would say its pixels twice.
+/// A camera has at most one image of a span: two would hold its pixels twice.
 pub(crate) fn check_held_once(entries: &[ImageEntry]) -> Result<(), String> {
     let mut held = BTreeSet::new();
     match entries.iter().find(|entry| !held.insert((entry.camera, entry.span))) {

@@ -1,4 +1,4 @@
-//! What takes a store as a whole: all its images, or all its chunks.
+//! Reading all images of a store, or all its chunks.
 
 use rayon::prelude::*;
 
@@ -28,11 +28,11 @@ impl Store {
         Ok(unknown)
     }
 
-    /// Walks over every chunk of the file; says where they do not follow one another, and which images the index does not have.
+    /// Checks that chunks follow one another to the end of the file and that the index has every image; gives what is damaged.
     ///
     /// # Errors
     /// `Io`.
-    pub(crate) fn walk(&self) -> Result<Vec<String>> {
+    pub(crate) fn check_chunks(&self) -> Result<Vec<String>> {
         let mut damage = Vec::new();
         let mut offset = FORM_HEADER;
         loop {

@@ -25,7 +25,7 @@ use crate::store::image::{
     self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, ImageHead, VisibleBlocks,
 };
 
-/// What a store says of itself before any image is read.
+/// What is known of a store before any image is read.
 #[derive(Clone, Debug)]
 pub struct StoreInfo {
     /// Major and minor version of the format.
@@ -50,7 +50,7 @@ pub struct StoreInfo {
     pub images: Vec<ImageEntry>,
     /// Size of the file, bytes.
     pub bytes: u64,
-    /// Bytes of it that say how it was made: settings, report and provenance. Their length says nothing of the samples.
+    /// Bytes of the record of its making: settings, report and provenance. Their number does not depend on the samples.
     pub record_bytes: u64,
 }
 
@@ -81,7 +81,7 @@ pub struct Store {
 }
 
 impl Store {
-    /// Whether the file at `path` is an IFF file, as every store is: told by its first four bytes, whatever its name.
+    /// Whether the file at `path` is an IFF file, as every store is, by its first four bytes.
     ///
     /// # Errors
     /// `Io` where it cannot be read.
@@ -94,7 +94,7 @@ impl Store {
         Ok(file.read_exact(&mut start).is_ok() && start == *b"FORM")
     }
 
-    /// Reads what the store says of itself, and no image.
+    /// Reads everything but the images.
     ///
     /// # Errors
     /// `Io`, `Invalid` (naming file, byte offset and chunk), `Unsupported` (a newer version).
@@ -156,7 +156,7 @@ impl Store {
         })
     }
 
-    /// What the store says of itself.
+    /// What is known of the store without its images.
     #[must_use]
     pub fn info(&self) -> &StoreInfo {
         &self.info
@@ -193,8 +193,8 @@ impl Store {
         image.ok_or_else(|| self.damaged(index, "there is no image"))
     }
 
-    /// Reads the blocks of an image at some places, or all, given what was read `so_far` and the image it is predicted from, of
-    /// which the same places were read.
+    /// Reads the visible blocks of an image, or all, given what was read `so_far` and the image it is predicted from, of which the
+    /// same blocks were read.
     ///
     /// # Errors
     /// `Io`.
@@ -203,15 +203,18 @@ impl Store {
         index: usize,
         so_far: Option<&Decoded>,
         before: Option<&Decoded>,
-        places: Option<&VisibleBlocks>,
+        visible: Option<&VisibleBlocks>,
     ) -> Result<Decoded> {
         let decoded = match so_far {
             Some(so_far) => Ok(so_far.clone()),
-            None => self.begin(index),
+            None => self.undecoded(index),
         };
-        match decoded.and_then(|decoded| self.go_on(index, decoded, before, places)) {
+        match decoded.and_then(|decoded| self.decode_missing(index, decoded, before, visible)) {
             Err(Error::Invalid { what, .. }) => {
-                self.tell(index, vec![format!("{}: nothing of it can be shown", self.damaged(index, &what))]);
+                self.record_damage(
+                    index,
+                    vec![format!("{}: nothing of it can be shown", self.damaged(index, &what))],
+                );
                 let image = Arc::new(self.placeholder(index));
                 Ok(Decoded { image, head: None, read: Vec::new(), damage: Vec::new() })
             }
@@ -219,8 +222,8 @@ impl Store {
         }
     }
 
-    /// An image of which only the head was read.
-    fn begin(&self, index: usize) -> Result<Decoded> {
+    /// An image of which only the head is read.
+    fn undecoded(&self, index: usize) -> Result<Decoded> {
         let head = self.head(index)?;
         Ok(Decoded {
             image: Arc::new(self.placeholder(index)),
@@ -230,15 +233,15 @@ impl Store {
         })
     }
 
-    fn go_on(
+    fn decode_missing(
         &self,
         index: usize,
         mut decoded: Decoded,
         before: Option<&Decoded>,
-        places: Option<&VisibleBlocks>,
+        visible: Option<&VisibleBlocks>,
     ) -> Result<Decoded> {
         let Some(head) = decoded.head.clone() else { return Ok(decoded) };
-        let missing = decoded.missing(places);
+        let missing = decoded.missing(visible);
         let (Some(first), Some(last)) = (missing.first(), missing.last()) else { return Ok(decoded) };
         if before.is_some_and(|before| before.head.is_none()) {
             return Err(self.damaged(index, "the image it is predicted from is lost"));
@@ -262,9 +265,12 @@ impl Store {
         self.blocks_read.fetch_add(missing.len() as u64, Relaxed);
         decoded.image = Arc::new(image);
         decoded.damage.extend(damage);
-        let wanted = |block: &BlockEntry| places.is_none_or(|places| places.has(block.place));
+        let wanted = |block: &BlockEntry| visible.is_none_or(|visible| visible.has(block.place));
         head.blocks.iter().zip(&mut decoded.read).for_each(|(block, read)| *read |= wanted(block));
-        self.tell(index, decoded.damage.iter().map(|damage| self.damaged_block(index, damage)).collect());
+        self.record_damage(
+            index,
+            decoded.damage.iter().map(|damage| self.damaged_block(index, damage)).collect(),
+        );
         Ok(decoded)
     }
 
@@ -331,7 +337,7 @@ impl Store {
         }
     }
 
-    fn tell(&self, index: usize, damage: Vec<String>) {
+    fn record_damage(&self, index: usize, damage: Vec<String>) {
         if !damage.is_empty() {
             self.damage.lock().unwrap_or_else(PoisonError::into_inner).insert(index, damage);
         }

@@ -70,7 +70,7 @@ pub fn write_with(path: &Path, samples: &SampleSet, extras: &Extras, job: &Job) 
     write_spooled(path, samples, &ImageBuffer::of(&samples.images), extras, job)
 }
 
-/// As [`write_with`], of images that may be in a file; those of the set itself are not asked for.
+/// As [`write_with`], of images that may be in a file; those of the set itself are ignored.
 ///
 /// # Errors
 /// As [`write()`].
@@ -107,7 +107,7 @@ pub fn write_to(
     Input { path, samples, images: &ImageBuffer::of(&samples.images), extras, job }.write_to(target)
 }
 
-/// What is written, for whom, and under which name errors speak of it.
+/// What is written, and the path that errors name.
 struct Input<'a> {
     path: &'a Path,
     /// Everything but the images.
@@ -249,7 +249,7 @@ struct Prepared<'a> {
 }
 
 impl Prepared<'_> {
-    /// What the index says of an image that stands nowhere yet.
+    /// The index entry of an image that is not written yet.
     fn entry(&self, index: usize) -> ImageEntry {
         let ImageFacts { camera, span, samples, tiles, .. } = *self.images.facts_of(index);
         let reference = self.references[index];

@@ -1,4 +1,4 @@
-//! The samples of an image block by block, as the coders want them, and back.
+//! Conversion between the samples of an image and the blocks of numbers that are coded.
 
 use half::f16;
 
@@ -6,8 +6,8 @@ use super::color_ranks::ColorRanks;
 use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, TILE, TILE_SAMPLES};
 use crate::simd;
 use crate::store::codec::{
-    BLOCK, BlockPixels, BlockShape, Coder, Counter, Counts, FrequencyTables, ModelReader, ModelWriter,
-    PlainReader, PlainWriter, Walker, cell,
+    BLOCK, BlockPixels, BlockShape, BlockTraversal, Coder, Counter, Counts, FrequencyTables, ModelReader,
+    ModelWriter, PlainReader, PlainWriter, cell,
 };
 
 /// Tiles across a block, and down.
@@ -49,7 +49,7 @@ pub(crate) struct Block<'a> {
 /// Working memory of one thread.
 #[derive(Default)]
 pub(crate) struct CodingScratch {
-    walker: Walker,
+    traversal: BlockTraversal,
     pixels: BlockPixels,
     reference: BlockPixels,
 }
@@ -121,7 +121,7 @@ impl BlockCoding<'_> {
         }
     }
 
-    /// Puts the samples of a block where a walk finds them.
+    /// Puts the samples of a block where a traversal finds them.
     fn spread(&self, Block { image, tiles }: Block<'_>, pixels: &mut BlockPixels) {
         pixels.clear();
         let mut depths = [0.0; TILE_SAMPLES];
@@ -152,7 +152,7 @@ impl BlockCoding<'_> {
 
     /// Counts the tokens of a block.
     pub(crate) fn count(&self, block: Block<'_>, reference: Option<Block<'_>>, counts: &mut Counts) {
-        CodingScratch::with(|scratch| self.walk(&mut Counter(counts), scratch, block, reference));
+        CodingScratch::with(|scratch| self.traverse(&mut Counter(counts), scratch, block, reference));
     }
 
     /// The code of a block.
@@ -160,17 +160,17 @@ impl BlockCoding<'_> {
         CodingScratch::with(|scratch| {
             if self.plain {
                 let mut writer = PlainWriter::default();
-                self.walk(&mut writer, scratch, block, reference);
+                self.traverse(&mut writer, scratch, block, reference);
                 writer.finish()
             } else {
                 let mut writer = ModelWriter::new(self.model);
-                self.walk(&mut writer, scratch, block, reference);
+                self.traverse(&mut writer, scratch, block, reference);
                 writer.finish()
             }
         })
     }
 
-    fn walk<C: Coder>(
+    fn traverse<C: Coder>(
         &self,
         coder: &mut C,
         scratch: &mut CodingScratch,
@@ -183,10 +183,10 @@ impl BlockCoding<'_> {
             &scratch.reference
         });
         let shape = self.shape(block.tiles.place, block.tiles.tiles);
-        scratch.walker.walk(coder, &shape, &mut scratch.pixels, reference);
+        scratch.traversal.traverse(coder, &shape, &mut scratch.pixels, reference);
     }
 
-    /// The samples that `code` stands for.
+    /// Decodes the samples of a block.
     pub(crate) fn decode(
         &self,
         place: (u16, u16),
@@ -201,14 +201,14 @@ impl BlockCoding<'_> {
                 &scratch.reference
             });
             let shape = self.shape(place, tiles);
-            let (walker, pixels) = (&mut scratch.walker, &mut scratch.pixels);
+            let (traversal, pixels) = (&mut scratch.traversal, &mut scratch.pixels);
             let whole = if self.plain {
                 let mut reader = PlainReader::new(code);
-                walker.walk(&mut reader, &shape, pixels, reference);
+                traversal.traverse(&mut reader, &shape, pixels, reference);
                 reader.is_whole()
             } else {
                 let reader = ModelReader::new(self.model, code).ok_or("its code is cut short")?;
-                simd::run(Decoding { reader, walker, shape: &shape, pixels, reference })
+                simd::run(Decoding { reader, traversal, shape: &shape, pixels, reference })
             };
             if !whole {
                 return Err("its code does not end where it should".to_owned());
@@ -217,7 +217,7 @@ impl BlockCoding<'_> {
         })
     }
 
-    /// Takes the samples of a block from where a walk left them.
+    /// Takes the samples of a block from where a traversal left them.
     fn gather(&self, place: (u16, u16), tiles: u16, pixels: &BlockPixels) -> Result<BlockSamples, String> {
         let count = pixels.rows.iter().map(|row| row.count_ones() as usize).sum();
         let mut samples = BlockSamples::with_capacity(tiles.count_ones() as usize, count, self.normals);
@@ -271,7 +271,7 @@ impl BlockCoding<'_> {
 /// Reading one block's code, the store's hottest loop.
 struct Decoding<'a> {
     reader: ModelReader<'a>,
-    walker: &'a mut Walker,
+    traversal: &'a mut BlockTraversal,
     shape: &'a BlockShape,
     pixels: &'a mut BlockPixels,
     reference: Option<&'a BlockPixels>,
@@ -283,7 +283,7 @@ impl simd::VectorLoop for Decoding<'_> {
 
     #[inline(always)]
     fn run(mut self) -> bool {
-        self.walker.walk(&mut self.reader, self.shape, self.pixels, self.reference);
+        self.traversal.traverse(&mut self.reader, self.shape, self.pixels, self.reference);
         self.reader.is_whole()
     }
 }

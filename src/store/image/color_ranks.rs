@@ -59,9 +59,9 @@ impl Used {
 pub(crate) struct ColorRanks {
     /// Codes, ascending.
     codes: Vec<u16>,
-    /// The halves they stand for.
+    /// The halves of these codes.
     halves: Vec<f16>,
-    /// Rank of the entry that stands for a code, from the first entry's code to the last's.
+    /// Rank of the entry that represents a code, from the first entry's code to the last's.
     ranks: Vec<u16>,
 }
 
@@ -88,7 +88,7 @@ impl ColorRanks {
             if steps <= covered_to && codes.last().is_some_and(|last| steps - steps_of(*last) <= room) {
                 continue;
             }
-            // The brightest half that still stands for this one stands for most.
+            // The brightest half within reach represents the most of those that follow.
             let beyond = (code..=code_of(f16::MAX)).find(|code| steps_of(*code) - steps > room);
             let entry = beyond.map_or(code_of(f16::MAX), |beyond| beyond - 1).max(code);
             covered_to = steps_of(entry) + room;
@@ -119,7 +119,7 @@ impl ColorRanks {
         self.codes.len()
     }
 
-    /// The rank of the color that stands for `half`.
+    /// The rank of the color that represents `half`.
     #[inline(always)]
     pub(crate) fn rank(&self, half: f16) -> i32 {
         let place = code_of(half).saturating_sub(self.codes[0]) as usize;
@@ -204,7 +204,7 @@ mod tests {
         }
         assert_eq!(palette.color(5), None);
         assert_eq!(palette.color(-1), None);
-        // Every half from 0 to 1 follows the one before it, so that two numbers say it all.
+        // Every half from 0 to 1 follows the one before it, so that two numbers describe them all.
         let dense = ColorRanks::lossless(&used((0..=0x3C00).map(|bits| f16::from_bits(bits).to_f32())));
         assert!(dense.encode().len() < 12);
         assert_eq!(ColorRanks::decode(&dense.encode()).unwrap(), dense);

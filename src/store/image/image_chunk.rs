@@ -42,7 +42,7 @@ pub struct BlockEntry {
     checksum: [u8; 4],
 }
 
-/// What the payload of an image says before its samples.
+/// What the payload of an image holds before its samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageHead {
     /// Blocks that hold a sample, row by row.
@@ -215,7 +215,7 @@ pub(crate) type Reference<'a> = (&'a SampleImage, &'a [Damage]);
 
 /// Reads some blocks of an image and adds them to what was read before. `code` gives the code of a block.
 ///
-/// Blocks that are damaged, or whose reference is, are left out and told.
+/// Blocks that are damaged, or whose reference is, are left out and reported.
 pub(crate) fn decode<'a>(
     image: &SampleImage,
     head: &ImageHead,

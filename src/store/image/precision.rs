@@ -1,6 +1,6 @@
-//! What a precision other than lossless leaves of a sample, and the check that it is enough.
+//! Rounding of samples where the precision is not lossless, and the check that the error stays within it.
 //!
-//! Color is held to half a step of a display with so many bits, by the choice of the [palette](super::color_ranks). Inverse depth
+//! Color is held to half a step of a display with that many bits, by the choice of the [palette](super::color_ranks). Inverse depth
 //! is rounded by leaving off its lowest bits: the relative error of `w` is that of `z`, and a pixel's footprint at depth `z` is
 //! `z / f` across, so that an error of `p` footprints is a relative error of `p / f`, whatever the depth.
 
@@ -65,7 +65,7 @@ fn depth_error(camera: &Camera, settings: &StoreSettings) -> f64 {
     f64::from(settings.depth_precision) / camera.intrinsics.fx.max(camera.intrinsics.fy)
 }
 
-/// A float's fraction has 24 bits; a relative error of 1 is at least so many of its lowest.
+/// Lowest bits of a float's fraction in a relative error of 1, at least.
 const UNITS: f64 = (1 << 23) as f64;
 
 /// Lowest bits of inverse depth that may be left off: 2^(shift − 1) in the 24 bits of a float's fraction is the error.
