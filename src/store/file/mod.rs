@@ -2,8 +2,8 @@
 
 mod chunks;
 mod header;
+mod info;
 mod provenance;
-mod read_all;
 mod reader;
 mod writer;
 
@@ -11,6 +11,7 @@ pub use crate::store::container::ReadAt;
 pub use crate::store::image::{BlockEntry, ImageHead};
 pub use header::ImageEntry;
 pub(crate) use header::chain;
+pub use info::StoreInfo;
 pub use provenance::{InputFiles, PlaneBytes, Provenance};
-pub use reader::{Store, StoreInfo};
+pub use reader::Store;
 pub use writer::{Extras, write, write_spooled, write_to, write_with};

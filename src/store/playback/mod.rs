@@ -1,7 +1,7 @@
 //! A store played from disk.
 
-mod playback;
+mod player;
 mod verify;
 
-pub use playback::{DEFAULT_CACHE_BYTES, Playback};
+pub use player::{DEFAULT_CACHE_BYTES, Playback};
 pub use verify::{Verification, verify};

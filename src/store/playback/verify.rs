@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use super::playback::Playback;
+use super::player::Playback;
 use crate::error::Result;
 use crate::job::Job;
 use crate::store::file::Store;
