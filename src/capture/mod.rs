@@ -88,6 +88,12 @@ impl std::ops::Deref for Capture {
     }
 }
 
+impl std::ops::DerefMut for Capture {
+    fn deref_mut(&mut self) -> &mut CaptureParts {
+        &mut self.parts
+    }
+}
+
 impl Capture {
     /// Wraps a source of frames with a cache of at most `cache_bytes` of decoded frames.
     #[must_use]
