@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use half::f16;
 use overlook::capture::{Capture, Frame, INVALID_INVERSE_DEPTH};
+use overlook::color;
 use overlook::grid::Grid;
 use overlook::job::Job;
 use overlook::preprocess::inspect::PixelClass;
@@ -16,7 +17,6 @@ use overlook::preprocess::{Preprocessed, Spooled, inspect_frame, preprocess, pre
 use overlook::samples::Span;
 use overlook::settings::{Precision, PruningMethod, Settings, SpanLevels};
 use overlook::store::file::Extras;
-use overlook::{color, store};
 use proptest::prelude::*;
 use scene::{Scene, arc, camera};
 

@@ -12,7 +12,6 @@ use cap::Cap;
 use half::f16;
 use overlook::job::Job;
 use overlook::samples::DepthPlane;
-use overlook::store;
 use overlook::store::file::Store;
 use overlook::store::playback::Playback;
 

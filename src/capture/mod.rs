@@ -188,7 +188,7 @@ pub struct TruthView {
     pub file_path: String,
     /// Where from.
     pub camera: Camera,
-    /// Number of the frame, as in [`Capture::frame_numbers`].
+    /// Number of the frame, as in [`CaptureParts::frame_numbers`].
     pub frame_number: i64,
     /// The true picture, where there is one.
     pub truth: Option<TruthLoader>,

@@ -28,7 +28,7 @@ use file::{Extras, Store, StoreInfo, write_with};
 /// not to be as before. Gives its size in bytes. `path` may be the store's own.
 ///
 /// # Errors
-/// As [`write()`]; `Invalid` where some of it is damaged, since the copy would not show that, where it has less precision than
+/// As [`file::write`]; `Invalid` where some of it is damaged, since the copy would not show that, where it has less precision than
 /// `storage` demands, and where it lacks demanded normals.
 pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, job: &Job) -> Result<u64> {
     let mut samples = store.read_all(job)?;

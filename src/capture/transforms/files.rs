@@ -251,7 +251,7 @@ fn extended(path: &Path) -> Vec<PathBuf> {
 /// Every place that pictures of a capture or of views are read from, whether or not there is a file.
 ///
 /// # Errors
-/// As [`Manifest::read`].
+/// `Io` and `Invalid` where the manifest cannot be read.
 pub fn picture_places(path: &Path) -> Result<Vec<PathBuf>> {
     let path = manifest_path(path);
     let folder = path.parent().unwrap_or(Path::new(""));

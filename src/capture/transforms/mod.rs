@@ -7,7 +7,7 @@
 //!
 //! Source: nerfstudio's data conventions: `transform_matrix` is camera-to-world with OpenGL's axes (x right, y up,
 //! looking along −z), `fl_x fl_y cx cy w h` in pixels, per file or per entry. What differs: `camera` and `time` name a
-//! recording by several static cameras, and the keys of [`manifest::Keys`] say how depth and normals are to be read.
+//! recording by several static cameras, and its own keys (CAPTURES.md lists them) say how depth and normals are to be read.
 //! Files without them read unchanged: one camera for each distinct pose.
 
 mod cameras;
