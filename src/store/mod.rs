@@ -1,7 +1,7 @@
 //! The store: tiles of samples, predicted and entropy-coded, in a chunked IFF file. FORMAT.md describes it byte by byte.
 //!
 //! ```text
-//! SampleSet ─ precision ─▶ images ─ blocks ─▶ numbers ─ coding ─▶ bytes ─ iff ─▶ file
+//! SampleSet ─ precision ─▶ images ─ blocks ─▶ numbers ─ codec ─▶ bytes ─ iff ─▶ file
 //! ```
 //!
 //! Source: the paper, §3.2: tiles, of which empty ones are skipped, "simple run-length encoding", a "customized IFF

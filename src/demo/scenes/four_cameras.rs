@@ -162,7 +162,7 @@ fn ball(stage: &mut Builder, moment: f64) {
 }
 
 /// Four cameras before the bench, the last close to the slab.
-pub(crate) fn rig() -> SceneCameras {
+pub(crate) fn cameras() -> SceneCameras {
     let middle = [0.1, 0.15, 1.05];
     SceneCameras {
         cameras: vec![

@@ -188,7 +188,7 @@ fn carriage(stage: &mut Builder, angle: f64, is_engine: bool, color: u32) {
 }
 
 /// Nine cameras on the two open sides, the last close to the table.
-pub(crate) fn rig() -> SceneCameras {
+pub(crate) fn cameras() -> SceneCameras {
     let middle = [-0.05, 0.35, 0.6];
     SceneCameras {
         cameras: vec![

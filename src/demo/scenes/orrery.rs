@@ -177,7 +177,7 @@ fn zodiac_ring(stage: &mut Builder) {
 }
 
 /// Five cameras around the open sides, the last close to the globe.
-pub(crate) fn rig() -> SceneCameras {
+pub(crate) fn cameras() -> SceneCameras {
     let middle = [0.0, 0.1, 0.98];
     SceneCameras {
         cameras: vec![

@@ -21,7 +21,7 @@ use crate::store::container::{
     ChunkHeader, ChunkId, FORM_HEADER, FormReader, IMAGE, MODEL, PALETTE, ReadAt, STORE,
 };
 use crate::store::image::{
-    self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, ImageHead, VisibleBlocks,
+    self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, ImageHead, ReferenceImage, VisibleBlocks,
 };
 
 /// An open store, from which images are read one by one. Reading from several threads is fine.
@@ -191,7 +191,7 @@ impl Store {
             let code = codes.get(block.start - from..).and_then(|rest| rest.get(..block.length));
             code.ok_or("it is cut short".to_owned())
         };
-        let reference = before.map(|before| (&*before.image, before.damage.as_slice()));
+        let reference = before.map(|before| ReferenceImage { image: &before.image, damage: &before.damage });
         let coding = self.coding(&self.info.images[index], &head);
         let (image, damage) = image::decode(&decoded.image, &head, reference, &coding, code, &missing);
         debug_assert_eq!(image::check(&image, &self.info.cameras, self.info.frame_numbers.len()), Ok(()));
@@ -287,7 +287,7 @@ impl Store {
         Error::invalid(self.place(index), what)
     }
 
-    fn damaged_block(&self, index: usize, ((x, y), what): &Damage) -> String {
+    fn damaged_block(&self, index: usize, Damage { place: (x, y), what }: &Damage) -> String {
         let (left, top) = (u32::from(*x) * 64, u32::from(*y) * 64);
         format!("{}: the 64×64 pixels from ({left}, {top}) are missing: {what}", self.place(index))
     }

@@ -54,8 +54,14 @@ pub struct ImageHead {
     pub(crate) bytes: usize,
 }
 
-/// A block that could not be read: its place, and why.
-pub(crate) type Damage = ((u16, u16), String);
+/// A block that could not be read.
+#[derive(Clone, Debug)]
+pub(crate) struct Damage {
+    /// Column and row of the block.
+    pub(crate) place: (u16, u16),
+    /// Why not.
+    pub(crate) what: String,
+}
 
 fn block_grid(camera: &Camera) -> (usize, usize) {
     let (width, height) = camera.intrinsics.size();
@@ -210,8 +216,12 @@ pub(crate) fn decode_head(head: &[u8], length: usize, camera: &Camera) -> Result
     })
 }
 
-/// The image that another is predicted from, and its blocks that could not be read.
-pub(crate) type Reference<'a> = (&'a SampleImage, &'a [Damage]);
+/// The image that another is predicted from.
+pub(crate) struct ReferenceImage<'a> {
+    pub(crate) image: &'a SampleImage,
+    /// Its blocks that could not be read.
+    pub(crate) damage: &'a [Damage],
+}
 
 /// Reads some blocks of an image and adds them to what was read before. `code` gives the code of a block.
 ///
@@ -219,15 +229,15 @@ pub(crate) type Reference<'a> = (&'a SampleImage, &'a [Damage]);
 pub(crate) fn decode<'a>(
     image: &SampleImage,
     head: &ImageHead,
-    reference: Option<Reference>,
+    reference: Option<ReferenceImage>,
     coding: &BlockCoding,
     code: impl Fn(&BlockEntry) -> Result<&'a [u8], String> + Sync,
     blocks: &[&BlockEntry],
 ) -> (SampleImage, Vec<Damage>) {
-    let before = reference.map(|(image, damage)| (image, blocks_of(image), damage));
+    let before = reference.map(|ReferenceImage { image, damage }| (image, blocks_of(image), damage));
     let read = |block: &BlockEntry| -> Result<BlockSamples, String> {
         let before = match &before {
-            Some((_, _, damage)) if damage.iter().any(|(place, _)| *place == block.place) => {
+            Some((_, _, damage)) if damage.iter().any(|damaged| damaged.place == block.place) => {
                 return Err("the block it is predicted from is damaged".to_owned());
             }
             Some((image, blocks, _)) => find(image, blocks, block.place),
@@ -252,7 +262,7 @@ pub(crate) fn decode<'a>(
     for (place, block) in read {
         match block {
             Ok(block) => samples.push(block),
-            Err(what) => damage.push((place, what)),
+            Err(what) => damage.push(Damage { place, what }),
         }
     }
     (assemble(image, head.normals, &samples), damage)
