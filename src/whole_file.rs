@@ -53,9 +53,6 @@ pub(crate) fn beside(path: &Path, suffix: &str) -> Result<NamedTempFile> {
 }
 
 /// Gives a file that was made [`beside`] `path` that name.
-///
-/// # Errors
-/// `Io` naming `path`.
 pub(crate) fn persist(unfinished: TempPath, path: &Path) -> Result<()> {
     unfinished.persist(place_of(path)).map_err(|error| Error::io(path, error.error))
 }

@@ -47,9 +47,6 @@ pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, 
 }
 
 /// Leaves normals out unless they are kept.
-///
-/// # Errors
-/// Where they are to be kept and there are none.
 fn set_normals(samples: &mut SampleSet, are_kept: bool) -> std::result::Result<(), String> {
     if are_kept && samples.images.iter().any(|image| image.normal.is_none()) {
         return Err("cannot have normals: the store holds none; preprocess the capture again, or set store.normals=false".to_owned());

@@ -56,9 +56,6 @@ impl PlacedEntry {
 }
 
 /// All entries in the manifest's order, each with camera and frame.
-///
-/// # Errors
-/// As [`super::open`], for whatever concerns one entry.
 pub(super) fn entries(manifest: &Manifest, path: &Path) -> Result<Vec<PlacedEntry>> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let keys: Vec<Keys> = manifest.frames.iter().map(|entry| entry.keys.clone().or(&manifest.keys)).collect();
@@ -103,15 +100,13 @@ fn picture_files(folder: &Path, entry: &PictureEntry, keys: &Keys, manifest: &Pa
 /// The name of every entry's camera: the manifest's, or one for each distinct pose in order of appearance.
 fn camera_names(keys: &[Keys], poses: &[DAffine3], path: &Path) -> Result<Vec<String>> {
     let named = keys.iter().filter(|keys| keys.camera.is_some()).count();
-    let is_odd = |name: &String| name.contains(char::is_control);
-    if let Some(name) =
-        keys.iter().filter_map(|keys| keys.camera.as_ref()).map(ToString::to_string).find(is_odd)
-    {
+    let mut names = keys.iter().filter_map(|keys| keys.camera.as_ref());
+    if let Some(name) = names.find(|name| name.contains(char::is_control)) {
         let problem = format!("camera {name:?} has control characters in its name; leave them out");
         return Err(Error::invalid(path.display(), problem));
     }
     if named == keys.len() {
-        return Ok(keys.iter().filter_map(|keys| keys.camera.as_ref().map(ToString::to_string)).collect());
+        return Ok(keys.iter().filter_map(|keys| keys.camera.clone()).collect());
     }
     if named > 0 {
         return Err(Error::invalid(
@@ -223,9 +218,6 @@ impl CameraFiles {
     }
 
     /// Looks for every file, so that a missing one is known before hours of work.
-    ///
-    /// # Errors
-    /// `Invalid` naming the first missing file, its camera and its frame.
     pub(super) fn check_files_exist(&self) -> Result<()> {
         self.entries.iter().flatten().try_for_each(|entry| entry.files.check_exist(&entry.place))
     }

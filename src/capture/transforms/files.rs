@@ -110,9 +110,6 @@ impl PictureFiles {
     }
 
     /// Looks for the files.
-    ///
-    /// # Errors
-    /// `Invalid` naming the first that is missing.
     pub(crate) fn check_exist(&self, place: &str) -> Result<()> {
         for (what, path) in
             [("picture", Some(&self.color)), ("depth", self.depth.as_ref()), ("normal", self.normal.as_ref())]
@@ -268,9 +265,6 @@ pub fn picture_places(path: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// The format of a file, by its extension.
-///
-/// # Errors
-/// `Unsupported` for any other.
 pub(crate) fn format_of(path: &Path, place: &str) -> Result<Format> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {

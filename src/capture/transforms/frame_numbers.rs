@@ -102,9 +102,6 @@ fn numbers_by_name(entries: &[PictureEntry], cameras: &[String]) -> Option<Vec<i
 
 /// Refuses cameras whose file names share some numbers and not all, where nothing else numbers the frames: counted by order,
 /// pictures of different frames would be taken for one frame.
-///
-/// # Errors
-/// `Invalid` naming a camera and a number that it lacks.
 pub(crate) fn refuse_gaps(entries: &[PictureEntry], cameras: &[String], path: &Path) -> Result<()> {
     let Some((_, sets)) = numbers_in_names(entries, cameras) else { return Ok(()) };
     let all: BTreeSet<u64> = sets.iter().flat_map(|(_, numbers)| numbers).copied().collect();
@@ -125,9 +122,6 @@ pub(crate) fn refuse_gaps(entries: &[PictureEntry], cameras: &[String], path: &P
 
 /// Refuses views whose times are fractions; where those of their capture are, so that a time of 1 may mean frame 1 or the last one,
 /// all that give a time and no number of a frame.
-///
-/// # Errors
-/// `Invalid` naming the first of them.
 pub(crate) fn refuse_times(manifest: &Manifest, path: &Path, is_ranked: bool) -> Result<()> {
     for (index, entry) in manifest.frames.iter().enumerate() {
         let (own, file) = (&entry.keys, &manifest.keys);

@@ -43,9 +43,6 @@ pub(crate) struct HeaderFacts {
 }
 
 /// Checks the headers of a frame's files.
-///
-/// # Errors
-/// As [`super::load::frame`], but for damage behind the headers.
 pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Result<HeaderFacts> {
     let size = camera.intrinsics.size();
     let mut probe = HeaderFacts { has_normals: files.normal.is_some(), ..HeaderFacts::default() };

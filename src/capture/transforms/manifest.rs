@@ -28,23 +28,18 @@ pub(crate) fn truth_beside(capture: &Path) -> Option<PathBuf> {
     views.is_file().then_some(views)
 }
 
-/// A camera's name; some writers number their cameras.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-#[serde(untagged)]
-pub(super) enum CameraName {
-    /// `"camera": "left"`.
-    Text(String),
-    /// `"camera": 3`.
-    Number(i64),
-}
-
-impl std::fmt::Display for CameraName {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Text(text) => formatter.write_str(text),
-            Self::Number(number) => write!(formatter, "{number}"),
-        }
+/// Reads a camera's name; some writers number their cameras.
+fn camera_name<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum CameraName {
+        Text(String),
+        Number(i64),
     }
+    Ok(Option::<CameraName>::deserialize(deserializer)?.map(|name| match name {
+        CameraName::Text(text) => text,
+        CameraName::Number(number) => number.to_string(),
+    }))
 }
 
 /// Keys of the whole file or of one entry; an entry's wins.
@@ -52,7 +47,8 @@ impl std::fmt::Display for CameraName {
 #[serde(default)]
 pub(super) struct Keys {
     /// Name of the camera.
-    pub camera: Option<CameraName>,
+    #[serde(deserialize_with = "camera_name")]
+    pub camera: Option<String>,
     /// Number of the frame, where there is no `frame`. Fractions (nerfstudio's 0 to 1) are ranked in a capture, and refused in views.
     pub time: Option<f64>,
     /// The same by its other name; always a number of a frame, also where the times of a capture are fractions.
@@ -215,9 +211,6 @@ impl Manifest {
     }
 
     /// Reads a manifest from JSON; `place` is named in errors.
-    ///
-    /// # Errors
-    /// As [`Manifest::read`], but for `Io`.
     pub(super) fn from_json(bytes: &[u8], place: &str) -> Result<Self> {
         // Editors of Windows put a byte-order mark before UTF-8.
         let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);

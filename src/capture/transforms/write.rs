@@ -77,9 +77,6 @@ struct WrittenEntry<'a> {
 }
 
 /// Writes a manifest, which appears only when it is complete.
-///
-/// # Errors
-/// `Io` where it cannot be written.
 fn write_manifest(path: &Path, facts: ManifestFacts, pictures: &[PictureToWrite]) -> Result<()> {
     let frames = pictures.iter().map(|PictureToWrite { file_path, camera, frame_number }| {
         let Intrinsics { width, height, fx, fy, cx, cy } = camera.intrinsics;

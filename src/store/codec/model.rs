@@ -134,9 +134,6 @@ impl FrequencyTables {
     }
 
     /// Tables with which what was counted is coded shortly.
-    ///
-    /// # Errors
-    /// Never for counts that were counted; the tables are checked as those of a file are.
     pub(crate) fn fit(counts: &Counts) -> Result<Self, String> {
         let mut models = Vec::with_capacity(CodedPlane::ALL.len());
         for contexts in &counts.0 {

@@ -220,9 +220,6 @@ impl<R: ReadAt> FormReader<R> {
     }
 
     /// The payload of a chunk that [`FormReader::header_at`] gave, its checksum checked and taken off.
-    ///
-    /// # Errors
-    /// Where the checksum does not match, and where the file refuses.
     pub(crate) fn payload(&self, header: &ChunkHeader) -> Result<Vec<u8>, IffError> {
         let mut payload = self.plain_payload(header, 0..header.length)?;
         let damaged = || {

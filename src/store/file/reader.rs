@@ -128,9 +128,6 @@ impl Store {
 
     /// Reads the visible blocks of an image, or all, given what was read `so_far` and the image it is predicted from, of which the
     /// same blocks were read.
-    ///
-    /// # Errors
-    /// `Io`.
     pub(crate) fn decode(
         &self,
         index: usize,
@@ -331,9 +328,6 @@ impl Store {
     }
 
     /// Checks that chunks follow one another to the end of the file and that the index has every image; gives what is damaged.
-    ///
-    /// # Errors
-    /// `Io`.
     pub(crate) fn check_chunks(&self) -> Result<Vec<String>> {
         let mut damage = Vec::new();
         for header in self.chunk_headers() {

@@ -1,7 +1,5 @@
 //! Conversion between the samples of an image and the blocks of numbers that are coded.
 
-use half::f16;
-
 use super::color_ranks::ColorRanks;
 use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, TILE, TILE_SAMPLES};
 use crate::simd;
@@ -186,14 +184,15 @@ impl BlockCoding<'_> {
         scratch.traversal.traverse(coder, &shape, &mut scratch.pixels, reference);
     }
 
-    /// Decodes the samples of a block.
+    /// Decodes the samples of a block of an image, alone; only the camera and span of `image` are read.
     pub(crate) fn decode(
         &self,
+        image: &SampleImage,
         place: (u16, u16),
         tiles: u16,
         code: &[u8],
         reference: Option<Block<'_>>,
-    ) -> Result<BlockSamples, String> {
+    ) -> Result<SampleImage, String> {
         CodingScratch::with(|scratch| {
             scratch.pixels.clear();
             let reference = reference.map(|block| {
@@ -213,14 +212,20 @@ impl BlockCoding<'_> {
             if !whole {
                 return Err("its code does not end where it should".to_owned());
             }
-            self.gather(place, tiles, pixels)
+            self.gather(image, place, tiles, pixels)
         })
     }
 
     /// Takes the samples of a block from where a traversal left them.
-    fn gather(&self, place: (u16, u16), tiles: u16, pixels: &BlockPixels) -> Result<BlockSamples, String> {
+    fn gather(
+        &self,
+        image: &SampleImage,
+        place: (u16, u16),
+        tiles: u16,
+        pixels: &BlockPixels,
+    ) -> Result<SampleImage, String> {
         let count = pixels.rows.iter().map(|row| row.count_ones() as usize).sum();
-        let mut samples = BlockSamples::with_capacity(tiles.count_ones() as usize, count, self.normals);
+        let mut samples = with_capacity(image, tiles.count_ones() as usize, count, self.normals);
         let mut depths = [0.0; TILE_SAMPLES];
         for inside in (0..TILES * TILES).filter(|inside| tiles >> inside & 1 == 1) {
             let (left, top) = (inside % TILES * TILE, inside / TILES * TILE);
@@ -299,58 +304,42 @@ fn columns(mut mask: u16) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The samples of one block, or of several put together; `first` of its tiles counts from 0.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct BlockSamples {
-    pub(crate) tiles: Vec<SampleTile>,
-    pub(crate) color: Vec<[f16; 3]>,
-    pub(crate) depth: DepthPlane,
-    normal: Option<Vec<OctNormal>>,
+/// An image of the camera and span of another, with room for samples.
+fn with_capacity(like: &SampleImage, tiles: usize, samples: usize, normals: bool) -> SampleImage {
+    SampleImage {
+        camera: like.camera,
+        span: like.span,
+        tiles: Vec::with_capacity(tiles),
+        color: Vec::with_capacity(samples),
+        depth: DepthPlane::with_capacity(tiles, samples),
+        normal: normals.then(|| Vec::with_capacity(samples)),
+    }
 }
 
-impl BlockSamples {
-    fn with_capacity(tiles: usize, samples: usize, normals: bool) -> Self {
-        Self {
-            tiles: Vec::with_capacity(tiles),
-            color: Vec::with_capacity(samples),
-            depth: DepthPlane::with_capacity(tiles, samples),
-            normal: normals.then(|| Vec::with_capacity(samples)),
-        }
-    }
-
-    /// Bits of the smallest and the largest inverse depth.
-    pub(crate) fn depth_bounds(&self) -> (u32, u32) {
-        self.depth.tiles().iter().fold((u32::MAX, 0), |(farthest, nearest), tile| {
-            (farthest.min(tile.farthest), nearest.max(tile.nearest))
-        })
-    }
+/// Bits of the smallest and the largest inverse depth of some samples.
+pub(crate) fn depth_bounds(samples: &SampleImage) -> (u32, u32) {
+    samples.depth.tiles().iter().fold((u32::MAX, 0), |(farthest, nearest), tile| {
+        (farthest.min(tile.farthest), nearest.max(tile.nearest))
+    })
 }
 
 /// Puts blocks together, tiles in their order, with those that an image of the same camera and span has already.
-pub(crate) fn assemble(image: &SampleImage, normals: bool, blocks: &[BlockSamples]) -> SampleImage {
-    /// The tiles, colors, depths and normals that a tile is taken from.
-    type Planes<'a> = (&'a [SampleTile], &'a [[f16; 3]], &'a DepthPlane, Option<&'a [OctNormal]>);
-    let of_image: Planes<'_> = (&image.tiles, &image.color, &image.depth, image.normal.as_deref());
-    let of_blocks = blocks.iter().map(|block| {
-        let BlockSamples { tiles, color, depth, normal } = block;
-        (tiles.as_slice(), color.as_slice(), depth, normal.as_deref())
-    });
-    let parts = std::iter::once(of_image).chain(of_blocks);
-    let mut order: Vec<(&SampleTile, usize, Planes<'_>)> = parts
-        .flat_map(|part| part.0.iter().enumerate().map(move |(index, tile)| (tile, index, part)))
+pub(crate) fn assemble(image: &SampleImage, normals: bool, blocks: &[SampleImage]) -> SampleImage {
+    let parts = std::iter::once(image).chain(blocks);
+    let count = parts.clone().map(SampleImage::len).sum();
+    let mut order: Vec<(&SampleTile, usize, &SampleImage)> = parts
+        .flat_map(|part| part.tiles.iter().enumerate().map(move |(index, tile)| (tile, index, part)))
         .collect();
     order.sort_unstable_by_key(|(tile, ..)| (tile.tile_y, tile.tile_x));
-    let count = image.len() + blocks.iter().map(|block| block.color.len()).sum::<usize>();
-    let mut all = BlockSamples::with_capacity(order.len(), count, normals);
-    for (tile, index, (_, color, depth, normal)) in order {
+    let mut all = with_capacity(image, order.len(), count, normals);
+    for (tile, index, part) in order {
         let samples = tile.first as usize..tile.first as usize + tile.count();
         all.tiles.push(SampleTile { first: all.color.len() as u32, ..*tile });
-        all.color.extend_from_slice(&color[samples.clone()]);
-        all.depth.push_packed(&depth.tile(index, tile.first, samples.len()));
-        if let (Some(all), Some(normal)) = (&mut all.normal, normal) {
+        all.color.extend_from_slice(&part.color[samples.clone()]);
+        all.depth.push_packed(&part.depth.tile(index, tile.first, samples.len()));
+        if let (Some(all), Some(normal)) = (&mut all.normal, &part.normal) {
             all.extend_from_slice(&normal[samples]);
         }
     }
-    let BlockSamples { tiles, color, depth, normal } = all;
-    SampleImage { camera: image.camera, span: image.span, tiles, color, depth, normal }
+    all
 }

@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::blocks::{Block, BlockCoding, BlockSamples, assemble, blocks_of, find, summary};
+use super::blocks::{Block, BlockCoding, assemble, blocks_of, depth_bounds, find, summary};
 use crate::capture::Camera;
 use crate::samples::{SampleImage, TILE};
 use crate::store::codec::{BLOCK, Counts};
@@ -165,9 +165,6 @@ pub(crate) fn encode(
 }
 
 /// Reads a head; `length` is that of the whole payload.
-///
-/// # Errors
-/// Says what is wrong.
 pub(crate) fn decode_head(head: &[u8], length: usize, camera: &Camera) -> Result<ImageHead, String> {
     let Some((checked, stated)) = head.split_last_chunk::<4>() else {
         return Err("it is cut short".to_owned());
@@ -235,7 +232,7 @@ pub(crate) fn decode<'a>(
     blocks: &[&BlockEntry],
 ) -> (SampleImage, Vec<Damage>) {
     let before = reference.map(|ReferenceImage { image, damage }| (image, blocks_of(image), damage));
-    let read = |block: &BlockEntry| -> Result<BlockSamples, String> {
+    let read = |block: &BlockEntry| -> Result<SampleImage, String> {
         let before = match &before {
             Some((_, _, damage)) if damage.iter().any(|damaged| damaged.place == block.place) => {
                 return Err("the block it is predicted from is damaged".to_owned());
@@ -247,8 +244,8 @@ pub(crate) fn decode<'a>(
         if !agree(&block.checksum, crc32fast::hash(code)) {
             return Err("its bytes are damaged".to_owned());
         }
-        let samples = coding.decode(block.place, block.tiles, code, before)?;
-        let (farthest, nearest) = samples.depth_bounds();
+        let samples = coding.decode(image, block.place, block.tiles, code, before)?;
+        let (farthest, nearest) = depth_bounds(&samples);
         let (least, most) = (block.inverse_depth.0.to_bits(), block.inverse_depth.1.to_bits());
         if samples.color.len() != block.samples as usize || farthest < least || nearest > most {
             return Err("it does not hold what its image says".to_owned());

@@ -29,9 +29,6 @@ pub(crate) fn color_room(settings: &StoreSettings, before: Option<&StoreSettings
 }
 
 /// Whether samples that were held to `before` can be held to `settings`: what was left out is not known any more.
-///
-/// # Errors
-/// What cannot be.
 pub(crate) fn check_again(
     settings: &StoreSettings,
     before: &StoreSettings,

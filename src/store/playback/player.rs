@@ -146,9 +146,6 @@ impl Playback {
     }
 
     /// The images whose span contains a frame.
-    ///
-    /// # Errors
-    /// `Invalid` where there is no such frame.
     fn path(&self, frame: usize) -> Result<Vec<usize>> {
         let frames = self.outline.frame_count();
         if frame >= frames {
