@@ -91,28 +91,18 @@ fn table(stage: &mut Builder) {
     for leg in 0..3 {
         let angle = TAU * (f64::from(leg) + 0.25) / 3.0;
         let out = DVec3::new(angle.cos(), angle.sin(), 0.0);
-        stage.add_bar(
-            (place + out * 0.36, place + out * 0.16 + DVec3::Z * 0.43),
-            (0.018, 0.028),
-            turned_wood(),
-        );
+        let ends = (place + out * 0.36, place + out * 0.16 + DVec3::Z * 0.43);
+        stage.add_bar(ends, (0.018, 0.028), turned_wood());
     }
     let top = place + DVec3::Z * 0.458;
     props::books(stage, top + DVec3::new(-0.16, 0.1, 0.0), &[(0x00a8_8c50, 0.6), (0x0038_5038, 0.25)]);
     let clay = two_tone(Pattern::Stripes(0.045), 0x00e0_d4c0, 0x0034_5a70);
     let pot = top + DVec3::new(0.15, -0.05, 0.0);
     stage.add(sphere(0.085), pot + DVec3::Z * 0.08, clay);
-    stage.add_turned(
-        torus(0.05, 0.011),
-        pot + DVec3::new(0.095, 0.0, 0.085),
-        DMat3::from_rotation_x(0.25 * TAU),
-        clay,
-    );
-    stage.add_bar(
-        (pot + DVec3::new(-0.07, 0.0, 0.07), pot + DVec3::new(-0.15, 0.0, 0.13)),
-        (0.02, 0.011),
-        clay,
-    );
+    let (handle, upright) = (pot + DVec3::new(0.095, 0.0, 0.085), DMat3::from_rotation_x(0.25 * TAU));
+    stage.add_turned(torus(0.05, 0.011), handle, upright, clay);
+    let spout = (pot + DVec3::new(-0.07, 0.0, 0.07), pot + DVec3::new(-0.15, 0.0, 0.13));
+    stage.add_bar(spout, (0.02, 0.011), clay);
     stage.add(sphere(0.016), pot + DVec3::Z * 0.175, brass());
 }
 

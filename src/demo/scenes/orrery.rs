@@ -82,11 +82,8 @@ fn furniture(stage: &mut Builder) {
         stage.add(torus(0.045, 0.014), foot + DVec3::Z * 0.58, turned_wood());
     }
     let corner = DVec3::new(-0.92, 0.5, TABLE_TOP_M);
-    props::books(
-        stage,
-        corner,
-        &[(0x0070_2f2a, 0.4), (0x002d_4a5c, -0.15), (0x00a8_8c50, 0.2), (0x0038_5038, -0.3)],
-    );
+    let covers = [(0x0070_2f2a, 0.4), (0x002d_4a5c, -0.15), (0x00a8_8c50, 0.2), (0x0038_5038, -0.3)];
+    props::books(stage, corner, &covers);
     props::globe(stage, DVec3::new(0.94, 0.5, TABLE_TOP_M), 0.15);
     props::hourglass(stage, DVec3::new(-0.96, -0.45, TABLE_TOP_M));
     props::books(stage, DVec3::new(0.93, -0.5, TABLE_TOP_M), &[(0x004c_3a5e, 0.9)]);
@@ -134,12 +131,8 @@ fn outer_arm(stage: &mut Builder, planet: &Planet, root: DVec3, outward: DVec3, 
     if planet.radius == 0.062 {
         let tilt = DMat3::from_rotation_x(0.42);
         let ring = two_tone(Pattern::Grooves(0.018), 0x00d8_c296, 0x0090_7850);
-        stage.add_turned(
-            SolidShape::Ring { inner: 0.082, outer: 0.138, half_height: 0.002 },
-            center,
-            tilt,
-            ring,
-        );
+        let shape = SolidShape::Ring { inner: 0.082, outer: 0.138, half_height: 0.002 };
+        stage.add_turned(shape, center, tilt, ring);
     }
     if planet.radius == 0.042 {
         let (sin, cos) = (TAU * 4.0 * moment).sin_cos();

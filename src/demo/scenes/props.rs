@@ -58,11 +58,8 @@ pub(crate) fn hourglass(stage: &mut Builder, place: DVec3) {
 pub(crate) fn arch(stage: &mut Builder, place: DVec3, (half_width, springing): (f64, f64)) {
     let pillar = block([0.11, 0.13, 0.5 * springing], 0.0);
     for side in [-1.0, 1.0] {
-        stage.add(
-            pillar.clone(),
-            place + DVec3::new(side * (half_width + 0.11), 0.0, 0.5 * springing),
-            brick(),
-        );
+        let pillar_place = place + DVec3::new(side * (half_width + 0.11), 0.0, 0.5 * springing);
+        stage.add(pillar.clone(), pillar_place, brick());
         let capital = block([0.14, 0.16, 0.035], 0.01);
         let capital_place = place + DVec3::new(side * (half_width + 0.11), 0.0, springing + 0.035);
         stage.add(capital, capital_place, marble());
@@ -76,12 +73,8 @@ pub(crate) fn arch(stage: &mut Builder, place: DVec3, (half_width, springing): (
         let tone = [0x00a8_5c42, 0x00b8_7050, 0x0098_523c, 0x00b0_6648][(stone * 7 % 4) as usize];
         let rotation = DMat3::from_cols(outward.cross(DVec3::Y) * -1.0, DVec3::Y, outward);
         let material = Material::new(Pattern::Speckles(0.03), rgb(tone), rgb(tone) * 0.7);
-        stage.add_turned(
-            block([wide, 0.13, 0.11], 0.008),
-            center + outward * (half_width + 0.11),
-            rotation,
-            material,
-        );
+        let stone_place = center + outward * (half_width + 0.11);
+        stage.add_turned(block([wide, 0.13, 0.11], 0.008), stone_place, rotation, material);
     }
     let key = block([0.06, 0.15, 0.15], 0.01);
     stage.add(key, center + DVec3::Z * (half_width + 0.12), marble());
@@ -124,11 +117,8 @@ pub(crate) fn shelf(stage: &mut Builder, place: DVec3, half: DVec3, boards: u32)
         let upright = place + DVec3::new(side * (half.x - 0.015), 0.0, half.z);
         stage.add(block([0.015, half.y, half.z], 0.003), upright, walnut());
     }
-    stage.add(
-        block([half.x, 0.008, half.z], 0.0),
-        place + DVec3::new(0.0, half.y - 0.008, half.z),
-        turned_wood(),
-    );
+    let back = place + DVec3::new(0.0, half.y - 0.008, half.z);
+    stage.add(block([half.x, 0.008, half.z], 0.0), back, turned_wood());
     for board in 0..=boards {
         let z = 0.06 + (2.0 * half.z - 0.075) * f64::from(board) / f64::from(boards);
         stage.add(block([half.x - 0.03, half.y - 0.01, 0.012], 0.003), place + DVec3::Z * z, walnut());
