@@ -19,7 +19,7 @@ use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 use scenes::SceneCameras;
 use tracer::trace::WantedPlanes;
-use tracer::{Builder, RenderNoise, World};
+use tracer::{RenderNoise, World, WorldBuilder};
 
 /// Names and one-line descriptions of the built-in scenes, the default first.
 pub const SCENES: &[(&str, &str)] = &[
@@ -58,7 +58,7 @@ struct DemoScene {
     name: &'static str,
     description: &'static str,
     /// The solids at a moment of the animation, 0 to 1, in the same order at every moment.
-    stage: fn(f64) -> Builder,
+    stage: fn(f64) -> WorldBuilder,
     /// The cameras of the scene and its further viewpoints.
     cameras: fn() -> SceneCameras,
     frames: usize,

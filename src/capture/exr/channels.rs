@@ -11,7 +11,7 @@
 //! | Arnold and plain files | `R…` | `Z` | `N.X…` or `N.R…` | `P.X…` or `P.R…` |
 //! | Unreal | `R…` | `FinalImage…WorldDepth.R` | | |
 
-use super::channel_finder::{Finder, NORMAL_LAYERS, POSITION_LAYERS, RGB};
+use super::channel_finder::{ChannelFinder, NORMAL_LAYERS, POSITION_LAYERS, RGB};
 use crate::error::Result;
 
 /// What the manifest says about channels where names alone do not decide.
@@ -59,7 +59,7 @@ impl ChannelNames {
         wishes: &ChannelWishes,
         place: &'a str,
     ) -> Result<Self> {
-        let finder = Finder::new(full, place);
+        let finder = ChannelFinder::new(full, place);
         let layer = wishes.layer.as_deref().filter(|layer| !wishes.is_apart || finder.has_layer(layer));
         let color_layer = match finder.color_layer(layer) {
             Err(_) if wishes.is_apart => None,
@@ -98,7 +98,7 @@ impl ChannelNames {
         full: impl IntoIterator<Item = &'a str>,
         wishes: &ChannelWishes,
     ) -> String {
-        Finder::new(full, "").advice_on_color(wishes.layer.as_deref())
+        ChannelFinder::new(full, "").advice_on_color(wishes.layer.as_deref())
     }
 }
 

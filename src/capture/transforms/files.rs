@@ -13,7 +13,7 @@ const PNG_UNIT_SCALE: f64 = 1e-3;
 
 /// What pictures may be.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Format {
+pub(crate) enum PictureFormat {
     /// OpenEXR.
     Exr,
     /// PNG.
@@ -265,11 +265,11 @@ pub fn picture_places(path: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// The format of a file, by its extension.
-pub(crate) fn format_of(path: &Path, place: &str) -> Result<Format> {
+pub(crate) fn format_of(path: &Path, place: &str) -> Result<PictureFormat> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
-        "exr" => Ok(Format::Exr),
-        "png" => Ok(Format::Png),
+        "exr" => Ok(PictureFormat::Exr),
+        "png" => Ok(PictureFormat::Png),
         other => Err(Error::unsupported(
             place,
             format!("pictures of type '{other}' are not supported; convert them to EXR or PNG"),

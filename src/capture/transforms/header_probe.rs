@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::files::{Format, PictureFiles, format_of};
+use super::files::{PictureFiles, PictureFormat, format_of};
 use super::load::{ExrPicture, no_depth, normals_of_own, open_normal_file, place_of_depth, place_of_normals};
 use super::png;
 use crate::capture::camera::Camera;
@@ -17,8 +17,8 @@ pub(crate) fn picture_size(path: &Path, place: &str) -> Result<(usize, usize)> {
         return Err(Error::invalid(place, what));
     }
     match format {
-        Format::Png => png::size(path, place),
-        Format::Exr => {
+        PictureFormat::Png => png::size(path, place),
+        PictureFormat::Exr => {
             let window = ExrFile::open(path, place)?.window(None)?;
             Ok((window.width, window.height))
         }
@@ -27,7 +27,7 @@ pub(crate) fn picture_size(path: &Path, place: &str) -> Result<(usize, usize)> {
 
 /// Width of a pixel over its height by the picture's header; 1 where it states none.
 pub(crate) fn pixel_aspect(path: &Path) -> f64 {
-    let is_exr = format_of(path, "").is_ok_and(|format| format == Format::Exr);
+    let is_exr = format_of(path, "").is_ok_and(|format| format == PictureFormat::Exr);
     is_exr.then(|| ExrFile::pixel_aspect(path)).flatten().unwrap_or(1.0)
 }
 
@@ -48,9 +48,9 @@ pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
     let mut probe = HeaderFacts { has_normals: files.normal.is_some(), ..HeaderFacts::default() };
     let mut kind = None;
     match format_of(&files.color, place)? {
-        Format::Png if files.depth.is_none() => return Err(no_depth(place)),
-        Format::Png => png::check(&files.color, place, size)?,
-        Format::Exr => {
+        PictureFormat::Png if files.depth.is_none() => return Err(no_depth(place)),
+        PictureFormat::Png => png::check(&files.color, place, size)?,
+        PictureFormat::Exr => {
             let picture = ExrPicture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
             picture.color()?;
             if files.depth.is_none() {
@@ -75,7 +75,7 @@ pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
 /// Checks the header of a file of depth, and gives the kind of its values.
 fn probe_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthKind> {
     let place = &place_of_depth(path, place);
-    if format_of(path, place)? == Format::Exr {
+    if format_of(path, place)? == PictureFormat::Exr {
         let picture = ExrPicture::open(path, files, files.wishes_of_depth_file(), camera, place)?;
         return Ok(picture.depth()?.kind());
     }

@@ -39,7 +39,7 @@ use super::{Capture, CaptureParts, TruthView};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 use cameras::CameraFiles;
-use load::Need;
+use load::NeededPlanes;
 use manifest::{Keys, Manifest};
 use source::FileSource;
 
@@ -107,7 +107,8 @@ pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<TruthVi
             let camera = same_camera::without_rounding(&mut known, entry.camera()?);
             let truth = entry.files.color.is_file().then(|| {
                 let (files, camera, place) = (entry.files.clone(), camera.clone(), entry.place.clone());
-                Arc::new(move || load::frame(&files, &camera, &place, Need::ColorOnly)) as super::TruthLoader
+                Arc::new(move || load::frame(&files, &camera, &place, NeededPlanes::ColorOnly))
+                    as super::TruthLoader
             });
             Ok(TruthView { file_path: entry.file_path, camera, frame_number: entry.number, truth })
         })

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::cameras::{CameraFiles, PlacedEntry};
-use super::files::{Format, PictureFiles, format_of};
+use super::files::{PictureFiles, PictureFormat, format_of};
 use super::load::{DecodedPlanes, DepthChannels, ExrPicture};
 use crate::capture::camera::Camera;
 use crate::capture::exr::{DepthKind, median};
@@ -54,7 +54,7 @@ fn distance(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Option
         Some(path) => (path, files.wishes_of_depth_file()),
         None => (&files.color, files.wishes_of_color_file()),
     };
-    if !files.leaves_depth_open() || format_of(path, place)? != Format::Exr {
+    if !files.leaves_depth_open() || format_of(path, place)? != PictureFormat::Exr {
         return Ok(None);
     }
     let picture = ExrPicture::open(path, files, wishes, camera, place)?;

@@ -2,7 +2,7 @@
 
 use super::cameras::CameraFiles;
 use super::header_probe::{HeaderFacts, probe};
-use super::load::{self, Need};
+use super::load::{self, NeededPlanes};
 use crate::capture::FrameSource;
 use crate::capture::frame::Frame;
 use crate::error::Result;
@@ -18,7 +18,7 @@ pub(super) struct FileSource {
 impl FrameSource for FileSource {
     fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
         let entry = &self.recording.entries[camera][frame];
-        let need = Need::Geometry { normals: self.has_normals };
+        let need = NeededPlanes::Geometry { normals: self.has_normals };
         load::frame(&entry.files, &self.recording.cameras[camera], &entry.place, need)
     }
 

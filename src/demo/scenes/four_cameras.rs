@@ -12,15 +12,16 @@ use super::camera_arcs::{SceneCameras, vantage};
 use super::materials::{brass, dark_brass, marble, plaster, rgb, slate, turned_wood, two_tone, walnut};
 use super::props;
 use crate::demo::tracer::{
-    Builder, Light, Material, Pattern, SolidShape, block, cone, cylinder, hash, sphere, torus, upright_to,
+    Light, Material, Pattern, SolidShape, WorldBuilder, block, cone, cylinder, hash, sphere, torus,
+    upright_to,
 };
 
 const BENCH_TOP_M: f64 = 0.9;
 const SLAB_TOP_M: f64 = BENCH_TOP_M + 0.06;
 
 /// The scene at a moment, 0 to 1: the crystals grow from first to last, the ball's bounces close a loop.
-pub(crate) fn stage(moment: f64) -> Builder {
-    let mut stage = Builder::new(Light {
+pub(crate) fn stage(moment: f64) -> WorldBuilder {
+    let mut stage = WorldBuilder::new(Light {
         to_sun: DVec3::new(-0.36, -0.3, 0.95).normalize_or_zero(),
         sun: Vec3::new(0.95, 0.88, 0.76),
         sun_spread: 0.04,
@@ -38,7 +39,7 @@ pub(crate) fn stage(moment: f64) -> Builder {
     stage
 }
 
-fn laboratory(stage: &mut Builder) {
+fn laboratory(stage: &mut WorldBuilder) {
     let floor = two_tone(Pattern::Tiles(0.35), 0x00b8_b4aa, 0x0070_7478);
     stage.add(block([3.5, 3.5, 0.1], 0.0), DVec3::new(0.0, 0.0, -0.1), floor);
     let glazed = two_tone(Pattern::Bricks(0.1), 0x00ca_d6cc, 0x008a_968e);
@@ -64,7 +65,7 @@ fn laboratory(stage: &mut Builder) {
     props::books(stage, DVec3::new(0.83, 0.33, BENCH_TOP_M), &[(0x002d_4a5c, 0.3), (0x0070_2f2a, 0.7)]);
 }
 
-fn jars(stage: &mut Builder, place: DVec3) {
+fn jars(stage: &mut WorldBuilder, place: DVec3) {
     for (index, color) in [0x0030_7080, 0x00c0_8030, 0x0080_3848, 0x0050_7040].into_iter().enumerate() {
         let foot = place + DVec3::X * (0.15 * index as f64);
         let glaze = two_tone(Pattern::Stripes(0.07), color, 0x00e0_d8c4);
@@ -74,7 +75,7 @@ fn jars(stage: &mut Builder, place: DVec3) {
     }
 }
 
-fn glassware(stage: &mut Builder) {
+fn glassware(stage: &mut WorldBuilder) {
     let glass = |tint: u32| Material::new(Pattern::Clouds(0.08), rgb(tint), rgb(tint) * 1.15);
     let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, BENCH_TOP_M + z);
     stage.add(cone(0.09, 0.024, 0.085), at(-0.22, 0.46, 0.085), glass(0x0068_a0a8));
@@ -96,7 +97,7 @@ fn glassware(stage: &mut Builder) {
 }
 
 /// A model of a molecule: balls and sticks on a stand.
-fn molecule(stage: &mut Builder, place: DVec3) {
+fn molecule(stage: &mut WorldBuilder, place: DVec3) {
     stage.add(cone(0.09, 0.07, 0.015), place + DVec3::Z * 0.015, turned_wood());
     let center = place + DVec3::Z * 0.3;
     stage.add_bar((place, center), (0.008, 0.008), brass());
@@ -133,7 +134,7 @@ pub(crate) fn crystal(radius: f64, height: f64) -> SolidShape {
 }
 
 /// A cluster around `place` in which one crystal after the other starts to grow.
-fn crystals(stage: &mut Builder, place: DVec3, moment: f64) {
+fn crystals(stage: &mut WorldBuilder, place: DVec3, moment: f64) {
     for index in 0..13_i32 {
         let random = |salt: i32| f64::from(hash(index, salt, 5));
         let start = 0.045 * f64::from(index);
@@ -152,7 +153,7 @@ fn crystals(stage: &mut Builder, place: DVec3, moment: f64) {
     }
 }
 
-fn ball(stage: &mut Builder, moment: f64) {
+fn ball(stage: &mut WorldBuilder, moment: f64) {
     let beat = (12.0 * moment).fract();
     let height = 0.08 * 4.0 * beat * (1.0 - beat);
     let center = DVec3::new(0.72, -0.16, BENCH_TOP_M + 0.024 + 0.03 + height);

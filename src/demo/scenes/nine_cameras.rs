@@ -10,14 +10,14 @@ use super::materials::{
     brass, dark_brass, map_canvas, marble, oak, plaster, rgb, turned_wood, two_tone, walnut,
 };
 use super::props;
-use crate::demo::tracer::{Builder, Light, Material, Pattern, block, cone, cylinder, sphere, torus};
+use crate::demo::tracer::{Light, Material, Pattern, WorldBuilder, block, cone, cylinder, sphere, torus};
 
 const TRACK_CENTER: DVec3 = DVec3::new(0.25, -0.35, 0.0);
 const TRACK_RADIUS_M: f64 = 0.8;
 
 /// The scene at a moment of its loop, 0 to 1.
-pub(crate) fn stage(moment: f64) -> Builder {
-    let mut stage = Builder::new(Light {
+pub(crate) fn stage(moment: f64) -> WorldBuilder {
+    let mut stage = WorldBuilder::new(Light {
         to_sun: DVec3::new(0.62, -0.42, 0.78).normalize_or_zero(),
         sun: Vec3::new(0.98, 0.86, 0.66),
         sun_spread: 0.05,
@@ -36,7 +36,7 @@ pub(crate) fn stage(moment: f64) -> Builder {
     stage
 }
 
-fn room(stage: &mut Builder) {
+fn room(stage: &mut WorldBuilder) {
     stage.add(block([3.2, 3.2, 0.1], 0.0), DVec3::new(0.0, 0.0, -0.1), oak());
     stage.add(block([2.6, 0.1, 1.35], 0.0), DVec3::new(0.0, 2.1, 1.35), plaster(0x00a9_b6a6));
     stage.add(block([0.1, 2.2, 1.35], 0.0), DVec3::new(-2.5, 0.0, 1.35), plaster(0x00d4_c4a4));
@@ -49,7 +49,7 @@ fn room(stage: &mut Builder) {
     props::plant(stage, DVec3::new(-2.0, 1.6, 0.0), 26);
 }
 
-fn sofa(stage: &mut Builder) {
+fn sofa(stage: &mut WorldBuilder) {
     let cloth = two_tone(Pattern::Weave(0.03), 0x0030_5862, 0x004c_7a84);
     let cushion = two_tone(Pattern::Checker(0.09), 0x00d8_a048, 0x00b4_7430);
     let at = |x: f64, y: f64, z: f64| DVec3::new(-0.35 + x, 1.4 + y, z);
@@ -66,7 +66,7 @@ fn sofa(stage: &mut Builder) {
     }
 }
 
-fn shelf(stage: &mut Builder) {
+fn shelf(stage: &mut WorldBuilder) {
     let place = DVec3::new(1.45, 1.78, 0.0);
     props::shelf(stage, place, DVec3::new(0.6, 0.17, 0.85), 4);
     let covers = [0x0070_2f2a, 0x002d_4a5c, 0x00a8_8c50, 0x0038_5038, 0x004c_3a5e, 0x008a_4a30, 0x0028_3440];
@@ -84,7 +84,7 @@ fn shelf(stage: &mut Builder) {
     props::books(stage, board(0.0, 0.2) - DVec3::Y * 0.02, &[(0x0070_2f2a, 1.4), (0x002d_4a5c, 1.7)]);
 }
 
-fn table(stage: &mut Builder) {
+fn table(stage: &mut WorldBuilder) {
     let place = DVec3::new(0.25, -0.35, 0.0);
     stage.add(cylinder(0.42, 0.018), place + DVec3::Z * 0.44, walnut());
     stage.add(torus(0.42, 0.018), place + DVec3::Z * 0.44, dark_brass());
@@ -106,7 +106,7 @@ fn table(stage: &mut Builder) {
     stage.add(sphere(0.016), pot + DVec3::Z * 0.175, brass());
 }
 
-fn pendulum_clock(stage: &mut Builder, moment: f64) {
+fn pendulum_clock(stage: &mut WorldBuilder, moment: f64) {
     let place = DVec3::new(-2.26, -0.15, 0.0);
     stage.add(block([0.13, 0.22, 0.1], 0.01), place + DVec3::Z * 0.1, walnut());
     stage.add(block([0.03, 0.18, 0.75], 0.005), place + DVec3::new(-0.09, 0.0, 0.9), turned_wood());
@@ -132,7 +132,7 @@ fn pendulum_clock(stage: &mut Builder, moment: f64) {
     stage.add_turned(cylinder(0.075, 0.012), bob, upright, brass());
 }
 
-fn railway(stage: &mut Builder, moment: f64) {
+fn railway(stage: &mut WorldBuilder, moment: f64) {
     let rail = Material::plain(rgb(0x0078_7c84));
     for side in [-0.04, 0.04] {
         let place = TRACK_CENTER + DVec3::Z * 0.034;
@@ -151,7 +151,7 @@ fn railway(stage: &mut Builder, moment: f64) {
 }
 
 /// A carriage of the train at an angle on the track; the first is the engine.
-fn carriage(stage: &mut Builder, angle: f64, is_engine: bool, color: u32) {
+fn carriage(stage: &mut WorldBuilder, angle: f64, is_engine: bool, color: u32) {
     let rotation = DMat3::from_rotation_z(angle);
     let to_world = |x: f64, y: f64, z: f64| {
         TRACK_CENTER + rotation * (DVec3::X * TRACK_RADIUS_M + DVec3::new(x, y, z + 0.04))

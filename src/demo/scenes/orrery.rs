@@ -10,7 +10,7 @@ use super::materials::{
 };
 use super::props;
 use crate::demo::tracer::{
-    Builder, Lamp, Light, Material, Pattern, SolidShape, block, cone, cylinder, sphere, torus,
+    Lamp, Light, Material, Pattern, SolidShape, WorldBuilder, block, cone, cylinder, sphere, torus,
 };
 
 const TABLE_TOP_M: f64 = 0.76;
@@ -38,8 +38,8 @@ fn planets() -> [Planet; 5] {
 }
 
 /// The scene at a moment of its loop, 0 to 1.
-pub(crate) fn stage(moment: f64) -> Builder {
-    let mut stage = Builder::new(Light {
+pub(crate) fn stage(moment: f64) -> WorldBuilder {
+    let mut stage = WorldBuilder::new(Light {
         to_sun: DVec3::new(0.42, -0.55, 0.83).normalize_or_zero(),
         sun: Vec3::new(0.98, 0.88, 0.7),
         sun_spread: 0.045,
@@ -55,7 +55,7 @@ pub(crate) fn stage(moment: f64) -> Builder {
     stage
 }
 
-fn set(stage: &mut Builder) {
+fn set(stage: &mut WorldBuilder) {
     let floor = two_tone(Pattern::Tiles(0.4), 0x00c8_bca6, 0x0086_7c70);
     stage.add(block([4.0, 4.0, 0.1], 0.0), DVec3::new(0.0, 0.0, -0.1), floor);
     let wall = block([2.3, 0.1, 1.3], 0.0);
@@ -71,7 +71,7 @@ fn set(stage: &mut Builder) {
     props::frame(stage, DVec3::new(-0.75, 1.79, 1.65), (0.34, 0.26), map_canvas());
 }
 
-fn furniture(stage: &mut Builder) {
+fn furniture(stage: &mut WorldBuilder) {
     let top = block([1.2, 0.82, 0.03], 0.015);
     stage.add(top, DVec3::new(0.0, 0.0, TABLE_TOP_M - 0.03), walnut());
     let apron = block([1.08, 0.7, 0.05], 0.0);
@@ -90,7 +90,7 @@ fn furniture(stage: &mut Builder) {
     stage.add(sphere(0.045), DVec3::new(0.93, -0.48, TABLE_TOP_M + 0.095), slate());
 }
 
-fn instrument(stage: &mut Builder, moment: f64) {
+fn instrument(stage: &mut WorldBuilder, moment: f64) {
     let at = |z: f64| DVec3::new(0.0, 0.0, TABLE_TOP_M + z);
     stage.add(cylinder(0.19, 0.02), at(0.02), turned_wood());
     stage.add(torus(0.165, 0.018), at(0.045), brass());
@@ -110,7 +110,7 @@ fn instrument(stage: &mut Builder, moment: f64) {
 }
 
 /// A planet on its arm, which leaves the column `height` meters above the table.
-fn arm(stage: &mut Builder, planet: &Planet, height: f64, moment: f64) {
+fn arm(stage: &mut WorldBuilder, planet: &Planet, height: f64, moment: f64) {
     let turn = TAU * (planet.start + planet.revolutions * moment);
     let outward = DVec3::new(turn.cos(), turn.sin(), 0.0);
     let root = DVec3::new(0.0, 0.0, TABLE_TOP_M + height);
@@ -119,7 +119,7 @@ fn arm(stage: &mut Builder, planet: &Planet, height: f64, moment: f64) {
 }
 
 /// What of an arm turns about its `root`, toward `outward`.
-fn outer_arm(stage: &mut Builder, planet: &Planet, root: DVec3, outward: DVec3, moment: f64) {
+fn outer_arm(stage: &mut WorldBuilder, planet: &Planet, root: DVec3, outward: DVec3, moment: f64) {
     let elbow = root + outward * planet.orbit;
     let center = DVec3::new(elbow.x, elbow.y, SUN.z);
     stage.add_bar((root - outward * 0.09, elbow), (0.007, 0.006), brass());
@@ -144,7 +144,7 @@ fn outer_arm(stage: &mut Builder, planet: &Planet, root: DVec3, outward: DVec3, 
 }
 
 /// A gear of the given radius whose teeth are blocks.
-fn gear(stage: &mut Builder, center: DVec3, radius: f64, teeth: usize, turns: f64) {
+fn gear(stage: &mut WorldBuilder, center: DVec3, radius: f64, teeth: usize, turns: f64) {
     stage.add(cylinder(radius - 0.006, 0.006), center, brass());
     for tooth in 0..teeth {
         let angle = TAU * (tooth as f64 / teeth as f64 + turns);
@@ -156,7 +156,7 @@ fn gear(stage: &mut Builder, center: DVec3, radius: f64, teeth: usize, turns: f6
 }
 
 /// The graduated ring around the instrument, on four feet.
-fn zodiac_ring(stage: &mut Builder) {
+fn zodiac_ring(stage: &mut WorldBuilder) {
     let ring = two_tone(Pattern::Checker(0.045), 0x00e4_d6b4, 0x0030_3c54);
     let center = DVec3::new(0.0, 0.0, TABLE_TOP_M + 0.05);
     stage.add(SolidShape::Ring { inner: 0.705, outer: 0.765, half_height: 0.006 }, center, ring);

@@ -5,10 +5,12 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 
 use super::materials::{book, brass, brick, dark_brass, marble, plaster, rgb, turned_wood, two_tone, walnut};
-use crate::demo::tracer::{Builder, Material, Pattern, block, cone, cylinder, sphere, torus, upright_to};
+use crate::demo::tracer::{
+    Material, Pattern, WorldBuilder, block, cone, cylinder, sphere, torus, upright_to,
+};
 
 /// A stack of books on `place`: cover color and turn (radians) of each, from the lowest.
-pub(crate) fn books(stage: &mut Builder, place: DVec3, covers: &[(u32, f64)]) {
+pub(crate) fn books(stage: &mut WorldBuilder, place: DVec3, covers: &[(u32, f64)]) {
     let mut height = 0.0;
     for (index, (cover, turn)) in covers.iter().enumerate() {
         let half = DVec3::new(
@@ -24,7 +26,7 @@ pub(crate) fn books(stage: &mut Builder, place: DVec3, covers: &[(u32, f64)]) {
 }
 
 /// A globe of the given radius on a turned foot, with its brass meridian.
-pub(crate) fn globe(stage: &mut Builder, place: DVec3, radius: f64) {
+pub(crate) fn globe(stage: &mut WorldBuilder, place: DVec3, radius: f64) {
     let center = place + DVec3::Z * (radius + 0.11);
     let tilt = DMat3::from_rotation_y(0.41);
     let earth = two_tone(Pattern::Continents(radius as f32), 0x002c_6088, 0x0056_7a3c);
@@ -39,7 +41,7 @@ pub(crate) fn globe(stage: &mut Builder, place: DVec3, radius: f64) {
 }
 
 /// An hourglass whose sand has run through.
-pub(crate) fn hourglass(stage: &mut Builder, place: DVec3) {
+pub(crate) fn hourglass(stage: &mut WorldBuilder, place: DVec3) {
     let sand = two_tone(Pattern::Speckles(0.012), 0x00d8_b888, 0x00a8_8050);
     for z in [0.008, 0.232] {
         stage.add(cylinder(0.07, 0.008), place + DVec3::Z * z, turned_wood());
@@ -55,7 +57,7 @@ pub(crate) fn hourglass(stage: &mut Builder, place: DVec3) {
 }
 
 /// A brick arch against a wall at `place`: `(half width, height of its springing)`, m.
-pub(crate) fn arch(stage: &mut Builder, place: DVec3, (half_width, springing): (f64, f64)) {
+pub(crate) fn arch(stage: &mut WorldBuilder, place: DVec3, (half_width, springing): (f64, f64)) {
     let pillar = block([0.11, 0.13, 0.5 * springing], 0.0);
     for side in [-1.0, 1.0] {
         let pillar_place = place + DVec3::new(side * (half_width + 0.11), 0.0, 0.5 * springing);
@@ -81,14 +83,14 @@ pub(crate) fn arch(stage: &mut Builder, place: DVec3, (half_width, springing): (
 }
 
 /// A rug with the given half extents (x, y).
-pub(crate) fn rug(stage: &mut Builder, place: DVec3, (x, y): (f64, f64)) {
+pub(crate) fn rug(stage: &mut WorldBuilder, place: DVec3, (x, y): (f64, f64)) {
     let pattern = Pattern::Rug(x as f32, y as f32);
     let material = Material::new(pattern, rgb(0x007c_2c2c), rgb(0x0028_3a54));
     stage.add(block([x, y, 0.008], 0.0), place + DVec3::Z * 0.008, material);
 }
 
 /// A fluted stone plinth of the given height.
-pub(crate) fn plinth(stage: &mut Builder, place: DVec3, height: f64) {
+pub(crate) fn plinth(stage: &mut WorldBuilder, place: DVec3, height: f64) {
     let stone = plaster(0x00cc_c2b0);
     stage.add(block([0.24, 0.24, 0.05], 0.01), place + DVec3::Z * 0.05, stone);
     stage.add(block([0.24, 0.24, 0.03], 0.01), place + DVec3::Z * (height - 0.03), stone);
@@ -103,7 +105,7 @@ pub(crate) fn plinth(stage: &mut Builder, place: DVec3, height: f64) {
 }
 
 /// A framed canvas with the given half extents (x, z), on a wall that faces −y.
-pub(crate) fn frame(stage: &mut Builder, place: DVec3, (x, z): (f64, f64), canvas: Material) {
+pub(crate) fn frame(stage: &mut WorldBuilder, place: DVec3, (x, z): (f64, f64), canvas: Material) {
     stage.add(block([x, 0.012, z], 0.0), place, canvas);
     for side in [-1.0, 1.0] {
         stage.add(block([0.025, 0.025, z + 0.025], 0.008), place + DVec3::X * (side * x), dark_brass());
@@ -112,7 +114,7 @@ pub(crate) fn frame(stage: &mut Builder, place: DVec3, (x, z): (f64, f64), canva
 }
 
 /// A chest of open shelves, `half` its half extents, its back toward +y.
-pub(crate) fn shelf(stage: &mut Builder, place: DVec3, half: DVec3, boards: u32) {
+pub(crate) fn shelf(stage: &mut WorldBuilder, place: DVec3, half: DVec3, boards: u32) {
     for side in [-1.0, 1.0] {
         let upright = place + DVec3::new(side * (half.x - 0.015), 0.0, half.z);
         stage.add(block([0.015, half.y, half.z], 0.003), upright, walnut());
@@ -126,7 +128,7 @@ pub(crate) fn shelf(stage: &mut Builder, place: DVec3, half: DVec3, boards: u32)
 }
 
 /// Upright books along x, from `place`: as many as there are colors, with their spines toward −y.
-pub(crate) fn book_row(stage: &mut Builder, place: DVec3, covers: &[u32]) {
+pub(crate) fn book_row(stage: &mut WorldBuilder, place: DVec3, covers: &[u32]) {
     let mut x = 0.0;
     for (index, cover) in covers.iter().enumerate() {
         let thick = 0.014 + 0.004 * ((index * 7) % 4) as f64;
@@ -142,7 +144,7 @@ pub(crate) fn book_row(stage: &mut Builder, place: DVec3, covers: &[u32]) {
 }
 
 /// A potted plant with leaves in a spiral.
-pub(crate) fn plant(stage: &mut Builder, place: DVec3, leaves: u32) {
+pub(crate) fn plant(stage: &mut WorldBuilder, place: DVec3, leaves: u32) {
     let clay = two_tone(Pattern::Stripes(0.09), 0x00b8_6a48, 0x00d0_8a62);
     stage.add(cone(0.12, 0.17, 0.16), place + DVec3::Z * 0.16, clay);
     let soil = Material::plain(rgb(0x0034_261c));

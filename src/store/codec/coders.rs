@@ -6,9 +6,9 @@ use super::model::{CodedPlane, Counts, FrequencyTables, MASK_CONTEXTS, MaskSplit
 use super::rans::{Decoder, RansEncoder};
 
 /// Counts tokens, so that a model can be fitted.
-pub(crate) struct Counter<'a>(pub &'a mut Counts);
+pub(crate) struct TokenCounter<'a>(pub &'a mut Counts);
 
-impl Coder for Counter<'_> {
+impl Coder for TokenCounter<'_> {
     fn has_sample(&mut self, _: usize, context: usize, value: bool) -> bool {
         self.0.add(CodedPlane::Mask, context, u32::from(value));
         value

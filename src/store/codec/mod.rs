@@ -13,6 +13,6 @@ mod rans;
 mod table_fit;
 
 pub(crate) use block_traversal::{BlockShape, BlockTraversal, Coder};
-pub(crate) use coders::{Counter, ModelReader, ModelWriter, PlainReader, PlainWriter};
+pub(crate) use coders::{ModelReader, ModelWriter, PlainReader, PlainWriter, TokenCounter};
 pub(crate) use model::{Counts, FrequencyTables};
 pub(crate) use neighborhood::{BLOCK, BlockPixels, cell};

@@ -12,7 +12,7 @@ use crate::store::container::{
 };
 
 /// The payloads of the chunks that say what a store holds.
-pub(crate) struct Chunks {
+pub(crate) struct InfoChunks {
     pub(crate) version: (u16, u16),
     payloads: BTreeMap<ChunkId, Vec<u8>>,
 }
@@ -20,7 +20,7 @@ pub(crate) struct Chunks {
 /// Chunks that every store has once.
 pub(crate) const REQUIRED: [ChunkId; 7] = [HEAD, SETTINGS, REPORT, PROVENANCE, PALETTE, MODEL, INDEX];
 
-impl Chunks {
+impl InfoChunks {
     /// Walks over the file until all are found, skipping images and unknown chunks.
     pub(crate) fn collect(form: &FormReader<Box<dyn ReadAt>>, path: &Path) -> Result<Self> {
         let iff = |error| from_iff(path, error);

@@ -18,7 +18,7 @@ const MAX_TOTAL_PIXELS: usize = 1 << 34;
 const RIGID_TOLERANCE: f64 = 1e-3;
 
 /// What `HEAD` says.
-pub(crate) struct Head {
+pub(crate) struct HeadChunk {
     pub(crate) name: String,
     pub(crate) up_in_world: DVec3,
     pub(crate) cameras: Vec<Camera>,
@@ -76,7 +76,7 @@ pub(crate) fn encode_head(samples: &SampleSet) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-pub(crate) fn decode_head(bytes: &[u8]) -> Result<Head, String> {
+pub(crate) fn decode_head(bytes: &[u8]) -> Result<HeadChunk, String> {
     let mut reader = ByteReader::new(bytes);
     let _version = (reader.u16()?, reader.u16()?);
     let name = reader.text()?;
@@ -105,7 +105,7 @@ pub(crate) fn decode_head(bytes: &[u8]) -> Result<Head, String> {
     if !frame_numbers.is_sorted_by(|a, b| a < b) {
         return Err("the frame numbers do not ascend".to_owned());
     }
-    Ok(Head { name, up_in_world, cameras, frame_numbers })
+    Ok(HeadChunk { name, up_in_world, cameras, frame_numbers })
 }
 
 /// Whether a name would break a line or steer a terminal.

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::chunks::{Chunks, decode_settings, in_chunk};
-use super::header::{Head, ImageEntry, decode_head, decode_index};
+use super::chunks::{InfoChunks, decode_settings, in_chunk};
+use super::header::{HeadChunk, ImageEntry, decode_head, decode_index};
 use super::provenance::Provenance;
 use crate::capture::Camera;
 use crate::error::Result;
@@ -44,8 +44,8 @@ pub struct StoreInfo {
 
 impl StoreInfo {
     /// Takes it from the chunks of a store of `bytes` bytes.
-    pub(super) fn decode(chunks: &Chunks, bytes: u64, path: &Path) -> Result<Self> {
-        let Head { name, up_in_world, cameras, frame_numbers } =
+    pub(super) fn decode(chunks: &InfoChunks, bytes: u64, path: &Path) -> Result<Self> {
+        let HeadChunk { name, up_in_world, cameras, frame_numbers } =
             decode_head(chunks.get(HEAD)).map_err(|what| in_chunk(path, HEAD, what))?;
         let (settings, warnings) =
             decode_settings(chunks.get(SETTINGS)).map_err(|what| in_chunk(path, SETTINGS, what))?;

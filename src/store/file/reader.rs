@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::chunks::{Chunks, REQUIRED, from_iff, in_chunk};
+use super::chunks::{InfoChunks, REQUIRED, from_iff, in_chunk};
 use super::header::{ImageEntry, chain};
 use super::info::StoreInfo;
 use crate::error::{Error, Result};
@@ -73,7 +73,7 @@ impl Store {
     /// As [`Store::open`].
     pub fn over(path: &Path, source: Box<dyn ReadAt>) -> Result<Self> {
         let form = FormReader::open(source, STORE).map_err(|error| from_iff(path, error))?;
-        let chunks = Chunks::collect(&form, path)?;
+        let chunks = InfoChunks::collect(&form, path)?;
         let info = StoreInfo::decode(&chunks, form.size(), path)?;
         let palette =
             ColorRanks::decode(chunks.get(PALETTE)).map_err(|what| in_chunk(path, PALETTE, what))?;

@@ -22,7 +22,7 @@ use crate::store::codec::{Counts, FrequencyTables};
 use crate::store::container::{
     ChunkId, FormWriter, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE,
 };
-use crate::store::image::{self, BlockCoding, ColorRanks, Used};
+use crate::store::image::{self, BlockCoding, ColorRanks, UsedColors};
 use crate::whole_file;
 
 /// Images that are encoded at a time: enough for every thread, few enough to be held in memory.
@@ -173,7 +173,7 @@ impl Input<'_> {
     /// The colors that occur, as far as the settings leave them apart; checks every image.
     fn palette(&self) -> Result<ColorRanks> {
         let cameras = &self.samples.cameras;
-        let used = (0..self.images.len()).into_par_iter().try_fold(Used::new, |mut used, index| {
+        let used = (0..self.images.len()).into_par_iter().try_fold(UsedColors::new, |mut used, index| {
             self.job.check()?;
             let image = &*self.images.get(index)?;
             image::check(image, cameras, self.samples.frame_count()).map_err(|what| {
@@ -182,7 +182,7 @@ impl Input<'_> {
             used.add(image);
             Ok(used)
         });
-        let used = used.try_reduce(Used::new, |used, more| Ok::<_, Error>(used.plus(&more)))?;
+        let used = used.try_reduce(UsedColors::new, |used, more| Ok::<_, Error>(used.plus(&more)))?;
         Ok(ColorRanks::within(&used, self.color_room()))
     }
 

@@ -4,8 +4,8 @@ use super::color_ranks::ColorRanks;
 use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, TILE, TILE_SAMPLES};
 use crate::simd;
 use crate::store::codec::{
-    BLOCK, BlockPixels, BlockShape, BlockTraversal, Coder, Counter, Counts, FrequencyTables, ModelReader,
-    ModelWriter, PlainReader, PlainWriter, cell,
+    BLOCK, BlockPixels, BlockShape, BlockTraversal, Coder, Counts, FrequencyTables, ModelReader, ModelWriter,
+    PlainReader, PlainWriter, TokenCounter, cell,
 };
 
 /// Tiles across a block, and down.
@@ -150,7 +150,7 @@ impl BlockCoding<'_> {
 
     /// Counts the tokens of a block.
     pub(crate) fn count(&self, block: Block<'_>, reference: Option<Block<'_>>, counts: &mut Counts) {
-        CodingScratch::with(|scratch| self.traverse(&mut Counter(counts), scratch, block, reference));
+        CodingScratch::with(|scratch| self.traverse(&mut TokenCounter(counts), scratch, block, reference));
     }
 
     /// The code of a block.

@@ -31,9 +31,9 @@ fn steps_of(code: u16) -> f32 {
 }
 
 /// Which halves occur in some images, by [`code_of`].
-pub(crate) struct Used(Vec<bool>);
+pub(crate) struct UsedColors(Vec<bool>);
 
-impl Used {
+impl UsedColors {
     pub(crate) fn new() -> Self {
         Self(vec![false; CODES])
     }
@@ -67,7 +67,7 @@ pub(crate) struct ColorRanks {
 
 impl ColorRanks {
     /// In which every half that is used is found as it is.
-    fn lossless(used: &Used) -> Self {
+    fn lossless(used: &UsedColors) -> Self {
         let (Some(first), Some(last)) = (used.codes().next(), used.codes().next_back()) else {
             return Self::of(vec![code_of(f16::ZERO)]);
         };
@@ -77,7 +77,7 @@ impl ColorRanks {
     }
 
     /// In which every half that is used has one within `room`, in 8-bit display steps.
-    pub(crate) fn within(used: &Used, room: f32) -> Self {
+    pub(crate) fn within(used: &UsedColors, room: f32) -> Self {
         if room <= 0.0 {
             return Self::lossless(used);
         }
@@ -180,8 +180,8 @@ pub(crate) fn half_step(bits: u32) -> f32 {
 mod tests {
     use super::*;
 
-    fn used(halves: impl IntoIterator<Item = f32>) -> Used {
-        let mut used = Used::new();
+    fn used(halves: impl IntoIterator<Item = f32>) -> UsedColors {
+        let mut used = UsedColors::new();
         halves.into_iter().for_each(|half| used.0[code_of(f16::from_f32(half)) as usize] = true);
         used
     }

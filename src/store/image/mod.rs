@@ -8,7 +8,7 @@ mod precision;
 mod visible_blocks;
 
 pub(crate) use blocks::BlockCoding;
-pub(crate) use color_ranks::{ColorRanks, Used};
+pub(crate) use color_ranks::{ColorRanks, UsedColors};
 pub(crate) use decoded::Decoded;
 pub use image_chunk::{BlockEntry, ImageHead};
 pub(crate) use image_chunk::{Damage, ReferenceImage, check, count, decode, decode_head, encode};

@@ -29,23 +29,23 @@ const MAX_BLOCKS: f64 = 65_536.0;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct VisibleBlocks {
     across: usize,
-    held: Vec<bool>,
+    is_visible: Vec<bool>,
 }
 
 impl VisibleBlocks {
     /// No block of a grid with these columns and rows.
     fn none((across, down): (usize, usize)) -> Self {
-        Self { across, held: vec![false; across * down] }
+        Self { across, is_visible: vec![false; across * down] }
     }
 
     /// Whether the block in a column and row is one of them.
     pub(crate) fn has(&self, (x, y): (u16, u16)) -> bool {
-        self.held.get(usize::from(y) * self.across + usize::from(x)).copied().unwrap_or(false)
+        self.is_visible.get(usize::from(y) * self.across + usize::from(x)).copied().unwrap_or(false)
     }
 
     /// Adds the blocks that pixels `[left, right] × [top, bottom]` touch.
     fn add(&mut self, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) {
-        let down = self.held.len() / self.across.max(1);
+        let down = self.is_visible.len() / self.across.max(1);
         // What is too large comes after the last block, however large it is.
         let block = |pixel: f64| (pixel / BLOCK as f64).clamp(0.0, MAX_BLOCKS) as usize;
         if right < 0.0 || bottom < 0.0 {
@@ -54,12 +54,12 @@ impl VisibleBlocks {
         for y in block(top)..(block(bottom) + 1).min(down) {
             let row = y * self.across;
             let columns = block(left).min(self.across)..(block(right) + 1).min(self.across);
-            self.held[row + columns.start.min(columns.end)..row + columns.end].fill(true);
+            self.is_visible[row + columns.start.min(columns.end)..row + columns.end].fill(true);
         }
     }
 
     fn add_all(&mut self) {
-        self.held.fill(true);
+        self.is_visible.fill(true);
     }
 }
 
@@ -186,10 +186,10 @@ mod tests {
     fn what_reaches_beyond_all_numbers_touches_every_block_up_to_the_edge() {
         let mut visible = VisibleBlocks::none((3, 2));
         visible.add([100.0, -5.0], [f64::INFINITY, 1e300]);
-        assert_eq!(visible.held, [false, true, true, false, true, true]);
+        assert_eq!(visible.is_visible, [false, true, true, false, true, true]);
         let mut visible = VisibleBlocks::none((3, 2));
         visible.add([f64::INFINITY, 0.0], [f64::INFINITY, 10.0]);
-        assert_eq!(visible.held, [false; 6]);
+        assert_eq!(visible.is_visible, [false; 6]);
         let camera = Camera::look_at(
             "c",
             Intrinsics::from_horizontal_angle(192, 128, 0.9),
@@ -201,7 +201,7 @@ mod tests {
             let mut visible = VisibleBlocks::none((3, 2));
             let points = std::array::from_fn(|i| DVec3::new(i as f64 - 3.5, 3.5 - i as f64, nearly_beside));
             Eye::of(&camera).add_projection(&points, &mut visible);
-            assert_eq!(visible.held, [true; 6], "{nearly_beside:e}");
+            assert_eq!(visible.is_visible, [true; 6], "{nearly_beside:e}");
         }
     }
 }
