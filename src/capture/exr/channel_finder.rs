@@ -11,6 +11,7 @@ const DEPTH_LAYERS: &[&str] = &["depth", "z"];
 const DEPTH_SUFFIXES: &[&str] = &["Z", "V", "T", "Y", "R"];
 const COLOR_LAYERS: &[&str] = &["", "combined", "rgba", "rgb", "beauty", "color", "finalimage", "image"];
 
+/// A channel's full name, taken apart.
 #[derive(Clone, Copy)]
 pub(super) struct LayeredName<'a> {
     layer: &'a str,
