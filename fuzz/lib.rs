@@ -13,10 +13,12 @@ pub mod job;
 pub mod settings;
 #[path = "../src/simd.rs"]
 mod simd;
+#[path = "../src/whole_file.rs"]
+mod whole_file;
 
 #[path = "../src/capture/mod.rs"]
 pub mod capture;
-#[path = "../src/preprocess/mod.rs"]
-pub mod preprocess;
+#[path = "../src/samples/mod.rs"]
+pub mod samples;
 #[path = "../src/store/mod.rs"]
 pub mod store;

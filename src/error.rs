@@ -1,4 +1,4 @@
-//! What can go wrong, said once: what, where, and what to do about it.
+//! Errors: what is wrong, where, and what to do about it.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ pub enum Error {
         /// What failed and what to use instead.
         what: String,
     },
-    /// The person asked for the job to stop; nothing was changed.
+    /// The job was cancelled; nothing was changed.
     #[error("cancelled")]
     Cancelled,
 }
@@ -84,6 +84,11 @@ impl Error {
     pub fn unsupported(place: impl std::fmt::Display, what: impl Into<String>) -> Self {
         Self::Unsupported { place: place.to_string(), what: what.into() }
     }
+}
+
+/// A message of a library as one line.
+pub(crate) fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! A long piece of work that can be watched and cancelled from another thread.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::error::{Error, Result};
 
@@ -13,9 +13,14 @@ pub struct Job {
     cancelled: AtomicBool,
     done: AtomicUsize,
     total: AtomicUsize,
-    stage: Mutex<String>,
-    context: Mutex<String>,
-    warnings: Mutex<Vec<String>>,
+    texts: Mutex<JobTexts>,
+}
+
+#[derive(Debug, Default)]
+struct JobTexts {
+    stage: String,
+    context: String,
+    warnings: Vec<String>,
 }
 
 /// How far a [`Job`] has come.
@@ -46,35 +51,34 @@ impl Job {
         Self::default()
     }
 
+    fn texts(&self) -> MutexGuard<'_, JobTexts> {
+        self.texts.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Starts a stage of `total` units and forgets the progress of the one before.
     pub fn start(&self, stage: impl Into<String>, total: usize) {
-        if let Ok(mut name) = self.stage.lock() {
-            *name = stage.into();
-        }
+        self.texts().stage = stage.into();
         self.done.store(0, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
     }
 
-    /// Says what the coming stages are parts of; empty text takes it back.
+    /// Sets what the coming stages are parts of; empty text unsets it.
     pub fn set_context(&self, context: impl Into<String>) {
-        if let Ok(mut text) = self.context.lock() {
-            *text = context.into();
-        }
+        self.texts().context = context.into();
     }
 
-    /// Tells of recoverable trouble, in one line; a line that was told already is not told again.
+    /// Reports recoverable trouble in one line, each line once.
     pub fn warn(&self, warning: String) {
-        if let Ok(mut warnings) = self.warnings.lock()
-            && !warnings.contains(&warning)
-        {
+        let warnings = &mut self.texts().warnings;
+        if !warnings.contains(&warning) {
             warnings.push(warning);
         }
     }
 
-    /// The trouble that was told, in order.
+    /// The recoverable trouble so far, in order.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        self.warnings.lock().map(|warnings| warnings.clone()).unwrap_or_default()
+        self.texts().warnings.clone()
     }
 
     /// Counts `units` more of the stage as finished.
@@ -87,13 +91,13 @@ impl Job {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Whether the work was asked to stop.
+    /// Whether the job is cancelled.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Gives [`Error::Cancelled`] once the work was asked to stop.
+    /// Gives [`Error::Cancelled`] once the job is cancelled.
     ///
     /// # Errors
     /// [`Error::Cancelled`] after [`Job::cancel`].
@@ -104,9 +108,10 @@ impl Job {
     /// How far the work has come.
     #[must_use]
     pub fn progress(&self) -> Progress {
+        let JobTexts { stage, context, .. } = &*self.texts();
         Progress {
-            context: self.context.lock().map(|context| context.clone()).unwrap_or_default(),
-            stage: self.stage.lock().map(|name| name.clone()).unwrap_or_default(),
+            context: context.clone(),
+            stage: stage.clone(),
             done: self.done.load(Ordering::Relaxed),
             total: self.total.load(Ordering::Relaxed),
         }

@@ -49,6 +49,7 @@ pub mod evaluate;
 pub mod grid;
 pub mod job;
 pub mod preprocess;
+mod random;
 pub mod render;
 pub mod samples;
 pub mod settings;

@@ -48,14 +48,11 @@ pub(crate) fn beside(path: &Path, suffix: &str) -> Result<NamedTempFile> {
     builder.prefix(".overlook-").suffix(suffix);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    // What tempfile says names a file that nobody asked for.
+    // The message of tempfile names the temporary file, which is of no use to a reader.
     builder.tempfile_in(folder_of(&place_of(path))).map_err(|error| Error::io(path, error.kind().into()))
 }
 
 /// Gives a file that was made [`beside`] `path` that name.
-///
-/// # Errors
-/// `Io` naming `path`.
 pub(crate) fn persist(unfinished: TempPath, path: &Path) -> Result<()> {
     unfinished.persist(place_of(path)).map_err(|error| Error::io(path, error.error))
 }

@@ -321,7 +321,7 @@ fn what_is_not_converted_is_warned_of() {
         wide.attributes.chromaticities =
             Some(exr::meta::attribute::Chromaticities { red, green, blue, white });
         exr::prelude::WritableImage::write(&wide).to_file(folder.path("a.exr")).unwrap();
-        folder.open(json!({}), &[entry("a.exr", "a", 0)]).unwrap().warnings
+        folder.open(json!({}), &[entry("a.exr", "a", 0)]).unwrap().warnings.clone()
     };
     assert!(warnings(at(0.64, 0.33), at(0.3, 0.6)).is_empty());
     assert!(warnings(at(0.713, 0.293), at(0.165, 0.83))[0].contains("chromaticities"));
@@ -329,7 +329,7 @@ fn what_is_not_converted_is_warned_of() {
     let scaled = |more: serde_json::Value| {
         let mut keys = json!({"applied_scale": 0.1});
         keys.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
-        folder.open(keys, &[entry("a.exr", "a", 0)]).unwrap().warnings
+        folder.open(keys, &[entry("a.exr", "a", 0)]).unwrap().warnings.clone()
     };
     assert!(scaled(json!({}))[0].contains("applied_scale 0.1"));
     assert!(scaled(json!({"depth_unit_scale_factor": 1})).is_empty());
@@ -368,7 +368,7 @@ fn manifests_from_windows_are_read() {
     let settings = overlook::settings::CaptureSettings::default();
     let capture = transforms::open(&folder.path(""), &settings).unwrap();
     assert_eq!(capture.frame(0, 0).unwrap().inverse_depth[(0, 0)], 0.5);
-    let places = picture_places(&folder.path("")).unwrap();
+    let places = transforms::picture_places(&folder.path("")).unwrap();
     assert!(places.contains(&folder.path("front/0000.exr")), "{places:?}");
 }
 

@@ -105,7 +105,7 @@ fn absurd_recordings_are_refused_in_one_line() {
 fn every_camera_stands_in_the_open_and_sees_the_scene() {
     for scene in names() {
         let demo = Demo::new(&DemoSpec::new(scene).cameras(MAX_CAMERAS).size((16, 12)).noise(0.0)).unwrap();
-        for camera in capture(&demo).cameras {
+        for camera in capture(&demo).cameras.clone() {
             let frame = demo.render(&camera, 0);
             let depths = frame.inverse_depth.as_slice();
             let hits = depths.iter().filter(|depth| **depth > 0.0).count();
@@ -119,7 +119,7 @@ fn every_camera_stands_in_the_open_and_sees_the_scene() {
 fn two_cameras_see_the_same_color_at_the_same_point() {
     for scene in names() {
         let demo = small(scene, (14, 10));
-        let cameras = capture(&demo).cameras;
+        let cameras = capture(&demo).cameras.clone();
         let mut seen_by_both = 0;
         for (first, second) in [(0, 1), (1, 2), (0, 3)] {
             let (first, second) = (&cameras[first], &cameras[second]);
@@ -168,7 +168,7 @@ fn depth_is_the_distance_to_the_surface() {
 #[test]
 fn normals_are_unit_and_face_the_camera() {
     let demo = small("orrery", (60, 45));
-    for camera in capture(&demo).cameras {
+    for camera in capture(&demo).cameras.clone() {
         let frame = demo.render(&camera, 5);
         let normals = frame.normal_in_world.as_ref().unwrap();
         for (x, y) in (0..45).flat_map(|y| (0..60).map(move |x| (x, y))) {
@@ -237,7 +237,7 @@ fn moving_share(demo: &Demo, camera: &Camera, frames: impl Iterator<Item = usize
 #[test]
 fn few_pixels_of_four_cameras_ever_change() {
     let demo = small("four-cameras", (80, 60));
-    let cameras = capture(&demo).cameras;
+    let cameras = capture(&demo).cameras.clone();
     let shares: Vec<f64> = cameras
         .iter()
         // 13 does not divide the beat of the ball: the frames catch it at many heights.
@@ -252,7 +252,7 @@ fn few_pixels_of_four_cameras_ever_change() {
 fn most_of_every_scene_is_bit_identical_from_frame_to_frame() {
     for (scene, most) in [("orrery", 0.75), ("nine-cameras", 0.5)] {
         let demo = small(scene, (60, 45));
-        for camera in capture(&demo).cameras {
+        for camera in capture(&demo).cameras.clone() {
             let share = moving_share(&demo, &camera, (0..48).step_by(5));
             assert!(share < most, "{scene}: {share} of '{}' changes", camera.name);
         }

@@ -406,7 +406,8 @@ fn kept_samples_that_do_not_fit_the_memory_are_stored_as_those_that_do() {
         settings.store.precision = precision;
         let Preprocessed { samples, report } = preprocess(&capture, &settings, &Job::new()).unwrap();
         assert!(samples.bytes() > 1 << 20, "{} bytes: more than a sixteenth of the setting", samples.bytes());
-        overlook::store::file::write(&from_memory, &samples, &report, &Job::new()).unwrap();
+        overlook::store::file::write(&from_memory, &samples, &report.to_json().unwrap(), &Job::new())
+            .unwrap();
         let Spooled { outline, images, report } =
             preprocess_spooled(&capture, &settings, &Job::new()).unwrap();
         assert!(outline.images.is_empty());
@@ -414,8 +415,7 @@ fn kept_samples_that_do_not_fit_the_memory_are_stored_as_those_that_do() {
             &from_file,
             &outline,
             &images,
-            &report,
-            &Extras::default(),
+            &Extras { report: report.to_json().unwrap(), ..Extras::default() },
             &Job::new(),
         )
         .unwrap();

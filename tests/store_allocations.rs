@@ -79,9 +79,8 @@ fn mend(bytes: &mut [u8]) {
 
 fn written(set: &overlook::samples::SampleSet) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
-    let (report, extras) = (small_report(), overlook::store::file::Extras::default());
-    overlook::store::file::write_to(&mut bytes, Path::new("memory.ovl"), set, &report, &extras, &Job::new())
-        .unwrap();
+    let extras = overlook::store::file::Extras { report: small_report(), ..Default::default() };
+    overlook::store::file::write_to(&mut bytes, Path::new("memory.ovl"), set, &extras, &Job::new()).unwrap();
     bytes.into_inner()
 }
 

@@ -21,7 +21,13 @@ fn recorded(folder: &std::path::Path, cameras: usize, size: (u32, u32)) -> (std:
     let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
     let preprocessed = preprocess(&capture, &Settings::default(), &Job::new()).unwrap();
     let path = folder.join("scene.ovl");
-    overlook::store::file::write(&path, &preprocessed.samples, &preprocessed.report, &Job::new()).unwrap();
+    overlook::store::file::write(
+        &path,
+        &preprocessed.samples,
+        &preprocessed.report.to_json().unwrap(),
+        &Job::new(),
+    )
+    .unwrap();
     (path, capture.cameras.clone())
 }
 
@@ -149,9 +155,9 @@ fn images_beyond_four_gibibytes_are_found_and_read() {
 
     let store = Store::open(&path).unwrap();
     assert!(store.info().images.iter().all(|image| image.offset > u64::from(u32::MAX)));
-    let (read, _) = store.read_all(&Job::new()).unwrap();
+    let read = store.read_all(&Job::new()).unwrap();
     assert_eq!(read.images, moving_set().images);
-    let verified = overlook::store::file::verify(&path, &Job::new()).unwrap();
+    let verified = overlook::store::playback::verify(&path, &Job::new()).unwrap();
     assert_eq!((verified.damage, verified.bytes), (Vec::new(), bytes.len() as u64 + GAP));
 
     // The last byte of the last image is checked there as anywhere.
@@ -160,6 +166,6 @@ fn images_beyond_four_gibibytes_are_found_and_read() {
     let mut byte = [0];
     std::os::unix::fs::FileExt::read_exact_at(&file, &mut byte, last).unwrap();
     std::os::unix::fs::FileExt::write_all_at(&file, &[byte[0] ^ 0x40], last).unwrap();
-    let damage = overlook::store::file::verify(&path, &Job::new()).unwrap().damage;
+    let damage = overlook::store::playback::verify(&path, &Job::new()).unwrap().damage;
     assert!(damage.len() == 1 && damage[0].contains("IMAG"), "{damage:?}");
 }

@@ -35,7 +35,7 @@ fn a_child_writes_stores_until_it_is_killed() {
     let sets = [moving_set(), small_set()];
     std::fs::write(Path::new(&path).with_extension("started"), b"").unwrap();
     for set in sets.iter().cycle() {
-        overlook::store::file::write(Path::new(&path), set, &small_report(), &Job::new()).unwrap();
+        store::file::write(Path::new(&path), set, &small_report(), &Job::new()).unwrap();
     }
 }
 
@@ -43,11 +43,11 @@ fn a_child_writes_stores_until_it_is_killed() {
 fn a_killed_writer_leaves_the_store_before_it_whole() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ovl");
-    overlook::store::file::write(&path, &small_set(), &small_report(), &Job::new()).unwrap();
+    store::file::write(&path, &small_set(), &small_report(), &Job::new()).unwrap();
     let started = path.with_extension("started");
     let elsewhere = folder.path().join("elsewhere.ovl");
     let set_off = Instant::now();
-    overlook::store::file::write(&elsewhere, &moving_set(), &small_report(), &Job::new()).unwrap();
+    store::file::write(&elsewhere, &moving_set(), &small_report(), &Job::new()).unwrap();
     // Half of the children are killed within their first store, the others within one of the next.
     let longest_us = 2 * set_off.elapsed().as_micros().max(20_000) as u64;
     let mut draws = Draws(7);
@@ -113,17 +113,10 @@ impl Seek for Full {
 
 #[test]
 fn a_disk_that_fills_at_any_byte_gives_an_error() {
-    let extras = Extras::default();
+    let extras = Extras { report: small_report(), ..Extras::default() };
     let write = |room| {
         let full = Full { room, position: 0 };
-        overlook::store::file::write_to(
-            full,
-            Path::new("full.ovl"),
-            &small_set(),
-            &small_report(),
-            &extras,
-            &Job::new(),
-        )
+        store::file::write_to(full, Path::new("full.ovl"), &small_set(), &extras, &Job::new())
     };
     let size = write(usize::MAX).unwrap() as usize;
     for room in (0..size).step_by(97).chain([size - 1]) {
@@ -138,8 +131,8 @@ fn a_disk_that_fills_at_any_byte_gives_an_error() {
 fn a_full_disk_leaves_the_old_store_and_no_half_file() {
     let folder = tempfile::tempdir().unwrap();
     let [from, to] = ["from.ovl", "to.ovl"].map(|name| folder.path().join(name));
-    overlook::store::file::write(&from, &moving_set(), &small_report(), &Job::new()).unwrap();
-    overlook::store::file::write(&to, &small_set(), &small_report(), &Job::new()).unwrap();
+    store::file::write(&from, &moving_set(), &small_report(), &Job::new()).unwrap();
+    store::file::write(&to, &small_set(), &small_report(), &Job::new()).unwrap();
     let before = std::fs::read(&to).unwrap();
     // Files of this process and its children end after 2 KiB.
     let script = "trap '' XFSZ; ulimit -f 4; exec \"$0\" export store \"$1\" --out \"$2\"";
@@ -164,8 +157,13 @@ fn provenance_and_unknown_chunks_stay_when_a_store_is_written_again() {
         ..Provenance::default()
     };
     let unknown = vec![(*b"ANNO", b"by hand".to_vec()), (*b"XTRA", Vec::new())];
-    let extras = Extras { provenance: provenance.clone(), unknown: unknown.clone(), held_to: None };
-    overlook::store::file::write_with(&first, &moving_set(), &small_report(), &extras, &Job::new()).unwrap();
+    let extras = Extras {
+        report: small_report(),
+        provenance: provenance.clone(),
+        unknown: unknown.clone(),
+        held_to: None,
+    };
+    store::file::write_with(&first, &moving_set(), &extras, &Job::new()).unwrap();
 
     let output = Command::new(env!("CARGO_BIN_EXE_overlook"))
         .args(["export", "store"])
@@ -190,7 +188,7 @@ fn provenance_and_unknown_chunks_stay_when_a_store_is_written_again() {
 fn verify_says_which_chunk_is_bad() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ovl");
-    overlook::store::file::write(&path, &moving_set(), &small_report(), &Job::new()).unwrap();
+    store::file::write(&path, &moving_set(), &small_report(), &Job::new()).unwrap();
     let verify = || Command::new(env!("CARGO_BIN_EXE_overlook")).arg("verify").arg(&path).output().unwrap();
     let whole = verify();
     assert_eq!(whole.status.code(), Some(0));
@@ -215,7 +213,7 @@ fn a_store_plays_frame_by_frame_with_a_cache_that_holds_hardly_anything() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ovl");
     let set = moving_set();
-    overlook::store::file::write(&path, &set, &small_report(), &Job::new()).unwrap();
+    store::file::write(&path, &set, &small_report(), &Job::new()).unwrap();
     let playback = Playback::new(Store::open(&path).unwrap(), 40_000);
     let job = Job::new();
     for frame in [9, 0, 3, 4, 5, 1, 8] {
@@ -250,7 +248,7 @@ proptest::proptest! {
         let path = folder.path().join("scene.ovl");
         set.settings.set_text(&format!("store.precision=bits{bits}")).unwrap();
         set.settings.set_text(&format!("store.depth_precision={footprints}")).unwrap();
-        overlook::store::file::write(&path, &set, &small_report(), &Job::new()).unwrap();
+        store::file::write(&path, &set, &small_report(), &Job::new()).unwrap();
         let (read, _) = store::read(&path, &Job::new()).unwrap();
         // What a store leaves out, it leaves out once.
         store::write_again(&path, &Store::open(&path).unwrap(), None, &Job::new()).unwrap();
@@ -281,7 +279,7 @@ fn a_store_that_is_held_to_less_again_keeps_the_bound_of_the_capture_and_none_be
     let (path, coarser) = (folder.path().join("scene.ovl"), folder.path().join("coarser.ovl"));
     let mut set = moving_set();
     set.settings.set_text("store.precision=bits10").unwrap();
-    overlook::store::file::write(&path, &set, &small_report(), &Job::new()).unwrap();
+    store::file::write(&path, &set, &small_report(), &Job::new()).unwrap();
     let store = Store::open(&path).unwrap();
     let again = |text: &str| {
         let mut settings = set.settings.clone();
@@ -312,7 +310,7 @@ fn normals_are_left_out_of_a_store_that_is_written_again_where_none_are_asked_fo
     let mut set = small_set();
     set.settings.set_text("store.normals=true").unwrap();
     set.images.retain(|image| image.normal.is_some());
-    overlook::store::file::write(&with, &set, &small_report(), &Job::new()).unwrap();
+    store::file::write(&with, &set, &small_report(), &Job::new()).unwrap();
     let write_again = |from: &Path, to: &Path, normals: bool| {
         let store = Store::open(from).unwrap();
         let mut settings = store.info().settings.clone();
@@ -344,7 +342,7 @@ fn what_depth_errs_by_adds_up_over_stores_that_are_written_again() {
     set.settings.set_text("store.precision=bits10").unwrap();
     set.settings.set_text("store.depth_precision=0.0625").unwrap();
     let written = |name: &str| folder.path().join(name);
-    overlook::store::file::write(&written("0"), &set, &small_report(), &Job::new()).unwrap();
+    store::file::write(&written("0"), &set, &small_report(), &Job::new()).unwrap();
     let depths =
         |set: &SampleSet| set.images.iter().flat_map(|image| image.inverse_depths()).collect::<Vec<f32>>();
     let (mut last, mut held) = ("0".to_owned(), 0);

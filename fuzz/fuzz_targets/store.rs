@@ -5,7 +5,8 @@ use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
 use overlook::job::Job;
-use overlook::store::{Playback, Store};
+use overlook::store::file::Store;
+use overlook::store::playback::Playback;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(store) = Store::over(Path::new("fuzzed.ovl"), Box::new(bytes.to_vec())) {

@@ -8,16 +8,26 @@
 use glam::{DAffine3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+use crate::error::Error;
+
 /// Largest width and height of a picture that is believed, wherever it comes from.
 pub(super) const MAX_SIDE: usize = 32_768;
 /// Largest number of pixels of a picture that is believed: 16 k × 16 k.
 pub(super) const MAX_PIXELS: usize = 1 << 28;
 
-/// Whether a picture may have so many columns and rows.
-#[must_use]
-pub fn is_believable_size(width: usize, height: usize) -> bool {
+/// Whether a picture may have this many columns and rows.
+pub(crate) fn is_believable_size(width: usize, height: usize) -> bool {
     let sides = 1..=MAX_SIDE;
     sides.contains(&width) && sides.contains(&height) && width * height <= MAX_PIXELS
+}
+
+/// The error of a picture that has another size than its camera.
+pub(super) fn wrong_size(place: &str, found: (usize, usize), expected: (usize, usize)) -> Error {
+    let ((width, height), (columns, rows)) = (found, expected);
+    let what = format!(
+        "the picture is {width}×{height} but its camera is {columns}×{rows}; render it at the camera's size"
+    );
+    Error::invalid(place, what)
 }
 
 /// Image size and projection of a pinhole camera, in pixels.

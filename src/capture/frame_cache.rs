@@ -1,4 +1,4 @@
-//! The bounded cache of decoded frames that stands between a capture and everybody who reads it.
+//! The bounded cache of decoded frames between a capture and its readers.
 
 use std::sync::Arc;
 
@@ -22,22 +22,19 @@ impl Weighter<CameraFrame, Arc<Frame>> for FrameBytes {
 
 /// Decoded frames, least valuable first out, never more than the given number of bytes.
 ///
-/// Nobody waits for anybody: a frame that two threads ask for at once may be decoded twice, and the results are equal. A
-/// cache that made the second wait could wait forever, since the first may need the second's thread to go on (work that
-/// is split over a thread pool while it loads).
-pub struct FrameCache {
+/// No thread waits for another: a frame that two threads request at once may be decoded twice, with equal results. Waiting could
+/// deadlock, since the first thread may need the second one to go on (work that is split over a thread pool while it loads).
+pub(crate) struct FrameCache {
     cache: Cache<CameraFrame, Arc<Frame>, FrameBytes>,
 }
 
-/// Number of things that a cache of heavy ones sizes its tables for; more or fewer work as well. For more than these it would be
-/// cut into parts, the more of them the more processors there are, and each would hold its share of the bytes: less, perhaps,
-/// than one of the things takes.
+/// The number of entries that a cache of large values is sized for. Beyond it the cache would be split into shards, more with more
+/// processors, and a shard's share of the bytes may be less than one value takes.
 pub(crate) const EXPECTED_IN_ONE_PIECE: usize = 32;
 
 impl FrameCache {
     /// A cache that holds at most `capacity_bytes` of decoded frames.
-    #[must_use]
-    pub fn new(capacity_bytes: usize) -> Self {
+    pub(crate) fn new(capacity_bytes: usize) -> Self {
         Self { cache: Cache::with_weighter(EXPECTED_IN_ONE_PIECE, capacity_bytes as u64, FrameBytes) }
     }
 
@@ -45,7 +42,11 @@ impl FrameCache {
     ///
     /// # Errors
     /// Whatever `load` gives; errors are not cached, so that a mended file is read again.
-    pub fn get_or_load(&self, key: CameraFrame, load: impl FnOnce() -> Result<Frame>) -> Result<Arc<Frame>> {
+    pub(crate) fn get_or_load(
+        &self,
+        key: CameraFrame,
+        load: impl FnOnce() -> Result<Frame>,
+    ) -> Result<Arc<Frame>> {
         if let Some(frame) = self.cache.get(&key) {
             return Ok(frame);
         }

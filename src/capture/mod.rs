@@ -14,18 +14,19 @@ mod frame;
 mod frame_cache;
 pub mod transforms;
 
-pub use camera::{Camera, Intrinsics, is_believable_size};
+pub(crate) use camera::is_believable_size;
+pub use camera::{Camera, Intrinsics};
 pub use frame::{Frame, INVALID_INVERSE_DEPTH};
 pub(crate) use frame_cache::EXPECTED_IN_ONE_PIECE;
-pub use frame_cache::FrameCache;
 
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::error::{Error, Result};
+use frame_cache::FrameCache;
 
-/// Where the frames of a capture come from: files, or a scene that is rendered when asked.
+/// Where the frames of a capture come from: files, or a scene that is rendered on demand.
 pub trait FrameSource: Send + Sync {
     /// Decodes or renders one frame. Called from many threads at once.
     ///
@@ -47,11 +48,9 @@ pub trait FrameSource: Send + Sync {
     }
 }
 
-/// A capture: cameras, frames, and a bounded cache of decoded frames.
-///
-/// Cloning is cheap; clones share frames and cache.
+/// What is known of a capture, and where its frames come from.
 #[derive(Clone)]
-pub struct Capture {
+pub struct CaptureParts {
     /// Name for titles: the folder's, or the scene's.
     pub name: String,
     /// The cameras, in the order that ties are settled by.
@@ -66,30 +65,33 @@ pub struct Capture {
     pub antialiased_color: bool,
     /// Recoverable trouble met while opening, one line each.
     pub warnings: Vec<String>,
-    source: Arc<dyn FrameSource>,
+    /// Where frames come from.
+    pub source: Arc<dyn FrameSource>,
+}
+
+/// A capture: its [`CaptureParts`], which it dereferences to, and a bounded cache of decoded frames.
+///
+/// Cloning is cheap; clones share frames and cache.
+#[derive(Clone)]
+pub struct Capture {
+    parts: CaptureParts,
     cache: Arc<FrameCache>,
-    /// Index of each camera in `source`: differs from its own index where cameras are held out.
+    /// Index of each camera in the source: differs from its own index where cameras are held out.
     source_cameras: Vec<usize>,
 }
 
-/// What a [`Capture`] is made from: see its fields of the same names.
-pub struct CaptureParts {
-    /// See [`Capture::name`].
-    pub name: String,
-    /// See [`Capture::cameras`].
-    pub cameras: Vec<Camera>,
-    /// See [`Capture::frame_numbers`].
-    pub frame_numbers: Vec<i64>,
-    /// See [`Capture::up_in_world`].
-    pub up_in_world: DVec3,
-    /// See [`Capture::has_normals`].
-    pub has_normals: bool,
-    /// See [`Capture::antialiased_color`].
-    pub antialiased_color: bool,
-    /// See [`Capture::warnings`].
-    pub warnings: Vec<String>,
-    /// Where frames come from.
-    pub source: Arc<dyn FrameSource>,
+impl std::ops::Deref for Capture {
+    type Target = CaptureParts;
+
+    fn deref(&self) -> &CaptureParts {
+        &self.parts
+    }
+}
+
+impl std::ops::DerefMut for Capture {
+    fn deref_mut(&mut self) -> &mut CaptureParts {
+        &mut self.parts
+    }
 }
 
 impl Capture {
@@ -97,18 +99,7 @@ impl Capture {
     #[must_use]
     pub fn new(parts: CaptureParts, cache_bytes: usize) -> Self {
         let source_cameras = (0..parts.cameras.len()).collect();
-        Self {
-            name: parts.name,
-            cameras: parts.cameras,
-            frame_numbers: parts.frame_numbers,
-            up_in_world: parts.up_in_world,
-            has_normals: parts.has_normals,
-            antialiased_color: parts.antialiased_color,
-            warnings: parts.warnings,
-            source: parts.source,
-            cache: Arc::new(FrameCache::new(cache_bytes)),
-            source_cameras,
-        }
+        Self { parts, cache: Arc::new(FrameCache::new(cache_bytes)), source_cameras }
     }
 
     /// Frames per camera.
@@ -136,13 +127,11 @@ impl Capture {
         let expected = self.cameras[camera].intrinsics.size();
         if loaded.size() != expected {
             let (width, height) = loaded.size();
-            return Err(Error::invalid(
-                self.place(camera, frame),
-                format!(
-                    "the picture is {width}×{height} but camera '{}' is {}×{}; every frame of a camera must have the same size",
-                    self.cameras[camera].name, expected.0, expected.1
-                ),
-            ));
+            let what = format!(
+                "the picture is {width}×{height} but camera '{}' is {}×{}; every frame of a camera must have the same size",
+                self.cameras[camera].name, expected.0, expected.1
+            );
+            return Err(Error::invalid(self.place(camera, frame), what));
         }
         Ok(loaded)
     }
@@ -180,8 +169,9 @@ impl Capture {
     pub fn with_cameras(&self, mut keep: impl FnMut(usize, &Camera) -> bool) -> Self {
         let kept: Vec<usize> =
             (0..self.cameras.len()).filter(|&index| keep(index, &self.cameras[index])).collect();
+        let cameras = kept.iter().map(|&index| self.cameras[index].clone()).collect();
         Self {
-            cameras: kept.iter().map(|&index| self.cameras[index].clone()).collect(),
+            parts: CaptureParts { cameras, ..self.parts.clone() },
             source_cameras: kept.iter().map(|&index| self.source_cameras[index]).collect(),
             ..self.clone()
         }
@@ -198,7 +188,7 @@ pub struct TruthView {
     pub file_path: String,
     /// Where from.
     pub camera: Camera,
-    /// Number of the frame, as in [`Capture::frame_numbers`].
+    /// Number of the frame, as in [`CaptureParts::frame_numbers`].
     pub frame_number: i64,
     /// The true picture, where there is one.
     pub truth: Option<TruthLoader>,

@@ -1,14 +1,14 @@
 //! Built-in scenes, traced on demand: exact depth and normals at pixel centers, truth for any vantage.
 //!
 //! ```text
-//! orrery, nine_cameras, four_cameras ── world (solids, light) ──────── trace ── Frame
-//!        └─ props, palette, texture      shapes, hits, bvh, shadow_map   └─ shade, camera_noise
+//! scenes: orrery, nine_cameras, four_cameras ── tracer: world (solids, light) ──── trace ── Frame
+//!               └─ props, materials               shapes, hits, bvh, shadow_map    └─ shade, texture, camera_noise
 //! ```
 //!
 //! Surfaces are diffuse: a point has one color at a time, whoever looks. World space is in meters, z up.
 
-pub mod scenes;
-pub mod tracer;
+mod scenes;
+mod tracer;
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 use scenes::SceneCameras;
 use tracer::trace::WantedPlanes;
-use tracer::{Builder, RenderNoise, World};
+use tracer::{RenderNoise, World, WorldBuilder};
 
 /// Names and one-line descriptions of the built-in scenes, the default first.
 pub const SCENES: &[(&str, &str)] = &[
@@ -52,14 +52,15 @@ pub struct DemoSpec {
     pub noise: Option<f32>,
 }
 
-/// A scene and the way it is recorded unless told otherwise.
+/// A scene and the way it is recorded by default.
 #[derive(Debug)]
 struct DemoScene {
     name: &'static str,
     description: &'static str,
     /// The solids at a moment of the animation, 0 to 1, in the same order at every moment.
-    stage: fn(f64) -> Builder,
-    rig: fn() -> SceneCameras,
+    stage: fn(f64) -> WorldBuilder,
+    /// The cameras of the scene and its further viewpoints.
+    cameras: fn() -> SceneCameras,
     frames: usize,
     size: (u32, u32),
     noise: f32,
@@ -112,7 +113,7 @@ const ORRERY: DemoScene = DemoScene {
     name: "orrery",
     description: "a brass orrery on a table: 5 cameras, 48 frames that loop, normals",
     stage: scenes::orrery::stage,
-    rig: scenes::orrery::rig,
+    cameras: scenes::orrery::cameras,
     frames: 48,
     size: (480, 360),
     noise: 0.0,
@@ -125,7 +126,7 @@ const NINE_CAMERAS: DemoScene = DemoScene {
     name: "nine-cameras",
     description: "a living room with a toy train: 9 cameras, 60 frames, anti-aliased and noisy color, no normals",
     stage: scenes::nine_cameras::stage,
-    rig: scenes::nine_cameras::rig,
+    cameras: scenes::nine_cameras::cameras,
     frames: 60,
     size: (640, 480),
     noise: 0.03,
@@ -138,7 +139,7 @@ const FOUR_CAMERAS: DemoScene = DemoScene {
     name: "four-cameras",
     description: "crystals that grow on a laboratory bench: 4 cameras, 300 frames, normals",
     stage: scenes::four_cameras::stage,
-    rig: scenes::four_cameras::rig,
+    cameras: scenes::four_cameras::cameras,
     frames: 300,
     size: (320, 240),
     noise: 0.0,
@@ -173,8 +174,8 @@ impl Demo {
             )
         })?;
         let scene = ALL[index];
-        let rig = (scene.rig)();
-        let cameras = spec.cameras.unwrap_or(rig.cameras.len());
+        let of_scene = (scene.cameras)();
+        let cameras = spec.cameras.unwrap_or(of_scene.cameras.len());
         let frames = spec.frames.unwrap_or(scene.frames);
         let size = spec.size.unwrap_or(scene.size);
         let noise = spec.noise.unwrap_or(scene.noise);
@@ -183,11 +184,11 @@ impl Demo {
         check(scene, "columns", f64::from(size.0), 1.0..=f64::from(MAX_SIZE))?;
         check(scene, "rows", f64::from(size.1), 1.0..=f64::from(MAX_SIZE))?;
         check(scene, "noise", f64::from(noise), 0.0..=1.0)?;
-        let novel = rig.novel.iter().map(|vantage| vantage.camera(size)).collect();
-        Ok(Self { scene, cameras: rig.cameras(cameras, size), novel, frames, noise })
+        let novel = of_scene.novel.iter().map(|vantage| vantage.camera(size)).collect();
+        Ok(Self { scene, cameras: of_scene.cameras(cameras, size), novel, frames, noise })
     }
 
-    /// The scene as a capture whose frames are traced when asked for.
+    /// The scene as a capture whose frames are traced on demand.
     #[must_use]
     pub fn capture(&self, settings: &CaptureSettings) -> Capture {
         let parts = CaptureParts {

@@ -139,13 +139,9 @@ pub struct Settings {
 impl Settings {
     /// Every setting, section by section.
     pub fn fields() -> impl Iterator<Item = &'static Field> {
-        CaptureSettings::FIELDS
-            .iter()
-            .chain(NormalSettings::FIELDS)
-            .chain(SpanSettings::FIELDS)
-            .chain(PruningSettings::FIELDS)
-            .chain(StoreSettings::FIELDS)
-            .chain(RenderSettings::FIELDS)
+        let preprocessing = [NormalSettings::FIELDS, SpanSettings::FIELDS, PruningSettings::FIELDS];
+        let all = [CaptureSettings::FIELDS].into_iter().chain(preprocessing);
+        all.chain([StoreSettings::FIELDS, RenderSettings::FIELDS]).flatten()
     }
 
     /// Reads settings from TOML text; `place` is named in errors.
@@ -251,13 +247,11 @@ impl Settings {
             // Tolerances are f32: one unit in the last place either way is the same setting.
             let slack = 1e-6 * max.abs();
             if !(min - slack..=max + slack).contains(&number) {
-                return Err(Error::invalid(
-                    place,
-                    format!(
-                        "{} = {number} is out of range; it goes from {min} to {max} {}",
-                        field.path, field.unit
-                    ),
-                ));
+                let what = format!(
+                    "{} = {number} is out of range; it goes from {min} to {max} {}",
+                    field.path, field.unit
+                );
+                return Err(Error::invalid(place, what));
             }
         }
         Ok(())

@@ -68,8 +68,8 @@ macro_rules! section {
 
         impl $name {
             /// Every setting of this section.
-            pub const FIELDS: &'static [$crate::settings::Field] = &[
-                $($crate::settings::Field {
+            pub const FIELDS: &'static [$crate::settings::section::Field] = &[
+                $($crate::settings::section::Field {
                     path: concat!($section, ".", stringify!($field)),
                     unit: $unit,
                     help: concat!($($doc),+),

@@ -1,17 +1,17 @@
 //! The store: tiles of samples, predicted and entropy-coded, in a chunked IFF file. FORMAT.md describes it byte by byte.
 //!
 //! ```text
-//! SampleSet + Report ─ precision ─▶ images ─ blocks ─▶ numbers ─ coding ─▶ bytes ─ iff ─▶ file
+//! SampleSet ─ precision ─▶ images ─ blocks ─▶ numbers ─ codec ─▶ bytes ─ iff ─▶ file
 //! ```
 //!
 //! Source: the paper, §3.2: tiles, of which empty ones are skipped, "simple run-length encoding", a "customized IFF
 //! format". What differs: prediction and entropy coding in place of runs, of which half floats have few; checksums, a version,
 //! an index for random access. The file holds exactly what the set holds, unless a precision is asked for.
 
-pub mod codec;
-pub mod container;
+mod codec;
+mod container;
 pub mod file;
-pub mod image;
+mod image;
 pub mod playback;
 
 use std::path::Path;
@@ -19,40 +19,34 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::diagnostics::Report;
 use crate::samples::{SampleImage, SampleSet};
 use crate::settings::StoreSettings;
 
-use file::{Extras, Store, write_with};
+use file::{Extras, Store, StoreInfo, write_with};
 
 /// Writes an open store again, as this Overlook writes it, with what it carries beside the samples; `storage` says how, if it is
 /// not to be as before. Gives its size in bytes. `path` may be the store's own.
 ///
 /// # Errors
-/// As [`write()`]; `Invalid` where some of it is damaged, since nothing would say so any more, where it was held to less
-/// precision than `storage` asks for, and where it lacks the normals that are asked for.
+/// As [`file::write`]; `Invalid` where some of it is damaged, since the copy would not show that, where it has less precision than
+/// `storage` demands, and where it lacks demanded normals.
 pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, job: &Job) -> Result<u64> {
-    let (mut samples, report) = store.read_all(job)?;
+    let mut samples = store.read_all(job)?;
     if let Some(damage) = store.damage().first() {
-        return Err(Error::invalid(
-            path.display(),
-            format!("is not written, since there is damage: {damage}"),
-        ));
+        let what = format!("is not written, since there is damage: {damage}");
+        return Err(Error::invalid(path.display(), what));
     }
     let held_to = Some(samples.settings.store.clone());
     if let Some(storage) = storage {
         samples.settings.store = storage.clone();
         set_normals(&mut samples, storage.normals).map_err(|what| Error::invalid(path.display(), what))?;
     }
-    let (provenance, unknown) = (store.info().provenance.clone(), store.unknown_chunks()?);
-    let extras = Extras { provenance, unknown, held_to };
-    write_with(path, &samples, &report, &extras, job)
+    let StoreInfo { report, provenance, .. } = store.info().clone();
+    let extras = Extras { report, provenance, unknown: store.unknown_chunks()?, held_to };
+    write_with(path, &samples, &extras, job)
 }
 
-/// Leaves normals out unless they are asked for.
-///
-/// # Errors
-/// Where they are asked for and are not there.
+/// Leaves normals out unless they are kept.
 fn set_normals(samples: &mut SampleSet, are_kept: bool) -> std::result::Result<(), String> {
     if are_kept && samples.images.iter().any(|image| image.normal.is_none()) {
         return Err("cannot have normals: the store holds none; preprocess the capture again, or set store.normals=false".to_owned());
@@ -63,10 +57,12 @@ fn set_normals(samples: &mut SampleSet, are_kept: bool) -> std::result::Result<(
     Ok(())
 }
 
-/// Reads a whole store, in which nothing may be damaged: [`Store::read_all`] makes do with what is whole.
+/// Reads a whole store, in which nothing may be damaged ([`Store::read_all`] makes do with what is whole): its samples, and its
+/// report as JSON.
 ///
 /// # Errors
 /// `Io`, `Invalid` (naming file, chunk and byte offset), `Unsupported` (a newer version), `Cancelled`.
-pub fn read(path: &Path, job: &Job) -> Result<(SampleSet, Report)> {
-    Store::open(path)?.read_undamaged(job)
+pub fn read(path: &Path, job: &Job) -> Result<(SampleSet, String)> {
+    let store = Store::open(path)?;
+    Ok((store.read_undamaged(job)?, store.info().report.clone()))
 }

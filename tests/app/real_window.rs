@@ -219,6 +219,7 @@ fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
     });
     let (samples, report) = overlook::store::read(&store, &overlook::job::Job::new()).unwrap();
     assert!(samples.settings.pruning.depth_tolerance > 1.5, "{}", samples.settings.pruning.depth_tolerance);
+    let report = overlook::preprocess::diagnostics::Report::from_json(&report, "saved").unwrap();
     assert_eq!(report.samples_kept, samples.sample_count());
 
     xdotool(&display, &["key", "ctrl+o"]).unwrap();

@@ -83,8 +83,13 @@ fn a_budget_is_kept_and_one_that_cannot_be_kept_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let size = |settings: &Settings| {
         let made = preprocess(&scene.capture, settings, &Job::new()).unwrap();
-        overlook::store::file::write(&folder.path().join("t.ovl"), &made.samples, &made.report, &Job::new())
-            .unwrap()
+        overlook::store::file::write(
+            &folder.path().join("t.ovl"),
+            &made.samples,
+            &made.report.to_json().unwrap(),
+            &Job::new(),
+        )
+        .unwrap()
     };
     let bytes = size(&Settings::default()) * 9 / 10;
     let within =

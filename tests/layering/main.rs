@@ -25,7 +25,7 @@ const LAYERS: [&[&str]; 9] = [
 const STRANGERS: [(&str, &str); 1] = [("render", "preprocess")];
 
 /// Folders of a module from the first to the last in the order in which data flows: a folder may use those before it.
-const STAGES: [(&str, &[&str]); 5] = [
+const STAGES: [(&str, &[&str]); 7] = [
     (
         "preprocess",
         &[
@@ -42,6 +42,8 @@ const STAGES: [(&str, &[&str]); 5] = [
     ),
     ("render", &["input", "geometry", "splat", "gather", "resolve", "fill", "output", "gpu", "film"]),
     ("app", &["model", "work", "control", "views", "panels"]),
+    ("capture", &["exr", "transforms"]),
+    ("demo", &["tracer", "scenes"]),
     ("store", &["container", "codec", "image", "file", "playback"]),
     ("cli", &["output", "input", "commands"]),
 ];

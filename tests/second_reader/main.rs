@@ -8,7 +8,6 @@ use glam::{DAffine3, DVec3};
 use half::f16;
 use overlook::capture::{Camera, Intrinsics};
 use overlook::job::Job;
-use overlook::preprocess::diagnostics::Report;
 use overlook::samples::{DepthPlane, OctNormal, SampleImage, SampleSet, SampleTile, Span, TILE};
 use overlook::settings::Settings;
 
@@ -89,7 +88,7 @@ fn written(settings: &[&str]) -> (SampleSet, Vec<u8>) {
     for setting in settings {
         set.settings.set_text(setting).unwrap();
     }
-    overlook::store::file::write(&path, &set, &Report::default(), &Job::new()).unwrap();
+    overlook::store::file::write(&path, &set, "{}", &Job::new()).unwrap();
     (set, std::fs::read(&path).unwrap())
 }
 

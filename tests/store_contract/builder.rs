@@ -107,11 +107,12 @@ pub(crate) fn moving_set() -> SampleSet {
     set_of(cameras, 10, images)
 }
 
-pub(crate) fn small_report() -> Report {
+/// A report as a store keeps it.
+pub(crate) fn small_report() -> String {
     let mut report = Report { samples_in: 890, ..Report::default() };
     report.cameras.push(CameraReport { color_noise_steps: 0.1, ..CameraReport::default() });
     report.pruned.insert("static".to_owned(), 17);
-    report
+    report.to_json().unwrap()
 }
 
 pub(crate) fn any_set() -> impl Strategy<Value = SampleSet> {

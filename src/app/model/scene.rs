@@ -95,7 +95,8 @@ impl OpenScene {
         let first = first.images.iter().find(|image| !image.is_empty());
         let typical_depth = first.map_or(1.0, |image| median_depth(&image.inverse_depths()));
         let samples = playback.outline().clone();
-        let (report, bytes) = (playback.store().info().report.clone(), playback.store().info().bytes);
+        let info = playback.store().info();
+        let (report, bytes) = (Report::from_json(&info.report, &path.display().to_string())?, info.bytes);
         Ok(Self {
             id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
             origin: Origin::Path(path),

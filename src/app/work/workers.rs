@@ -319,8 +319,8 @@ fn file(request: FileRequest, job: &Job) -> Result<Message> {
             job.start(format!("Saving {}", path.display()), 0);
             let frames_are_ranked = scene.capture().is_some_and(Capture::frames_are_ranked);
             let provenance = Provenance { frames_are_ranked, ..Provenance::default() };
-            let extras = Extras { provenance, ..Extras::default() };
-            let bytes = store::file::write_with(&path, &samples, &report, &extras, job)?;
+            let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
+            let bytes = store::file::write_with(&path, &samples, &extras, job)?;
             let holds = Some((scene.id, samples.settings.clone()));
             Ok(Message::Saved { path, bytes: Some(bytes), holds })
         }

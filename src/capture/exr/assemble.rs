@@ -19,7 +19,7 @@ const BACK_FACING_COSINE: f64 = 0.25;
 
 /// The space that recorded normals are in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum NormalSpace {
+pub(crate) enum NormalSpace {
     /// World space.
     #[default]
     World,
@@ -29,8 +29,7 @@ pub enum NormalSpace {
 
 impl NormalSpace {
     /// The space by its name in the manifest.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
         Some(match name {
             "world" => Self::World,
             "camera" => Self::Camera,
@@ -39,10 +38,10 @@ impl NormalSpace {
     }
 }
 
-/// What is known of depth of which pixels cannot be used.
+/// Why pixels of a depth channel may be unusable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum DepthTrouble {
-    /// Nothing: it must not be.
+pub(crate) enum DepthTrouble {
+    /// No reason is known: unusable depth is an error.
     #[default]
     Unknown,
     /// A sensor measured nothing, which happens.
@@ -53,21 +52,21 @@ pub enum DepthTrouble {
 
 /// The planes of one picture, row-major, all of the camera's size.
 #[derive(Clone, Debug)]
-pub struct Layers {
+pub(crate) struct Layers {
     /// Linear red, green, blue; not yet checked.
-    pub color: ColorPlanes,
+    pub(crate) color: ColorPlanes,
     /// Coverage, where the picture has it.
-    pub alpha: Option<Vec<f32>>,
+    pub(crate) alpha: Option<Vec<f32>>,
     /// As [`Frame::inverse_depth`].
-    pub inverse_depth: Vec<f32>,
+    pub(crate) inverse_depth: Vec<f32>,
     /// As [`Frame::depth_step_relative`].
-    pub depth_step_relative: f32,
+    pub(crate) depth_step_relative: f32,
     /// Normals as recorded, x, y, z, any length, and the space they are in.
-    pub normal: Option<([Vec<f32>; 3], NormalSpace)>,
+    pub(crate) normal: Option<([Vec<f32>; 3], NormalSpace)>,
     /// What the depth was read from, for messages: a channel's or a file's name.
-    pub depth_name: String,
-    /// What is known of depth that cannot be used.
-    pub depth_trouble: DepthTrouble,
+    pub(crate) depth_name: String,
+    /// Why pixels of it may be unusable.
+    pub(crate) depth_trouble: DepthTrouble,
 }
 
 impl Layers {
@@ -76,7 +75,7 @@ impl Layers {
     ///
     /// # Errors
     /// `Invalid` where not a single pixel has a depth, or depth is measured backwards.
-    pub fn into_frame(mut self, camera: &Camera, place: &str) -> Result<Frame> {
+    pub(crate) fn into_frame(mut self, camera: &Camera, place: &str) -> Result<Frame> {
         let (width, height) = camera.intrinsics.size();
         let (color, without_color) = self.color.into_halves(&mut self.inverse_depth);
         if self.depth_trouble == DepthTrouble::Negative {
@@ -90,13 +89,11 @@ impl Layers {
             self.depth_trouble == DepthTrouble::MayBeUnmeasured && without_color < self.inverse_depth.len();
         if !is_unmeasured && self.inverse_depth.iter().all(|&inverse| inverse < 0.0) {
             let color_share = 100.0 * without_color as f64 / self.inverse_depth.len().max(1) as f64;
-            return Err(Error::invalid(
-                place,
-                format!(
-                    "not one pixel of channel '{}' is a depth ({color_share:.0} % have no color either); render it again",
-                    self.depth_name
-                ),
-            ));
+            let what = format!(
+                "not one pixel of channel '{}' is a depth ({color_share:.0} % have no color either); render it again",
+                self.depth_name
+            );
+            return Err(Error::invalid(place, what));
         }
         for (inverse, alpha) in self.inverse_depth.iter_mut().zip(self.alpha.iter().flatten()) {
             if *alpha <= 0.0 && *inverse == 0.0 {

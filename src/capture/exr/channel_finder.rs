@@ -11,13 +11,14 @@ const DEPTH_LAYERS: &[&str] = &["depth", "z"];
 const DEPTH_SUFFIXES: &[&str] = &["Z", "V", "T", "Y", "R"];
 const COLOR_LAYERS: &[&str] = &["", "combined", "rgba", "rgb", "beauty", "color", "finalimage", "image"];
 
+/// A channel's full name, taken apart.
 #[derive(Clone, Copy)]
-pub(super) struct Name<'a> {
+pub(super) struct LayeredName<'a> {
     layer: &'a str,
     pub(super) suffix: &'a str,
 }
 
-impl<'a> Name<'a> {
+impl<'a> LayeredName<'a> {
     fn of(full: &'a str) -> Self {
         let (layer, suffix) = full.rsplit_once('.').unwrap_or(("", full));
         Self { layer, suffix }
@@ -46,16 +47,16 @@ fn is_geometry(layer: &str) -> bool {
 }
 
 /// Full names of channels, taken apart.
-pub(super) struct Finder<'a> {
+pub(super) struct ChannelFinder<'a> {
     full: Vec<&'a str>,
-    pub(super) names: Vec<Name<'a>>,
+    pub(super) names: Vec<LayeredName<'a>>,
     place: &'a str,
 }
 
-impl<'a> Finder<'a> {
+impl<'a> ChannelFinder<'a> {
     pub(super) fn new(full: impl IntoIterator<Item = &'a str>, place: &'a str) -> Self {
         let full: Vec<&str> = full.into_iter().collect();
-        let names = full.iter().map(|full| Name::of(full)).collect();
+        let names = full.iter().map(|full| LayeredName::of(full)).collect();
         Self { full, names, place }
     }
 
@@ -155,7 +156,7 @@ impl<'a> Finder<'a> {
         if self.depth(own, color_layer).is_some() {
             return None;
         }
-        let of_name = |name: &Name<'a>| {
+        let of_name = |name: &LayeredName<'a>| {
             let is_picture = self.triple(name.layer, RGB).is_some();
             [Some(split_pass(name.layer).0), Some(name.layer).filter(|_| is_picture)]
         };
@@ -202,8 +203,8 @@ impl<'a> Finder<'a> {
         best.map(|(index, _)| index).or_else(|| (self.names.len() == 1).then_some(0))
     }
 
-    /// How well a channel answers for depth, 0 best; none where it is something else.
-    fn depth_score(&self, name: &Name, root: Option<&str>, color_layer: Option<&str>) -> Option<u8> {
+    /// How well a channel fits as depth, 0 best; `None` where it is something else.
+    fn depth_score(&self, name: &LayeredName, root: Option<&str>, color_layer: Option<&str>) -> Option<u8> {
         let (parent, pass) = split_pass(name.layer);
         let is_plain = name.suffix.eq_ignore_ascii_case("Z") || name.suffix.eq_ignore_ascii_case("depth");
         let is_depth_pass = is_one_of(pass, DEPTH_LAYERS) && is_one_of(name.suffix, DEPTH_SUFFIXES);
@@ -268,7 +269,7 @@ impl<'a> Finder<'a> {
     }
 
     pub(super) fn wished_triple(&self, wish: &str) -> Result<[usize; 3]> {
-        let layer = Name::of(wish).layer;
+        let layer = LayeredName::of(wish).layer;
         let of_channel = || {
             let channel = self.full.iter().position(|full| *full == wish)?;
             let triples = [XYZ, RGB].into_iter().filter_map(|suffixes| self.triple(layer, suffixes));
@@ -304,7 +305,7 @@ fn is_inside(layer: &str, root: &str) -> bool {
     layer == root || layer.strip_prefix(root).is_some_and(|rest| rest.starts_with('.'))
 }
 
-/// Whether passes that answer equally well are of one root; with no picture to tell which is meant, of several none is.
+/// Whether passes that fit equally well have one root. Without a picture, nothing decides between several roots, and none is taken.
 fn is_one_root<'a>(root: Option<&str>, mut layers: impl Iterator<Item = &'a str>) -> bool {
     let first = layers.next().map(|layer| split_pass(layer).0);
     root.is_some() || layers.all(|layer| Some(split_pass(layer).0) == first)

@@ -11,55 +11,55 @@
 //! | Arnold and plain files | `R…` | `Z` | `N.X…` or `N.R…` | `P.X…` or `P.R…` |
 //! | Unreal | `R…` | `FinalImage…WorldDepth.R` | | |
 
-use super::channel_finder::{Finder, NORMAL_LAYERS, POSITION_LAYERS, RGB};
+use super::channel_finder::{ChannelFinder, NORMAL_LAYERS, POSITION_LAYERS, RGB};
 use crate::error::Result;
 
 /// What the manifest says about channels where names alone do not decide.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ChannelWishes {
+pub(crate) struct ChannelWishes {
     /// Whether depth or normals are looked for in a file of their own: pictures beside them need no choice, nor need the layer be
     /// there.
-    pub is_apart: bool,
+    pub(crate) is_apart: bool,
     /// The layer (Blender's view layer) that all channels belong to.
-    pub layer: Option<String>,
+    pub(crate) layer: Option<String>,
     /// Full name of the depth channel.
-    pub depth_channel: Option<String>,
+    pub(crate) depth_channel: Option<String>,
     /// Layer of the channels of positions, or the full name of the first of them.
-    pub position_channel: Option<String>,
+    pub(crate) position_channel: Option<String>,
     /// Layer of the normal channels, or the full name of the first of them.
-    pub normal_channel: Option<String>,
+    pub(crate) normal_channel: Option<String>,
 }
 
 /// Indices of the recognized channels, into the list of names they were found in.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ChannelNames {
+pub(crate) struct ChannelNames {
     /// Red, green, blue.
-    pub color: Option<[usize; 3]>,
+    pub(crate) color: Option<[usize; 3]>,
     /// Alpha beside the color.
-    pub alpha: Option<usize>,
+    pub(crate) alpha: Option<usize>,
     /// Depth, one channel.
-    pub depth: Option<usize>,
+    pub(crate) depth: Option<usize>,
     /// Whether the depth channel is named as Mitsuba names its distance along the ray.
-    pub depth_is_ray_distance: bool,
+    pub(crate) depth_is_ray_distance: bool,
     /// Normal, x, y, z.
-    pub normal: Option<[usize; 3]>,
+    pub(crate) normal: Option<[usize; 3]>,
     /// World-space position, x, y, z.
-    pub position: Option<[usize; 3]>,
+    pub(crate) position: Option<[usize; 3]>,
     /// x, y, z of a file of one vector, which need not be called by what it is.
-    pub only_vector: Option<[usize; 3]>,
+    pub(crate) only_vector: Option<[usize; 3]>,
 }
 
 impl ChannelNames {
     /// Recognizes channels among their full names. What is not there is `None`; `place` is named in errors.
     ///
     /// # Errors
-    /// `Invalid` where a wished-for channel is missing, or where several layers answer equally well.
-    pub fn find<'a>(
+    /// `Invalid` where a wished-for channel is missing, or where several layers fit equally well.
+    pub(crate) fn find<'a>(
         full: impl IntoIterator<Item = &'a str>,
         wishes: &ChannelWishes,
         place: &'a str,
     ) -> Result<Self> {
-        let finder = Finder::new(full, place);
+        let finder = ChannelFinder::new(full, place);
         let layer = wishes.layer.as_deref().filter(|layer| !wishes.is_apart || finder.has_layer(layer));
         let color_layer = match finder.color_layer(layer) {
             Err(_) if wishes.is_apart => None,
@@ -94,8 +94,11 @@ impl ChannelNames {
     }
 
     /// What to do about a file in which no picture was found.
-    pub fn advice_on_color<'a>(full: impl IntoIterator<Item = &'a str>, wishes: &ChannelWishes) -> String {
-        Finder::new(full, "").advice_on_color(wishes.layer.as_deref())
+    pub(crate) fn advice_on_color<'a>(
+        full: impl IntoIterator<Item = &'a str>,
+        wishes: &ChannelWishes,
+    ) -> String {
+        ChannelFinder::new(full, "").advice_on_color(wishes.layer.as_deref())
     }
 }
 

@@ -9,7 +9,7 @@ use crate::simd::{self, VectorLoop};
 
 /// Linear red, green and blue, row-major, not yet checked.
 #[derive(Clone, Debug)]
-pub enum ColorPlanes {
+pub(crate) enum ColorPlanes {
     /// As most renderers write them.
     Half([Vec<f16>; 3]),
     /// Where one of them is more precise.
@@ -27,7 +27,7 @@ impl From<[ChannelPlane; 3]> for ColorPlanes {
     }
 }
 
-/// Pixels whose color is narrowed at a time: alone, each half float would ask the processor what it can do.
+/// Pixels whose color is narrowed at a time: each conversion detects the processor's features anew.
 const NARROWED: usize = 256;
 
 /// Sign taken off and with these bits set, a half float is infinite or not a number.
@@ -39,8 +39,7 @@ impl ColorPlanes {
     ///
     /// # Panics
     /// Where planes are not of one size.
-    #[must_use]
-    pub fn into_halves(self, inverse_depth: &mut [f32]) -> (Vec<[f16; 3]>, usize) {
+    pub(crate) fn into_halves(self, inverse_depth: &mut [f32]) -> (Vec<[f16; 3]>, usize) {
         let mut color = vec![[f16::ZERO; 3]; inverse_depth.len()];
         let without = match self {
             Self::Half(planes) => {
@@ -53,7 +52,7 @@ impl ColorPlanes {
     }
 }
 
-/// Takes the inverse depth from pixels of which a channel is not finite, and says how many there are.
+/// Invalidates the inverse depth of pixels with a channel that is not finite; gives their number.
 #[inline(always)]
 fn invalidate<T: Copy>(
     [red, green, blue]: [&[T]; 3],

@@ -8,7 +8,7 @@ use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::compression::Compression;
 use exr::meta::MetaData;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, one_line};
 
 /// Sizes at the start of a DWA chunk: a version, nine sizes, and the kind of entropy coding, 8 bytes each.
 const DWA_SIZES: std::ops::Range<usize> = 1..10;
@@ -72,11 +72,11 @@ pub(crate) fn guarded<T>(place: &str, decode: impl FnOnce() -> exr::error::Resul
 }
 
 thread_local! {
-    /// Whether a panic of this thread is caught and told as an error.
+    /// Whether a panic of this thread is caught and becomes an error.
     static EXPECTED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Keeps panics that are told as errors from being printed as well; all others are printed as before.
+/// Keeps panics that become errors from being printed as well; all others are printed as before.
 fn silence_expected_panics() {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
@@ -97,8 +97,4 @@ fn damaged(place: &str, what: &str) -> Error {
             one_line(what)
         ),
     )
-}
-
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

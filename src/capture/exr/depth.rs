@@ -4,7 +4,7 @@
 //! planar_z                      z = v
 //! ray_distance                  z = v · cos a            a: angle between ray and optical axis
 //! ray_distance_from_near_clip   z = v · cos a + near     (Mitsuba 3 measures from the near plane, along the ray)
-//! position                      z = forward · (p − eye)  (leaves no doubt about the kind)
+//! position                      z = forward · (p − eye)  (states its kind by itself)
 //! ```
 
 use glam::{DVec2, DVec3};
@@ -14,15 +14,15 @@ use crate::capture::frame::INVALID_INVERSE_DEPTH;
 use crate::simd::{self, VectorLoop};
 
 /// Depth at or beyond this was not hit where it is written in floats: Blender writes 1e10, others `f32::MAX` or infinity.
-pub const MISS_DEPTH: f32 = 1e9;
+pub(crate) const MISS_DEPTH: f32 = 1e9;
 /// The largest half float, to which half-float depth saturates, and light that is written as half floats.
-pub const HALF_MAX: f32 = 65_504.0;
+pub(crate) const HALF_MAX: f32 = 65_504.0;
 /// Slack of comparisons with given limits, which passed through `f32` once or twice.
 const RELATIVE_SLACK: f64 = 1e-6;
 
 /// What the depth channel of a capture holds. Known at the import boundary only; inside the program depth is planar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum DepthKind {
+pub(crate) enum DepthKind {
     /// Distance along the optical axis.
     #[default]
     PlanarZ,
@@ -36,8 +36,7 @@ pub enum DepthKind {
 
 impl DepthKind {
     /// The kind by its name in the manifest.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
         Some(match name {
             "planar_z" => Self::PlanarZ,
             "ray_distance" => Self::RayDistance,
@@ -50,22 +49,22 @@ impl DepthKind {
 
 /// How the values of a depth channel are read.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DepthRules {
+pub(crate) struct DepthRules {
     /// What they measure.
-    pub kind: DepthKind,
-    /// The value that stands for "nothing hit", beside those that always do.
-    pub miss_value: Option<f64>,
+    pub(crate) kind: DepthKind,
+    /// The value that means "nothing hit", beside those that always do.
+    pub(crate) miss_value: Option<f64>,
     /// Distance of the near plane, world units.
-    pub near_clip: f64,
+    pub(crate) near_clip: f64,
     /// Planar z from which on nothing was hit, world units.
-    pub far_clip: Option<f64>,
+    pub(crate) far_clip: Option<f64>,
     /// World units per unit of the file.
-    pub unit_scale: f64,
+    pub(crate) unit_scale: f64,
     /// Values from here on were not hit: [`MISS_DEPTH`] in floats, and the largest number of narrower ones and of whole numbers,
-    /// which stands for all that lies farther.
-    pub misses_from: f32,
+    /// which represents everything that lies farther.
+    pub(crate) misses_from: f32,
     /// Whether 0 means "not measured" (depth sensors) rather than "nothing hit" (renderers).
-    pub zero_is_unknown: bool,
+    pub(crate) zero_is_unknown: bool,
 }
 
 impl Default for DepthRules {
@@ -86,8 +85,7 @@ impl DepthRules {
     /// Inverse planar z of a raw `value` at a pixel whose ray, scaled to z = 1, has the given length: 0 where nothing
     /// was hit, [`INVALID_INVERSE_DEPTH`] for NaN, negative and unmeasured values.
     #[inline(always)]
-    #[must_use]
-    pub fn inverse_depth(&self, value: f32, ray_length: f64) -> f32 {
+    pub(crate) fn inverse_depth(&self, value: f32, ray_length: f64) -> f32 {
         let raw = f64::from(value);
         let scaled = raw * self.unit_scale;
         let depth_z = match self.kind {
@@ -105,8 +103,7 @@ impl DepthRules {
     }
 
     /// Whether raw values measure backwards: some are negative, and no other is a distance.
-    #[must_use]
-    pub fn are_negative(&self, values: &[f32]) -> bool {
+    pub(crate) fn are_negative(&self, values: &[f32]) -> bool {
         let counts = |value: &&f32| **value < self.misses_from && !self.is_given_miss(f64::from(**value));
         // In this order: in nearly every picture one of the first values is a distance.
         !values.iter().filter(counts).any(|value| *value > 0.0)
@@ -130,8 +127,7 @@ impl DepthRules {
     }
 
     /// Inverse planar z of every pixel of `camera` in place of a plane of raw values, row-major.
-    #[must_use]
-    pub fn inverse_depth_plane(&self, mut values: Vec<f32>, camera: &Camera) -> Vec<f32> {
+    pub(crate) fn inverse_depth_plane(&self, mut values: Vec<f32>, camera: &Camera) -> Vec<f32> {
         let width = camera.intrinsics.size().0.max(1);
         for (y, values) in values.chunks_mut(width).enumerate() {
             simd::run(DepthRow { rules: *self, intrinsics: camera.intrinsics, y, values });
@@ -141,8 +137,7 @@ impl DepthRules {
 
     /// Inverse planar z of every pixel of `camera` from planes of world-space positions, in the file's unit, row-major. A
     /// position of exactly zero is Blender's "nothing hit"; so is one whose every coordinate is the given miss value.
-    #[must_use]
-    pub fn inverse_depth_from_positions(&self, xyz: [&[f32]; 3], camera: &Camera) -> Vec<f32> {
+    pub(crate) fn inverse_depth_from_positions(&self, xyz: [&[f32]; 3], camera: &Camera) -> Vec<f32> {
         let eye = camera.position_in_world();
         let forward = camera.forward_in_world();
         let [xs, ys, zs] = xyz;
@@ -167,8 +162,7 @@ impl DepthRules {
 
     /// The median distance between pixels and where the positions in them project to, beyond what rounding by `step_relative`
     /// explains, in pixels; infinite where most lie behind the camera, and `None` where nothing was hit.
-    #[must_use]
-    pub fn distance_from_rays_px(
+    pub(crate) fn distance_from_rays_px(
         &self,
         xyz: [&[f32]; 3],
         inverse_depth: &[f32],
@@ -193,10 +187,15 @@ impl DepthRules {
             (found.distance(pixel) - 2.0 * rounding).max(0.0)
         };
         let hits = (0..inverse_depth.len()).step_by(step).filter(is_hit);
-        let mut distances: Vec<f64> = hits.map(distance).collect();
-        let middle = distances.len() / 2;
-        (!distances.is_empty()).then(|| *distances.select_nth_unstable_by(middle, f64::total_cmp).1)
+        median(hits.map(distance))
     }
+}
+
+/// The upper median; `None` of no values.
+pub(crate) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// One row of raw values that become inverse depths.

@@ -18,7 +18,7 @@ use exr::meta::header::Header;
 use super::decoder_guard::{self, guarded};
 use super::plane::ChannelPlane;
 use super::zip::Inflater;
-use crate::capture::camera::{MAX_SIDE, is_believable_size};
+use crate::capture::camera::{MAX_SIDE, is_believable_size, wrong_size};
 use crate::error::{Error, Result};
 
 /// No compression but DWA makes more than a thousand bytes of one, and a pixel has at least one.
@@ -27,7 +27,7 @@ const MAX_PIXELS_PER_BYTE: usize = 1100;
 const DWA_BLOCK_PIXELS: usize = 64;
 /// How far the chromaticities of a file may lie from those of Rec.709 and be them.
 const CHROMATICITY_SLACK: f32 = 1e-3;
-/// Pixels beyond these are no lens's.
+/// Ratios of a pixel's width to its height that are believed.
 const BELIEVABLE_PIXEL_ASPECTS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 /// Largest file that is read: one frame of the largest believable size with a dozen float channels stays below it.
 const MAX_FILE_BYTES: u64 = 4 << 30;
@@ -66,7 +66,8 @@ pub struct ExrFile {
     display: DataWindow,
     data: Vec<DataWindow>,
     pixels_per_byte: Vec<usize>,
-    has_other_primaries: bool,
+    /// Whether the header states chromaticities that are not those of Rec.709.
+    pub(crate) has_other_primaries: bool,
 }
 
 impl ExrFile {
@@ -78,10 +79,8 @@ impl ExrFile {
     pub fn open(path: &Path, place: &str) -> Result<Self> {
         let length = std::fs::metadata(path).map_err(|error| unreadable(path, place, error))?.len();
         if length > MAX_FILE_BYTES {
-            return Err(Error::invalid(
-                place,
-                format!("{length} bytes are too many for one picture; save it again"),
-            ));
+            let what = format!("{length} bytes are too many for one picture; save it again");
+            return Err(Error::invalid(place, what));
         }
         let bytes = std::fs::read(path).map_err(|error| unreadable(path, place, error))?;
         Self::from_bytes(bytes, place)
@@ -145,7 +144,7 @@ impl ExrFile {
         })
     }
 
-    /// How many times as wide as high the pixels of a picture are; `None` where the header cannot be read or says what cannot be.
+    /// Width of a pixel over its height; `None` where the header cannot be read or states an absurd ratio.
     #[must_use]
     pub fn pixel_aspect(path: &Path) -> Option<f64> {
         let file = BufReader::new(File::open(path).ok()?);
@@ -158,12 +157,6 @@ impl ExrFile {
     #[must_use]
     pub fn channels(&self) -> &[ChannelInfo] {
         &self.channels
-    }
-
-    /// Whether the header states chromaticities that are not those of Rec.709.
-    #[must_use]
-    pub fn has_other_primaries(&self) -> bool {
-        self.has_other_primaries
     }
 
     /// The window to decode for a camera of `expected` size, or the whole picture where that is not known.
@@ -181,15 +174,7 @@ impl ExrFile {
             .chain(&self.data)
             .find(|window| (window.width, window.height) == expected)
             .copied()
-            .ok_or_else(|| {
-                Error::invalid(
-                    &self.place,
-                    format!(
-                        "the picture is {}×{} but its camera is {}×{}; render it at the camera's size",
-                        self.display.width, self.display.height, expected.0, expected.1
-                    ),
-                )
-            })
+            .ok_or_else(|| wrong_size(&self.place, (self.display.width, self.display.height), expected))
     }
 
     /// Decodes the channels with these indices (into [`ExrFile::channels`]), in their order.

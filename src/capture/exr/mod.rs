@@ -20,10 +20,10 @@ mod plane;
 mod write;
 mod zip;
 
-pub use assemble::{DepthTrouble, Layers, NormalSpace};
-pub use channels::{ChannelNames, ChannelWishes};
-pub use color_planes::ColorPlanes;
-pub use depth::{DepthKind, DepthRules, HALF_MAX, MISS_DEPTH};
+pub(crate) use assemble::{DepthTrouble, Layers, NormalSpace};
+pub(crate) use channels::{ChannelNames, ChannelWishes};
+pub(crate) use color_planes::ColorPlanes;
+pub(crate) use depth::{DepthKind, DepthRules, HALF_MAX, MISS_DEPTH, median};
 pub use file::{ChannelInfo, DataWindow, ExrFile};
 pub use plane::ChannelPlane;
-pub use write::{write_frame, write_picture};
+pub(crate) use write::{write_frame, write_picture};

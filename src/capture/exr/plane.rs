@@ -16,7 +16,7 @@ pub enum ChannelPlane {
 }
 
 impl ChannelPlane {
-    /// A plane of which nothing is known yet.
+    /// A plane of NaN.
     pub(crate) fn unknown(is_half: bool, pixels: usize) -> Self {
         if is_half { Self::Half(vec![f16::NAN; pixels]) } else { Self::Single(vec![f32::NAN; pixels]) }
     }

@@ -30,7 +30,7 @@ const MISS_DEPTH: f32 = 1e10;
 ///
 /// # Errors
 /// `Io` where the file cannot be written, `Invalid` for a frame without pixels.
-pub fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
+pub(crate) fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
     let depth = frame.inverse_depth.as_slice().iter().map(|&inverse| depth_of(inverse)).collect();
     let mut channels = color_channels(|channel| frame.color.as_slice().iter().map(|c| c[channel]).collect());
     channels.push(AnyChannel::new("Z", FlatSamples::F32(depth)));
@@ -50,7 +50,7 @@ pub fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
 ///
 /// # Errors
 /// `Io` where the file cannot be written, `Invalid` for a picture without pixels or grids that differ in size.
-pub fn write_picture(
+pub(crate) fn write_picture(
     path: &Path,
     color: &Grid<[f32; 3]>,
     coverage: &Grid<f32>,

@@ -1,7 +1,7 @@
 //! Undoes OpenEXR's ZIP compression, which nearly every renderer writes and which most of the time of reading a frame goes into.
 //!
 //! Source: OpenEXR, `ImfZip.cpp`. A block of rows is deflated; what comes out are differences of successive bytes, each 128 too
-//! large; and of the bytes that these add up to, the first half belongs at even places and the second at odd ones, so that the
+//! large; and of the bytes that these add up to, the first half belongs at even positions and the second at odd ones, so that the
 //! high bytes of half floats stand together. What differs from the `exr` crate, which reads every other compression and all that
 //! stands around blocks: `libdeflate` inflates, as in OpenEXR itself, and bytes are added up and put in place 64 at a time.
 
@@ -128,7 +128,7 @@ fn sums_within(word: u64) -> u64 {
     ((even + (odd << 16)) & EVEN) | ((even + odd) & EVEN) << 8
 }
 
-/// Puts the first half of some bytes at even places and the second at odd ones.
+/// Puts the first half of some bytes at even positions and the second at odd ones.
 struct Interleave<'a> {
     bytes: &'a [u8],
     to: &'a mut [u8],

@@ -7,23 +7,13 @@ use glam::DAffine3;
 
 use super::files::{PictureFiles, picture_path};
 use super::manifest::{Keys, Manifest, PictureEntry};
+use super::same_camera::refuse_motion;
 use super::{frame_numbers, header_probe, pose};
-use crate::capture::camera::{Camera, Intrinsics};
+use crate::capture::camera::Camera;
 use crate::error::{Error, Result};
 
-/// How far two places may lie apart and be the same camera's, relative to the distance from the origin up to [`NEAR`]: matrices
-/// that went through six digits of text.
-const SAME_PLACE: f64 = 1e-6;
-/// The same farther out: matrices that went through `f32`.
-const SAME_PLACE_FAR: f64 = 1.2e-7;
-/// World units from the origin in which scenes are built.
-const NEAR: f64 = 1e3;
-/// Places that lie farther apart, relative to the distance from the origin, are worth a word.
-const SAID: f64 = 1e-9;
-/// How far the entries of two rotations may differ and be the same camera's: a fiftieth of a pixel at a focal length of 2000.
-const SAME_ROTATION: f64 = 1e-5;
-/// How far focal length and principal point may differ, pixels.
-const SAME_INTRINSICS_PX: f64 = 1e-3;
+/// A camera that moves by more than this, relative to the distance from the origin, is warned of.
+const WARNED_MOTION: f64 = 1e-9;
 
 /// One entry of the manifest with its camera and frame decided.
 pub(super) struct PlacedEntry {
@@ -37,7 +27,8 @@ pub(super) struct PlacedEntry {
     pub number: i64,
     /// Where its pixels are and how they are read.
     pub files: PictureFiles,
-    keys: Keys,
+    /// What the manifest says of it: the entry's own keys before those of the whole.
+    pub keys: Keys,
     world_from_camera: DAffine3,
 }
 
@@ -49,11 +40,6 @@ impl PlacedEntry {
             || header_probe::picture_size(picture, &self.place),
             || header_probe::pixel_aspect(picture),
         )
-    }
-
-    /// What the manifest says of it: the entry's own keys before those of the whole.
-    pub(super) fn keys(&self) -> &Keys {
-        &self.keys
     }
 
     fn camera_of_size(
@@ -70,9 +56,6 @@ impl PlacedEntry {
 }
 
 /// All entries in the manifest's order, each with camera and frame.
-///
-/// # Errors
-/// As [`super::open`], for whatever concerns one entry.
 pub(super) fn entries(manifest: &Manifest, path: &Path) -> Result<Vec<PlacedEntry>> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let keys: Vec<Keys> = manifest.frames.iter().map(|entry| entry.keys.clone().or(&manifest.keys)).collect();
@@ -117,15 +100,13 @@ fn picture_files(folder: &Path, entry: &PictureEntry, keys: &Keys, manifest: &Pa
 /// The name of every entry's camera: the manifest's, or one for each distinct pose in order of appearance.
 fn camera_names(keys: &[Keys], poses: &[DAffine3], path: &Path) -> Result<Vec<String>> {
     let named = keys.iter().filter(|keys| keys.camera.is_some()).count();
-    let is_odd = |name: &String| name.contains(char::is_control);
-    if let Some(name) =
-        keys.iter().filter_map(|keys| keys.camera.as_ref()).map(ToString::to_string).find(is_odd)
-    {
+    let mut names = keys.iter().filter_map(|keys| keys.camera.as_ref());
+    if let Some(name) = names.find(|name| name.contains(char::is_control)) {
         let problem = format!("camera {name:?} has control characters in its name; leave them out");
         return Err(Error::invalid(path.display(), problem));
     }
     if named == keys.len() {
-        return Ok(keys.iter().filter_map(|keys| keys.camera.as_ref().map(ToString::to_string)).collect());
+        return Ok(keys.iter().filter_map(|keys| keys.camera.clone()).collect());
     }
     if named > 0 {
         return Err(Error::invalid(
@@ -189,10 +170,9 @@ impl CameraFiles {
             }
             let frames = by_camera.entry(entry.camera_name.clone()).or_default();
             if let Some(first) = frames.get(&entry.number) {
-                return Err(Error::invalid(
-                    &entry.place,
-                    format!("this camera has that frame already, in {}; take one out", first.file_path),
-                ));
+                let what =
+                    format!("this camera has that frame already, in {}; take one out", first.file_path);
+                return Err(Error::invalid(&entry.place, what));
             }
             frames.insert(entry.number, entry);
         }
@@ -226,7 +206,7 @@ impl CameraFiles {
             refuse_motion(&camera, &other, first.number, &entry.place)?;
             moved = moved.max(camera.position_in_world().distance(other.position_in_world()));
         }
-        if moved > SAID * camera.position_in_world().length().max(1.0) {
+        if moved > WARNED_MOTION * camera.position_in_world().length().max(1.0) {
             self.warnings.push(format!(
                 "camera '{name}' moves by up to {moved:.1e} units; that is taken for rounding, and frame {} says where it stands",
                 first.number
@@ -238,15 +218,12 @@ impl CameraFiles {
     }
 
     /// Looks for every file, so that a missing one is known before hours of work.
-    ///
-    /// # Errors
-    /// `Invalid` naming the first missing file, its camera and its frame.
     pub(super) fn check_files_exist(&self) -> Result<()> {
         self.entries.iter().flatten().try_for_each(|entry| entry.files.check_exist(&entry.place))
     }
 }
 
-/// What to say of a camera without one of the frames. `times` are those that frames were ranked by, and `poses` how many cameras
+/// The error of a camera without one of the frames. `times` are those that frames were ranked by, and `poses` how many cameras
 /// were made of poses because entries name none.
 fn no_such_frame(
     name: &str,
@@ -267,56 +244,6 @@ fn no_such_frame(
         }
     };
     Error::invalid(path.display(), what)
-}
-
-fn refuse_motion(first: &Camera, other: &Camera, first_number: i64, place: &str) -> Result<()> {
-    if !is_still(first, other) {
-        return Err(Error::unsupported(
-            place,
-            format!("the camera moved since frame {first_number}; only static cameras are supported"),
-        ));
-    }
-    let (a, b) = (&first.intrinsics, &other.intrinsics);
-    if (a.width, a.height) != (b.width, b.height) {
-        return Err(Error::invalid(
-            place,
-            format!(
-                "the picture is {}×{} but was {}×{} in frame {first_number}; every frame of a camera must have the same size",
-                b.width, b.height, a.width, a.height
-            ),
-        ));
-    }
-    if !same_lens(a, b) {
-        return Err(Error::unsupported(
-            place,
-            format!("the camera zooms since frame {first_number}; only a fixed focal length is supported"),
-        ));
-    }
-    Ok(())
-}
-
-fn is_still(first: &Camera, other: &Camera) -> bool {
-    let reach = first.position_in_world().length();
-    let (a, b) = (&first.world_from_camera, &other.world_from_camera);
-    let apart = (SAME_PLACE * reach.clamp(1.0, NEAR)).max(SAME_PLACE_FAR * reach);
-    a.matrix3.abs_diff_eq(b.matrix3, SAME_ROTATION) && a.translation.abs_diff_eq(b.translation, apart)
-}
-
-/// The one of the `known` cameras that this is but for rounding, as in a capture; itself, known from then on, where there is none.
-pub(super) fn without_rounding(known: &mut Vec<Camera>, camera: Camera) -> Camera {
-    let is_same = |first: &&Camera| {
-        let (a, b) = (&first.intrinsics, &camera.intrinsics);
-        first.name == camera.name && a.size() == b.size() && same_lens(a, b) && is_still(first, &camera)
-    };
-    if let Some(first) = known.iter().find(is_same) {
-        return first.clone();
-    }
-    known.push(camera.clone());
-    camera
-}
-
-fn same_lens(a: &Intrinsics, b: &Intrinsics) -> bool {
-    [a.fx - b.fx, a.fy - b.fy, a.cx - b.cx, a.cy - b.cy].iter().all(|d| d.abs() <= SAME_INTRINSICS_PX)
 }
 
 #[cfg(test)]

@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::manifest::{Keys, Manifest, NormalSpaceName};
-use super::manifest_path;
+use super::manifest::{Keys, Manifest, NormalSpaceName, manifest_path};
 use crate::capture::exr::{
     ChannelInfo, ChannelWishes, DepthKind, DepthRules, HALF_MAX, MISS_DEPTH, NormalSpace,
 };
@@ -14,7 +13,7 @@ const PNG_UNIT_SCALE: f64 = 1e-3;
 
 /// What pictures may be.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Format {
+pub(crate) enum PictureFormat {
     /// OpenEXR.
     Exr,
     /// PNG.
@@ -111,9 +110,6 @@ impl PictureFiles {
     }
 
     /// Looks for the files.
-    ///
-    /// # Errors
-    /// `Invalid` naming the first that is missing.
     pub(crate) fn check_exist(&self, place: &str) -> Result<()> {
         for (what, path) in
             [("picture", Some(&self.color)), ("depth", self.depth.as_ref()), ("normal", self.normal.as_ref())]
@@ -121,13 +117,11 @@ impl PictureFiles {
             if let Some(path) = path
                 && !path.is_file()
             {
-                return Err(Error::invalid(
-                    place,
-                    format!(
-                        "the {what} file {} is missing; put it back or take its entry out of the manifest",
-                        path.display()
-                    ),
-                ));
+                let what = format!(
+                    "the {what} file {} is missing; put it back or take its entry out of the manifest",
+                    path.display()
+                );
+                return Err(Error::invalid(place, what));
             }
         }
         Ok(())
@@ -254,7 +248,7 @@ fn extended(path: &Path) -> Vec<PathBuf> {
 /// Every place that pictures of a capture or of views are read from, whether or not there is a file.
 ///
 /// # Errors
-/// As [`Manifest::read`].
+/// `Io` and `Invalid` where the manifest cannot be read.
 pub fn picture_places(path: &Path) -> Result<Vec<PathBuf>> {
     let path = manifest_path(path);
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -271,14 +265,11 @@ pub fn picture_places(path: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// The format of a file, by its extension.
-///
-/// # Errors
-/// `Unsupported` for any other.
-pub(crate) fn format_of(path: &Path, place: &str) -> Result<Format> {
+pub(crate) fn format_of(path: &Path, place: &str) -> Result<PictureFormat> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
-        "exr" => Ok(Format::Exr),
-        "png" => Ok(Format::Png),
+        "exr" => Ok(PictureFormat::Exr),
+        "png" => Ok(PictureFormat::Png),
         other => Err(Error::unsupported(
             place,
             format!("pictures of type '{other}' are not supported; convert them to EXR or PNG"),

@@ -100,11 +100,8 @@ fn numbers_by_name(entries: &[PictureEntry], cameras: &[String]) -> Option<Vec<i
     are_same.then(|| numbers.iter().map(|number| first.range(..number).count() as i64).collect())
 }
 
-/// Refuses pictures of which nothing but their names says which frame they are, where cameras have some of the same numbers there
-/// and not all: by their order, pictures of different frames would be taken for one.
-///
-/// # Errors
-/// `Invalid` naming a camera and a number that it lacks.
+/// Refuses cameras whose file names share some numbers and not all, where nothing else numbers the frames: counted by order,
+/// pictures of different frames would be taken for one frame.
 pub(crate) fn refuse_gaps(entries: &[PictureEntry], cameras: &[String], path: &Path) -> Result<()> {
     let Some((_, sets)) = numbers_in_names(entries, cameras) else { return Ok(()) };
     let all: BTreeSet<u64> = sets.iter().flat_map(|(_, numbers)| numbers).copied().collect();
@@ -125,9 +122,6 @@ pub(crate) fn refuse_gaps(entries: &[PictureEntry], cameras: &[String], path: &P
 
 /// Refuses views whose times are fractions; where those of their capture are, so that a time of 1 may mean frame 1 or the last one,
 /// all that give a time and no number of a frame.
-///
-/// # Errors
-/// `Invalid` naming the first of them.
 pub(crate) fn refuse_times(manifest: &Manifest, path: &Path, is_ranked: bool) -> Result<()> {
     for (index, entry) in manifest.frames.iter().enumerate() {
         let (own, file) = (&entry.keys, &manifest.keys);
@@ -135,11 +129,12 @@ pub(crate) fn refuse_times(manifest: &Manifest, path: &Path, is_ranked: bool) ->
         let given = given.into_iter().find_map(|(time, is_frame)| Some((time?, is_frame)));
         let Some((time, is_frame)) = given else { continue };
         if !is_number(time) || (is_ranked && !is_frame) {
+            let what = format!(
+                "time {time} names no frame, for where times are fractions, frames are numbered by their order; write that number as \"frame\" in place of the time"
+            );
             return Err(Error::invalid(
                 format!("{}, frames[{index}] ({})", path.display(), entry.file_path),
-                format!(
-                    "time {time} names no frame, for where times are fractions, frames are numbered by their order; write that number as \"frame\" in place of the time"
-                ),
+                what,
             ));
         }
     }

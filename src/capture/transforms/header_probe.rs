@@ -1,8 +1,8 @@
-//! What the headers of a frame's files tell before a picture is decoded.
+//! Facts from the headers of a frame's files, known before a picture is decoded.
 
 use std::path::Path;
 
-use super::files::{Format, PictureFiles, format_of};
+use super::files::{PictureFiles, PictureFormat, format_of};
 use super::load::{ExrPicture, no_depth, normals_of_own, open_normal_file, place_of_depth, place_of_normals};
 use super::png;
 use crate::capture::camera::Camera;
@@ -17,21 +17,21 @@ pub(crate) fn picture_size(path: &Path, place: &str) -> Result<(usize, usize)> {
         return Err(Error::invalid(place, what));
     }
     match format {
-        Format::Png => png::size(path, place),
-        Format::Exr => {
+        PictureFormat::Png => png::size(path, place),
+        PictureFormat::Exr => {
             let window = ExrFile::open(path, place)?.window(None)?;
             Ok((window.width, window.height))
         }
     }
 }
 
-/// How many times as wide as high the pixels of a picture are, by its header; 1 where it says nothing.
+/// Width of a pixel over its height by the picture's header; 1 where it states none.
 pub(crate) fn pixel_aspect(path: &Path) -> f64 {
-    let is_exr = format_of(path, "").is_ok_and(|format| format == Format::Exr);
+    let is_exr = format_of(path, "").is_ok_and(|format| format == PictureFormat::Exr);
     is_exr.then(|| ExrFile::pixel_aspect(path)).flatten().unwrap_or(1.0)
 }
 
-/// What the headers of a frame's files tell.
+/// Facts from the headers of a frame's files.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct HeaderFacts {
     /// Whether there are normals, and they are to be read.
@@ -43,24 +43,21 @@ pub(crate) struct HeaderFacts {
 }
 
 /// Checks the headers of a frame's files.
-///
-/// # Errors
-/// As [`super::load::frame`], but for damage behind the headers.
 pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Result<HeaderFacts> {
     let size = camera.intrinsics.size();
     let mut probe = HeaderFacts { has_normals: files.normal.is_some(), ..HeaderFacts::default() };
     let mut kind = None;
     match format_of(&files.color, place)? {
-        Format::Png if files.depth.is_none() => return Err(no_depth(place)),
-        Format::Png => png::check(&files.color, place, size)?,
-        Format::Exr => {
+        PictureFormat::Png if files.depth.is_none() => return Err(no_depth(place)),
+        PictureFormat::Png => png::check(&files.color, place, size)?,
+        PictureFormat::Exr => {
             let picture = ExrPicture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
             picture.color()?;
             if files.depth.is_none() {
                 kind = Some(picture.depth()?.kind());
             }
             probe.has_normals |= picture.names.normal.is_some();
-            probe.has_other_primaries = picture.file.has_other_primaries();
+            probe.has_other_primaries = picture.file.has_other_primaries;
         }
     }
     if let Some(path) = &files.depth {
@@ -75,10 +72,10 @@ pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
     Ok(probe)
 }
 
-/// Checks the header of a file of depth, and tells what it measures.
+/// Checks the header of a file of depth, and gives the kind of its values.
 fn probe_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthKind> {
     let place = &place_of_depth(path, place);
-    if format_of(path, place)? == Format::Exr {
+    if format_of(path, place)? == PictureFormat::Exr {
         let picture = ExrPicture::open(path, files, files.wishes_of_depth_file(), camera, place)?;
         return Ok(picture.depth()?.kind());
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::files::{Format, PictureFiles, format_of};
+use super::files::{PictureFiles, PictureFormat, format_of};
 use super::png;
 use crate::capture::camera::Camera;
 use crate::capture::exr::{
@@ -16,7 +16,7 @@ use crate::grid::Grid;
 
 /// What must be in the files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Need {
+pub(super) enum NeededPlanes {
     /// Color and depth, and normals if asked for.
     Geometry {
         /// Whether normals are read, and must be there.
@@ -119,7 +119,7 @@ pub(super) fn no_depth(place: &str) -> Error {
 }
 
 /// The planes read so far.
-struct Parts {
+struct PictureParts {
     color: ColorPlanes,
     alpha: Option<Vec<f32>>,
     depth: Option<DepthPart>,
@@ -137,11 +137,11 @@ pub(super) struct DepthPart {
 ///
 /// # Errors
 /// `Io`, `Invalid`, `Unsupported`: a file that is missing, damaged, of another size, or lacks what is needed.
-pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: Need) -> Result<Frame> {
-    let wants_normals = need == Need::Geometry { normals: true };
+pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: NeededPlanes) -> Result<Frame> {
+    let wants_normals = need == NeededPlanes::Geometry { normals: true };
     let mut parts = read_color_file(files, camera, place, need)?;
     if let Some(path) = &files.depth
-        && (path.is_file() || need != Need::ColorOnly)
+        && (path.is_file() || need != NeededPlanes::ColorOnly)
     {
         parts.depth = Some(read_depth_file(path, files, camera, place)?);
     }
@@ -150,8 +150,8 @@ pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: Ne
     }
     let depth = match (parts.depth, need) {
         (Some(depth), _) => depth,
-        (None, Need::Geometry { .. }) => return Err(no_depth(place)),
-        (None, Need::ColorOnly) => DepthPart {
+        (None, NeededPlanes::Geometry { .. }) => return Err(no_depth(place)),
+        (None, NeededPlanes::ColorOnly) => DepthPart {
             inverse_depth: vec![0.0; camera.intrinsics.pixel_count()],
             step_relative: 0.0,
             name: "color".to_owned(),
@@ -176,19 +176,24 @@ pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: Ne
     Ok(frame)
 }
 
-fn read_color_file(files: &PictureFiles, camera: &Camera, place: &str, need: Need) -> Result<Parts> {
+fn read_color_file(
+    files: &PictureFiles,
+    camera: &Camera,
+    place: &str,
+    need: NeededPlanes,
+) -> Result<PictureParts> {
     let size = camera.intrinsics.size();
-    if format_of(&files.color, place)? == Format::Png {
+    if format_of(&files.color, place)? == PictureFormat::Png {
         let (color, alpha) = png::color(&files.color, place, size, files.is_linear.unwrap_or(false))?;
-        return Ok(Parts { color: ColorPlanes::Single(color), alpha, depth: None, normal: None });
+        return Ok(PictureParts { color: ColorPlanes::Single(color), alpha, depth: None, normal: None });
     }
     let picture = ExrPicture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
     let depth = match (&files.depth, need) {
         (Some(_), _) => None,
-        (None, Need::Geometry { .. }) => Some(picture.depth()?),
-        (None, Need::ColorOnly) => picture.depth().ok(),
+        (None, NeededPlanes::Geometry { .. }) => Some(picture.depth()?),
+        (None, NeededPlanes::ColorOnly) => picture.depth().ok(),
     };
-    let wants_normals = need == Need::Geometry { normals: true } && files.normal.is_none();
+    let wants_normals = need == NeededPlanes::Geometry { normals: true } && files.normal.is_none();
     let mut wanted = picture.color()?.to_vec();
     wanted.extend(picture.names.alpha);
     wanted.extend(depth.iter().flat_map(DepthChannels::indices));
@@ -206,12 +211,12 @@ fn read_color_file(files: &PictureFiles, camera: &Camera, place: &str, need: Nee
     let alpha = picture.names.alpha.map(|_| planes.take_single());
     let depth = depth.map(|channels| planes.take_depth(channels, &picture, camera)).transpose()?;
     let normal = wants_normals.then(|| planes.take_three());
-    Ok(Parts { color, alpha, depth, normal })
+    Ok(PictureParts { color, alpha, depth, normal })
 }
 
 fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthPart> {
     let place = &place_of_depth(path, place);
-    if format_of(path, place)? == Format::Exr {
+    if format_of(path, place)? == PictureFormat::Exr {
         let picture = ExrPicture::open(path, files, files.wishes_of_depth_file(), camera, place)?;
         let channels = picture.depth()?;
         let mut planes = DecodedPlanes::decode(&picture, &channels.indices())?;
@@ -227,8 +232,8 @@ fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
     })
 }
 
-/// Whole numbers have no one relative error: a unit is the coarser the nearer. That of nearly the nearest depth stands for all, as
-/// a few stray hits must not.
+/// The relative error of depth in whole units grows toward the camera. That of nearly the nearest depth is taken, so that a few
+/// stray hits do not decide.
 fn step_of_whole_units(rules: &DepthRules, inverse_depth: &[f32]) -> f32 {
     0.5 * rules.unit_scale as f32 * quantile_of_hits(inverse_depth, NEARLY_ALL)
 }
@@ -249,7 +254,7 @@ fn off_the_rays(apart_px: f64, camera: &Camera, place: &str) -> Error {
     Error::invalid(place, what)
 }
 
-/// The share of hits that the quantization step of depth in whole units is told for.
+/// The share of hits that are no nearer than the depth whose quantization step is taken for all.
 const NEARLY_ALL: f64 = 0.99;
 
 /// What a share of the finite values above 0 stays below, or 0.
@@ -277,7 +282,7 @@ pub(super) fn open_normal_file<'a>(
     camera: &Camera,
     place: &'a str,
 ) -> Result<ExrPicture<'a>> {
-    if format_of(path, place)? == Format::Png {
+    if format_of(path, place)? == PictureFormat::Png {
         return Err(Error::unsupported(place, "normals in PNG are too coarse; save them as EXR"));
     }
     ExrPicture::open(path, files, files.wishes_of_normal_file(), camera, place)
@@ -304,7 +309,7 @@ impl DepthChannels {
     }
 }
 
-/// Decoded planes, taken in the order they were asked for.
+/// Decoded planes, taken in the order of the request.
 pub(super) struct DecodedPlanes(std::vec::IntoIter<ChannelPlane>);
 
 impl DecodedPlanes {

@@ -2,128 +2,113 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::Value;
 
 use super::lens::LensKeys;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, one_line};
+
+/// Name of the manifest in a capture's folder.
+pub(crate) const MANIFEST_NAME: &str = "transforms.json";
 
 /// Largest manifest that is read: some 100,000 entries.
 const MAX_BYTES: u64 = 256 << 20;
 
-/// A camera's name; some writers number their cameras.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub(super) enum CameraName {
-    /// `"camera": "left"`.
-    Text(String),
-    /// `"camera": 3`.
-    Number(i64),
+/// The manifest of a capture or of views: itself, or the one in the folder.
+pub(crate) fn manifest_path(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(MANIFEST_NAME) } else { path.to_path_buf() }
 }
 
-impl std::fmt::Display for CameraName {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Text(text) => formatter.write_str(text),
-            Self::Number(number) => write!(formatter, "{number}"),
-        }
+/// The manifest of truth vantages that stands beside a capture (a folder, or its manifest), where there is one.
+pub(crate) fn truth_beside(capture: &Path) -> Option<PathBuf> {
+    let folder = if capture.is_dir() { capture } else { capture.parent()? };
+    let views = folder.join("novel").join(MANIFEST_NAME);
+    views.is_file().then_some(views)
+}
+
+/// Reads a camera's name; some writers number their cameras.
+fn camera_name<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum CameraName {
+        Text(String),
+        Number(i64),
     }
+    Ok(Option::<CameraName>::deserialize(deserializer)?.map(|name| match name {
+        CameraName::Text(text) => text,
+        CameraName::Number(number) => number.to_string(),
+    }))
 }
 
-/// Keys that stand for the whole file or for one entry; an entry's wins.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Keys of the whole file or of one entry; an entry's wins.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub(super) struct Keys {
     /// Name of the camera.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub camera: Option<CameraName>,
+    #[serde(deserialize_with = "camera_name")]
+    pub camera: Option<String>,
     /// Number of the frame, where there is no `frame`. Fractions (nerfstudio's 0 to 1) are ranked in a capture, and refused in views.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
     /// The same by its other name; always a number of a frame, also where the times of a capture are fractions.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<f64>,
     /// Horizontal focal length, pixels.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub fl_x: Option<f64>,
     /// Vertical focal length, pixels; where missing, as `fl_x` but for pixels that are not square by the picture's header.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub fl_y: Option<f64>,
     /// Principal point, pixels from the left edge; the middle where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cx: Option<f64>,
     /// Principal point, pixels from the top edge; the middle where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cy: Option<f64>,
     /// Columns; from the picture where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub w: Option<f64>,
     /// Rows; from the picture where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub h: Option<f64>,
     /// Horizontal angle of view, radians, where there is no `fl_x`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_angle_x: Option<f64>,
     /// Vertical angle of view, radians, where there is no `fl_y`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_angle_y: Option<f64>,
     /// `PINHOLE`, or a model that is one where its distortion is 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_model: Option<String>,
     /// What else is said of the lens.
-    #[serde(flatten, skip_serializing)]
+    #[serde(flatten)]
     pub lens: LensKeys,
     /// World units of the poses per unit of the scene they were made from.
-    #[serde(skip_serializing)]
     pub applied_scale: Option<f64>,
     /// See [`DepthKind`](crate::capture::exr::DepthKind).
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_kind: Option<String>,
     /// Full name of the depth channel.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_channel: Option<String>,
     /// Layer of the normal channels.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_channel: Option<String>,
     /// Layer that all channels belong to.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub layer: Option<String>,
-    /// The depth that stands for "nothing hit".
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// The depth that means "nothing hit".
     pub depth_miss_value: Option<f64>,
     /// World units per unit of the depth files; 0.001 for PNG and 1 for EXR where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_unit_scale_factor: Option<f64>,
     /// instant-ngp's word for `depth_unit_scale_factor`.
-    #[serde(skip_serializing)]
     pub integer_depth_scale: Option<f64>,
     /// Distance of the near plane.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub near_clip: Option<f64>,
     /// Planar z from which on nothing was hit.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub far_clip: Option<f64>,
     /// `world`, `camera`, or null where normals are not to be read.
-    #[serde(deserialize_with = "present", skip_serializing_if = "Option::is_none")]
+    #[serde(deserialize_with = "present")]
     pub normal_space: Option<NormalSpaceName>,
     /// Whether color is filtered across silhouettes.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub antialiased_color: Option<bool>,
     /// Where pixel centers lie in the units of `cx`: 0.5 (our convention), or 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_center_offset: Option<f64>,
     /// What colors mean; anything with `linear` in it is taken as it is, `srgb` is decoded.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub color_space: Option<String>,
     /// Up in world space.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
 }
 
 /// The value of `normal_space`. Null is not the same as a missing key: the file's would stand then.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(untagged)]
 pub(super) enum NormalSpaceName {
     /// A name, `world` or `camera`.
@@ -136,70 +121,53 @@ fn present<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<N
     NormalSpaceName::deserialize(deserializer).map(Some)
 }
 
+/// The keys of `own`, and where one is missing that of `file`.
+macro_rules! own_or_file {
+    ($own:expr, $file:expr; $($key:ident),+) => {
+        Self { $($key: $own.$key.or($file.$key)),+ }
+    };
+}
+
 impl Keys {
-    fn unit_of_depth(&self) -> Option<f64> {
-        self.depth_unit_scale_factor.or(self.integer_depth_scale)
+    fn name_unit_of_depth(&mut self) {
+        self.depth_unit_scale_factor = self.depth_unit_scale_factor.or(self.integer_depth_scale.take());
     }
 
-    /// These keys, and where they are missing the file's. Focal lengths and angles say one thing in several ways: where these keys
-    /// have one of them, none of the file's counts.
-    #[must_use]
-    pub(super) fn or(self, file: &Self) -> Self {
+    /// These keys, and where they are missing the file's. Where a thing can be said in several ways (the lens by focal lengths and
+    /// angles, the frame by number and time), these keys have one of them and none of the file's counts.
+    pub(super) fn or(mut self, file: &Self) -> Self {
         let mut file = file.clone();
         let own = [self.fl_x, self.fl_y, self.camera_angle_x, self.camera_angle_y];
         if own.iter().any(Option::is_some) {
             (file.fl_x, file.fl_y, file.camera_angle_x, file.camera_angle_y) = (None, None, None, None);
         }
-        let unit_of_depth = self.unit_of_depth().or(file.unit_of_depth());
-        let says_which = self.frame.or(self.time).is_some();
-        let (frame, time) = if says_which { (self.frame, self.time) } else { (file.frame, file.time) };
-        let time = time.filter(|_| frame.is_none());
-        Self {
-            camera: self.camera.or(file.camera),
-            time,
-            frame,
-            fl_x: self.fl_x.or(file.fl_x),
-            fl_y: self.fl_y.or(file.fl_y),
-            cx: self.cx.or(file.cx),
-            cy: self.cy.or(file.cy),
-            w: self.w.or(file.w),
-            h: self.h.or(file.h),
-            camera_angle_x: self.camera_angle_x.or(file.camera_angle_x),
-            camera_angle_y: self.camera_angle_y.or(file.camera_angle_y),
-            camera_model: self.camera_model.or(file.camera_model),
-            lens: self.lens.or(file.lens),
-            applied_scale: self.applied_scale.or(file.applied_scale),
-            depth_kind: self.depth_kind.or(file.depth_kind),
-            depth_channel: self.depth_channel.or(file.depth_channel),
-            normal_channel: self.normal_channel.or(file.normal_channel),
-            layer: self.layer.or(file.layer),
-            depth_miss_value: self.depth_miss_value.or(file.depth_miss_value),
-            depth_unit_scale_factor: unit_of_depth,
-            integer_depth_scale: None,
-            near_clip: self.near_clip.or(file.near_clip),
-            far_clip: self.far_clip.or(file.far_clip),
-            normal_space: self.normal_space.or(file.normal_space),
-            antialiased_color: self.antialiased_color.or(file.antialiased_color),
-            pixel_center_offset: self.pixel_center_offset.or(file.pixel_center_offset),
-            color_space: self.color_space.or(file.color_space),
-            up: self.up.or(file.up),
+        if self.frame.or(self.time).is_some() {
+            (file.frame, file.time) = (None, None);
         }
+        self.name_unit_of_depth();
+        file.name_unit_of_depth();
+        let both = own_or_file!(self, file;
+            camera, time, frame, fl_x, fl_y, cx, cy, w, h, camera_angle_x, camera_angle_y, camera_model, lens,
+            applied_scale, depth_kind, depth_channel, normal_channel, layer, depth_miss_value,
+            depth_unit_scale_factor, integer_depth_scale, near_clip, far_clip, normal_space, antialiased_color,
+            pixel_center_offset, color_space, up);
+        Self { time: both.time.filter(|_| both.frame.is_none()), ..both }
     }
 }
 
 /// One picture of one camera.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 pub(super) struct PictureEntry {
     /// The picture, relative to the manifest.
     pub file_path: String,
     /// The depth, where it is in a file of its own.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub depth_file_path: Option<String>,
     /// instant-ngp's word for `depth_file_path`, which it is read as.
-    #[serde(default, skip_serializing)]
+    #[serde(default)]
     pub depth_path: Option<String>,
     /// The normals, where they are in a file of their own.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub normal_file_path: Option<String>,
     /// Camera to world, row-major, OpenGL axes; 4 rows or 3.
     pub transform_matrix: Vec<Vec<f64>>,
@@ -209,7 +177,7 @@ pub(super) struct PictureEntry {
 }
 
 /// A whole manifest. Keys it does not know are passed over, as nerfstudio writes many.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 pub(super) struct Manifest {
     /// Keys of all entries.
     #[serde(flatten)]
@@ -235,29 +203,22 @@ impl Manifest {
         }
         let length = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
         if length > MAX_BYTES {
-            return Err(Error::invalid(
-                path.display(),
-                format!("{length} bytes are too many for a manifest"),
-            ));
+            let what = format!("{length} bytes are too many for a manifest");
+            return Err(Error::invalid(path.display(), what));
         }
         let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
         Self::from_json(&bytes, &path.display().to_string())
     }
 
     /// Reads a manifest from JSON; `place` is named in errors.
-    ///
-    /// # Errors
-    /// As [`Manifest::read`], but for `Io`.
     pub(super) fn from_json(bytes: &[u8], place: &str) -> Result<Self> {
         // Editors of Windows put a byte-order mark before UTF-8.
         let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         let mut manifest: Self = serde_json::from_slice(bytes).map_err(|error| {
             let what = wrong_value(bytes).unwrap_or_else(|| error.to_string());
-            let what = what.split_whitespace().collect::<Vec<_>>().join(" ");
-            Error::invalid(
-                place,
-                format!("not a manifest ({what}); see the keys of nerfstudio's transforms.json"),
-            )
+            let what = one_line(&what);
+            let what = format!("not a manifest ({what}); see the keys of nerfstudio's transforms.json");
+            Error::invalid(place, what)
         })?;
         for entry in &mut manifest.frames {
             entry.depth_file_path = entry.depth_file_path.take().or(entry.depth_path.take());
@@ -292,7 +253,7 @@ fn wrong_key(object: &Value) -> Option<String> {
     })
 }
 
-/// What to say of a file that is something else by its first bytes: a store, or a picture.
+/// The advice on a file that is a store or a picture by its first bytes.
 fn other_file(path: &Path) -> Result<Option<&'static str>> {
     let mut start = [0; 4];
     let mut file = File::open(path).map_err(|error| Error::io(path, error))?;

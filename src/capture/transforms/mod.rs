@@ -7,7 +7,7 @@
 //!
 //! Source: nerfstudio's data conventions: `transform_matrix` is camera-to-world with OpenGL's axes (x right, y up,
 //! looking along −z), `fl_x fl_y cx cy w h` in pixels, per file or per entry. What differs: `camera` and `time` name a
-//! recording by several static cameras, and the keys of [`manifest::Keys`] say how depth and normals are to be read.
+//! recording by several static cameras, and its own keys (CAPTURES.md lists them) say how depth and normals are to be read.
 //! Files without them read unchanged: one camera for each distinct pose.
 
 mod cameras;
@@ -20,40 +20,33 @@ mod manifest;
 mod png;
 mod pose;
 mod position_depth;
+mod same_camera;
 mod source;
 mod write;
 
 pub use files::picture_places;
-pub use write::{ManifestEntry, ManifestFacts, write_capture, write_manifest};
+pub(crate) use manifest::{MANIFEST_NAME, manifest_path, truth_beside};
+pub(crate) use write::picture_name;
+pub use write::write_capture;
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::camera::Camera;
 use super::{Capture, CaptureParts, TruthView};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
-use cameras::{CameraFiles, PlacedEntry};
-use load::Need;
+use cameras::CameraFiles;
+use load::NeededPlanes;
 use manifest::{Keys, Manifest};
 use source::FileSource;
 
-/// Name of the manifest in a capture's folder.
-pub const MANIFEST_NAME: &str = "transforms.json";
-
-/// Where the picture of a camera at a frame of this number lies in a capture's folder, as far as we name it.
-#[must_use]
-pub fn picture_name(camera: &Camera, frame_number: i64) -> String {
-    format!("{}/{frame_number:04}.exr", camera.name)
-}
-
 /// Opens a capture: a `transforms.json`, or a folder that holds one.
 ///
-/// Every file is looked for, and the first one of each camera has its header read; pictures are decoded when asked for, but for
-/// first ones that hold both depth and positions while nothing says which of them counts.
+/// Every file is looked for, and the first one of each camera has its header read; pictures are decoded on demand, except
+/// for first ones with both depth and positions where the manifest does not decide between them.
 ///
 /// # Errors
 /// `Io`, `Invalid`, `Unsupported`: what, where, what to do.
@@ -65,7 +58,7 @@ pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     let mut warnings = std::mem::take(&mut recording.warnings);
     let has_normals = source::normals_in_all_cameras(&recording, &mut warnings)?;
     position_depth::prefer_to_contradicting_depth(&mut recording, &mut warnings);
-    let keys = || recording.entries.iter().flatten().map(PlacedEntry::keys);
+    let keys = || recording.entries.iter().flatten().map(|entry| &entry.keys);
     warnings.extend(unknown_color_spaces(keys()));
     warnings.extend(scaled_poses(keys()));
     let up_in_world = up_in_world(keys(), &path)?;
@@ -84,14 +77,6 @@ pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
         },
         settings.cache as usize * 1024 * 1024,
     ))
-}
-
-/// The manifest of truth vantages that stands beside a capture (a folder, or its manifest), where there is one.
-#[must_use]
-pub fn truth_beside(capture: &Path) -> Option<PathBuf> {
-    let folder = if capture.is_dir() { capture } else { capture.parent()? };
-    let views = folder.join("novel").join("transforms.json");
-    views.is_file().then_some(views)
 }
 
 /// Reads vantages, and where the pictures exist their truth, from a manifest of the same form.
@@ -119,20 +104,15 @@ pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<TruthVi
     places
         .into_iter()
         .map(|entry| {
-            let camera = cameras::without_rounding(&mut known, entry.camera()?);
+            let camera = same_camera::without_rounding(&mut known, entry.camera()?);
             let truth = entry.files.color.is_file().then(|| {
                 let (files, camera, place) = (entry.files.clone(), camera.clone(), entry.place.clone());
-                Arc::new(move || load::frame(&files, &camera, &place, Need::ColorOnly)) as super::TruthLoader
+                Arc::new(move || load::frame(&files, &camera, &place, NeededPlanes::ColorOnly))
+                    as super::TruthLoader
             });
             Ok(TruthView { file_path: entry.file_path, camera, frame_number: entry.number, truth })
         })
         .collect()
-}
-
-/// The manifest of a capture or of views: itself, or the one in the folder.
-#[must_use]
-pub fn manifest_path(path: &Path) -> PathBuf {
-    if path.is_dir() { path.join(MANIFEST_NAME) } else { path.to_path_buf() }
 }
 
 /// The name of the folder that the manifest lies in, or of the manifest itself at the root.

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 
-use crate::capture::camera::{MAX_PIXELS, MAX_SIDE};
+use crate::capture::camera::{MAX_PIXELS, MAX_SIDE, wrong_size};
 use crate::color::linear_from_srgb;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, one_line};
 
 /// Bytes of a pixel of four channels of 16 bits.
 const PIXEL_BYTES: u64 = 8;
@@ -24,7 +24,7 @@ fn reader(path: &Path) -> Result<ImageReader<std::io::BufReader<std::fs::File>>>
 }
 
 fn damaged(place: &str, error: &image::ImageError) -> Error {
-    let what = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    let what = one_line(&error.to_string());
     if matches!(error, image::ImageError::Limits(_)) {
         let what = format!("the picture is too large ({what}); at most {MAX_SIDE} pixels a side are read");
         return Error::unsupported(place, what);
@@ -40,17 +40,8 @@ pub(super) fn size(path: &Path, place: &str) -> Result<(usize, usize)> {
 
 /// Checks the header of a picture of color.
 pub(super) fn check(path: &Path, place: &str, expected: (usize, usize)) -> Result<()> {
-    let (width, height) = size(path, place)?;
-    if (width, height) != expected {
-        return Err(Error::invalid(
-            place,
-            format!(
-                "the picture is {width}×{height} but its camera is {}×{}; render it at the camera's size",
-                expected.0, expected.1
-            ),
-        ));
-    }
-    Ok(())
+    let found = size(path, place)?;
+    if found == expected { Ok(()) } else { Err(wrong_size(place, found, expected)) }
 }
 
 /// Checks the header of a picture of depth.

@@ -70,8 +70,8 @@ fn orthonormal(matrix: DMat3) -> DMat3 {
     (0..3).fold(matrix, |matrix, _| (matrix + matrix.inverse().transpose()) * 0.5)
 }
 
-/// Intrinsics from the manifest's keys; `size` is that of the picture, for manifests that do not give one, and `pixel_aspect` how many
-/// times as wide as high its pixels are, for those that give one focal length for both directions.
+/// Intrinsics from the manifest's keys; `size` is that of the picture, for manifests that do not give one, and `pixel_aspect` the
+/// width of its pixels over their height, for those that give one focal length for both directions.
 ///
 /// # Errors
 /// `Invalid` for missing, absurd or non-finite numbers, `Unsupported` for a lens that is no pinhole.
@@ -118,7 +118,7 @@ pub(super) fn intrinsics(
     Ok(Intrinsics { width, height, fx, fy, cx, cy })
 }
 
-/// A focal length as it is given, or else from the angle under which a side of so many pixels is seen.
+/// A focal length as it is given, or else from the angle of view over `side` pixels.
 fn focal_px(
     focal: Option<f64>,
     name: &str,
@@ -293,7 +293,7 @@ mod tests {
     #[test]
     fn models_of_lenses_are_pinholes_where_their_distortion_is_0() {
         let with = |model: &str, k1: f64| {
-            let lens = LensKeys { k1: Some(k1), ..LensKeys::default() };
+            let lens = LensKeys::from(serde_json::Map::from_iter([("k1".to_owned(), k1.into())]));
             let camera_model = Some(model.to_owned());
             let keys = Keys { fl_x: Some(500.0), camera_model, lens, ..Keys::default() };
             intrinsics(&keys, || Ok(SIZE), || 1.0, "")

@@ -6,22 +6,22 @@
 use rayon::prelude::*;
 
 use super::cameras::{CameraFiles, PlacedEntry};
-use super::files::{Format, PictureFiles, format_of};
+use super::files::{PictureFiles, PictureFormat, format_of};
 use super::load::{DecodedPlanes, DepthChannels, ExrPicture};
 use crate::capture::camera::Camera;
-use crate::capture::exr::DepthKind;
+use crate::capture::exr::{DepthKind, median};
 use crate::error::Result;
 
-/// How far depth may be off positions in the middle, relative, and be the same but for filters and rounding.
+/// How far depth may be off positions in the median, relative, where filters and rounding alone set them apart.
 const SAME_RELATIVE: f64 = 0.01;
 
-/// Has positions read in place of depth wherever these are off each other in the first frame of a camera, and says so.
+/// Reads positions in place of depth, with a warning, where the two differ in the first frame of any camera.
 pub(crate) fn prefer_to_contradicting_depth(recording: &mut CameraFiles, warnings: &mut Vec<String>) {
     let cameras: Vec<(&Camera, &[PlacedEntry])> =
         recording.cameras.iter().zip(recording.entries.iter().map(Vec::as_slice)).collect();
     let of_camera = |(camera, entries): &(&Camera, &[PlacedEntry])| {
         let first = entries.first()?;
-        // What cannot be read is told when it is asked for.
+        // A frame that cannot be read gives its error when it is loaded.
         distance(&first.files, camera, &first.place).ok().flatten()
     };
     let distances: Vec<Option<f64>> = cameras.par_iter().map(of_camera).collect();
@@ -54,7 +54,7 @@ fn distance(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Option
         Some(path) => (path, files.wishes_of_depth_file()),
         None => (&files.color, files.wishes_of_color_file()),
     };
-    if !files.leaves_depth_open() || format_of(path, place)? != Format::Exr {
+    if !files.leaves_depth_open() || format_of(path, place)? != PictureFormat::Exr {
         return Ok(None);
     }
     let picture = ExrPicture::open(path, files, wishes, camera, place)?;
@@ -72,9 +72,7 @@ fn distance(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Option
     let rounding = 2.0 * f64::from(positions.step_relative + depths.step_relative);
     let pairs = positions.inverse_depth.iter().zip(&depths.inverse_depth);
     let hits = pairs.filter(|(position, depth)| **position > 0.0 && **depth > 0.0);
-    let mut distances: Vec<f64> = hits.map(|(position, depth)| off(*position, *depth)).collect();
-    let middle = distances.len() / 2;
-    let median = (!distances.is_empty()).then(|| *distances.select_nth_unstable_by(middle, f64::total_cmp).1);
+    let median = median(hits.map(|(position, depth)| off(*position, *depth)));
     Ok(median.map(|median| (median - rounding).max(0.0)))
 }
 

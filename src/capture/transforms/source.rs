@@ -1,13 +1,13 @@
 //! The files of a capture as a source of frames.
 
 use super::cameras::CameraFiles;
-use super::header_probe::probe;
-use super::load::{self, Need};
+use super::header_probe::{HeaderFacts, probe};
+use super::load::{self, NeededPlanes};
 use crate::capture::FrameSource;
 use crate::capture::frame::Frame;
 use crate::error::Result;
 
-/// Decodes a frame from its files whenever it is asked for.
+/// Decodes frames from their files on demand.
 pub(super) struct FileSource {
     /// What is where.
     pub recording: CameraFiles,
@@ -18,7 +18,7 @@ pub(super) struct FileSource {
 impl FrameSource for FileSource {
     fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
         let entry = &self.recording.entries[camera][frame];
-        let need = Need::Geometry { normals: self.has_normals };
+        let need = NeededPlanes::Geometry { normals: self.has_normals };
         load::frame(&entry.files, &self.recording.cameras[camera], &entry.place, need)
     }
 
@@ -40,39 +40,35 @@ impl FrameSource for FileSource {
     }
 }
 
-/// Reads the headers of every camera's first frame, and tells whether all of them give normals.
+/// Reads the headers of every camera's first frame, and gives whether all of them have normals.
 ///
 /// # Errors
 /// Whatever makes these frames unreadable: no color, no depth, another size.
 pub(super) fn normals_in_all_cameras(recording: &CameraFiles, warnings: &mut Vec<String>) -> Result<bool> {
-    let mut without = Vec::new();
-    let mut without_near_clip = Vec::new();
-    let mut of_other_primaries = Vec::new();
+    let mut probes = Vec::new();
     for (camera, frames) in recording.cameras.iter().zip(&recording.entries) {
-        let Some(first) = frames.first() else { continue };
-        let probe = probe(&first.files, camera, &first.place)?;
-        if !probe.has_normals {
-            without.push(camera.name.as_str());
-        }
-        if probe.lacks_near_clip {
-            without_near_clip.push(camera.name.as_str());
-        }
-        if probe.has_other_primaries {
-            of_other_primaries.push(camera.name.as_str());
+        if let Some(first) = frames.first() {
+            probes.push((camera.name.as_str(), probe(&first.files, camera, &first.place)?));
         }
     }
+    let cameras = |is_so: fn(&HeaderFacts) -> bool| -> Vec<&str> {
+        probes.iter().filter(|(_, probe)| is_so(probe)).map(|(name, _)| *name).collect()
+    };
+    let of_other_primaries = cameras(|probe| probe.has_other_primaries);
     if !of_other_primaries.is_empty() {
         warnings.push(format!(
             "the pictures of {} state chromaticities other than Rec.709's, which are not converted; colors are taken as linear Rec.709",
             of_other_primaries.join(", ")
         ));
     }
+    let without_near_clip = cameras(|probe| probe.lacks_near_clip);
     if !without_near_clip.is_empty() {
         warnings.push(format!(
             "depth of {} starts at the near plane, which is taken as 0; give near_clip in the manifest",
             without_near_clip.join(", ")
         ));
     }
+    let without = cameras(|probe| !probe.has_normals);
     if !without.is_empty() && without.len() < recording.cameras.len() {
         warnings.push(format!(
             "only some cameras give normals ({} do not); normals are estimated for all of them",

@@ -11,10 +11,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::*;
+use serde::Serialize;
 
-use super::manifest::{CameraName, Keys, Manifest, NormalSpaceName, PictureEntry};
-use super::{MANIFEST_NAME, picture_name, pose};
-use crate::capture::camera::Camera;
+use super::manifest::MANIFEST_NAME;
+use super::pose;
+use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::exr::write_frame;
 use crate::capture::frame::Frame;
 use crate::capture::{Capture, TruthView};
@@ -25,69 +26,83 @@ use crate::whole_file;
 /// Folder of the vantages below a capture's.
 const NOVEL_FOLDER: &str = "novel";
 
+/// Where the picture of a camera at a frame of this number lies in a capture's folder, as far as we name it.
+pub(crate) fn picture_name(camera: &Camera, frame_number: i64) -> String {
+    format!("{}/{frame_number:04}.exr", camera.name)
+}
+
 /// One picture of a manifest to be written.
-pub struct ManifestEntry<'a> {
+struct PictureToWrite<'a> {
     /// Where the picture is, relative to the manifest.
-    pub file_path: String,
-    /// Where from.
-    pub camera: &'a Camera,
-    /// Number of the frame.
-    pub frame_number: i64,
+    file_path: String,
+    camera: &'a Camera,
+    frame_number: i64,
 }
 
 /// What a manifest says of all its pictures.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ManifestFacts {
-    /// Up in world space.
-    pub up_in_world: DVec3,
-    /// Whether the pictures hold normals.
-    pub has_normals: bool,
-    /// Whether color is filtered across silhouettes.
-    pub antialiased_color: bool,
+#[derive(Clone, Copy)]
+struct ManifestFacts {
+    up_in_world: DVec3,
+    has_normals: bool,
+    antialiased_color: bool,
 }
 
-/// Writes a manifest of pictures as [`write_frame`] writes them. The file appears only when it is complete.
-///
-/// # Errors
-/// `Io` where it cannot be written.
-pub fn write_manifest(path: &Path, facts: ManifestFacts, entries: &[ManifestEntry]) -> Result<()> {
-    let frames = entries.iter().map(|entry| {
-        let intrinsics = &entry.camera.intrinsics;
-        let keys = Keys {
-            camera: Some(CameraName::Text(entry.camera.name.clone())),
-            time: Some(entry.frame_number as f64),
-            fl_x: Some(intrinsics.fx),
-            fl_y: Some(intrinsics.fy),
-            cx: Some(intrinsics.cx),
-            cy: Some(intrinsics.cy),
-            w: Some(f64::from(intrinsics.width)),
-            h: Some(f64::from(intrinsics.height)),
-            ..Keys::default()
-        };
-        PictureEntry {
-            file_path: entry.file_path.clone(),
-            transform_matrix: pose::opengl_matrix(&entry.camera.world_from_camera),
-            keys,
-            ..PictureEntry::default()
+/// A manifest of pictures as [`write_frame`] writes them, in the order of its keys.
+#[derive(Serialize)]
+struct WrittenManifest<'a> {
+    camera_model: &'static str,
+    depth_kind: &'static str,
+    depth_channel: &'static str,
+    depth_miss_value: f64,
+    normal_space: Option<&'static str>,
+    antialiased_color: bool,
+    pixel_center_offset: f64,
+    color_space: &'static str,
+    up: [f64; 3],
+    frames: Vec<WrittenEntry<'a>>,
+}
+
+#[derive(Serialize)]
+struct WrittenEntry<'a> {
+    file_path: &'a str,
+    transform_matrix: Vec<Vec<f64>>,
+    camera: &'a str,
+    time: f64,
+    fl_x: f64,
+    fl_y: f64,
+    cx: f64,
+    cy: f64,
+    w: f64,
+    h: f64,
+}
+
+/// Writes a manifest, which appears only when it is complete.
+fn write_manifest(path: &Path, facts: ManifestFacts, pictures: &[PictureToWrite]) -> Result<()> {
+    let frames = pictures.iter().map(|PictureToWrite { file_path, camera, frame_number }| {
+        let Intrinsics { width, height, fx, fy, cx, cy } = camera.intrinsics;
+        WrittenEntry {
+            file_path,
+            transform_matrix: pose::opengl_matrix(&camera.world_from_camera),
+            camera: &camera.name,
+            time: *frame_number as f64,
+            fl_x: fx,
+            fl_y: fy,
+            cx,
+            cy,
+            w: f64::from(width),
+            h: f64::from(height),
         }
     });
-    let manifest = Manifest {
-        keys: Keys {
-            camera_model: Some("PINHOLE".to_owned()),
-            color_space: Some("linear Rec.709, scene referred".to_owned()),
-            depth_kind: Some("planar_z".to_owned()),
-            depth_channel: Some("Z".to_owned()),
-            depth_miss_value: Some(1e10),
-            normal_space: Some(if facts.has_normals {
-                NormalSpaceName::Text("world".to_owned())
-            } else {
-                NormalSpaceName::Null
-            }),
-            antialiased_color: Some(facts.antialiased_color),
-            pixel_center_offset: Some(0.5),
-            up: Some(facts.up_in_world.to_array()),
-            ..Keys::default()
-        },
+    let manifest = WrittenManifest {
+        camera_model: "PINHOLE",
+        depth_kind: "planar_z",
+        depth_channel: "Z",
+        depth_miss_value: 1e10,
+        normal_space: facts.has_normals.then_some("world"),
+        antialiased_color: facts.antialiased_color,
+        pixel_center_offset: 0.5,
+        color_space: "linear Rec.709, scene referred",
+        up: facts.up_in_world.to_array(),
         frames: frames.collect(),
     };
     whole_file::write(path, |writer| {
@@ -141,9 +156,9 @@ fn remove_if_there(path: &Path) -> Result<()> {
     }
 }
 
-fn capture_entries(capture: &Capture) -> Vec<ManifestEntry<'_>> {
+fn capture_entries(capture: &Capture) -> Vec<PictureToWrite<'_>> {
     let of_camera = |camera| {
-        capture.frame_numbers.iter().map(move |&frame_number| ManifestEntry {
+        capture.frame_numbers.iter().map(move |&frame_number| PictureToWrite {
             file_path: picture_name(camera, frame_number),
             camera,
             frame_number,
@@ -153,9 +168,9 @@ fn capture_entries(capture: &Capture) -> Vec<ManifestEntry<'_>> {
 }
 
 fn write_views(folder: &Path, views: &[TruthView], facts: ManifestFacts, job: &Job) -> Result<()> {
-    let entries: Vec<ManifestEntry> = views
+    let entries: Vec<PictureToWrite> = views
         .iter()
-        .map(|view| ManifestEntry {
+        .map(|view| PictureToWrite {
             file_path: Path::new(&view.file_path).with_extension("exr").to_string_lossy().into_owned(),
             camera: &view.camera,
             frame_number: view.frame_number,
@@ -187,10 +202,8 @@ fn create_folder_of(folder: &Path, file_path: &str) -> Result<()> {
         .components()
         .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
     if !is_below {
-        return Err(Error::invalid(
-            folder.display(),
-            format!("'{file_path}' is no path below this folder; rename the camera or the picture"),
-        ));
+        let what = format!("'{file_path}' is no path below this folder; rename the camera or the picture");
+        return Err(Error::invalid(folder.display(), what));
     }
     let path = folder.join(file_path);
     let parent = path.parent().unwrap_or(folder);

@@ -85,7 +85,7 @@ impl DemoArgs {
     /// and sizes too: none of them moves a camera.
     fn check_is_ours(&self, spec: &DemoSpec) -> Result<()> {
         let all = Demo::new(&spec.clone().cameras(MAX_CAMERAS))?;
-        let cameras = all.capture(&CaptureSettings::default()).cameras;
+        let cameras = all.capture(&CaptureSettings::default()).cameras.clone();
         let novel: Vec<Camera> = all.truth_views().into_iter().map(|view| view.camera).collect();
         let manifests = [self.out.join(MANIFEST_NAME), self.out.join("novel").join(MANIFEST_NAME)];
         for (manifest, cameras) in manifests.into_iter().zip([cameras, novel]) {

@@ -82,6 +82,7 @@ fn camera_infos(cameras: &[Camera]) -> Vec<CameraInfo> {
 fn of_store(path: &Path) -> Result<Info, CommandError> {
     let store = Store::open(path)?;
     let info = store.info();
+    let report = Report::from_json(&info.report, &path.display().to_string())?;
     Ok(Info {
         kind: "store",
         name: info.name.clone(),
@@ -90,11 +91,11 @@ fn of_store(path: &Path) -> Result<Info, CommandError> {
         contents: Contents::Store {
             samples: info.sample_count(),
             bytes: info.bytes,
-            sizes: Box::new(Sizes::of(info)),
+            sizes: Box::new(Sizes::of(info, &report)),
             spans: info.span_count(),
             version: format!("{}.{}", info.version.0, info.version.1),
             settings: Box::new(info.settings.clone()),
-            report: Box::new(info.report.clone()),
+            report: Box::new(report),
             provenance: Box::new(info.provenance.clone()),
             warnings: info.warnings.clone(),
         },

@@ -81,9 +81,8 @@ impl PreprocessArgs {
             let inputs = input::input_files(&capture, job)?;
             let frames_are_ranked = capture.frames_are_ranked();
             let provenance = Provenance { inputs, frames_are_ranked, ..Provenance::default() };
-            let extras = Extras { provenance, ..Extras::default() };
-            let bytes =
-                crate::store::file::write_spooled(&self.out, &outline, &images, &report, &extras, job)?;
+            let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
+            let bytes = crate::store::file::write_spooled(&self.out, &outline, &images, &extras, job)?;
             Ok::<_, Error>((report, bytes))
         })?;
         output::warn(&report.doubts());

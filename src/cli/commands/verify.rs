@@ -10,8 +10,8 @@ use crate::cli::{CommandError, output};
 use crate::error::Error;
 use crate::job::Job;
 use crate::render::{CpuRenderer, Vantage};
-use crate::store::file::{Store, Verification};
-use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
+use crate::store::file::Store;
+use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback, Verification, verify};
 
 /// Arguments of `overlook verify`.
 #[derive(Debug, Args)]
@@ -47,7 +47,7 @@ impl VerifyArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let (seconds_to_first_picture, verified) = output::watched(|job| {
             let seconds = seconds_to_first_picture(&self.store, job);
-            Ok::<_, Error>((seconds, crate::store::file::verify(&self.store, job)?))
+            Ok::<_, Error>((seconds, verify(&self.store, job)?))
         })?;
         output::warn(&verified.damage);
         if self.json {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::text;
-use crate::preprocess::diagnostics::STATIC_RULE;
+use crate::preprocess::diagnostics::{Report, STATIC_RULE};
 use crate::store::file::{PlaneBytes, StoreInfo};
 
 /// Bytes of a raw pixel: 8-bit color and 32-bit depth.
@@ -41,8 +41,7 @@ struct Ratios {
 }
 
 impl Sizes {
-    pub(crate) fn of(info: &StoreInfo) -> Self {
-        let report = &info.report;
+    pub(crate) fn of(info: &StoreInfo, report: &Report) -> Self {
         let repeated = report.pruned.get(STATIC_RULE).copied().unwrap_or(0);
         let distinct = report.samples_in.saturating_sub(report.without_depth()).saturating_sub(repeated);
         let store = info.bytes;

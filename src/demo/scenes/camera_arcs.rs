@@ -19,7 +19,7 @@ pub(crate) fn vantage(name: &'static str, eye: [f64; 3], target: [f64; 3], angle
     SceneVantage { name, eye: eye.into(), target: target.into(), angle_x_deg }
 }
 
-/// The cameras of a scene: those with a name, more where more are asked for, and places where none stands.
+/// The cameras of a scene: named ones, the arcs that further ones stand on, and viewpoints without a camera.
 #[derive(Clone, Debug)]
 pub(crate) struct SceneCameras {
     /// The scene's own cameras; the last is the close-up.

@@ -6,16 +6,18 @@ use std::f64::consts::TAU;
 use glam::{DMat3, DVec3, Vec3};
 
 use super::camera_arcs::{SceneCameras, vantage};
-use super::materials::{brass, dark_brass, map_canvas, marble, oak, plaster, rgb, turned_wood, walnut};
+use super::materials::{
+    brass, dark_brass, map_canvas, marble, oak, plaster, rgb, turned_wood, two_tone, walnut,
+};
 use super::props;
-use crate::demo::tracer::{Builder, Light, Material, Pattern, SolidShape};
+use crate::demo::tracer::{Light, Material, Pattern, WorldBuilder, block, cone, cylinder, sphere, torus};
 
 const TRACK_CENTER: DVec3 = DVec3::new(0.25, -0.35, 0.0);
 const TRACK_RADIUS_M: f64 = 0.8;
 
 /// The scene at a moment of its loop, 0 to 1.
-pub(crate) fn stage(moment: f64) -> Builder {
-    let mut stage = Builder::new(Light {
+pub(crate) fn stage(moment: f64) -> WorldBuilder {
+    let mut stage = WorldBuilder::new(Light {
         to_sun: DVec3::new(0.62, -0.42, 0.78).normalize_or_zero(),
         sun: Vec3::new(0.98, 0.86, 0.66),
         sun_spread: 0.05,
@@ -34,11 +36,7 @@ pub(crate) fn stage(moment: f64) -> Builder {
     stage
 }
 
-fn block(half: [f64; 3], round: f64) -> SolidShape {
-    SolidShape::Block { half: half.into(), round }
-}
-
-fn room(stage: &mut Builder) {
+fn room(stage: &mut WorldBuilder) {
     stage.add(block([3.2, 3.2, 0.1], 0.0), DVec3::new(0.0, 0.0, -0.1), oak());
     stage.add(block([2.6, 0.1, 1.35], 0.0), DVec3::new(0.0, 2.1, 1.35), plaster(0x00a9_b6a6));
     stage.add(block([0.1, 2.2, 1.35], 0.0), DVec3::new(-2.5, 0.0, 1.35), plaster(0x00d4_c4a4));
@@ -46,14 +44,14 @@ fn room(stage: &mut Builder) {
     stage.add(block([0.02, 2.1, 0.063], 0.006), DVec3::new(-2.38, 0.0, 0.063), plaster(0x00e8_e2d6));
     props::rug(stage, DVec3::new(0.25, -0.35, 0.0), (1.35, 1.1));
     props::frame(stage, DVec3::new(-0.55, 1.98, 1.7), (0.5, 0.32), map_canvas());
-    let planet = Material::new(Pattern::Bands(0.3), rgb(0x00e2_c8a0), rgb(0x0098_5a38));
+    let planet = two_tone(Pattern::Bands(0.3), 0x00e2_c8a0, 0x0098_5a38);
     props::frame(stage, DVec3::new(0.35, 1.98, 1.78), (0.2, 0.26), planet);
     props::plant(stage, DVec3::new(-2.0, 1.6, 0.0), 26);
 }
 
-fn sofa(stage: &mut Builder) {
-    let cloth = Material::new(Pattern::Weave(0.03), rgb(0x0030_5862), rgb(0x004c_7a84));
-    let cushion = Material::new(Pattern::Checker(0.09), rgb(0x00d8_a048), rgb(0x00b4_7430));
+fn sofa(stage: &mut WorldBuilder) {
+    let cloth = two_tone(Pattern::Weave(0.03), 0x0030_5862, 0x004c_7a84);
+    let cushion = two_tone(Pattern::Checker(0.09), 0x00d8_a048, 0x00b4_7430);
     let at = |x: f64, y: f64, z: f64| DVec3::new(-0.35 + x, 1.4 + y, z);
     stage.add(block([0.85, 0.4, 0.13], 0.04), at(0.0, 0.0, 0.22), cloth);
     stage.add(block([0.85, 0.12, 0.36], 0.07), at(0.0, 0.34, 0.5), cloth);
@@ -63,12 +61,12 @@ fn sofa(stage: &mut Builder) {
         let lean = DMat3::from_rotation_x(-0.35) * DMat3::from_rotation_y(side * 0.12);
         stage.add_turned(block([0.19, 0.06, 0.19], 0.05), at(side * 0.52, 0.12, 0.62), lean, cushion);
         for depth in [-0.34, 0.34] {
-            stage.add(SolidShape::cylinder(0.025, 0.05), at(side * 0.8, depth, 0.05), turned_wood());
+            stage.add(cylinder(0.025, 0.05), at(side * 0.8, depth, 0.05), turned_wood());
         }
     }
 }
 
-fn shelf(stage: &mut Builder) {
+fn shelf(stage: &mut WorldBuilder) {
     let place = DVec3::new(1.45, 1.78, 0.0);
     props::shelf(stage, place, DVec3::new(0.6, 0.17, 0.85), 4);
     let covers = [0x0070_2f2a, 0x002d_4a5c, 0x00a8_8c50, 0x0038_5038, 0x004c_3a5e, 0x008a_4a30, 0x0028_3440];
@@ -77,56 +75,38 @@ fn shelf(stage: &mut Builder) {
     props::book_row(stage, board(2.0, -0.54), &covers);
     props::book_row(stage, board(2.0, 0.2), &covers[2..]);
     props::book_row(stage, board(3.0, 0.0), &[&covers[3..], &covers[..5]].concat());
-    stage.add(SolidShape::Sphere { radius: 0.1 }, board(3.0, -0.3) + DVec3::Z * 0.1, marble());
+    stage.add(sphere(0.1), board(3.0, -0.3) + DVec3::Z * 0.1, marble());
     props::globe(stage, board(4.0, -0.3), 0.13);
-    let vase = Material::new(Pattern::Stripes(0.06), rgb(0x0030_5a78), rgb(0x00d8_d0bc));
-    stage.add(
-        SolidShape::Cone { bottom: 0.05, top: 0.1, half_height: 0.07 },
-        board(4.0, 0.25) + DVec3::Z * 0.07,
-        vase,
-    );
-    stage.add(
-        SolidShape::Cone { bottom: 0.1, top: 0.035, half_height: 0.06 },
-        board(4.0, 0.25) + DVec3::Z * 0.2,
-        vase,
-    );
+    let vase = two_tone(Pattern::Stripes(0.06), 0x0030_5a78, 0x00d8_d0bc);
+    stage.add(cone(0.05, 0.1, 0.07), board(4.0, 0.25) + DVec3::Z * 0.07, vase);
+    stage.add(cone(0.1, 0.035, 0.06), board(4.0, 0.25) + DVec3::Z * 0.2, vase);
     stage.add(block([0.2, 0.12, 0.1], 0.02), board(0.0, -0.3) + DVec3::Z * 0.1, turned_wood());
     props::books(stage, board(0.0, 0.2) - DVec3::Y * 0.02, &[(0x0070_2f2a, 1.4), (0x002d_4a5c, 1.7)]);
 }
 
-fn table(stage: &mut Builder) {
+fn table(stage: &mut WorldBuilder) {
     let place = DVec3::new(0.25, -0.35, 0.0);
-    stage.add(SolidShape::cylinder(0.42, 0.018), place + DVec3::Z * 0.44, walnut());
-    stage.add(SolidShape::Torus { major: 0.42, minor: 0.018 }, place + DVec3::Z * 0.44, dark_brass());
+    stage.add(cylinder(0.42, 0.018), place + DVec3::Z * 0.44, walnut());
+    stage.add(torus(0.42, 0.018), place + DVec3::Z * 0.44, dark_brass());
     for leg in 0..3 {
         let angle = TAU * (f64::from(leg) + 0.25) / 3.0;
         let out = DVec3::new(angle.cos(), angle.sin(), 0.0);
-        stage.add_bar(
-            (place + out * 0.36, place + out * 0.16 + DVec3::Z * 0.43),
-            (0.018, 0.028),
-            turned_wood(),
-        );
+        let ends = (place + out * 0.36, place + out * 0.16 + DVec3::Z * 0.43);
+        stage.add_bar(ends, (0.018, 0.028), turned_wood());
     }
     let top = place + DVec3::Z * 0.458;
     props::books(stage, top + DVec3::new(-0.16, 0.1, 0.0), &[(0x00a8_8c50, 0.6), (0x0038_5038, 0.25)]);
-    let clay = Material::new(Pattern::Stripes(0.045), rgb(0x00e0_d4c0), rgb(0x0034_5a70));
+    let clay = two_tone(Pattern::Stripes(0.045), 0x00e0_d4c0, 0x0034_5a70);
     let pot = top + DVec3::new(0.15, -0.05, 0.0);
-    stage.add(SolidShape::Sphere { radius: 0.085 }, pot + DVec3::Z * 0.08, clay);
-    stage.add_turned(
-        SolidShape::Torus { major: 0.05, minor: 0.011 },
-        pot + DVec3::new(0.095, 0.0, 0.085),
-        DMat3::from_rotation_x(0.25 * TAU),
-        clay,
-    );
-    stage.add_bar(
-        (pot + DVec3::new(-0.07, 0.0, 0.07), pot + DVec3::new(-0.15, 0.0, 0.13)),
-        (0.02, 0.011),
-        clay,
-    );
-    stage.add(SolidShape::Sphere { radius: 0.016 }, pot + DVec3::Z * 0.175, brass());
+    stage.add(sphere(0.085), pot + DVec3::Z * 0.08, clay);
+    let (handle, upright) = (pot + DVec3::new(0.095, 0.0, 0.085), DMat3::from_rotation_x(0.25 * TAU));
+    stage.add_turned(torus(0.05, 0.011), handle, upright, clay);
+    let spout = (pot + DVec3::new(-0.07, 0.0, 0.07), pot + DVec3::new(-0.15, 0.0, 0.13));
+    stage.add_bar(spout, (0.02, 0.011), clay);
+    stage.add(sphere(0.016), pot + DVec3::Z * 0.175, brass());
 }
 
-fn pendulum_clock(stage: &mut Builder, moment: f64) {
+fn pendulum_clock(stage: &mut WorldBuilder, moment: f64) {
     let place = DVec3::new(-2.26, -0.15, 0.0);
     stage.add(block([0.13, 0.22, 0.1], 0.01), place + DVec3::Z * 0.1, walnut());
     stage.add(block([0.03, 0.18, 0.75], 0.005), place + DVec3::new(-0.09, 0.0, 0.9), turned_wood());
@@ -134,11 +114,11 @@ fn pendulum_clock(stage: &mut Builder, moment: f64) {
         stage.add(block([0.12, 0.02, 0.75], 0.005), place + DVec3::new(0.0, side * 0.19, 0.9), walnut());
     }
     stage.add(block([0.13, 0.23, 0.21], 0.02), place + DVec3::Z * 1.75, walnut());
-    let face = Material::new(Pattern::Grooves(0.07), rgb(0x00ec_e4d0), rgb(0x00d0_c2a0));
+    let face = two_tone(Pattern::Grooves(0.07), 0x00ec_e4d0, 0x00d0_c2a0);
     let upright = DMat3::from_rotation_y(0.25 * TAU);
     let dial = place + DVec3::new(0.135, 0.0, 1.75);
-    stage.add_turned(SolidShape::cylinder(0.16, 0.008), dial, upright, face);
-    stage.add_turned(SolidShape::Torus { major: 0.165, minor: 0.014 }, dial, upright, brass());
+    stage.add_turned(cylinder(0.16, 0.008), dial, upright, face);
+    stage.add_turned(torus(0.165, 0.014), dial, upright, brass());
     let black = Material::plain(rgb(0x0024_2220));
     for (turns, length) in [(0.14, 0.13), (0.83, 0.09)] {
         let (sin, cos) = (TAU * f64::from(turns as f32)).sin_cos();
@@ -149,14 +129,14 @@ fn pendulum_clock(stage: &mut Builder, moment: f64) {
     let pivot = place + DVec3::new(0.02, 0.0, 1.52);
     let bob = pivot + DVec3::new(0.0, swing.sin(), -swing.cos()) * 0.85;
     stage.add_bar((pivot, bob), (0.006, 0.006), brass());
-    stage.add_turned(SolidShape::cylinder(0.075, 0.012), bob, upright, brass());
+    stage.add_turned(cylinder(0.075, 0.012), bob, upright, brass());
 }
 
-fn railway(stage: &mut Builder, moment: f64) {
+fn railway(stage: &mut WorldBuilder, moment: f64) {
     let rail = Material::plain(rgb(0x0078_7c84));
     for side in [-0.04, 0.04] {
         let place = TRACK_CENTER + DVec3::Z * 0.034;
-        stage.add(SolidShape::Torus { major: TRACK_RADIUS_M + side, minor: 0.007 }, place, rail);
+        stage.add(torus(TRACK_RADIUS_M + side, 0.007), place, rail);
     }
     for sleeper in 0..48 {
         let rotation = DMat3::from_rotation_z(TAU * f64::from(sleeper) / 48.0);
@@ -171,7 +151,7 @@ fn railway(stage: &mut Builder, moment: f64) {
 }
 
 /// A carriage of the train at an angle on the track; the first is the engine.
-fn carriage(stage: &mut Builder, angle: f64, is_engine: bool, color: u32) {
+fn carriage(stage: &mut WorldBuilder, angle: f64, is_engine: bool, color: u32) {
     let rotation = DMat3::from_rotation_z(angle);
     let to_world = |x: f64, y: f64, z: f64| {
         TRACK_CENTER + rotation * (DVec3::X * TRACK_RADIUS_M + DVec3::new(x, y, z + 0.04))
@@ -184,25 +164,21 @@ fn carriage(stage: &mut Builder, angle: f64, is_engine: bool, color: u32) {
         stage.add_bar(ends, (0.044, 0.044), paint);
         stage.add_turned(block([0.05, 0.04, 0.06], 0.006), to_world(0.0, -0.065, 0.12), rotation, paint);
         stage.add_turned(block([0.06, 0.05, 0.008], 0.004), to_world(0.0, -0.065, 0.185), rotation, black);
-        stage.add(
-            SolidShape::Cone { bottom: 0.012, top: 0.024, half_height: 0.03 },
-            to_world(0.0, 0.07, 0.17),
-            black,
-        );
-        stage.add(SolidShape::Sphere { radius: 0.02 }, to_world(0.0, 0.01, 0.15), brass());
+        stage.add(cone(0.012, 0.024, 0.03), to_world(0.0, 0.07, 0.17), black);
+        stage.add(sphere(0.02), to_world(0.0, 0.01, 0.15), brass());
     } else {
         stage.add_turned(block([0.05, 0.095, 0.045], 0.01), to_world(0.0, 0.0, 0.1), rotation, paint);
-        let cargo = Material::new(Pattern::Speckles(0.03), rgb(0x0050_4038), rgb(0x00a0_8460));
+        let cargo = two_tone(Pattern::Speckles(0.03), 0x0050_4038, 0x00a0_8460);
         stage.add_turned(block([0.04, 0.085, 0.03], 0.02), to_world(0.0, 0.0, 0.135), rotation, cargo);
     }
     for (x, y) in [(-0.05, -0.06), (0.05, -0.06), (-0.05, 0.06), (0.05, 0.06)] {
         let upright = rotation * DMat3::from_rotation_y(0.25 * TAU);
-        stage.add_turned(SolidShape::cylinder(0.026, 0.008), to_world(x, y, 0.026), upright, brass());
+        stage.add_turned(cylinder(0.026, 0.008), to_world(x, y, 0.026), upright, brass());
     }
 }
 
 /// Nine cameras on the two open sides, the last close to the table.
-pub(crate) fn rig() -> SceneCameras {
+pub(crate) fn cameras() -> SceneCameras {
     let middle = [-0.05, 0.35, 0.6];
     SceneCameras {
         cameras: vec![

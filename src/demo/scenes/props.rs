@@ -4,15 +4,13 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
-use super::materials::{book, brass, brick, dark_brass, marble, plaster, rgb, turned_wood, walnut};
-use crate::demo::tracer::{Builder, Material, Pattern, SolidShape, upright_to};
-
-fn block(half: [f64; 3], round: f64) -> SolidShape {
-    SolidShape::Block { half: half.into(), round }
-}
+use super::materials::{book, brass, brick, dark_brass, marble, plaster, rgb, turned_wood, two_tone, walnut};
+use crate::demo::tracer::{
+    Material, Pattern, WorldBuilder, block, cone, cylinder, sphere, torus, upright_to,
+};
 
 /// A stack of books on `place`: cover color and turn (radians) of each, from the lowest.
-pub(crate) fn books(stage: &mut Builder, place: DVec3, covers: &[(u32, f64)]) {
+pub(crate) fn books(stage: &mut WorldBuilder, place: DVec3, covers: &[(u32, f64)]) {
     let mut height = 0.0;
     for (index, (cover, turn)) in covers.iter().enumerate() {
         let half = DVec3::new(
@@ -22,56 +20,35 @@ pub(crate) fn books(stage: &mut Builder, place: DVec3, covers: &[(u32, f64)]) {
         );
         let material = book(*cover, 0x00d8_b868, half.z as f32);
         let center = place + DVec3::Z * (height + half.z);
-        stage.add_turned(
-            SolidShape::Block { half, round: 0.004 },
-            center,
-            DMat3::from_rotation_z(*turn),
-            material,
-        );
+        stage.add_turned(block(half, 0.004), center, DMat3::from_rotation_z(*turn), material);
         height += 2.0 * half.z;
     }
 }
 
 /// A globe of the given radius on a turned foot, with its brass meridian.
-pub(crate) fn globe(stage: &mut Builder, place: DVec3, radius: f64) {
+pub(crate) fn globe(stage: &mut WorldBuilder, place: DVec3, radius: f64) {
     let center = place + DVec3::Z * (radius + 0.11);
     let tilt = DMat3::from_rotation_y(0.41);
-    let earth = Material::new(Pattern::Continents(radius as f32), rgb(0x002c_6088), rgb(0x0056_7a3c));
-    stage.add_turned(SolidShape::Sphere { radius }, center, tilt * DMat3::from_rotation_z(0.7), earth);
-    let meridian = SolidShape::Torus { major: radius + 0.014, minor: 0.008 };
+    let earth = two_tone(Pattern::Continents(radius as f32), 0x002c_6088, 0x0056_7a3c);
+    stage.add_turned(sphere(radius), center, tilt * DMat3::from_rotation_z(0.7), earth);
+    let meridian = torus(radius + 0.014, 0.008);
     stage.add_turned(meridian, center, tilt * DMat3::from_rotation_x(0.5 * PI), brass());
     let axis = tilt * DVec3::Z * (radius + 0.04);
     stage.add_bar((center - axis, center + axis), (0.006, 0.006), dark_brass());
-    stage.add(
-        SolidShape::Cone { bottom: 0.1, top: 0.085, half_height: 0.012 },
-        place + DVec3::Z * 0.012,
-        turned_wood(),
-    );
-    stage.add(
-        SolidShape::Cone { bottom: 0.06, top: 0.018, half_height: 0.025 },
-        place + DVec3::Z * 0.049,
-        turned_wood(),
-    );
-    stage.add(SolidShape::cylinder(0.014, 0.02), place + DVec3::Z * 0.082, brass());
+    stage.add(cone(0.1, 0.085, 0.012), place + DVec3::Z * 0.012, turned_wood());
+    stage.add(cone(0.06, 0.018, 0.025), place + DVec3::Z * 0.049, turned_wood());
+    stage.add(cylinder(0.014, 0.02), place + DVec3::Z * 0.082, brass());
 }
 
 /// An hourglass whose sand has run through.
-pub(crate) fn hourglass(stage: &mut Builder, place: DVec3) {
-    let sand = Material::new(Pattern::Speckles(0.012), rgb(0x00d8_b888), rgb(0x00a8_8050));
+pub(crate) fn hourglass(stage: &mut WorldBuilder, place: DVec3) {
+    let sand = two_tone(Pattern::Speckles(0.012), 0x00d8_b888, 0x00a8_8050);
     for z in [0.008, 0.232] {
-        stage.add(SolidShape::cylinder(0.07, 0.008), place + DVec3::Z * z, turned_wood());
+        stage.add(cylinder(0.07, 0.008), place + DVec3::Z * z, turned_wood());
     }
-    stage.add(
-        SolidShape::Cone { bottom: 0.05, top: 0.008, half_height: 0.05 },
-        place + DVec3::Z * 0.068,
-        sand,
-    );
-    let glass = Material::new(Pattern::Clouds(0.06), rgb(0x00b8_ccd0), rgb(0x0098_b4ba));
-    stage.add(
-        SolidShape::Cone { bottom: 0.008, top: 0.05, half_height: 0.053 },
-        place + DVec3::Z * 0.171,
-        glass,
-    );
+    stage.add(cone(0.05, 0.008, 0.05), place + DVec3::Z * 0.068, sand);
+    let glass = two_tone(Pattern::Clouds(0.06), 0x00b8_ccd0, 0x0098_b4ba);
+    stage.add(cone(0.008, 0.05, 0.053), place + DVec3::Z * 0.171, glass);
     for corner in 0..3 {
         let angle = 2.0 * PI * f64::from(corner) / 3.0;
         let foot = place + DVec3::new(0.058 * angle.cos(), 0.058 * angle.sin(), 0.01);
@@ -80,14 +57,11 @@ pub(crate) fn hourglass(stage: &mut Builder, place: DVec3) {
 }
 
 /// A brick arch against a wall at `place`: `(half width, height of its springing)`, m.
-pub(crate) fn arch(stage: &mut Builder, place: DVec3, (half_width, springing): (f64, f64)) {
+pub(crate) fn arch(stage: &mut WorldBuilder, place: DVec3, (half_width, springing): (f64, f64)) {
     let pillar = block([0.11, 0.13, 0.5 * springing], 0.0);
     for side in [-1.0, 1.0] {
-        stage.add(
-            pillar.clone(),
-            place + DVec3::new(side * (half_width + 0.11), 0.0, 0.5 * springing),
-            brick(),
-        );
+        let pillar_place = place + DVec3::new(side * (half_width + 0.11), 0.0, 0.5 * springing);
+        stage.add(pillar.clone(), pillar_place, brick());
         let capital = block([0.14, 0.16, 0.035], 0.01);
         let capital_place = place + DVec3::new(side * (half_width + 0.11), 0.0, springing + 0.035);
         stage.add(capital, capital_place, marble());
@@ -101,45 +75,37 @@ pub(crate) fn arch(stage: &mut Builder, place: DVec3, (half_width, springing): (
         let tone = [0x00a8_5c42, 0x00b8_7050, 0x0098_523c, 0x00b0_6648][(stone * 7 % 4) as usize];
         let rotation = DMat3::from_cols(outward.cross(DVec3::Y) * -1.0, DVec3::Y, outward);
         let material = Material::new(Pattern::Speckles(0.03), rgb(tone), rgb(tone) * 0.7);
-        stage.add_turned(
-            block([wide, 0.13, 0.11], 0.008),
-            center + outward * (half_width + 0.11),
-            rotation,
-            material,
-        );
+        let stone_place = center + outward * (half_width + 0.11);
+        stage.add_turned(block([wide, 0.13, 0.11], 0.008), stone_place, rotation, material);
     }
     let key = block([0.06, 0.15, 0.15], 0.01);
     stage.add(key, center + DVec3::Z * (half_width + 0.12), marble());
 }
 
 /// A rug with the given half extents (x, y).
-pub(crate) fn rug(stage: &mut Builder, place: DVec3, (x, y): (f64, f64)) {
+pub(crate) fn rug(stage: &mut WorldBuilder, place: DVec3, (x, y): (f64, f64)) {
     let pattern = Pattern::Rug(x as f32, y as f32);
     let material = Material::new(pattern, rgb(0x007c_2c2c), rgb(0x0028_3a54));
     stage.add(block([x, y, 0.008], 0.0), place + DVec3::Z * 0.008, material);
 }
 
 /// A fluted stone plinth of the given height.
-pub(crate) fn plinth(stage: &mut Builder, place: DVec3, height: f64) {
+pub(crate) fn plinth(stage: &mut WorldBuilder, place: DVec3, height: f64) {
     let stone = plaster(0x00cc_c2b0);
     stage.add(block([0.24, 0.24, 0.05], 0.01), place + DVec3::Z * 0.05, stone);
     stage.add(block([0.24, 0.24, 0.03], 0.01), place + DVec3::Z * (height - 0.03), stone);
-    stage.add(
-        SolidShape::cylinder(0.15, 0.5 * height - 0.08),
-        place + DVec3::Z * (0.5 * height + 0.02),
-        stone,
-    );
+    stage.add(cylinder(0.15, 0.5 * height - 0.08), place + DVec3::Z * (0.5 * height + 0.02), stone);
     for flute in 0..16 {
         let angle = PI * f64::from(flute) / 8.0;
         let foot = place + DVec3::new(0.15 * angle.cos(), 0.15 * angle.sin(), 0.1);
         stage.add_bar((foot, foot + DVec3::Z * (height - 0.16)), (0.018, 0.018), stone);
     }
-    stage.add(SolidShape::Torus { major: 0.165, minor: 0.025 }, place + DVec3::Z * 0.125, stone);
-    stage.add(SolidShape::Torus { major: 0.165, minor: 0.02 }, place + DVec3::Z * (height - 0.08), stone);
+    stage.add(torus(0.165, 0.025), place + DVec3::Z * 0.125, stone);
+    stage.add(torus(0.165, 0.02), place + DVec3::Z * (height - 0.08), stone);
 }
 
 /// A framed canvas with the given half extents (x, z), on a wall that faces −y.
-pub(crate) fn frame(stage: &mut Builder, place: DVec3, (x, z): (f64, f64), canvas: Material) {
+pub(crate) fn frame(stage: &mut WorldBuilder, place: DVec3, (x, z): (f64, f64), canvas: Material) {
     stage.add(block([x, 0.012, z], 0.0), place, canvas);
     for side in [-1.0, 1.0] {
         stage.add(block([0.025, 0.025, z + 0.025], 0.008), place + DVec3::X * (side * x), dark_brass());
@@ -148,16 +114,13 @@ pub(crate) fn frame(stage: &mut Builder, place: DVec3, (x, z): (f64, f64), canva
 }
 
 /// A chest of open shelves, `half` its half extents, its back toward +y.
-pub(crate) fn shelf(stage: &mut Builder, place: DVec3, half: DVec3, boards: u32) {
+pub(crate) fn shelf(stage: &mut WorldBuilder, place: DVec3, half: DVec3, boards: u32) {
     for side in [-1.0, 1.0] {
         let upright = place + DVec3::new(side * (half.x - 0.015), 0.0, half.z);
         stage.add(block([0.015, half.y, half.z], 0.003), upright, walnut());
     }
-    stage.add(
-        block([half.x, 0.008, half.z], 0.0),
-        place + DVec3::new(0.0, half.y - 0.008, half.z),
-        turned_wood(),
-    );
+    let back = place + DVec3::new(0.0, half.y - 0.008, half.z);
+    stage.add(block([half.x, 0.008, half.z], 0.0), back, turned_wood());
     for board in 0..=boards {
         let z = 0.06 + (2.0 * half.z - 0.075) * f64::from(board) / f64::from(boards);
         stage.add(block([half.x - 0.03, half.y - 0.01, 0.012], 0.003), place + DVec3::Z * z, walnut());
@@ -165,7 +128,7 @@ pub(crate) fn shelf(stage: &mut Builder, place: DVec3, half: DVec3, boards: u32)
 }
 
 /// Upright books along x, from `place`: as many as there are colors, with their spines toward −y.
-pub(crate) fn book_row(stage: &mut Builder, place: DVec3, covers: &[u32]) {
+pub(crate) fn book_row(stage: &mut WorldBuilder, place: DVec3, covers: &[u32]) {
     let mut x = 0.0;
     for (index, cover) in covers.iter().enumerate() {
         let thick = 0.014 + 0.004 * ((index * 7) % 4) as f64;
@@ -175,17 +138,17 @@ pub(crate) fn book_row(stage: &mut Builder, place: DVec3, covers: &[u32]) {
         let half = DVec3::new(0.075, tall, thick);
         let center = place + DVec3::new(x + thick, 0.0, tall);
         let material = book(*cover, [0x00d8_b868, 0x00e0_d8c0][index % 2], thick as f32);
-        stage.add_turned(SolidShape::Block { half, round: 0.003 }, center, rotation, material);
+        stage.add_turned(block(half, 0.003), center, rotation, material);
         x += 2.0 * thick + 0.001;
     }
 }
 
 /// A potted plant with leaves in a spiral.
-pub(crate) fn plant(stage: &mut Builder, place: DVec3, leaves: u32) {
-    let clay = Material::new(Pattern::Stripes(0.09), rgb(0x00b8_6a48), rgb(0x00d0_8a62));
-    stage.add(SolidShape::Cone { bottom: 0.12, top: 0.17, half_height: 0.16 }, place + DVec3::Z * 0.16, clay);
+pub(crate) fn plant(stage: &mut WorldBuilder, place: DVec3, leaves: u32) {
+    let clay = two_tone(Pattern::Stripes(0.09), 0x00b8_6a48, 0x00d0_8a62);
+    stage.add(cone(0.12, 0.17, 0.16), place + DVec3::Z * 0.16, clay);
     let soil = Material::plain(rgb(0x0034_261c));
-    stage.add(SolidShape::cylinder(0.15, 0.005), place + DVec3::Z * 0.322, soil);
+    stage.add(cylinder(0.15, 0.005), place + DVec3::Z * 0.322, soil);
     for leaf in 0..leaves {
         let share = f64::from(leaf) / f64::from(leaves);
         let angle = 2.399_963 * f64::from(leaf);
@@ -193,14 +156,9 @@ pub(crate) fn plant(stage: &mut Builder, place: DVec3, leaves: u32) {
         let outward = DVec3::new(angle.cos() * lean, angle.sin() * lean, 1.0 - 0.45 * lean);
         let length = 0.42 + 0.25 * share;
         let root = place + DVec3::Z * (0.32 + 0.12 * share);
-        let green = Material::new(Pattern::Stripes(0.05), rgb(0x0040_6c38), rgb(0x0068_9848));
+        let green = two_tone(Pattern::Stripes(0.05), 0x0040_6c38, 0x0068_9848);
         let rotation = upright_to(outward);
         let half = DVec3::new(0.035, 0.006, 0.5 * length);
-        stage.add_turned(
-            SolidShape::Block { half, round: 0.006 },
-            root + outward * (0.5 * length),
-            rotation,
-            green,
-        );
+        stage.add_turned(block(half, 0.006), root + outward * (0.5 * length), rotation, green);
     }
 }

@@ -72,7 +72,7 @@ impl Bvh {
         let mut nodes = Vec::with_capacity(2 * items.len() + 1);
         if !items.is_empty() {
             nodes.push(BvhNode { bounds: items[0], first: 0, count: 0 });
-            Building { items, order: &mut order, nodes: &mut nodes }.split(0, 0, items.len(), 0);
+            BvhBuilder { items, order: &mut order, nodes: &mut nodes }.split(0, 0, items.len(), 0);
         }
         Self { nodes, order }
     }
@@ -140,13 +140,13 @@ impl Bvh {
 }
 
 /// What building needs besides the range it splits.
-struct Building<'a> {
+struct BvhBuilder<'a> {
     items: &'a [Aabb],
     order: &'a mut [u32],
     nodes: &'a mut Vec<BvhNode>,
 }
 
-impl Building<'_> {
+impl BvhBuilder<'_> {
     fn bounds(&self, order: &[u32]) -> Aabb {
         order.iter().map(|item| self.items[*item as usize]).reduce(Aabb::union).unwrap_or(self.items[0])
     }

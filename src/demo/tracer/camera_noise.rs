@@ -7,6 +7,8 @@
 
 use glam::Vec3;
 
+use crate::random::mix;
+
 const OUTLIER_ONE_IN: u64 = 2048;
 const OUTLIER_FACTOR: f32 = 3.0;
 const COMMON: f32 = 0.816_5;
@@ -43,14 +45,6 @@ fn gaussian_pair(bits: u64) -> [f32; 2] {
     let radius = (-2.0 * uniform(bits).ln()).sqrt();
     let (sin, cos) = (std::f32::consts::TAU * uniform(bits >> 32)).sin_cos();
     [radius * cos, radius * sin]
-}
-
-/// Sebastiano Vigna's `SplitMix64` (2015).
-pub(crate) fn mix(seed: u64) -> u64 {
-    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

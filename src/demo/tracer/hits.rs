@@ -22,6 +22,7 @@ impl SolidShape {
     /// solid at a grazing angle.
     pub(crate) fn hit(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Option<f64> {
         let within = |t: f64| (t > t_min && t < t_max).then_some(t);
+        let first = |hits: &[f64]| hits.iter().filter_map(|t| within(*t)).min_by(f64::total_cmp);
         match self {
             Self::Sphere { radius } => {
                 let a = direction.length_squared();
@@ -35,10 +36,7 @@ impl SolidShape {
                 if enter > leave { None } else { within(enter).or_else(|| within(leave)) }
             }
             Self::Cone { bottom, top, half_height } => {
-                cone_hits(origin, direction, *bottom, *top, *half_height)
-                    .into_iter()
-                    .filter(|t| *t > t_min && *t < t_max)
-                    .min_by(f64::total_cmp)
+                first(&cone_hits(origin, direction, *bottom, *top, *half_height))
             }
             Self::Convex { planes, .. } => {
                 let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -58,10 +56,7 @@ impl SolidShape {
                 if enter > leave { None } else { within(enter).or_else(|| within(leave)) }
             }
             Self::Ring { inner, outer, half_height } => {
-                ring_hits(origin, direction, (*inner, *outer), *half_height)
-                    .into_iter()
-                    .filter(|t| *t > t_min && *t < t_max)
-                    .min_by(f64::total_cmp)
+                first(&ring_hits(origin, direction, (*inner, *outer), *half_height))
             }
             Self::Block { .. } | Self::Torus { .. } => self.traced_hit(origin, direction, t_min, t_max),
         }
@@ -74,7 +69,7 @@ impl SolidShape {
         let speed = direction.length();
         // A face may lie in the side of the box: the last bit must not decide whether the way out is within it.
         let (mut t, end) = (enter.max(t_min), (leave + BOX_MARGIN_M / speed).min(t_max));
-        // A ray that starts inside walks along the negative distance to the way out.
+        // A ray that starts inside follows the negative distance to its exit.
         let side = self.distance(origin + direction * t).signum();
         for _ in 0..MAX_STEPS {
             if t > end {
@@ -187,7 +182,7 @@ mod tests {
             SolidShape::Sphere { radius: 0.7 },
             SolidShape::Block { half: DVec3::new(0.5, 0.3, 0.8), round: 0.0 },
             SolidShape::Block { half: DVec3::new(0.5, 0.3, 0.8), round: 0.1 },
-            SolidShape::cylinder(0.4, 0.6),
+            crate::demo::tracer::cylinder(0.4, 0.6),
             SolidShape::Cone { bottom: 0.6, top: 0.2, half_height: 0.5 },
             SolidShape::Cone { bottom: 0.5, top: 0.0, half_height: 0.5 },
             SolidShape::Torus { major: 0.6, minor: 0.2 },

@@ -10,7 +10,7 @@ mod texture;
 pub(crate) mod trace;
 mod world;
 
-pub(crate) use camera_noise::{RenderNoise, mix};
-pub(crate) use shapes::SolidShape;
+pub(crate) use camera_noise::RenderNoise;
+pub(crate) use shapes::{SolidShape, block, cone, cylinder, sphere, torus};
 pub(crate) use texture::{Material, Pattern, hash};
-pub(crate) use world::{Builder, Lamp, Light, World, upright_to};
+pub(crate) use world::{Lamp, Light, World, WorldBuilder, upright_to};

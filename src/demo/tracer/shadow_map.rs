@@ -50,17 +50,8 @@ impl ShadowMap {
         let high = outlines.iter().fold(DVec2::NEG_INFINITY, |high, o| high.max(o.high));
         let deepest = outlines.iter().fold(f64::INFINITY, |deepest, o| deepest.min(o.below));
         let cells_per_m = DVec2::splat(CELLS as f64) / (high - low).max(DVec2::splat(1e-6));
-        let mut map = Self {
-            across,
-            to_sun,
-            spread,
-            outlines,
-            low,
-            cells_per_m,
-            starts: Vec::new(),
-            items: Vec::new(),
-            deepest,
-        };
+        let (starts, items) = (Vec::new(), Vec::new());
+        let mut map = Self { across, to_sun, spread, outlines, low, cells_per_m, starts, items, deepest };
         map.fill();
         map
     }

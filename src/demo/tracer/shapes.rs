@@ -57,12 +57,32 @@ pub(crate) enum SolidShape {
     },
 }
 
-impl SolidShape {
-    /// A cylinder along z.
-    pub(crate) fn cylinder(radius: f64, half_height: f64) -> Self {
-        Self::Cone { bottom: radius, top: radius, half_height }
-    }
+/// See [`SolidShape::Sphere`].
+pub(crate) fn sphere(radius: f64) -> SolidShape {
+    SolidShape::Sphere { radius }
+}
 
+/// See [`SolidShape::Block`].
+pub(crate) fn block(half: impl Into<DVec3>, round: f64) -> SolidShape {
+    SolidShape::Block { half: half.into(), round }
+}
+
+/// See [`SolidShape::Cone`].
+pub(crate) fn cone(bottom: f64, top: f64, half_height: f64) -> SolidShape {
+    SolidShape::Cone { bottom, top, half_height }
+}
+
+/// A cylinder along z.
+pub(crate) fn cylinder(radius: f64, half_height: f64) -> SolidShape {
+    cone(radius, radius, half_height)
+}
+
+/// See [`SolidShape::Torus`].
+pub(crate) fn torus(major: f64, minor: f64) -> SolidShape {
+    SolidShape::Torus { major, minor }
+}
+
+impl SolidShape {
     /// Half extents of a box around the origin that holds the solid, m.
     pub(crate) fn half_extents(&self) -> DVec3 {
         match *self {

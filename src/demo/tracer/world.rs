@@ -95,7 +95,7 @@ pub(crate) struct SurfaceHit {
 }
 
 /// Collects the solids of one moment, in an order that is the same for every moment.
-pub(crate) struct Builder {
+pub(crate) struct WorldBuilder {
     solids: Vec<Solid>,
     light: Light,
 }
@@ -113,7 +113,7 @@ pub(crate) struct World {
     pub(crate) shadows: ShadowMap,
 }
 
-impl Builder {
+impl WorldBuilder {
     pub(crate) fn new(light: Light) -> Self {
         Self { solids: Vec::new(), light }
     }

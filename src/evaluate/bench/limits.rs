@@ -18,8 +18,8 @@ use serde::Serialize;
 
 use super::Bench;
 use super::measure::{Times, repeat};
-use crate::demo::tracer::mix;
 use crate::error::Result;
+use crate::random::mix;
 use crate::render::gpu::{AdapterChoice, GpuCopy};
 
 /// Numbers that are summed to measure reading: 256 MiB.

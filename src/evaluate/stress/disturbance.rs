@@ -8,9 +8,9 @@ use super::light::{Lighting, lit};
 use super::recording_edits::{Edit, Edited};
 use super::shapes::Inserted;
 use crate::capture::{Camera, Capture, CaptureParts, Frame};
-use crate::demo::tracer::mix;
 use crate::error::Result;
 use crate::evaluate::truth::{DERIVED_CACHE_BYTES, Recorded, Truth, TruthEdit, parts_of};
+use crate::random::mix;
 
 /// Something that goes wrong, or a scene that is difficult.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -8,9 +8,9 @@ use super::disturbance::seed;
 use super::light::{Lighting, lit};
 use super::shapes::Inserted;
 use crate::capture::{Capture, Frame, FrameSource, INVALID_INVERSE_DEPTH};
-use crate::demo::tracer::mix;
 use crate::error::Result;
 use crate::grid::Grid;
+use crate::random::mix;
 
 /// What is done to a frame.
 pub(crate) enum Edit {

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::demo::tracer::mix;
+use crate::random::mix;
 use crate::samples::{DepthPlane, SampleImage, SampleSet, SampleTile, Span, TILE};
 
 /// Keeps `count` samples chosen at random, each with the same chance; all where there are no more.

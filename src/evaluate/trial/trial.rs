@@ -382,9 +382,10 @@ impl FoldState {
 pub(crate) fn stored(samples: &SampleSet, report: &Report, job: &Job) -> Result<FoldSamples> {
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
     let path = folder.path().join("trial.ovl");
-    let bytes = crate::store::file::write(&path, samples, report, job)?;
+    let bytes = crate::store::file::write(&path, samples, &report.to_json()?, job)?;
     let store = crate::store::file::Store::open(&path)?;
-    let (samples, report) = store.read_undamaged(job)?;
+    let samples = store.read_undamaged(job)?;
+    let report = Report { seconds: 0.0, ..report.clone() };
     let bytes_record = store.info().record_bytes;
     Ok(FoldSamples { bytes, bytes_record, ..FoldSamples::unstored(Arc::new(samples), report, 0.0) })
 }

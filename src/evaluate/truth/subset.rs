@@ -28,16 +28,7 @@ pub(crate) const DERIVED_CACHE_BYTES: usize = 256 << 20;
 
 /// The parts of a capture derived from another, to be changed before use.
 pub(crate) fn parts_of(capture: &Capture, source: Arc<dyn FrameSource>) -> CaptureParts {
-    CaptureParts {
-        name: capture.name.clone(),
-        cameras: capture.cameras.clone(),
-        frame_numbers: capture.frame_numbers.clone(),
-        up_in_world: capture.up_in_world,
-        has_normals: capture.has_normals,
-        antialiased_color: capture.antialiased_color,
-        warnings: capture.warnings.clone(),
-        source,
-    }
+    CaptureParts { source, ..CaptureParts::clone(capture) }
 }
 
 /// The capture with `count` of its frames alone, and the truth at those; see [`choose`].

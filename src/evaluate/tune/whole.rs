@@ -45,13 +45,6 @@ fn most_bytes(capture: &Capture, settings: &Settings, job: &Job) -> Result<u64> 
     let Spooled { outline, images, report } = preprocess_spooled(capture, settings, job)?;
     let inputs = InputFiles { files: u64::MAX, bytes: u64::MAX, crc32: u32::MAX };
     let provenance = Provenance { inputs: Some(inputs), ..Provenance::default() };
-    let extras = Extras { provenance, ..Extras::default() };
-    crate::store::file::write_spooled(
-        &folder.path().join("whole.ovl"),
-        &outline,
-        &images,
-        &report,
-        &extras,
-        job,
-    )
+    let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
+    crate::store::file::write_spooled(&folder.path().join("whole.ovl"), &outline, &images, &extras, job)
 }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::calibration_warnings::{doubts, shared_doubt};
 use super::pair_residuals::PairResiduals;
 use crate::capture::Capture;
+use crate::error::{Error, Result};
 use crate::preprocess::layers::Rate;
 use crate::preprocess::normals::{self, NormalErrors};
 use crate::preprocess::pruning::{Decided, Rule, Verdict};
@@ -96,6 +97,29 @@ pub struct Report {
 }
 
 impl Report {
+    /// This report as a store keeps it: JSON, with [`Report::seconds`] as 0, so that the same input gives the same bytes.
+    ///
+    /// # Errors
+    /// `Invalid` where a number is not finite: JSON has no such numbers, so that the report would not come back as it is.
+    pub fn to_json(&self) -> Result<String> {
+        let invalid = |what: &str| Error::invalid("report", what);
+        let timeless = Self { seconds: 0.0, ..self.clone() };
+        let json = serde_json::to_string(&timeless).map_err(|error| invalid(&error.to_string()))?;
+        if Self::from_json(&json, "report")? == timeless {
+            Ok(json)
+        } else {
+            Err(invalid("it holds a number that is not finite"))
+        }
+    }
+
+    /// Reads what [`Report::to_json`] wrote; `place` is named in errors.
+    ///
+    /// # Errors
+    /// `Invalid` where it is no such report.
+    pub fn from_json(json: &str, place: &str) -> Result<Self> {
+        serde_json::from_str(json).map_err(|error| Error::invalid(place, format!("report: {error}")))
+    }
+
     /// Pixels of all frames of all cameras that have no depth: they are neither kept nor dropped.
     #[must_use]
     pub fn without_depth(&self) -> u64 {

@@ -1,15 +1,15 @@
-//! What a walk over a block is done for: counting tokens, writing them, reading them. Each is a [`Coder`].
+//! The purposes of traversing a block: counting tokens, writing them, reading them. Each is a [`Coder`].
 
-use super::block_walk::Coder;
+use super::block_traversal::Coder;
 use super::integers::{BitReader, BitWriter, join, split};
 use super::model::{CodedPlane, Counts, FrequencyTables, MASK_CONTEXTS, MaskSplits};
 use super::rans::{Decoder, RansEncoder};
 
 /// Counts tokens, so that a model can be fitted.
-pub struct Counter<'a>(pub &'a mut Counts);
+pub(crate) struct TokenCounter<'a>(pub &'a mut Counts);
 
-impl Coder for Counter<'_> {
-    fn held(&mut self, _: usize, context: usize, value: bool) -> bool {
+impl Coder for TokenCounter<'_> {
+    fn has_sample(&mut self, _: usize, context: usize, value: bool) -> bool {
         self.0.add(CodedPlane::Mask, context, u32::from(value));
         value
     }
@@ -25,31 +25,29 @@ impl Coder for Counter<'_> {
 /// ```text
 /// u16 number of words | words, big-endian | plain bits
 /// ```
-pub struct ModelWriter<'a> {
+pub(crate) struct ModelWriter<'a> {
     model: &'a FrequencyTables,
-    /// The coder's state that each token changes, where its slots begin and how many it has.
+    /// Each token's stream, where its slots begin and how many it has.
     tokens: Vec<(u8, u16, u16)>,
     bits: BitWriter,
 }
 
 impl<'a> ModelWriter<'a> {
     /// For one block.
-    #[must_use]
-    pub fn new(model: &'a FrequencyTables) -> Self {
+    pub(crate) fn new(model: &'a FrequencyTables) -> Self {
         Self { model, tokens: Vec::new(), bits: BitWriter::default() }
     }
 
-    fn push(&mut self, lane: usize, plane: CodedPlane, context: usize, token: usize) {
+    fn push(&mut self, stream: usize, plane: CodedPlane, context: usize, token: usize) {
         let (start, frequency) = self.model.table(plane, context).range(token);
-        self.tokens.push((lane as u8, start as u16, frequency as u16));
+        self.tokens.push((stream as u8, start as u16, frequency as u16));
     }
 
     /// The block's code.
-    #[must_use]
-    pub fn finish(self) -> Vec<u8> {
+    pub(crate) fn finish(self) -> Vec<u8> {
         let mut encoder = RansEncoder::default();
-        for (lane, start, frequency) in self.tokens.into_iter().rev() {
-            encoder.push(usize::from(lane), (u32::from(start), u32::from(frequency)));
+        for (stream, start, frequency) in self.tokens.into_iter().rev() {
+            encoder.push(usize::from(stream), (u32::from(start), u32::from(frequency)));
         }
         let words = encoder.finish();
         let mut code = Vec::from((words.len() as u16).to_be_bytes());
@@ -60,21 +58,21 @@ impl<'a> ModelWriter<'a> {
 }
 
 impl Coder for ModelWriter<'_> {
-    fn held(&mut self, lane: usize, context: usize, value: bool) -> bool {
-        self.push(lane, CodedPlane::Mask, context, usize::from(value));
+    fn has_sample(&mut self, stream: usize, context: usize, value: bool) -> bool {
+        self.push(stream, CodedPlane::Mask, context, usize::from(value));
         value
     }
 
     fn code(&mut self, plane: CodedPlane, context: usize, value: u32) -> u32 {
         let (token, bits) = split(value);
-        self.push(plane.lane(), plane, context, token);
+        self.push(plane.stream(), plane, context, token);
         self.bits.push(value, bits);
         value
     }
 }
 
 /// Reads what [`ModelWriter`] wrote.
-pub struct ModelReader<'a> {
+pub(crate) struct ModelReader<'a> {
     model: &'a FrequencyTables,
     mask: &'a MaskSplits,
     tokens: Decoder<'a>,
@@ -83,30 +81,28 @@ pub struct ModelReader<'a> {
 
 impl<'a> ModelReader<'a> {
     /// Over all of `code`; `None` where it is cut short.
-    #[must_use]
-    pub fn new(model: &'a FrequencyTables, code: &'a [u8]) -> Option<Self> {
+    pub(crate) fn new(model: &'a FrequencyTables, code: &'a [u8]) -> Option<Self> {
         let (count, rest) = code.split_first_chunk()?;
         let (words, bits) = rest.split_at_checked(2 * usize::from(u16::from_be_bytes(*count)))?;
         let tokens = Decoder::new(words.as_chunks().0);
-        Some(Self { model, mask: model.mask(), tokens, bits: BitReader::new(bits) })
+        Some(Self { model, mask: &model.mask, tokens, bits: BitReader::new(bits) })
     }
 
     /// Whether all of the code was read, and made sense.
-    #[must_use]
-    pub fn is_whole(&self) -> bool {
+    pub(crate) fn is_whole(&self) -> bool {
         self.tokens.is_whole() && self.bits.is_whole()
     }
 }
 
 impl Coder for ModelReader<'_> {
     #[inline(always)]
-    fn held(&mut self, lane: usize, context: usize, _: bool) -> bool {
-        self.tokens.next_of_two(lane, self.mask[context % MASK_CONTEXTS])
+    fn has_sample(&mut self, stream: usize, context: usize, _: bool) -> bool {
+        self.tokens.next_of_two(stream, self.mask[context % MASK_CONTEXTS])
     }
 
     #[inline(always)]
     fn code(&mut self, plane: CodedPlane, context: usize, _: u32) -> u32 {
-        let token = self.tokens.next(plane.lane(), self.model.table(plane, context));
+        let token = self.tokens.next(plane.stream(), self.model.table(plane, context));
         let (base, bits) = join(token);
         base | self.bits.next(bits)
     }
@@ -124,12 +120,11 @@ const fn plain_bits(plane: CodedPlane) -> u32 {
 
 /// Writes numbers as they are: the off form.
 #[derive(Default)]
-pub struct PlainWriter(BitWriter);
+pub(crate) struct PlainWriter(BitWriter);
 
 impl PlainWriter {
     /// The block's code.
-    #[must_use]
-    pub fn finish(self) -> Vec<u8> {
+    pub(crate) fn finish(self) -> Vec<u8> {
         self.0.finish()
     }
 }
@@ -137,7 +132,7 @@ impl PlainWriter {
 impl Coder for PlainWriter {
     const PREDICTS: bool = false;
 
-    fn held(&mut self, _: usize, _: usize, value: bool) -> bool {
+    fn has_sample(&mut self, _: usize, _: usize, value: bool) -> bool {
         self.0.push(u32::from(value), plain_bits(CodedPlane::Mask));
         value
     }
@@ -149,18 +144,16 @@ impl Coder for PlainWriter {
 }
 
 /// Reads what [`PlainWriter`] wrote.
-pub struct PlainReader<'a>(BitReader<'a>);
+pub(crate) struct PlainReader<'a>(BitReader<'a>);
 
 impl<'a> PlainReader<'a> {
     /// Over all of `code`.
-    #[must_use]
-    pub fn new(code: &'a [u8]) -> Self {
+    pub(crate) fn new(code: &'a [u8]) -> Self {
         Self(BitReader::new(code))
     }
 
     /// Whether all of the code was read.
-    #[must_use]
-    pub fn is_whole(&self) -> bool {
+    pub(crate) fn is_whole(&self) -> bool {
         self.0.is_whole()
     }
 }
@@ -168,7 +161,7 @@ impl<'a> PlainReader<'a> {
 impl Coder for PlainReader<'_> {
     const PREDICTS: bool = false;
 
-    fn held(&mut self, _: usize, _: usize, _: bool) -> bool {
+    fn has_sample(&mut self, _: usize, _: usize, _: bool) -> bool {
         self.0.next(plain_bits(CodedPlane::Mask)) != 0
     }
 

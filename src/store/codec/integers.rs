@@ -12,21 +12,18 @@
 
 /// A signed number as an unsigned one, small magnitudes first.
 #[inline(always)]
-#[must_use]
 pub(super) fn zigzag(value: i32) -> u32 {
     ((value << 1) ^ (value >> 31)) as u32
 }
 
 /// Undoes [`zigzag`].
 #[inline(always)]
-#[must_use]
 pub(super) fn unzigzag(value: u32) -> i32 {
     (value >> 1) as i32 ^ -((value & 1) as i32)
 }
 
 /// The token of a number, and how many plain bits, its lowest, follow it.
 #[inline(always)]
-#[must_use]
 pub(super) fn split(value: u32) -> (usize, u32) {
     if value < 16 {
         return (value as usize, 0);
@@ -37,7 +34,6 @@ pub(super) fn split(value: u32) -> (usize, u32) {
 
 /// Undoes [`split`]: the number without its plain bits, and how many of them follow.
 #[inline(always)]
-#[must_use]
 pub(super) fn join(token: usize) -> (u32, u32) {
     const JOINED: [(u32, u32); 128] = {
         let mut joined = [(0, 0); 128];
@@ -78,7 +74,6 @@ impl BitWriter {
     }
 
     /// All bytes; the bits left over are 0.
-    #[must_use]
     pub(super) fn finish(mut self) -> Vec<u8> {
         if self.count > 0 {
             self.bytes.push(self.pending as u8);
@@ -87,7 +82,7 @@ impl BitWriter {
     }
 }
 
-/// Reads what [`BitWriter`] wrote; beyond the end there are zeros, which [`BitReader::is_whole`] tells.
+/// Reads what [`BitWriter`] wrote; beyond the end there are zeros, which [`BitReader::is_whole`] detects.
 pub(super) struct BitReader<'a> {
     rest: &'a [u8],
     pending: u64,
@@ -98,7 +93,6 @@ pub(super) struct BitReader<'a> {
 
 impl<'a> BitReader<'a> {
     /// Over all of `bytes`.
-    #[must_use]
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self { rest: bytes, pending: 0, count: 0, starved: false }
     }
@@ -140,7 +134,6 @@ impl<'a> BitReader<'a> {
     }
 
     /// Whether everything was read, and nothing beyond it.
-    #[must_use]
     pub(super) fn is_whole(&self) -> bool {
         // Bytes that are left may have been looked at beforehand.
         !self.starved && self.rest.is_empty() && self.count < 8 && self.pending == 0

@@ -1,17 +1,18 @@
 //! Lossless coding of the samples in a block of pixels: prediction from neighbors, then entropy coding of what is left.
 //!
 //! ```text
-//! block ─ walk: prediction, context ─▶ residual ─ integers ─▶ token + plain bits ─ rans, by the model of the context ─▶ bytes
+//! block ─ traversal: prediction, context ─▶ residual ─ integers ─▶ token + plain bits ─ rans, by the model of the context ─▶ bytes
 //! ```
 
-mod block_walk;
+mod block_traversal;
 mod coders;
 mod integers;
 mod model;
 mod neighborhood;
 mod rans;
+mod table_fit;
 
-pub use block_walk::{BlockShape, Coder, Walker};
-pub use coders::{Counter, ModelReader, ModelWriter, PlainReader, PlainWriter};
-pub use model::{Counts, FrequencyTables};
-pub use neighborhood::{BLOCK, BlockPixels, cell};
+pub(crate) use block_traversal::{BlockShape, BlockTraversal, Coder};
+pub(crate) use coders::{ModelReader, ModelWriter, PlainReader, PlainWriter, TokenCounter};
+pub(crate) use model::{Counts, FrequencyTables};
+pub(crate) use neighborhood::{BLOCK, BlockPixels, cell};

@@ -1,4 +1,4 @@
-//! What the decoder knows beforehand: how often each token occurs in each context.
+//! The static model of the entropy coder: how often each token occurs in each context.
 //!
 //! The tables are counted over the whole store and stand in it once. Blocks then need no time to learn, however small they
 //! are, and each is read without any other. Contexts are numbered so that neighbors resemble each other; those that are not
@@ -6,14 +6,15 @@
 
 use super::integers::{join, split};
 use super::rans::{SCALE, TOKENS, Table};
+use super::table_fit::{TokenCounts, frequencies, share_tables};
 use crate::store::container::{ByteReader, push_varint};
 
-/// Levels of activity that contexts tell apart; the last is *no neighbor*.
+/// Levels of activity that contexts distinguish; the last is *no neighbor*.
 pub(super) const ACTIVITIES: usize = 17;
 
 /// The planes of an image, each with contexts of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CodedPlane {
+pub(crate) enum CodedPlane {
     /// Which pixels hold a sample.
     Mask,
     /// Inverse depth.
@@ -32,12 +33,11 @@ pub enum CodedPlane {
 
 impl CodedPlane {
     /// Every plane, in the order of its tables in the store.
-    pub const ALL: [Self; 7] =
+    pub(crate) const ALL: [Self; 7] =
         [Self::Mask, Self::Depth, Self::Green, Self::Red, Self::Blue, Self::NormalX, Self::NormalY];
 
     /// Contexts of the plane.
-    #[must_use]
-    pub const fn contexts(self) -> usize {
+    pub(crate) const fn contexts(self) -> usize {
         match self {
             Self::Mask => 1 << 10,
             Self::Depth => 11 * ACTIVITIES,
@@ -52,9 +52,8 @@ impl CodedPlane {
         if matches!(self, Self::Mask) { 2 } else { TOKENS }
     }
 
-    /// Which of the coder's states the plane's tokens change, but for the mask's: of a sample, each color has one of its own.
-    #[must_use]
-    pub const fn lane(self) -> usize {
+    /// The stream that the plane's tokens are coded in, except the mask's: of a sample, each color has a stream of its own.
+    pub(crate) const fn stream(self) -> usize {
         match self {
             Self::Mask | Self::Depth | Self::NormalX | Self::NormalY => 0,
             Self::Green => 1,
@@ -66,7 +65,7 @@ impl CodedPlane {
 
 /// How often each token was seen in each context of each plane.
 #[derive(Clone)]
-pub struct Counts([Vec<[u32; TOKENS]>; 7]);
+pub(crate) struct Counts([Vec<TokenCounts>; 7]);
 
 impl Default for Counts {
     /// Nothing seen yet.
@@ -78,14 +77,13 @@ impl Default for Counts {
 impl Counts {
     /// Counts a token.
     #[inline(always)]
-    pub fn add(&mut self, plane: CodedPlane, context: usize, value: u32) {
+    pub(crate) fn add(&mut self, plane: CodedPlane, context: usize, value: u32) {
         let count = &mut self.0[plane as usize][context][split(value).0];
         *count = count.saturating_add(1);
     }
 
     /// Adds what was counted elsewhere.
-    #[must_use]
-    pub fn plus(mut self, other: &Self) -> Self {
+    pub(crate) fn plus(mut self, other: &Self) -> Self {
         let counts = self.0.iter_mut().flatten().flatten();
         for (count, more) in counts.zip(other.0.iter().flatten().flatten()) {
             *count = count.saturating_add(*more);
@@ -110,25 +108,18 @@ pub(super) type MaskSplits = [u16; MASK_CONTEXTS];
 
 /// The tables of every plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FrequencyTables {
+pub(crate) struct FrequencyTables {
     planes: [PlaneModel; 7],
-    /// What the mask's tables say, in little room: most tokens are the mask's.
-    mask: Box<MaskSplits>,
+    /// A compact form of the mask's tables, since most tokens are the mask's.
+    pub(super) mask: Box<MaskSplits>,
 }
 
 impl FrequencyTables {
     /// The table of a context.
     #[inline(always)]
-    #[must_use]
-    pub fn table(&self, plane: CodedPlane, context: usize) -> &Table {
+    pub(crate) fn table(&self, plane: CodedPlane, context: usize) -> &Table {
         let model = &self.planes[plane as usize];
         &model.tables[model.table_of[context] as usize]
-    }
-
-    /// See [`MaskSplits`].
-    #[must_use]
-    pub fn mask(&self) -> &MaskSplits {
-        &self.mask
     }
 
     /// From the planes in their order.
@@ -143,10 +134,7 @@ impl FrequencyTables {
     }
 
     /// Tables with which what was counted is coded shortly.
-    ///
-    /// # Errors
-    /// Never for counts that were counted; the tables are checked as those of a file are.
-    pub fn fit(counts: &Counts) -> Result<Self, String> {
+    pub(crate) fn fit(counts: &Counts) -> Result<Self, String> {
         let mut models = Vec::with_capacity(CodedPlane::ALL.len());
         for contexts in &counts.0 {
             let mut model = PlaneModel { table_of: Vec::new(), tables: Vec::new() };
@@ -160,8 +148,7 @@ impl FrequencyTables {
     }
 
     /// Bits that what was counted takes by these tables, plane by plane.
-    #[must_use]
-    pub fn bits(&self, counts: &Counts) -> [f64; 7] {
+    pub(crate) fn bits(&self, counts: &Counts) -> [f64; 7] {
         CodedPlane::ALL.map(|plane| {
             let contexts = counts.0[plane as usize].iter().enumerate();
             let tokens = contexts.flat_map(|(context, histogram)| {
@@ -177,8 +164,7 @@ impl FrequencyTables {
     }
 
     /// As FORMAT.md describes `MODL`.
-    #[must_use]
-    pub fn encode(&self) -> Vec<u8> {
+    pub(crate) fn encode(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         for plane in &self.planes {
             push_varint(&mut bytes, plane.tables.len() as u64);
@@ -206,10 +192,7 @@ impl FrequencyTables {
     }
 
     /// Reads what [`FrequencyTables::encode`] wrote.
-    ///
-    /// # Errors
-    /// Says what is wrong.
-    pub fn decode(bytes: &[u8]) -> Result<Self, String> {
+    pub(crate) fn decode(bytes: &[u8]) -> Result<Self, String> {
         let mut reader = ByteReader::new(bytes);
         let mut models = Vec::with_capacity(CodedPlane::ALL.len());
         for plane in CodedPlane::ALL {
@@ -257,95 +240,6 @@ fn decode_table(reader: &mut ByteReader, tokens: usize) -> Result<Table, String>
         }
     }
     Table::new(&frequencies)
-}
-
-type TokenCounts = [u32; TOKENS];
-
-/// Bytes that a token costs in a stored table, about.
-const BYTES_PER_TOKEN: f64 = 1.4;
-
-/// Bytes that a table must save beyond its own: fewer tables decode faster, since they stay in the processor's cache.
-const BYTES_WORTH_A_TABLE: f64 = 30.0;
-
-/// What coding a histogram's tokens with a table of their own costs, table included, bits.
-fn cost(histogram: &TokenCounts) -> f64 {
-    let total: f64 = histogram.iter().map(|count| f64::from(*count)).sum();
-    if total == 0.0 {
-        return 0.0;
-    }
-    let used = histogram.iter().filter(|count| **count > 0);
-    let tokens: f64 = used.clone().map(|count| f64::from(*count) * (total / f64::from(*count)).log2()).sum();
-    tokens + 8.0 * (2.0 + BYTES_WORTH_A_TABLE + BYTES_PER_TOKEN * used.count() as f64)
-}
-
-fn sum(a: &TokenCounts, b: &TokenCounts) -> TokenCounts {
-    std::array::from_fn(|token| a[token].saturating_add(b[token]))
-}
-
-/// Joins neighboring contexts while that saves bits: how many contexts, and what was counted in them.
-///
-/// Greedy: the pair that saves most first. Contexts that were never seen cost nothing to join.
-fn share_tables(contexts: &[TokenCounts]) -> Vec<(usize, TokenCounts)> {
-    struct ZeroRun {
-        length: usize,
-        histogram: TokenCounts,
-        cost: f64,
-        /// Bits saved by joining the next run.
-        gain: f64,
-    }
-    let mut runs: Vec<ZeroRun> = Vec::new();
-    for histogram in contexts {
-        match runs.last_mut() {
-            Some(last) if histogram.iter().all(|count| *count == 0) => last.length += 1,
-            _ => runs.push(ZeroRun { length: 1, histogram: *histogram, cost: cost(histogram), gain: 0.0 }),
-        }
-    }
-    let gain = |a: &ZeroRun, b: &ZeroRun| a.cost + b.cost - cost(&sum(&a.histogram, &b.histogram));
-    for index in 1..runs.len() {
-        runs[index - 1].gain = gain(&runs[index - 1], &runs[index]);
-    }
-    while runs.len() > 1 {
-        let last = runs.len() - 1;
-        let best = (0..last).max_by(|a, b| runs[*a].gain.total_cmp(&runs[*b].gain)).unwrap_or(0);
-        if runs[best].gain < 0.0 {
-            break;
-        }
-        let joined = runs.remove(best + 1);
-        let run = &mut runs[best];
-        run.length += joined.length;
-        run.histogram = sum(&run.histogram, &joined.histogram);
-        run.cost = cost(&run.histogram);
-        if best + 1 < runs.len() {
-            runs[best].gain = gain(&runs[best], &runs[best + 1]);
-        }
-        if best > 0 {
-            runs[best - 1].gain = gain(&runs[best - 1], &runs[best]);
-        }
-    }
-    runs.into_iter().map(|run| (run.length, run.histogram)).collect()
-}
-
-/// Frequencies that add up to [`SCALE`], at least 1 for whatever was counted.
-fn frequencies(histogram: &TokenCounts) -> Vec<u16> {
-    let total: u64 = histogram.iter().map(|count| u64::from(*count)).sum();
-    let mut frequencies = vec![0_u16; TOKENS];
-    if total == 0 {
-        frequencies[0] = SCALE as u16;
-        return frequencies;
-    }
-    for (frequency, &count) in frequencies.iter_mut().zip(histogram) {
-        let share = (u64::from(count) * u64::from(SCALE) + total / 2) / total;
-        *frequency = if count == 0 { 0 } else { share.max(1) as u16 };
-    }
-    // What rounding left over goes to, or comes from, whoever feels it least: the most frequent.
-    let mut sum: i32 = frequencies.iter().map(|frequency| i32::from(*frequency)).sum();
-    while sum != SCALE as i32 {
-        let most = (0..TOKENS).max_by_key(|token| frequencies[*token]).unwrap_or(0);
-        let change = (SCALE as i32 - sum).max(-i32::from(frequencies[most]) / 2);
-        frequencies[most] = (i32::from(frequencies[most]) + change) as u16;
-        sum += change;
-    }
-    frequencies
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What is known at a pixel of a block before its sample is: the samples around it and the reference's, and what they predict.
+//! The causal neighborhood of a pixel in a block: the samples coded before it, the reference's, and what they predict.
 //!
 //! ```text
 //!              NN
@@ -9,7 +9,7 @@
 use super::model::ACTIVITIES;
 
 /// Columns and rows of a block: four tiles.
-pub const BLOCK: usize = 64;
+pub(crate) const BLOCK: usize = 64;
 
 /// Numbers a sample has at most: depth, green, red, blue, and two of the normal.
 pub(super) const NUMBERS: usize = 6;
@@ -21,8 +21,7 @@ pub(crate) const CELLS: usize = (BLOCK + MARGIN) * STRIDE;
 
 /// Where a pixel of a block stands in its arrays.
 #[inline(always)]
-#[must_use]
-pub const fn cell(x: usize, y: usize) -> usize {
+pub(crate) const fn cell(x: usize, y: usize) -> usize {
     (y + MARGIN) * STRIDE + x + MARGIN
 }
 
@@ -30,12 +29,12 @@ pub const fn cell(x: usize, y: usize) -> usize {
 pub(super) type PerPixel<T> = [T; CELLS];
 
 /// What a block of pixels holds.
-pub struct BlockPixels {
+pub(crate) struct BlockPixels {
     /// Per row, bit `x`: whether there is a sample in column `x`.
-    pub rows: [u64; BLOCK],
+    pub(crate) rows: [u64; BLOCK],
     /// Per number (depth, green, red, blue, normal), by [`cell`]: depth as shifted bits, color as a rank, normal as it is. Only
     /// those of samples mean something.
-    pub values: Box<[PerPixel<i32>; NUMBERS]>,
+    pub(crate) values: Box<[PerPixel<i32>; NUMBERS]>,
 }
 
 impl Default for BlockPixels {
@@ -48,14 +47,14 @@ impl Default for BlockPixels {
 
 impl BlockPixels {
     /// Forgets every sample.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.rows = [0; BLOCK];
     }
 }
 
 /// Which of the pixels around one hold a sample: bits as the mask's context has them. All of these are coded before it.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Near(pub(crate) u8);
+pub(crate) struct Neighbors(pub(crate) u8);
 
 pub(crate) const W: u8 = 1;
 pub(crate) const N: u8 = 1 << 1;
@@ -69,7 +68,7 @@ pub(crate) const R: u8 = 1 << 6;
 /// Every neighbor.
 pub(crate) const AROUND: u8 = W | N | NW | NE | WW | NN;
 
-impl Near {
+impl Neighbors {
     #[inline(always)]
     pub(crate) fn has(self, pixels: u8) -> bool {
         self.0 & pixels == pixels
@@ -94,7 +93,7 @@ impl Near {
 #[derive(Clone, Copy)]
 pub(crate) struct CodingContext<'a> {
     pub(crate) at: usize,
-    pub(crate) near: Near,
+    pub(crate) near: Neighbors,
     pub(crate) before: Option<&'a BlockPixels>,
 }
 

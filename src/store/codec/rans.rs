@@ -20,16 +20,16 @@ pub(super) const SCALE_BITS: u32 = 12;
 /// Sum of a table's frequencies.
 pub(super) const SCALE: u32 = 1 << SCALE_BITS;
 
-/// Tokens that a table may tell apart.
+/// Tokens that a table may have.
 pub(super) const TOKENS: usize = 128;
 
 /// The smallest state, and the one that encoding begins with.
 const LOWEST: u32 = 1 << 16;
 
-/// States that take turns.
-pub(super) const LANES: usize = 4;
+/// Interleaved streams, each with a state of its own.
+pub(super) const STREAMS: usize = 4;
 
-/// Slots that one entry of [`Table::first`] stands for.
+/// Slots that share one entry of [`Table::first`], as a power of 2.
 const COARSE_BITS: u32 = 4;
 
 /// Entries of [`Table::starts`]: more than there are tokens, so that none that fits into a byte lies beyond.
@@ -37,7 +37,7 @@ const STARTS: usize = 258;
 
 /// Frequencies of the tokens in one context.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Table {
+pub(crate) struct Table {
     /// Where the slots of each token begin; all that follow the last token are [`SCALE`].
     starts: [u16; STARTS],
     /// The token of every 16th slot: where to begin to look.
@@ -49,7 +49,7 @@ impl Table {
     ///
     /// # Errors
     /// Where they do not add up to [`SCALE`], or are more than [`TOKENS`].
-    pub fn new(frequencies: &[u16]) -> Result<Self, String> {
+    pub(crate) fn new(frequencies: &[u16]) -> Result<Self, String> {
         let sum: u32 = frequencies.iter().map(|frequency| u32::from(*frequency)).sum();
         if sum != SCALE || frequencies.len() > TOKENS {
             return Err(format!("frequencies add up to {sum}, not {SCALE}"));
@@ -73,22 +73,20 @@ impl Table {
 
     /// Where a token's slots begin, and how many it has.
     #[inline(always)]
-    #[must_use]
-    pub fn range(&self, token: usize) -> (u32, u32) {
+    pub(crate) fn range(&self, token: usize) -> (u32, u32) {
         let start = u32::from(self.starts[token]);
         (start, u32::from(self.starts[token + 1]) - start)
     }
 
     /// The frequency of a token.
-    #[must_use]
-    pub fn frequency(&self, token: usize) -> u32 {
+    pub(crate) fn frequency(&self, token: usize) -> u32 {
         self.range(token).1
     }
 }
 
 /// Codes tokens in reverse: the last one first.
 pub(super) struct RansEncoder {
-    states: [u32; LANES],
+    states: [u32; STREAMS],
     /// Last word first.
     words: Vec<u16>,
 }
@@ -96,16 +94,16 @@ pub(super) struct RansEncoder {
 impl Default for RansEncoder {
     /// An encoder before its first token.
     fn default() -> Self {
-        Self { states: [LOWEST; LANES], words: Vec::new() }
+        Self { states: [LOWEST; STREAMS], words: Vec::new() }
     }
 }
 
 impl RansEncoder {
     /// Codes the token that stands before all those coded so far, given where its slots begin and how many it has, which must not
     /// be none.
-    pub(super) fn push(&mut self, lane: usize, (start, frequency): (u32, u32)) {
+    pub(super) fn push(&mut self, stream: usize, (start, frequency): (u32, u32)) {
         debug_assert!(frequency > 0, "a token that cannot be coded");
-        let state = &mut self.states[lane];
+        let state = &mut self.states[stream];
         if u64::from(*state) >= u64::from(frequency) << (32 - SCALE_BITS) {
             self.words.push(*state as u16);
             *state >>= 16;
@@ -114,7 +112,6 @@ impl RansEncoder {
     }
 
     /// The words in the order a [`Decoder`] reads them.
-    #[must_use]
     pub(super) fn finish(mut self) -> Vec<u16> {
         for state in self.states.into_iter().rev() {
             self.words.extend([state as u16, (state >> 16) as u16]);
@@ -124,9 +121,9 @@ impl RansEncoder {
     }
 }
 
-/// Decodes tokens, first to last. Damaged code gives wrong tokens, never a panic; [`Decoder::is_whole`] tells.
+/// Decodes tokens, first to last. Damaged code gives wrong tokens, never a panic; [`Decoder::is_whole`] detects it.
 pub(super) struct Decoder<'a> {
-    states: [u32; LANES],
+    states: [u32; STREAMS],
     /// Big-endian words.
     words: &'a [[u8; 2]],
     /// Words read; more than there are where the code is cut short.
@@ -135,17 +132,16 @@ pub(super) struct Decoder<'a> {
 
 impl<'a> Decoder<'a> {
     /// Over all of `words`, big-endian.
-    #[must_use]
     pub(super) fn new(words: &'a [[u8; 2]]) -> Self {
         let word = |nth: usize| words.get(nth).map_or(0, |word| u32::from(u16::from_be_bytes(*word)));
-        let states = std::array::from_fn(|lane| word(2 * lane) << 16 | word(2 * lane + 1));
-        Self { states, words, position: 2 * LANES }
+        let states = std::array::from_fn(|stream| word(2 * stream) << 16 | word(2 * stream + 1));
+        Self { states, words, position: 2 * STREAMS }
     }
 
     /// The next token.
     #[inline(always)]
-    pub(super) fn next(&mut self, lane: usize, table: &Table) -> usize {
-        let before = self.states[lane];
+    pub(super) fn next(&mut self, stream: usize, table: &Table) -> usize {
+        let before = self.states[stream];
         let slot = before & (SCALE - 1);
         let mut token = table.first[(slot >> COARSE_BITS) as usize] as usize;
         // Mostly one step at most: no branch for that one.
@@ -154,35 +150,34 @@ impl<'a> Decoder<'a> {
             token += 1;
         }
         let (start, frequency) = table.range(token);
-        self.advance(lane, frequency * (before >> SCALE_BITS) + slot - start);
+        self.advance(stream, frequency * (before >> SCALE_BITS) + slot - start);
         token
     }
 
     /// The next token where there are two: whether it is the second, whose slots begin at `split`.
     #[inline(always)]
-    pub(super) fn next_of_two(&mut self, lane: usize, split: u16) -> bool {
-        let (before, split) = (self.states[lane], u32::from(split));
+    pub(super) fn next_of_two(&mut self, stream: usize, split: u16) -> bool {
+        let (before, split) = (self.states[stream], u32::from(split));
         let slot = before & (SCALE - 1);
         let second = slot >= split;
         let (start, frequency) = if second { (split, SCALE - split) } else { (0, split) };
-        self.advance(lane, frequency * (before >> SCALE_BITS) + slot - start);
+        self.advance(stream, frequency * (before >> SCALE_BITS) + slot - start);
         second
     }
 
     /// Takes a word where the state has become too small. A damaged state may be anything: products below 2¹² · 2²⁰ do not overflow.
     #[inline(always)]
-    fn advance(&mut self, lane: usize, state: u32) {
+    fn advance(&mut self, stream: usize, state: u32) {
         // A branch would be mispredicted as often as not.
         let short = state < LOWEST;
         let word = self.words.get(self.position).map_or(0, |word| u32::from(u16::from_be_bytes(*word)));
-        self.states[lane] = if short { state << 16 | word } else { state };
+        self.states[stream] = if short { state << 16 | word } else { state };
         self.position += usize::from(short);
     }
 
     /// Whether the code ended exactly where the encoder began.
-    #[must_use]
     pub(super) fn is_whole(&self) -> bool {
-        self.position == self.words.len() && self.states == [LOWEST; LANES]
+        self.position == self.words.len() && self.states == [LOWEST; STREAMS]
     }
 }
 
@@ -209,16 +204,16 @@ mod tests {
                 tokens.iter().map(|&t| match t % 3 { 0 => (0, t / 3 % 2), 1 => (1, 2), _ => (2, t) }).collect();
             let mut encoder = RansEncoder::default();
             for (nth, &(table, token)) in coded.iter().enumerate().rev() {
-                encoder.push(nth % LANES, tables[table].range(token));
+                encoder.push(nth % STREAMS, tables[table].range(token));
             }
             let words = words(encoder);
             let mut decoder = Decoder::new(&words);
             for (nth, &(table, token)) in coded.iter().enumerate() {
                 if table == 0 {
-                    let second = decoder.next_of_two(nth % LANES, tables[0].range(1).0 as u16);
+                    let second = decoder.next_of_two(nth % STREAMS, tables[0].range(1).0 as u16);
                     prop_assert_eq!(usize::from(second), token);
                 } else {
-                    prop_assert_eq!(decoder.next(nth % LANES, &tables[table]), token);
+                    prop_assert_eq!(decoder.next(nth % STREAMS, &tables[table]), token);
                 }
             }
             prop_assert!(decoder.is_whole());
@@ -229,9 +224,9 @@ mod tests {
             let tables = tables();
             let mut decoder = Decoder::new(&words);
             for nth in 0..200 {
-                decoder.next(nth % LANES, &tables[nth % 3]);
+                decoder.next(nth % STREAMS, &tables[nth % 3]);
             }
-            prop_assert!(!decoder.is_whole() || words.len() >= 2 * LANES);
+            prop_assert!(!decoder.is_whole() || words.len() >= 2 * STREAMS);
         }
     }
 
@@ -241,7 +236,7 @@ mod tests {
         let mut encoder = RansEncoder::default();
         (0..4000).for_each(|_| encoder.push(1, skewed.range(1)));
         (0..4000).for_each(|_| encoder.push(1, certain.range(2)));
-        assert_eq!(encoder.finish().len(), 2 * LANES);
+        assert_eq!(encoder.finish().len(), 2 * STREAMS);
     }
 
     #[test]

@@ -2,6 +2,15 @@
 
 use super::iff::ChunkId;
 
+/// Functions that take the next whole number, by its type.
+macro_rules! take_numbers {
+    ($($number:ident),+) => {
+        $(pub(crate) fn $number(&mut self) -> Result<$number, String> {
+            self.array().map($number::from_be_bytes)
+        })+
+    };
+}
+
 /// What is left of a payload.
 pub(crate) struct ByteReader<'a> {
     pub(crate) rest: &'a [u8],
@@ -24,21 +33,7 @@ impl<'a> ByteReader<'a> {
         Ok(*taken)
     }
 
-    pub(crate) fn u8(&mut self) -> Result<u8, String> {
-        self.array().map(u8::from_be_bytes)
-    }
-
-    pub(crate) fn u16(&mut self) -> Result<u16, String> {
-        self.array().map(u16::from_be_bytes)
-    }
-
-    pub(crate) fn u32(&mut self) -> Result<u32, String> {
-        self.array().map(u32::from_be_bytes)
-    }
-
-    pub(crate) fn u64(&mut self) -> Result<u64, String> {
-        self.array().map(u64::from_be_bytes)
-    }
+    take_numbers!(u8, u16, u32, u64, i64);
 
     /// Seven bits a byte, lowest first; the highest bit is set in all bytes but the last.
     pub(crate) fn varint(&mut self) -> Result<u64, String> {
@@ -51,10 +46,6 @@ impl<'a> ByteReader<'a> {
             }
         }
         Err("a number is too long".to_owned())
-    }
-
-    pub(crate) fn i64(&mut self) -> Result<i64, String> {
-        self.array().map(i64::from_be_bytes)
     }
 
     pub(crate) fn f64(&mut self) -> Result<f64, String> {

@@ -17,20 +17,20 @@ use std::io::{self, Seek, SeekFrom, Write};
 use super::source::ReadAt;
 
 /// Four characters that say what a chunk holds.
-pub type ChunkId = [u8; 4];
+pub(crate) type ChunkId = [u8; 4];
 
 /// Bytes before a payload: id and length.
-pub const CHUNK_HEADER: u64 = 8;
+pub(crate) const CHUNK_HEADER: u64 = 8;
 
 /// Bytes before the first chunk: `FORM`, length, type.
-pub const FORM_HEADER: u64 = 12;
+pub(crate) const FORM_HEADER: u64 = 12;
 
 /// Bytes behind a payload.
 pub(crate) const CHECKSUM: u64 = 4;
 
 /// What can go wrong with a chunked file.
 #[derive(Debug, thiserror::Error)]
-pub enum IffError {
+pub(crate) enum IffError {
     /// The operating system refused.
     #[error("{0}")]
     Io(#[from] io::Error),
@@ -54,7 +54,8 @@ fn malformed(offset: u64, what: impl Into<String>) -> IffError {
     IffError::Malformed { offset, what: what.into() }
 }
 
-fn checksum(id: ChunkId, payload: &[u8]) -> u32 {
+/// The CRC-32 of a chunk's id and of its payload before the checksum.
+pub(crate) fn checksum(id: ChunkId, payload: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     hasher.update(&id);
     hasher.update(payload);
@@ -70,7 +71,7 @@ pub(crate) fn agree(stated: &[u8], found: u32) -> bool {
 const LARGE: u32 = u32::MAX;
 
 /// Writes a `FORM`, chunk by chunk.
-pub struct FormWriter<W> {
+pub(crate) struct FormWriter<W> {
     inner: W,
     /// Bytes written, always even.
     position: u64,
@@ -78,18 +79,14 @@ pub struct FormWriter<W> {
 
 impl<W: Write + Seek> FormWriter<W> {
     /// Starts a `FORM` of the given type at the start of `inner`.
-    ///
-    /// # Errors
-    /// Where `inner` refuses.
-    pub fn new(mut inner: W, form_type: ChunkId) -> Result<Self, IffError> {
+    pub(crate) fn new(mut inner: W, form_type: ChunkId) -> Result<Self, IffError> {
         inner.write_all(b"FORM\0\0\0\0")?;
         inner.write_all(&form_type)?;
         Ok(Self { inner, position: FORM_HEADER })
     }
 
     /// Bytes written so far.
-    #[must_use]
-    pub fn position(&self) -> u64 {
+    pub(crate) fn position(&self) -> u64 {
         self.position
     }
 
@@ -97,15 +94,12 @@ impl<W: Write + Seek> FormWriter<W> {
     ///
     /// # Errors
     /// Where the chunk would outgrow 32-bit lengths, and where the file refuses.
-    pub fn chunk(&mut self, id: ChunkId, payload: &[u8]) -> Result<u64, IffError> {
+    pub(crate) fn chunk(&mut self, id: ChunkId, payload: &[u8]) -> Result<u64, IffError> {
         self.parts(id, &[payload, &checksum(id, payload).to_be_bytes()])
     }
 
     /// Appends a chunk as it is, without a checksum.
-    ///
-    /// # Errors
-    /// As [`FormWriter::chunk`].
-    pub fn plain_chunk(&mut self, id: ChunkId, payload: &[u8]) -> Result<u64, IffError> {
+    pub(crate) fn plain_chunk(&mut self, id: ChunkId, payload: &[u8]) -> Result<u64, IffError> {
         self.parts(id, &[payload])
     }
 
@@ -126,10 +120,7 @@ impl<W: Write + Seek> FormWriter<W> {
     }
 
     /// Replaces the chunk at `offset` by one of the same length.
-    ///
-    /// # Errors
-    /// Where the file refuses.
-    pub fn replace(&mut self, offset: u64, id: ChunkId, payload: &[u8]) -> Result<(), IffError> {
+    pub(crate) fn replace(&mut self, offset: u64, id: ChunkId, payload: &[u8]) -> Result<(), IffError> {
         self.inner.seek(SeekFrom::Start(offset + CHUNK_HEADER))?;
         self.inner.write_all(payload)?;
         self.inner.write_all(&checksum(id, payload).to_be_bytes())?;
@@ -138,10 +129,7 @@ impl<W: Write + Seek> FormWriter<W> {
     }
 
     /// Writes the length of the `FORM`; gives the file back and its size in bytes.
-    ///
-    /// # Errors
-    /// Where the file refuses.
-    pub fn finish(mut self) -> Result<(W, u64), IffError> {
+    pub(crate) fn finish(mut self) -> Result<(W, u64), IffError> {
         self.inner.seek(SeekFrom::Start(4))?;
         let length = u32::try_from(self.position - CHUNK_HEADER).unwrap_or(LARGE);
         self.inner.write_all(&length.to_be_bytes())?;
@@ -152,26 +140,25 @@ impl<W: Write + Seek> FormWriter<W> {
 
 /// Where a chunk stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ChunkHeader {
+pub(crate) struct ChunkHeader {
     /// What it holds.
-    pub id: ChunkId,
+    pub(crate) id: ChunkId,
     /// Bytes from the start of the file to its id.
-    pub offset: u64,
+    pub(crate) offset: u64,
     /// Bytes of its payload, checksum included.
-    pub length: u64,
+    pub(crate) length: u64,
 }
 
 impl ChunkHeader {
     /// Where the next chunk begins.
-    #[must_use]
-    pub fn end(&self) -> u64 {
+    pub(crate) fn end(&self) -> u64 {
         self.offset + CHUNK_HEADER + self.length + self.length % 2
     }
 }
 
 /// Reads a `FORM`, chunk by chunk, in any order.
 #[derive(Debug)]
-pub struct FormReader<R> {
+pub(crate) struct FormReader<R> {
     inner: R,
     size: u64,
 }
@@ -181,7 +168,7 @@ impl<R: ReadAt> FormReader<R> {
     ///
     /// # Errors
     /// Where it is not, and where `inner` refuses.
-    pub fn open(inner: R, form_type: ChunkId) -> Result<Self, IffError> {
+    pub(crate) fn open(inner: R, form_type: ChunkId) -> Result<Self, IffError> {
         let size = inner.size()?;
         let mut header = [0; FORM_HEADER as usize];
         if size < FORM_HEADER {
@@ -204,8 +191,7 @@ impl<R: ReadAt> FormReader<R> {
     }
 
     /// Size of the file, bytes.
-    #[must_use]
-    pub fn size(&self) -> u64 {
+    pub(crate) fn size(&self) -> u64 {
         self.size
     }
 
@@ -213,7 +199,7 @@ impl<R: ReadAt> FormReader<R> {
     ///
     /// # Errors
     /// Where the chunk does not fit into the file.
-    pub fn header_at(&self, offset: u64) -> Result<Option<ChunkHeader>, IffError> {
+    pub(crate) fn header_at(&self, offset: u64) -> Result<Option<ChunkHeader>, IffError> {
         if offset == self.size {
             return Ok(None);
         }
@@ -234,10 +220,7 @@ impl<R: ReadAt> FormReader<R> {
     }
 
     /// The payload of a chunk that [`FormReader::header_at`] gave, its checksum checked and taken off.
-    ///
-    /// # Errors
-    /// Where the checksum does not match, and where the file refuses.
-    pub fn payload(&self, header: &ChunkHeader) -> Result<Vec<u8>, IffError> {
+    pub(crate) fn payload(&self, header: &ChunkHeader) -> Result<Vec<u8>, IffError> {
         let mut payload = self.plain_payload(header, 0..header.length)?;
         let damaged = || {
             malformed(
@@ -256,7 +239,7 @@ impl<R: ReadAt> FormReader<R> {
     ///
     /// # Errors
     /// Where there are no such bytes, and where the file refuses.
-    pub fn plain_payload(
+    pub(crate) fn plain_payload(
         &self,
         header: &ChunkHeader,
         range: std::ops::Range<u64>,

@@ -12,7 +12,7 @@ use crate::store::container::{
 };
 
 /// The payloads of the chunks that say what a store holds.
-pub(crate) struct Chunks {
+pub(crate) struct InfoChunks {
     pub(crate) version: (u16, u16),
     payloads: BTreeMap<ChunkId, Vec<u8>>,
 }
@@ -20,7 +20,7 @@ pub(crate) struct Chunks {
 /// Chunks that every store has once.
 pub(crate) const REQUIRED: [ChunkId; 7] = [HEAD, SETTINGS, REPORT, PROVENANCE, PALETTE, MODEL, INDEX];
 
-impl Chunks {
+impl InfoChunks {
     /// Walks over the file until all are found, skipping images and unknown chunks.
     pub(crate) fn collect(form: &FormReader<Box<dyn ReadAt>>, path: &Path) -> Result<Self> {
         let iff = |error| from_iff(path, error);
@@ -65,8 +65,7 @@ impl Chunks {
     }
 }
 
-/// Settings come and go between versions; the samples are none the worse. What this Overlook does not know is left out
-/// and told.
+/// Settings come and go between versions, which does the samples no harm: unknown ones are left out with a warning.
 pub(crate) fn decode_settings(toml: &[u8]) -> Result<(Settings, Vec<String>), String> {
     let text = std::str::from_utf8(toml).map_err(|error| error.to_string())?;
     let table: toml::Table = text.parse().map_err(|_| "it is not TOML".to_owned())?;
@@ -86,13 +85,11 @@ pub(crate) fn decode_settings(toml: &[u8]) -> Result<(Settings, Vec<String>), St
 fn checked_version(head: &[u8], path: &Path) -> Result<(u16, u16)> {
     let version = decode_version(head).map_err(|what| in_chunk(path, HEAD, what))?;
     if version.0 != VERSION.0 {
-        return Err(Error::unsupported(
-            path.display(),
-            format!(
-                "the store has version {}.{}, this Overlook reads {}.x; use the Overlook that wrote it or preprocess again",
-                version.0, version.1, VERSION.0
-            ),
-        ));
+        let what = format!(
+            "the store has version {}.{}, this Overlook reads {}.x; use the Overlook that wrote it or preprocess again",
+            version.0, version.1, VERSION.0
+        );
+        return Err(Error::unsupported(path.display(), what));
     }
     Ok(version)
 }

@@ -10,7 +10,7 @@ use crate::samples::{ImageFacts, SampleSet, Span};
 use crate::store::container::{ByteReader, push_text};
 
 /// Version of the format. Another major version cannot be read; a minor one only adds chunks that may be skipped.
-pub const VERSION: (u16, u16) = (3, 0);
+pub(crate) const VERSION: (u16, u16) = (3, 0);
 
 /// Most pixels that one picture of every camera may have together: what is drawn takes a table of them.
 const MAX_TOTAL_PIXELS: usize = 1 << 34;
@@ -18,7 +18,7 @@ const MAX_TOTAL_PIXELS: usize = 1 << 34;
 const RIGID_TOLERANCE: f64 = 1e-3;
 
 /// What `HEAD` says.
-pub(crate) struct Head {
+pub(crate) struct HeadChunk {
     pub(crate) name: String,
     pub(crate) up_in_world: DVec3,
     pub(crate) cameras: Vec<Camera>,
@@ -47,9 +47,9 @@ pub struct ImageEntry {
 }
 
 /// Images that must be read before one can be: no chain of references is longer.
-pub const MAX_REFERENCES: usize = 7;
+pub(crate) const MAX_REFERENCES: usize = 7;
 
-/// Stands for no reference in the index.
+/// No reference, in the index.
 const NO_REFERENCE: u32 = u32::MAX;
 
 pub(crate) fn encode_head(samples: &SampleSet) -> Result<Vec<u8>, String> {
@@ -76,7 +76,7 @@ pub(crate) fn encode_head(samples: &SampleSet) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-pub(crate) fn decode_head(bytes: &[u8]) -> Result<Head, String> {
+pub(crate) fn decode_head(bytes: &[u8]) -> Result<HeadChunk, String> {
     let mut reader = ByteReader::new(bytes);
     let _version = (reader.u16()?, reader.u16()?);
     let name = reader.text()?;
@@ -105,7 +105,7 @@ pub(crate) fn decode_head(bytes: &[u8]) -> Result<Head, String> {
     if !frame_numbers.is_sorted_by(|a, b| a < b) {
         return Err("the frame numbers do not ascend".to_owned());
     }
-    Ok(Head { name, up_in_world, cameras, frame_numbers })
+    Ok(HeadChunk { name, up_in_world, cameras, frame_numbers })
 }
 
 /// Whether a name would break a line or steer a terminal.
@@ -198,7 +198,7 @@ pub(crate) fn decode_index(
         }
     }
     check_held_once(&entries)?;
-    // Two entries for one chunk would let a small file stand for any number of samples.
+    // Two entries for one chunk would let a small file claim any number of samples.
     let end = |entry: &ImageEntry| entry.offset.saturating_add(u64::from(entry.length));
     if !entries.is_sorted_by(|a, b| end(a) <= b.offset) {
         return Err("images overlap or are out of order".to_owned());
@@ -212,7 +212,7 @@ pub(crate) fn decode_index(
     Ok(entries)
 }
 
-/// A camera has at most one image of a span: two would say its pixels twice.
+/// A camera has at most one image of a span: two would hold its pixels twice.
 pub(crate) fn check_held_once(entries: &[ImageEntry]) -> Result<(), String> {
     let mut held = BTreeSet::new();
     match entries.iter().find(|entry| !held.insert((entry.camera, entry.span))) {

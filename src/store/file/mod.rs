@@ -2,15 +2,16 @@
 
 mod chunks;
 mod header;
+mod info;
 mod provenance;
-mod read_all;
 mod reader;
-mod verify;
 mod writer;
 
+pub use crate::store::container::ReadAt;
+pub use crate::store::image::{BlockEntry, ImageHead};
+pub use header::ImageEntry;
 pub(crate) use header::chain;
-pub use header::{ImageEntry, MAX_REFERENCES, VERSION};
+pub use info::StoreInfo;
 pub use provenance::{InputFiles, PlaneBytes, Provenance};
-pub use reader::{Store, StoreInfo};
-pub use verify::{Verification, verify};
+pub use reader::Store;
 pub use writer::{Extras, write, write_spooled, write_to, write_with};

@@ -12,7 +12,7 @@ pub struct Provenance {
     pub inputs: Option<InputFiles>,
     /// Whether frames are numbered by the order of times that are fractions, so that a view's time of 1 may mean another frame.
     pub frames_are_ranked: bool,
-    /// What each plane of the samples takes in the store, bytes; the writer says it, where samples are not coded plainly.
+    /// What each plane of the samples takes in the store, bytes; filled in by the writer, except where samples are coded plainly.
     pub planes: Option<PlaneBytes>,
 }
 
@@ -60,7 +60,7 @@ impl Default for Provenance {
     }
 }
 
-/// The files of a capture, as far as it takes to tell whether they are still the same.
+/// The files of a capture, as far as it takes to see whether they changed.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputFiles {
     /// How many.

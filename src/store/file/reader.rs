@@ -8,80 +8,36 @@ use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use glam::DVec3;
+use rayon::prelude::*;
 
-use super::chunks::{Chunks, decode_settings, from_iff, in_chunk};
-use super::header::{Head, ImageEntry, chain, decode_head, decode_index};
-use super::provenance::Provenance;
-use crate::capture::Camera;
+use super::chunks::{InfoChunks, REQUIRED, from_iff, in_chunk};
+use super::header::{ImageEntry, chain};
+use super::info::StoreInfo;
 use crate::error::{Error, Result};
-use crate::preprocess::diagnostics::Report;
+use crate::job::Job;
 use crate::samples::{DepthPlane, SampleImage, SampleSet};
-use crate::settings::Settings;
 use crate::store::codec::FrequencyTables;
 use crate::store::container::{
-    ChunkHeader, FormReader, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, ReadAt, SETTINGS, STORE,
+    ChunkHeader, ChunkId, FORM_HEADER, FormReader, IMAGE, MODEL, PALETTE, ReadAt, STORE,
 };
-use crate::store::image::{self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, ImageHead};
-use crate::store::playback::VisibleBlocks;
-
-/// What a store says of itself before any image is read.
-#[derive(Clone, Debug)]
-pub struct StoreInfo {
-    /// Major and minor version of the format.
-    pub version: (u16, u16),
-    /// Name of the capture.
-    pub name: String,
-    /// The cameras.
-    pub cameras: Vec<Camera>,
-    /// The number each frame bears in the capture, ascending.
-    pub frame_numbers: Vec<i64>,
-    /// Up in world space, unit length.
-    pub up_in_world: DVec3,
-    /// How the store was made.
-    pub settings: Settings,
-    /// Settings that the store was made with and this Overlook does not have, one line each.
-    pub warnings: Vec<String>,
-    /// What was dropped and why.
-    pub report: Report,
-    /// What it was made from.
-    pub provenance: Provenance,
-    /// The images, in the order they are painted in.
-    pub images: Vec<ImageEntry>,
-    /// Size of the file, bytes.
-    pub bytes: u64,
-    /// Bytes of it that say how it was made: settings, report and provenance. Their length says nothing of the samples.
-    pub record_bytes: u64,
-}
-
-impl StoreInfo {
-    /// Samples in all images.
-    #[must_use]
-    pub fn sample_count(&self) -> u64 {
-        self.images.iter().map(|image| u64::from(image.samples)).sum()
-    }
-
-    /// Distinct spans.
-    #[must_use]
-    pub fn span_count(&self) -> usize {
-        self.images.iter().map(|image| image.span).collect::<std::collections::BTreeSet<_>>().len()
-    }
-}
+use crate::store::image::{
+    self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, ImageHead, ReferenceImage, VisibleBlocks,
+};
 
 /// An open store, from which images are read one by one. Reading from several threads is fine.
 pub struct Store {
-    pub(crate) path: PathBuf,
-    pub(crate) info: StoreInfo,
+    path: PathBuf,
+    info: StoreInfo,
     model: FrequencyTables,
     palette: ColorRanks,
-    pub(crate) form: FormReader<Box<dyn ReadAt>>,
+    form: FormReader<Box<dyn ReadAt>>,
     /// What could not be read so far, by image.
     damage: Mutex<BTreeMap<usize, Vec<String>>>,
     blocks_read: AtomicU64,
 }
 
 impl Store {
-    /// Whether the file at `path` is an IFF file, as every store is: told by its first four bytes, whatever its name.
+    /// Whether the file at `path` is an IFF file, as every store is, by its first four bytes.
     ///
     /// # Errors
     /// `Io` where it cannot be read.
@@ -94,7 +50,7 @@ impl Store {
         Ok(file.read_exact(&mut start).is_ok() && start == *b"FORM")
     }
 
-    /// Reads what the store says of itself, and no image.
+    /// Reads everything but the images.
     ///
     /// # Errors
     /// `Io`, `Invalid` (naming file, byte offset and chunk), `Unsupported` (a newer version).
@@ -103,12 +59,10 @@ impl Store {
         let is_folder = file.metadata().is_ok_and(|metadata| metadata.is_dir());
         if is_folder {
             let place = path.display();
-            return Err(Error::invalid(
-                &place,
-                format!(
-                    "is a folder, not a store; make one of a capture with overlook preprocess {place} --out scene.ovl"
-                ),
-            ));
+            let what = format!(
+                "is a folder, not a store; make one of a capture with overlook preprocess {place} --out scene.ovl"
+            );
+            return Err(Error::invalid(&place, what));
         }
         Self::over(path, Box::new(file))
     }
@@ -119,33 +73,11 @@ impl Store {
     /// As [`Store::open`].
     pub fn over(path: &Path, source: Box<dyn ReadAt>) -> Result<Self> {
         let form = FormReader::open(source, STORE).map_err(|error| from_iff(path, error))?;
-        let chunks = Chunks::collect(&form, path)?;
-        let Head { name, up_in_world, cameras, frame_numbers } =
-            decode_head(chunks.get(HEAD)).map_err(|what| in_chunk(path, HEAD, what))?;
-        let (settings, warnings) =
-            decode_settings(chunks.get(SETTINGS)).map_err(|what| in_chunk(path, SETTINGS, what))?;
-        let json = |id| move |error: serde_json::Error| in_chunk(path, id, error);
-        let report = serde_json::from_slice(chunks.get(REPORT)).map_err(json(REPORT))?;
-        let provenance = serde_json::from_slice(chunks.get(PROVENANCE)).map_err(json(PROVENANCE))?;
+        let chunks = InfoChunks::collect(&form, path)?;
+        let info = StoreInfo::decode(&chunks, form.size(), path)?;
         let palette =
             ColorRanks::decode(chunks.get(PALETTE)).map_err(|what| in_chunk(path, PALETTE, what))?;
         let model = FrequencyTables::decode(chunks.get(MODEL)).map_err(|what| in_chunk(path, MODEL, what))?;
-        let images = decode_index(chunks.get(INDEX), form.size(), cameras.len(), frame_numbers.len())
-            .map_err(|what| in_chunk(path, INDEX, what))?;
-        let info = StoreInfo {
-            version: chunks.version,
-            name,
-            cameras,
-            frame_numbers,
-            up_in_world,
-            settings,
-            warnings,
-            report,
-            provenance,
-            images,
-            bytes: form.size(),
-            record_bytes: chunks.bytes(&[SETTINGS, REPORT, PROVENANCE]),
-        };
         Ok(Self {
             path: path.to_path_buf(),
             info,
@@ -157,7 +89,7 @@ impl Store {
         })
     }
 
-    /// What the store says of itself.
+    /// What is known of the store without its images.
     #[must_use]
     pub fn info(&self) -> &StoreInfo {
         &self.info
@@ -194,25 +126,25 @@ impl Store {
         image.ok_or_else(|| self.damaged(index, "there is no image"))
     }
 
-    /// Reads the blocks of an image at some places, or all, given what was read `so_far` and the image it is predicted from, of
-    /// which the same places were read.
-    ///
-    /// # Errors
-    /// `Io`.
+    /// Reads the visible blocks of an image, or all, given what was read `so_far` and the image it is predicted from, of which the
+    /// same blocks were read.
     pub(crate) fn decode(
         &self,
         index: usize,
         so_far: Option<&Decoded>,
         before: Option<&Decoded>,
-        places: Option<&VisibleBlocks>,
+        visible: Option<&VisibleBlocks>,
     ) -> Result<Decoded> {
         let decoded = match so_far {
             Some(so_far) => Ok(so_far.clone()),
-            None => self.begin(index),
+            None => self.undecoded(index),
         };
-        match decoded.and_then(|decoded| self.go_on(index, decoded, before, places)) {
+        match decoded.and_then(|decoded| self.decode_missing(index, decoded, before, visible)) {
             Err(Error::Invalid { what, .. }) => {
-                self.tell(index, vec![format!("{}: nothing of it can be shown", self.damaged(index, &what))]);
+                self.record_damage(
+                    index,
+                    vec![format!("{}: nothing of it can be shown", self.damaged(index, &what))],
+                );
                 let image = Arc::new(self.placeholder(index));
                 Ok(Decoded { image, head: None, read: Vec::new(), damage: Vec::new() })
             }
@@ -220,8 +152,8 @@ impl Store {
         }
     }
 
-    /// An image of which only the head was read.
-    fn begin(&self, index: usize) -> Result<Decoded> {
+    /// An image of which only the head is read.
+    fn undecoded(&self, index: usize) -> Result<Decoded> {
         let head = self.head(index)?;
         Ok(Decoded {
             image: Arc::new(self.placeholder(index)),
@@ -231,15 +163,15 @@ impl Store {
         })
     }
 
-    fn go_on(
+    fn decode_missing(
         &self,
         index: usize,
         mut decoded: Decoded,
         before: Option<&Decoded>,
-        places: Option<&VisibleBlocks>,
+        visible: Option<&VisibleBlocks>,
     ) -> Result<Decoded> {
         let Some(head) = decoded.head.clone() else { return Ok(decoded) };
-        let missing = decoded.missing(places);
+        let missing = decoded.missing(visible);
         let (Some(first), Some(last)) = (missing.first(), missing.last()) else { return Ok(decoded) };
         if before.is_some_and(|before| before.head.is_none()) {
             return Err(self.damaged(index, "the image it is predicted from is lost"));
@@ -256,16 +188,19 @@ impl Store {
             let code = codes.get(block.start - from..).and_then(|rest| rest.get(..block.length));
             code.ok_or("it is cut short".to_owned())
         };
-        let reference = before.map(|before| (&*before.image, before.damage.as_slice()));
+        let reference = before.map(|before| ReferenceImage { image: &before.image, damage: &before.damage });
         let coding = self.coding(&self.info.images[index], &head);
         let (image, damage) = image::decode(&decoded.image, &head, reference, &coding, code, &missing);
         debug_assert_eq!(image::check(&image, &self.info.cameras, self.info.frame_numbers.len()), Ok(()));
         self.blocks_read.fetch_add(missing.len() as u64, Relaxed);
         decoded.image = Arc::new(image);
         decoded.damage.extend(damage);
-        let wanted = |block: &BlockEntry| places.is_none_or(|places| places.has(block.place));
+        let wanted = |block: &BlockEntry| visible.is_none_or(|visible| visible.has(block.place));
         head.blocks.iter().zip(&mut decoded.read).for_each(|(block, read)| *read |= wanted(block));
-        self.tell(index, decoded.damage.iter().map(|damage| self.damaged_block(index, damage)).collect());
+        self.record_damage(
+            index,
+            decoded.damage.iter().map(|damage| self.damaged_block(index, damage)).collect(),
+        );
         Ok(decoded)
     }
 
@@ -288,21 +223,8 @@ impl Store {
         header.ok_or_else(|| self.damaged(index, "there is no image of the length that the index says"))
     }
 
-    pub(crate) fn bytes(&self, chunk: &ChunkHeader, range: std::ops::Range<u64>) -> Result<Vec<u8>> {
+    fn bytes(&self, chunk: &ChunkHeader, range: std::ops::Range<u64>) -> Result<Vec<u8>> {
         self.form.plain_payload(chunk, range).map_err(|error| from_iff(&self.path, error))
-    }
-
-    fn head_of(&self, index: usize, bytes: &[u8]) -> Result<ImageHead> {
-        let entry = &self.info.images[index];
-        let camera = &self.info.cameras[entry.camera as usize];
-        let head = image::decode_head(bytes, entry.length as usize, camera)
-            .map_err(|what| self.damaged(index, &what))?;
-        let samples: u64 = head.blocks.iter().map(|block| u64::from(block.samples)).sum();
-        let tiles: u32 = head.blocks.iter().map(|block| block.tiles.count_ones()).sum();
-        if (samples, tiles) != (u64::from(entry.samples), entry.tiles) {
-            return Err(self.damaged(index, "the index says something else"));
-        }
-        Ok(head)
     }
 
     /// Where the blocks of an image are and between which depths, without any sample of them.
@@ -315,12 +237,20 @@ impl Store {
             .images
             .get(index)
             .ok_or_else(|| Error::invalid(self.path.display(), format!("there is no image {index}")))?;
-        let head = self.bytes(&self.chunk(index)?, 0..u64::from(entry.head))?;
-        self.head_of(index, &head)
+        let bytes = self.bytes(&self.chunk(index)?, 0..u64::from(entry.head))?;
+        let camera = &self.info.cameras[entry.camera as usize];
+        let head = image::decode_head(&bytes, entry.length as usize, camera)
+            .map_err(|what| self.damaged(index, &what))?;
+        let samples: u64 = head.blocks.iter().map(|block| u64::from(block.samples)).sum();
+        let tiles: u32 = head.blocks.iter().map(|block| block.tiles.count_ones()).sum();
+        if (samples, tiles) != (u64::from(entry.samples), entry.tiles) {
+            return Err(self.damaged(index, "the index says something else"));
+        }
+        Ok(head)
     }
 
     /// An image of the right camera and span without any sample.
-    pub(crate) fn placeholder(&self, index: usize) -> SampleImage {
+    fn placeholder(&self, index: usize) -> SampleImage {
         let entry = &self.info.images[index];
         SampleImage {
             camera: entry.camera,
@@ -332,7 +262,7 @@ impl Store {
         }
     }
 
-    fn tell(&self, index: usize, damage: Vec<String>) {
+    fn record_damage(&self, index: usize, damage: Vec<String>) {
         if !damage.is_empty() {
             self.damage.lock().unwrap_or_else(PoisonError::into_inner).insert(index, damage);
         }
@@ -354,7 +284,7 @@ impl Store {
         Error::invalid(self.place(index), what)
     }
 
-    fn damaged_block(&self, index: usize, ((x, y), what): &Damage) -> String {
+    fn damaged_block(&self, index: usize, Damage { place: (x, y), what }: &Damage) -> String {
         let (left, top) = (u32::from(*x) * 64, u32::from(*y) * 64);
         format!("{}: the 64×64 pixels from ({left}, {top}) are missing: {what}", self.place(index))
     }
@@ -369,6 +299,95 @@ impl Store {
             up_in_world: self.info.up_in_world,
             settings: self.info.settings.clone(),
             images: placeholders.collect(),
+        }
+    }
+
+    /// The headers of all chunks in their order; an error ends them.
+    fn chunk_headers(&self) -> impl Iterator<Item = Result<ChunkHeader>> {
+        let mut offset = Some(FORM_HEADER);
+        std::iter::from_fn(move || {
+            let header = self.form.header_at(offset?).transpose()?;
+            offset = header.as_ref().ok().map(ChunkHeader::end);
+            Some(header.map_err(|error| from_iff(&self.path, error)))
+        })
+    }
+
+    /// Chunks that this Overlook does not know, for writing the store again: id and payload as it is.
+    ///
+    /// # Errors
+    /// `Io`; `Invalid` where the chunks do not follow one another to the end of the file.
+    pub fn unknown_chunks(&self) -> Result<Vec<(ChunkId, Vec<u8>)>> {
+        let mut unknown = Vec::new();
+        for header in self.chunk_headers() {
+            let header = header?;
+            if header.id != IMAGE && !REQUIRED.contains(&header.id) {
+                unknown.push((header.id, self.bytes(&header, 0..header.length)?));
+            }
+        }
+        Ok(unknown)
+    }
+
+    /// Checks that chunks follow one another to the end of the file and that the index has every image; gives what is damaged.
+    pub(crate) fn check_chunks(&self) -> Result<Vec<String>> {
+        let mut damage = Vec::new();
+        for header in self.chunk_headers() {
+            match header {
+                Ok(ChunkHeader { id, offset, .. }) => {
+                    let images = &self.info.images;
+                    if id == IMAGE && images.binary_search_by_key(&offset, |image| image.offset).is_err() {
+                        let path = self.path.display();
+                        damage.push(format!("{path}: at byte {offset}: chunk 'IMAG' is not in the index"));
+                    }
+                }
+                Err(error @ Error::Io { .. }) => return Err(error),
+                Err(error) => damage.push(error.to_string()),
+            }
+        }
+        Ok(damage)
+    }
+
+    /// Reads every image. Tiles that are damaged are missing: see [`Store::damage`].
+    ///
+    /// # Errors
+    /// `Io` and `Cancelled`.
+    pub fn read_all(&self, job: &Job) -> Result<SampleSet> {
+        let count = self.info.images.len();
+        job.start("Reading the store", count);
+        let depths: Vec<usize> = (0..count)
+            .map(|index| chain(&self.info.images, index).map_or(0, |chain| chain.len() - 1))
+            .collect();
+        let mut decoded: Vec<Option<Decoded>> = vec![None; count];
+        // Those that need no other first, then those that need one of these, and so on.
+        for depth in 0..=depths.iter().copied().max().unwrap_or(0) {
+            let ready: Vec<usize> = (0..count).filter(|index| depths[*index] == depth).collect();
+            let read = ready.par_iter().map(|&index| {
+                job.check()?;
+                let before =
+                    self.info.images[index].reference.and_then(|before| decoded[before as usize].as_ref());
+                let image = self.decode(index, None, before, None)?;
+                job.advance(1);
+                Ok(image)
+            });
+            let read: Result<Vec<Decoded>> = read.collect();
+            for (index, image) in ready.into_iter().zip(read?) {
+                decoded[index] = Some(image);
+            }
+        }
+        let mut samples = self.outline();
+        let images = decoded.into_iter().flatten().map(|decoded| decoded.image);
+        samples.images = images.filter(|image| !image.is_empty()).collect();
+        Ok(samples)
+    }
+
+    /// As [`Store::read_all`], where nothing may be damaged.
+    ///
+    /// # Errors
+    /// `Io`, `Invalid` naming what is damaged, `Cancelled`.
+    pub fn read_undamaged(&self, job: &Job) -> Result<SampleSet> {
+        let read = self.read_all(job)?;
+        match self.damage().first() {
+            None => Ok(read),
+            Some(damage) => Err(Error::invalid(self.path.display(), damage)),
         }
     }
 }

@@ -16,22 +16,23 @@ use super::header::{ImageEntry, check_held_once, choose_references, encode_head,
 use super::provenance::{PlaneBytes, Provenance};
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::diagnostics::Report;
 use crate::samples::{ImageBuffer, ImageFacts, SampleImage, SampleSet, Span};
 use crate::settings::StoreSettings;
 use crate::store::codec::{Counts, FrequencyTables};
 use crate::store::container::{
     ChunkId, FormWriter, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE,
 };
-use crate::store::image::{self, BlockCoding, ColorRanks, Used};
+use crate::store::image::{self, BlockCoding, ColorRanks, UsedColors};
 use crate::whole_file;
 
 /// Images that are encoded at a time: enough for every thread, few enough to be held in memory.
 const BATCH: usize = 64;
 
-/// What is written beside the samples and their report.
-#[derive(Clone, Debug, Default)]
+/// What is written beside the samples.
+#[derive(Clone, Debug)]
 pub struct Extras {
+    /// What preprocessing reports, as JSON: written as it is.
+    pub report: String,
     /// What the store was made from.
     pub provenance: Provenance,
     /// Chunks of another store that this Overlook does not know, to be kept: id and payload as it is.
@@ -41,33 +42,35 @@ pub struct Extras {
     pub held_to: Option<StoreSettings>,
 }
 
+impl Default for Extras {
+    /// An empty report, and nothing else.
+    fn default() -> Self {
+        let (provenance, unknown) = (Provenance::default(), Vec::new());
+        Self { report: "{}".to_owned(), provenance, unknown, held_to: None }
+    }
+}
+
 /// Writes a store: to a temporary file beside `path`, which is synced and then renamed over it. Gives its size in bytes.
 ///
-/// The same set gives the same bytes, whatever the number of threads: [`Report::seconds`] is written as 0. How much of the
-/// samples is kept is said by [`settings::StoreSettings`] in the set's settings.
+/// The same set and report (JSON) give the same bytes, whatever the number of threads. How much of the samples is kept is said by
+/// [`StoreSettings`] in the set's settings.
 ///
 /// # Errors
 /// `Io` (a full disk among them), `Invalid` where the set breaks the promises of [`SampleImage`], `Cancelled`. Whatever stood
 /// at `path` is untouched then.
-pub fn write(path: &Path, samples: &SampleSet, report: &Report, job: &Job) -> Result<u64> {
-    write_with(path, samples, report, &Extras::default(), job)
+pub fn write(path: &Path, samples: &SampleSet, report: &str, job: &Job) -> Result<u64> {
+    write_with(path, samples, &Extras { report: report.to_owned(), ..Extras::default() }, job)
 }
 
 /// As [`write()`], with what is to stand beside the samples.
 ///
 /// # Errors
 /// As [`write()`].
-pub fn write_with(
-    path: &Path,
-    samples: &SampleSet,
-    report: &Report,
-    extras: &Extras,
-    job: &Job,
-) -> Result<u64> {
-    write_spooled(path, samples, &ImageBuffer::of(&samples.images), report, extras, job)
+pub fn write_with(path: &Path, samples: &SampleSet, extras: &Extras, job: &Job) -> Result<u64> {
+    write_spooled(path, samples, &ImageBuffer::of(&samples.images), extras, job)
 }
 
-/// As [`write_with`], of images that may be in a file; those of the set itself are not asked for.
+/// As [`write_with`], of images that may be in a file; those of the set itself are ignored.
 ///
 /// # Errors
 /// As [`write()`].
@@ -75,13 +78,12 @@ pub fn write_spooled(
     path: &Path,
     samples: &SampleSet,
     images: &ImageBuffer,
-    report: &Report,
     extras: &Extras,
     job: &Job,
 ) -> Result<u64> {
     let temporary = whole_file::beside(path, ".tmp")?;
     let input = Input { path, samples, images, extras, job };
-    let size = input.write_to(BufWriter::new(temporary.as_file()), report)?;
+    let size = input.write_to(BufWriter::new(temporary.as_file()))?;
     temporary.as_file().sync_all().map_err(|error| Error::io(path, error))?;
     job.check()?;
     whole_file::persist(temporary.into_temp_path(), path)?;
@@ -99,14 +101,13 @@ pub fn write_to(
     target: impl Write + Seek,
     path: &Path,
     samples: &SampleSet,
-    report: &Report,
     extras: &Extras,
     job: &Job,
 ) -> Result<u64> {
-    Input { path, samples, images: &ImageBuffer::of(&samples.images), extras, job }.write_to(target, report)
+    Input { path, samples, images: &ImageBuffer::of(&samples.images), extras, job }.write_to(target)
 }
 
-/// What is written, for whom, and under which name errors speak of it.
+/// What is written, and the path that errors name.
 struct Input<'a> {
     path: &'a Path,
     /// Everything but the images.
@@ -117,12 +118,11 @@ struct Input<'a> {
 }
 
 impl Input<'_> {
-    fn write_to(&self, target: impl Write + Seek, report: &Report) -> Result<u64> {
+    fn write_to(&self, target: impl Write + Seek) -> Result<u64> {
         let Self { path, samples, images, extras, job } = *self;
         let invalid = |what: String| Error::invalid(path.display(), format!("cannot be written: {what}"));
         let iff = |error| from_iff(path, error);
         let head = encode_head(samples).map_err(invalid)?;
-        let report = encode_report(report).map_err(invalid)?;
         job.start("Writing the store", 2 * images.len());
         if let Some(before) = &extras.held_to {
             let again = image::check_again(&samples.settings.store, before, &samples.cameras);
@@ -140,7 +140,7 @@ impl Input<'_> {
         let mut form = FormWriter::new(target, STORE).map_err(iff)?;
         form.chunk(HEAD, &head).map_err(iff)?;
         form.chunk(SETTINGS, samples.settings.to_toml().as_bytes()).map_err(iff)?;
-        form.chunk(REPORT, &report).map_err(iff)?;
+        form.chunk(REPORT, extras.report.as_bytes()).map_err(iff)?;
         form.chunk(PROVENANCE, &provenance).map_err(iff)?;
         form.chunk(PALETTE, &prepared.palette.encode()).map_err(iff)?;
         form.chunk(MODEL, &prepared.model.encode()).map_err(iff)?;
@@ -173,7 +173,7 @@ impl Input<'_> {
     /// The colors that occur, as far as the settings leave them apart; checks every image.
     fn palette(&self) -> Result<ColorRanks> {
         let cameras = &self.samples.cameras;
-        let used = (0..self.images.len()).into_par_iter().try_fold(Used::new, |mut used, index| {
+        let used = (0..self.images.len()).into_par_iter().try_fold(UsedColors::new, |mut used, index| {
             self.job.check()?;
             let image = &*self.images.get(index)?;
             image::check(image, cameras, self.samples.frame_count()).map_err(|what| {
@@ -182,7 +182,7 @@ impl Input<'_> {
             used.add(image);
             Ok(used)
         });
-        let used = used.try_reduce(Used::new, |used, more| Ok::<_, Error>(used.plus(&more)))?;
+        let used = used.try_reduce(UsedColors::new, |used, more| Ok::<_, Error>(used.plus(&more)))?;
         Ok(ColorRanks::within(&used, self.color_room()))
     }
 
@@ -249,7 +249,7 @@ struct Prepared<'a> {
 }
 
 impl Prepared<'_> {
-    /// What the index says of an image that stands nowhere yet.
+    /// The index entry of an image that is not written yet.
     fn entry(&self, index: usize) -> ImageEntry {
         let ImageFacts { camera, span, samples, tiles, .. } = *self.images.facts_of(index);
         let reference = self.references[index];
@@ -280,17 +280,5 @@ impl Prepared<'_> {
         let (image, reference) = self.with_reference(index)?;
         let camera = &samples.cameras[image.camera as usize];
         Ok(image::encode(&image, reference.as_deref(), camera, &self.coding(samples, &image)))
-    }
-}
-
-/// How long the work took is no property of its result: without it, the same input gives the same bytes.
-///
-/// JSON knows no NaN: a report that would not come back as it is must not be written.
-fn encode_report(report: &Report) -> Result<Vec<u8>, String> {
-    let timeless = Report { seconds: 0.0, ..report.clone() };
-    let json = serde_json::to_vec(&timeless).map_err(|error| error.to_string())?;
-    match serde_json::from_slice::<Report>(&json) {
-        Ok(read) if read == timeless => Ok(json),
-        _ => Err("the report holds a number that is not finite".to_owned()),
     }
 }

@@ -1,20 +1,18 @@
-//! The samples of an image block by block, as the coders want them, and back.
-
-use half::f16;
+//! Conversion between the samples of an image and the blocks of numbers that are coded.
 
 use super::color_ranks::ColorRanks;
 use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, TILE, TILE_SAMPLES};
 use crate::simd;
 use crate::store::codec::{
-    BLOCK, BlockPixels, BlockShape, Coder, Counter, Counts, FrequencyTables, ModelReader, ModelWriter,
-    PlainReader, PlainWriter, Walker, cell,
+    BLOCK, BlockPixels, BlockShape, BlockTraversal, Coder, Counts, FrequencyTables, ModelReader, ModelWriter,
+    PlainReader, PlainWriter, TokenCounter, cell,
 };
 
 /// Tiles across a block, and down.
 pub(crate) const TILES: usize = BLOCK / TILE;
 
 /// The largest bits of a finite inverse depth.
-const LARGEST_DEPTH: u32 = 0x7F7F_FFFF;
+pub(super) const LARGEST_DEPTH: u32 = 0x7F7F_FFFF;
 
 /// What all blocks of an image share.
 #[derive(Clone, Copy)]
@@ -47,21 +45,18 @@ pub(crate) struct Block<'a> {
 }
 
 /// Working memory of one thread.
+#[derive(Default)]
 pub(crate) struct CodingScratch {
-    walker: Walker,
+    traversal: BlockTraversal,
     pixels: BlockPixels,
     reference: BlockPixels,
 }
 
 impl CodingScratch {
-    fn new() -> Self {
-        Self { walker: Walker::default(), pixels: BlockPixels::default(), reference: BlockPixels::default() }
-    }
-
     /// Runs `work` with this thread's scratch memory. `work` must not wait for other threads' work.
     pub(crate) fn with<R>(work: impl FnOnce(&mut Self) -> R) -> R {
         thread_local! {
-            static SCRATCH: std::cell::RefCell<CodingScratch> = std::cell::RefCell::new(CodingScratch::new());
+            static SCRATCH: std::cell::RefCell<CodingScratch> = std::cell::RefCell::default();
         }
         SCRATCH.with_borrow_mut(work)
     }
@@ -124,7 +119,7 @@ impl BlockCoding<'_> {
         }
     }
 
-    /// Puts the samples of a block where a walk finds them.
+    /// Puts the samples of a block where a traversal finds them.
     fn spread(&self, Block { image, tiles }: Block<'_>, pixels: &mut BlockPixels) {
         pixels.clear();
         let mut depths = [0.0; TILE_SAMPLES];
@@ -155,7 +150,7 @@ impl BlockCoding<'_> {
 
     /// Counts the tokens of a block.
     pub(crate) fn count(&self, block: Block<'_>, reference: Option<Block<'_>>, counts: &mut Counts) {
-        CodingScratch::with(|scratch| self.walk(&mut Counter(counts), scratch, block, reference));
+        CodingScratch::with(|scratch| self.traverse(&mut TokenCounter(counts), scratch, block, reference));
     }
 
     /// The code of a block.
@@ -163,17 +158,17 @@ impl BlockCoding<'_> {
         CodingScratch::with(|scratch| {
             if self.plain {
                 let mut writer = PlainWriter::default();
-                self.walk(&mut writer, scratch, block, reference);
+                self.traverse(&mut writer, scratch, block, reference);
                 writer.finish()
             } else {
                 let mut writer = ModelWriter::new(self.model);
-                self.walk(&mut writer, scratch, block, reference);
+                self.traverse(&mut writer, scratch, block, reference);
                 writer.finish()
             }
         })
     }
 
-    fn walk<C: Coder>(
+    fn traverse<C: Coder>(
         &self,
         coder: &mut C,
         scratch: &mut CodingScratch,
@@ -186,20 +181,18 @@ impl BlockCoding<'_> {
             &scratch.reference
         });
         let shape = self.shape(block.tiles.place, block.tiles.tiles);
-        scratch.walker.walk(coder, &shape, &mut scratch.pixels, reference);
+        scratch.traversal.traverse(coder, &shape, &mut scratch.pixels, reference);
     }
 
-    /// The samples that `code` stands for.
-    ///
-    /// # Errors
-    /// Says what is wrong with the code.
+    /// Decodes the samples of a block of an image, alone; only the camera and span of `image` are read.
     pub(crate) fn decode(
         &self,
+        image: &SampleImage,
         place: (u16, u16),
         tiles: u16,
         code: &[u8],
         reference: Option<Block<'_>>,
-    ) -> Result<BlockSamples, String> {
+    ) -> Result<SampleImage, String> {
         CodingScratch::with(|scratch| {
             scratch.pixels.clear();
             let reference = reference.map(|block| {
@@ -207,26 +200,32 @@ impl BlockCoding<'_> {
                 &scratch.reference
             });
             let shape = self.shape(place, tiles);
-            let (walker, pixels) = (&mut scratch.walker, &mut scratch.pixels);
+            let (traversal, pixels) = (&mut scratch.traversal, &mut scratch.pixels);
             let whole = if self.plain {
                 let mut reader = PlainReader::new(code);
-                walker.walk(&mut reader, &shape, pixels, reference);
+                traversal.traverse(&mut reader, &shape, pixels, reference);
                 reader.is_whole()
             } else {
                 let reader = ModelReader::new(self.model, code).ok_or("its code is cut short")?;
-                simd::run(Decoding { reader, walker, shape: &shape, pixels, reference })
+                simd::run(Decoding { reader, traversal, shape: &shape, pixels, reference })
             };
             if !whole {
                 return Err("its code does not end where it should".to_owned());
             }
-            self.gather(place, tiles, pixels)
+            self.gather(image, place, tiles, pixels)
         })
     }
 
-    /// Takes the samples of a block from where a walk left them.
-    fn gather(&self, place: (u16, u16), tiles: u16, pixels: &BlockPixels) -> Result<BlockSamples, String> {
+    /// Takes the samples of a block from where a traversal left them.
+    fn gather(
+        &self,
+        image: &SampleImage,
+        place: (u16, u16),
+        tiles: u16,
+        pixels: &BlockPixels,
+    ) -> Result<SampleImage, String> {
         let count = pixels.rows.iter().map(|row| row.count_ones() as usize).sum();
-        let mut samples = BlockSamples::with_capacity(tiles.count_ones() as usize, count, self.normals);
+        let mut samples = with_capacity(image, tiles.count_ones() as usize, count, self.normals);
         let mut depths = [0.0; TILE_SAMPLES];
         for inside in (0..TILES * TILES).filter(|inside| tiles >> inside & 1 == 1) {
             let (left, top) = (inside % TILES * TILE, inside / TILES * TILE);
@@ -277,7 +276,7 @@ impl BlockCoding<'_> {
 /// Reading one block's code, the store's hottest loop.
 struct Decoding<'a> {
     reader: ModelReader<'a>,
-    walker: &'a mut Walker,
+    traversal: &'a mut BlockTraversal,
     shape: &'a BlockShape,
     pixels: &'a mut BlockPixels,
     reference: Option<&'a BlockPixels>,
@@ -289,7 +288,7 @@ impl simd::VectorLoop for Decoding<'_> {
 
     #[inline(always)]
     fn run(mut self) -> bool {
-        self.walker.walk(&mut self.reader, self.shape, self.pixels, self.reference);
+        self.traversal.traverse(&mut self.reader, self.shape, self.pixels, self.reference);
         self.reader.is_whole()
     }
 }
@@ -305,58 +304,42 @@ fn columns(mut mask: u16) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The samples of one block, or of several put together; `first` of its tiles counts from 0.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct BlockSamples {
-    pub(crate) tiles: Vec<SampleTile>,
-    pub(crate) color: Vec<[f16; 3]>,
-    pub(crate) depth: DepthPlane,
-    normal: Option<Vec<OctNormal>>,
+/// An image of the camera and span of another, with room for samples.
+fn with_capacity(like: &SampleImage, tiles: usize, samples: usize, normals: bool) -> SampleImage {
+    SampleImage {
+        camera: like.camera,
+        span: like.span,
+        tiles: Vec::with_capacity(tiles),
+        color: Vec::with_capacity(samples),
+        depth: DepthPlane::with_capacity(tiles, samples),
+        normal: normals.then(|| Vec::with_capacity(samples)),
+    }
 }
 
-impl BlockSamples {
-    fn with_capacity(tiles: usize, samples: usize, normals: bool) -> Self {
-        Self {
-            tiles: Vec::with_capacity(tiles),
-            color: Vec::with_capacity(samples),
-            depth: DepthPlane::with_capacity(tiles, samples),
-            normal: normals.then(|| Vec::with_capacity(samples)),
-        }
-    }
-
-    /// Bits of the smallest and the largest inverse depth.
-    pub(crate) fn depth_bounds(&self) -> (u32, u32) {
-        self.depth.tiles().iter().fold((u32::MAX, 0), |(farthest, nearest), tile| {
-            (farthest.min(tile.farthest), nearest.max(tile.nearest))
-        })
-    }
+/// Bits of the smallest and the largest inverse depth of some samples.
+pub(crate) fn depth_bounds(samples: &SampleImage) -> (u32, u32) {
+    samples.depth.tiles().iter().fold((u32::MAX, 0), |(farthest, nearest), tile| {
+        (farthest.min(tile.farthest), nearest.max(tile.nearest))
+    })
 }
 
 /// Puts blocks together, tiles in their order, with those that an image of the same camera and span has already.
-pub(crate) fn assemble(image: &SampleImage, normals: bool, blocks: &[BlockSamples]) -> SampleImage {
-    /// The tiles, colors, depths and normals that a tile is taken from.
-    type Planes<'a> = (&'a [SampleTile], &'a [[f16; 3]], &'a DepthPlane, Option<&'a [OctNormal]>);
-    let of_image: Planes<'_> = (&image.tiles, &image.color, &image.depth, image.normal.as_deref());
-    let of_blocks = blocks.iter().map(|block| {
-        let BlockSamples { tiles, color, depth, normal } = block;
-        (tiles.as_slice(), color.as_slice(), depth, normal.as_deref())
-    });
-    let parts = std::iter::once(of_image).chain(of_blocks);
-    let mut order: Vec<(&SampleTile, usize, Planes<'_>)> = parts
-        .flat_map(|part| part.0.iter().enumerate().map(move |(index, tile)| (tile, index, part)))
+pub(crate) fn assemble(image: &SampleImage, normals: bool, blocks: &[SampleImage]) -> SampleImage {
+    let parts = std::iter::once(image).chain(blocks);
+    let count = parts.clone().map(SampleImage::len).sum();
+    let mut order: Vec<(&SampleTile, usize, &SampleImage)> = parts
+        .flat_map(|part| part.tiles.iter().enumerate().map(move |(index, tile)| (tile, index, part)))
         .collect();
     order.sort_unstable_by_key(|(tile, ..)| (tile.tile_y, tile.tile_x));
-    let count = image.len() + blocks.iter().map(|block| block.color.len()).sum::<usize>();
-    let mut all = BlockSamples::with_capacity(order.len(), count, normals);
-    for (tile, index, (_, color, depth, normal)) in order {
+    let mut all = with_capacity(image, order.len(), count, normals);
+    for (tile, index, part) in order {
         let samples = tile.first as usize..tile.first as usize + tile.count();
         all.tiles.push(SampleTile { first: all.color.len() as u32, ..*tile });
-        all.color.extend_from_slice(&color[samples.clone()]);
-        all.depth.push_packed(&depth.tile(index, tile.first, samples.len()));
-        if let (Some(all), Some(normal)) = (&mut all.normal, normal) {
+        all.color.extend_from_slice(&part.color[samples.clone()]);
+        all.depth.push_packed(&part.depth.tile(index, tile.first, samples.len()));
+        if let (Some(all), Some(normal)) = (&mut all.normal, &part.normal) {
             all.extend_from_slice(&normal[samples]);
         }
     }
-    let BlockSamples { tiles, color, depth, normal } = all;
-    SampleImage { camera: image.camera, span: image.span, tiles, color, depth, normal }
+    all
 }

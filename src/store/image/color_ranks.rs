@@ -6,7 +6,7 @@
 
 use half::f16;
 
-use crate::color::steps_table;
+use crate::color::steps_from_linear;
 use crate::samples::SampleImage;
 use crate::store::container::{ByteReader, push_varint};
 
@@ -25,10 +25,15 @@ fn half_of(code: u16) -> f16 {
     f16::from_bits(if code & 0x8000 == 0 { !code } else { code & 0x7FFF })
 }
 
-/// Which halves occur in some images, by [`code_of`].
-pub(crate) struct Used(Vec<bool>);
+/// The 8-bit display steps of the half with a code.
+fn steps_of(code: u16) -> f32 {
+    steps_from_linear(half_of(code))
+}
 
-impl Used {
+/// Which halves occur in some images, by [`code_of`].
+pub(crate) struct UsedColors(Vec<bool>);
+
+impl UsedColors {
     pub(crate) fn new() -> Self {
         Self(vec![false; CODES])
     }
@@ -54,15 +59,15 @@ impl Used {
 pub(crate) struct ColorRanks {
     /// Codes, ascending.
     codes: Vec<u16>,
-    /// The halves they stand for.
+    /// The halves of these codes.
     halves: Vec<f16>,
-    /// Rank of the entry that stands for a code, from the first entry's code to the last's.
+    /// Rank of the entry that represents a code, from the first entry's code to the last's.
     ranks: Vec<u16>,
 }
 
 impl ColorRanks {
     /// In which every half that is used is found as it is.
-    fn lossless(used: &Used) -> Self {
+    fn lossless(used: &UsedColors) -> Self {
         let (Some(first), Some(last)) = (used.codes().next(), used.codes().next_back()) else {
             return Self::of(vec![code_of(f16::ZERO)]);
         };
@@ -72,11 +77,10 @@ impl ColorRanks {
     }
 
     /// In which every half that is used has one within `room`, in 8-bit display steps.
-    pub(crate) fn within(used: &Used, room: f32) -> Self {
+    pub(crate) fn within(used: &UsedColors, room: f32) -> Self {
         if room <= 0.0 {
             return Self::lossless(used);
         }
-        let steps_of = |code: u16| steps_table()[half_of(code).to_bits() as usize];
         let mut codes: Vec<u16> = Vec::new();
         let mut covered_to = f32::NEG_INFINITY;
         for code in used.codes() {
@@ -84,7 +88,7 @@ impl ColorRanks {
             if steps <= covered_to && codes.last().is_some_and(|last| steps - steps_of(*last) <= room) {
                 continue;
             }
-            // The brightest half that still stands for this one stands for most.
+            // The brightest half within reach represents the most of those that follow.
             let beyond = (code..=code_of(f16::MAX)).find(|code| steps_of(*code) - steps > room);
             let entry = beyond.map_or(code_of(f16::MAX), |beyond| beyond - 1).max(code);
             covered_to = steps_of(entry) + room;
@@ -95,7 +99,6 @@ impl ColorRanks {
 
     /// From codes in ascending order, at least one.
     fn of(codes: Vec<u16>) -> Self {
-        let steps_of = |code: u16| steps_table()[half_of(code).to_bits() as usize];
         let mut ranks = Vec::new();
         for (rank, pair) in codes.windows(2).enumerate() {
             let (below, above) = (pair[0], pair[1]);
@@ -116,7 +119,7 @@ impl ColorRanks {
         self.codes.len()
     }
 
-    /// The rank of the color that stands for `half`.
+    /// The rank of the color that represents `half`.
     #[inline(always)]
     pub(crate) fn rank(&self, half: f16) -> i32 {
         let place = code_of(half).saturating_sub(self.codes[0]) as usize;
@@ -177,8 +180,8 @@ pub(crate) fn half_step(bits: u32) -> f32 {
 mod tests {
     use super::*;
 
-    fn used(halves: impl IntoIterator<Item = f32>) -> Used {
-        let mut used = Used::new();
+    fn used(halves: impl IntoIterator<Item = f32>) -> UsedColors {
+        let mut used = UsedColors::new();
         halves.into_iter().for_each(|half| used.0[code_of(f16::from_f32(half)) as usize] = true);
         used
     }
@@ -201,7 +204,7 @@ mod tests {
         }
         assert_eq!(palette.color(5), None);
         assert_eq!(palette.color(-1), None);
-        // Every half from 0 to 1 follows the one before it, so that two numbers say it all.
+        // Every half from 0 to 1 follows the one before it, so that two numbers describe them all.
         let dense = ColorRanks::lossless(&used((0..=0x3C00).map(|bits| f16::from_bits(bits).to_f32())));
         assert!(dense.encode().len() < 12);
         assert_eq!(ColorRanks::decode(&dense.encode()).unwrap(), dense);
@@ -210,7 +213,7 @@ mod tests {
 
     #[test]
     fn a_coarse_palette_keeps_within_half_a_step() {
-        let steps = |half: f16| steps_table()[half.to_bits() as usize];
+        let steps = steps_from_linear;
         for bits in [8, 10, 12, 16] {
             let halves = || (0..31_000_u16).map(f16::from_bits).chain([f16::from_f32(-2.0)]);
             let palette = ColorRanks::within(&used(halves().map(f16::to_f32)), half_step(bits));

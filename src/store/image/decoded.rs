@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::image_chunk::{BlockEntry, Damage, ImageHead};
+use super::visible_blocks::VisibleBlocks;
 use crate::samples::SampleImage;
-use crate::store::playback::VisibleBlocks;
 
 /// An image as far as it was read, and what of it could not be.
 #[derive(Clone, Debug)]
@@ -18,15 +18,15 @@ pub(crate) struct Decoded {
 }
 
 impl Decoded {
-    /// The blocks at some places (all where `None`) that have not been read.
-    pub(crate) fn missing(&self, places: Option<&VisibleBlocks>) -> Vec<&BlockEntry> {
+    /// The visible blocks (all where `None`) that have not been read.
+    pub(crate) fn missing(&self, visible: Option<&VisibleBlocks>) -> Vec<&BlockEntry> {
         let blocks = self.head.iter().flat_map(|head| &head.blocks).zip(&self.read);
-        let wanted = |block: &BlockEntry| places.is_none_or(|places| places.has(block.place));
+        let wanted = |block: &BlockEntry| visible.is_none_or(|visible| visible.has(block.place));
         blocks.filter(|(block, read)| !**read && wanted(block)).map(|(block, _)| block).collect()
     }
 
-    /// Whether the blocks at some places, or all, have been read.
-    pub(crate) fn has(&self, places: Option<&VisibleBlocks>) -> bool {
-        self.missing(places).is_empty()
+    /// Whether the visible blocks, or all, have been read.
+    pub(crate) fn has(&self, visible: Option<&VisibleBlocks>) -> bool {
+        self.missing(visible).is_empty()
     }
 }

@@ -9,11 +9,11 @@
 
 use rayon::prelude::*;
 
-use super::blocks::{Block, BlockCoding, BlockSamples, assemble, blocks_of, find, summary};
+use super::blocks::{Block, BlockCoding, assemble, blocks_of, depth_bounds, find, summary};
 use crate::capture::Camera;
 use crate::samples::{SampleImage, TILE};
 use crate::store::codec::{BLOCK, Counts};
-use crate::store::container::{ByteReader, IMAGE, agree};
+use crate::store::container::{ByteReader, IMAGE, agree, checksum};
 
 const HAS_NORMALS: u8 = 1;
 const IS_PLAIN: u8 = 2;
@@ -42,7 +42,7 @@ pub struct BlockEntry {
     checksum: [u8; 4],
 }
 
-/// What the payload of an image says before its samples.
+/// What the payload of an image holds before its samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageHead {
     /// Blocks that hold a sample, row by row.
@@ -54,8 +54,14 @@ pub struct ImageHead {
     pub(crate) bytes: usize,
 }
 
-/// A block that could not be read: its place, and why.
-pub(crate) type Damage = ((u16, u16), String);
+/// A block that could not be read.
+#[derive(Clone, Debug)]
+pub(crate) struct Damage {
+    /// Column and row of the block.
+    pub(crate) place: (u16, u16),
+    /// Why not.
+    pub(crate) what: String,
+}
 
 fn block_grid(camera: &Camera) -> (usize, usize) {
     let (width, height) = camera.intrinsics.size();
@@ -152,28 +158,18 @@ pub(crate) fn encode(
         payload.extend((code.len() as u32).to_be_bytes());
         payload.extend(crc32fast::hash(code).to_be_bytes());
     }
-    payload.extend(head_checksum(&payload).to_be_bytes());
+    payload.extend(checksum(IMAGE, &payload).to_be_bytes());
     let head = payload.len();
     payload.extend(codes.iter().flatten());
     (payload, head)
 }
 
-fn head_checksum(head: &[u8]) -> u32 {
-    let mut hasher = crc32fast::Hasher::new();
-    hasher.update(&IMAGE);
-    hasher.update(head);
-    hasher.finalize()
-}
-
 /// Reads a head; `length` is that of the whole payload.
-///
-/// # Errors
-/// Says what is wrong.
 pub(crate) fn decode_head(head: &[u8], length: usize, camera: &Camera) -> Result<ImageHead, String> {
     let Some((checked, stated)) = head.split_last_chunk::<4>() else {
         return Err("it is cut short".to_owned());
     };
-    if !agree(stated, head_checksum(checked)) {
+    if !agree(stated, checksum(IMAGE, checked)) {
         return Err("its head is damaged".to_owned());
     }
     let mut reader = ByteReader::new(checked);
@@ -217,24 +213,28 @@ pub(crate) fn decode_head(head: &[u8], length: usize, camera: &Camera) -> Result
     })
 }
 
-/// The image that another is predicted from, and its blocks that could not be read.
-pub(crate) type Reference<'a> = (&'a SampleImage, &'a [Damage]);
+/// The image that another is predicted from.
+pub(crate) struct ReferenceImage<'a> {
+    pub(crate) image: &'a SampleImage,
+    /// Its blocks that could not be read.
+    pub(crate) damage: &'a [Damage],
+}
 
 /// Reads some blocks of an image and adds them to what was read before. `code` gives the code of a block.
 ///
-/// Blocks that are damaged, or whose reference is, are left out and told.
+/// Blocks that are damaged, or whose reference is, are left out and reported.
 pub(crate) fn decode<'a>(
     image: &SampleImage,
     head: &ImageHead,
-    reference: Option<Reference>,
+    reference: Option<ReferenceImage>,
     coding: &BlockCoding,
     code: impl Fn(&BlockEntry) -> Result<&'a [u8], String> + Sync,
     blocks: &[&BlockEntry],
 ) -> (SampleImage, Vec<Damage>) {
-    let before = reference.map(|(image, damage)| (image, blocks_of(image), damage));
-    let read = |block: &BlockEntry| -> Result<BlockSamples, String> {
+    let before = reference.map(|ReferenceImage { image, damage }| (image, blocks_of(image), damage));
+    let read = |block: &BlockEntry| -> Result<SampleImage, String> {
         let before = match &before {
-            Some((_, _, damage)) if damage.iter().any(|(place, _)| *place == block.place) => {
+            Some((_, _, damage)) if damage.iter().any(|damaged| damaged.place == block.place) => {
                 return Err("the block it is predicted from is damaged".to_owned());
             }
             Some((image, blocks, _)) => find(image, blocks, block.place),
@@ -244,8 +244,8 @@ pub(crate) fn decode<'a>(
         if !agree(&block.checksum, crc32fast::hash(code)) {
             return Err("its bytes are damaged".to_owned());
         }
-        let samples = coding.decode(block.place, block.tiles, code, before)?;
-        let (farthest, nearest) = samples.depth_bounds();
+        let samples = coding.decode(image, block.place, block.tiles, code, before)?;
+        let (farthest, nearest) = depth_bounds(&samples);
         let (least, most) = (block.inverse_depth.0.to_bits(), block.inverse_depth.1.to_bits());
         if samples.color.len() != block.samples as usize || farthest < least || nearest > most {
             return Err("it does not hold what its image says".to_owned());
@@ -259,7 +259,7 @@ pub(crate) fn decode<'a>(
     for (place, block) in read {
         match block {
             Ok(block) => samples.push(block),
-            Err(what) => damage.push((place, what)),
+            Err(what) => damage.push(Damage { place, what }),
         }
     }
     (assemble(image, head.normals, &samples), damage)

@@ -5,10 +5,12 @@ mod color_ranks;
 mod decoded;
 mod image_chunk;
 mod precision;
+mod visible_blocks;
 
 pub(crate) use blocks::BlockCoding;
-pub(crate) use color_ranks::{ColorRanks, Used};
+pub(crate) use color_ranks::{ColorRanks, UsedColors};
 pub(crate) use decoded::Decoded;
 pub use image_chunk::{BlockEntry, ImageHead};
-pub(crate) use image_chunk::{Damage, check, count, decode, decode_head, encode};
+pub(crate) use image_chunk::{Damage, ReferenceImage, check, count, decode, decode_head, encode};
 pub(crate) use precision::{check_again, color_room, depth_shift, reduce};
+pub(crate) use visible_blocks::{VisibleBlocks, visible_blocks};

@@ -1,9 +1,10 @@
-//! What a precision other than lossless leaves of a sample, and the check that it is enough.
+//! Rounding of samples where the precision is not lossless, and the check that the error stays within it.
 //!
-//! Color is held to half a step of a display with so many bits, by the choice of the [palette](super::color_ranks). Inverse depth
+//! Color is held to half a step of a display with that many bits, by the choice of the [palette](super::color_ranks). Inverse depth
 //! is rounded by leaving off its lowest bits: the relative error of `w` is that of `z`, and a pixel's footprint at depth `z` is
 //! `z / f` across, so that an error of `p` footprints is a relative error of `p / f`, whatever the depth.
 
+use super::blocks::LARGEST_DEPTH;
 use super::color_ranks::{ColorRanks, half_step};
 use crate::capture::Camera;
 use crate::color::steps_from_linear;
@@ -28,9 +29,6 @@ pub(crate) fn color_room(settings: &StoreSettings, before: Option<&StoreSettings
 }
 
 /// Whether samples that were held to `before` can be held to `settings`: what was left out is not known any more.
-///
-/// # Errors
-/// What cannot be.
 pub(crate) fn check_again(
     settings: &StoreSettings,
     before: &StoreSettings,
@@ -64,7 +62,7 @@ fn depth_error(camera: &Camera, settings: &StoreSettings) -> f64 {
     f64::from(settings.depth_precision) / camera.intrinsics.fx.max(camera.intrinsics.fy)
 }
 
-/// A float's fraction has 24 bits; a relative error of 1 is at least so many of its lowest.
+/// Lowest bits of a float's fraction in a relative error of 1, at least.
 const UNITS: f64 = (1 << 23) as f64;
 
 /// Lowest bits of inverse depth that may be left off: 2^(shift − 1) in the 24 bits of a float's fraction is the error.
@@ -92,7 +90,9 @@ pub(crate) fn reduce(
     let before = image.inverse_depths();
     let after: Vec<f32> = before
         .iter()
-        .map(|depth| f32::from_bits(depth.to_bits().saturating_add(half).min(LARGEST) >> shift << shift))
+        .map(|depth| {
+            f32::from_bits(depth.to_bits().saturating_add(half).min(LARGEST_DEPTH) >> shift << shift)
+        })
         .collect();
     let color = image.color.iter().map(|color| color.map(|half| palette.color(palette.rank(half))));
     let color: Option<Vec<_>> = color.map(|[red, green, blue]| Some([red?, green?, blue?])).collect();
@@ -111,6 +111,3 @@ pub(crate) fn reduce(
     }
     Ok(reduced)
 }
-
-/// Bits of the largest finite float.
-const LARGEST: u32 = 0x7F7F_FFFF;

@@ -1,7 +1,7 @@
 //! A store played from disk.
 
-mod playback;
-mod visible_blocks;
+mod player;
+mod verify;
 
-pub use playback::{DEFAULT_CACHE_BYTES, Playback};
-pub(crate) use visible_blocks::VisibleBlocks;
+pub use player::{DEFAULT_CACHE_BYTES, Playback};
+pub use verify::{Verification, verify};

@@ -2,12 +2,12 @@
 //!
 //! ```text
 //! frame ─▶ images of its span path ─▶ cache, or file: at most MAX_REFERENCES images before each ─▶ SampleSet of that frame
-//!                  read_ahead_from does the same for the frames to come, on whatever thread asks for it
+//!                  read_ahead_from does the same for the frames to come, on the calling thread
 //! ```
 //!
 //! The set of a frame has every image of the store in its place, those of other frames without samples. Images that two frames
 //! share are the very same in both sets, as long as the cache holds them, so that what a renderer keeps of a background stays good. Asked for what a vantage needs
-//! ([`Playback::seen_from`]), an image holds the blocks that any vantage has needed so far; others are decoded when they are asked for.
+//! ([`Playback::seen_from`]), an image holds the blocks that any vantage has needed so far; others are decoded on demand.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,13 +16,12 @@ use quick_cache::Weighter;
 use quick_cache::sync::Cache;
 use rayon::prelude::*;
 
-use super::visible_blocks::{self, VisibleBlocks};
 use crate::capture::{Camera, EXPECTED_IN_ONE_PIECE};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::SampleSet;
 use crate::store::file::{Store, chain};
-use crate::store::image::Decoded;
+use crate::store::image::{Decoded, VisibleBlocks, visible_blocks};
 
 #[derive(Clone)]
 struct ImageBytes;
@@ -34,10 +33,10 @@ impl Weighter<usize, Arc<Decoded>> for ImageBytes {
     }
 }
 
-/// Bytes of decoded images that are kept unless told otherwise.
+/// Bytes of decoded images that are kept by default.
 pub const DEFAULT_CACHE_BYTES: u64 = 1 << 30;
 
-/// An open store whose frames are read when they are asked for. Asking from several threads is fine.
+/// An open store whose frames are read on demand, from any number of threads.
 pub struct Playback {
     store: Store,
     /// Every image in its place, none with a sample.
@@ -53,7 +52,7 @@ impl Playback {
         Self { store, outline, cache: Cache::with_weighter(EXPECTED_IN_ONE_PIECE, cache_bytes, ImageBytes) }
     }
 
-    /// The store, which also says what of it could not be read.
+    /// The store, which also knows what of it could not be read.
     #[must_use]
     pub fn store(&self) -> &Store {
         &self.store
@@ -76,7 +75,7 @@ impl Playback {
     /// # Errors
     /// `Invalid` where there is no such frame, `Io`, `Cancelled`.
     pub fn at(&self, frame: usize, job: &Job) -> Result<Arc<SampleSet>> {
-        let path = self.checked_path(frame)?;
+        let path = self.path(frame)?;
         self.set(path, |_| None, job)
     }
 
@@ -86,9 +85,9 @@ impl Playback {
     /// # Errors
     /// As [`Playback::at`].
     pub fn seen_from(&self, vantage: &Camera, frame: usize, job: &Job) -> Result<Arc<SampleSet>> {
-        let path = self.checked_path(frame)?;
-        let places = self.needed(vantage, &path, job)?;
-        self.set(path, |camera| places.get(camera), job)
+        let path = self.path(frame)?;
+        let visible = self.needed(vantage, &path, job)?;
+        self.set(path, |camera| visible.get(camera), job)
     }
 
     /// For each camera, the blocks of some images that a vantage needs.
@@ -103,7 +102,7 @@ impl Playback {
                 if let Some(decoded) = self.cache.get(&index) {
                     return Ok((camera, decoded));
                 }
-                // At no place: the head alone is read.
+                // No block is visible: the head alone is read.
                 let decoded =
                     Arc::new(self.store.decode(index, None, None, Some(&VisibleBlocks::default()))?);
                 self.cache.insert(index, decoded.clone());
@@ -115,19 +114,19 @@ impl Playback {
             let blocks = decoded.head.iter().flat_map(|head| &head.blocks);
             blocks.map(|block| (*camera, block))
         });
-        Ok(visible_blocks::needed(vantage, cameras, blocks))
+        Ok(visible_blocks(vantage, cameras, blocks))
     }
 
-    /// The outline with some images in it, read at those places of their cameras, or all.
+    /// The outline with some images in it, each read at the visible blocks of its camera, or all.
     fn set<'a>(
         &self,
         path: Vec<usize>,
-        places: impl Fn(usize) -> Option<&'a VisibleBlocks> + Sync,
+        visible: impl Fn(usize) -> Option<&'a VisibleBlocks> + Sync,
         job: &Job,
     ) -> Result<Arc<SampleSet>> {
         let camera = |index: usize| self.store.info().images[index].camera as usize;
         let decoded: Result<Vec<_>> =
-            path.par_iter().map(|&index| self.image(index, places(camera(index)), job)).collect();
+            path.par_iter().map(|&index| self.image(index, visible(camera(index)), job)).collect();
         let mut set = (*self.outline).clone();
         for (index, decoded) in path.into_iter().zip(decoded?) {
             set.images[index] = decoded.image.clone();
@@ -147,29 +146,23 @@ impl Playback {
     }
 
     /// The images whose span contains a frame.
-    fn path(&self, frame: usize) -> Vec<usize> {
-        let images = self.store.info().images.iter().enumerate();
-        images.filter(|(_, image)| image.span.contains(frame)).map(|(index, _)| index).collect()
-    }
-
-    fn checked_path(&self, frame: usize) -> Result<Vec<usize>> {
+    fn path(&self, frame: usize) -> Result<Vec<usize>> {
         let frames = self.outline.frame_count();
         if frame >= frames {
-            return Err(Error::invalid(
-                &self.outline.name,
-                format!("there is no frame {frame}; there are {frames}"),
-            ));
+            let what = format!("there is no frame {frame}; there are {frames}");
+            return Err(Error::invalid(&self.outline.name, what));
         }
-        Ok(self.path(frame))
+        let images = self.store.info().images.iter().enumerate();
+        Ok(images.filter(|(_, image)| image.span.contains(frame)).map(|(index, _)| index).collect())
     }
 
-    /// An image with its blocks at some places, or all: from the cache, or decoded from the nearest of its references that is there.
-    fn image(&self, index: usize, places: Option<&VisibleBlocks>, job: &Job) -> Result<Arc<Decoded>> {
+    /// An image with its visible blocks, or all: from the cache, or decoded from the nearest of its references that is there.
+    fn image(&self, index: usize, visible: Option<&VisibleBlocks>, job: &Job) -> Result<Arc<Decoded>> {
         let mut missing = Vec::new();
         let mut before = None;
         for index in chain(&self.store.info().images, index).unwrap_or_default() {
             let cached = self.cache.get(&index);
-            if cached.as_ref().is_some_and(|cached| cached.has(places)) {
+            if cached.as_ref().is_some_and(|cached| cached.has(visible)) {
                 before = cached;
                 break;
             }
@@ -177,7 +170,7 @@ impl Playback {
         }
         for (index, cached) in missing.into_iter().rev() {
             job.check()?;
-            let decoded = self.store.decode(index, cached.as_deref(), before.as_deref(), places)?;
+            let decoded = self.store.decode(index, cached.as_deref(), before.as_deref(), visible)?;
             let decoded = Arc::new(decoded);
             self.cache.insert(index, decoded.clone());
             before = Some(decoded);

@@ -1,50 +1,44 @@
-//! The one walk over a block that counting, encoding and decoding share: what each number is predicted from, and in which
-//! context its residual is coded.
+//! The traversal of a block that counting, encoding and decoding share: what each number is predicted from, and in which context
+//! its residual is coded.
 //!
 //! Prediction of colors is the median of Weinberger, Seroussi and Sapiro, *The LOCO-I lossless image compression algorithm*
 //! (JPEG-LS), 2000; red and blue take over what green was mispredicted by. Surfaces are planes in inverse depth, so that it is
 //! continued from two or three neighbors as a plane, and the median of up to four such planes is taken: one of them across a
 //! silhouette does no harm. What differs: where the *reference*, the image of the frames just before, has a sample at the pixel,
 //! that sample is the prediction. Its depth is believed only while a neighbor's depth equalled its reference's: things move.
-//!
-//! ```text
-//!              NN
-//!          NW  N  NE          neighbors are those of the same block that hold a sample
-//!      WW  W   ×
-//! ```
 
 use super::integers::{unzigzag, zigzag};
 use super::model::{ACTIVITIES, CodedPlane};
 use super::neighborhood::{
-    AROUND, BLOCK, BlockPixels, CELLS, CodingContext, N, NE, NN, NUMBERS, NW, Near, PerPixel, R, STRIDE, W,
-    WW, activity, bit_length, cell, median_prediction, plane_prediction,
+    AROUND, BLOCK, BlockPixels, CELLS, CodingContext, N, NE, NN, NUMBERS, NW, Neighbors, PerPixel, R, STRIDE,
+    W, WW, activity, bit_length, cell, median_prediction, plane_prediction,
 };
-use super::rans::LANES;
+use super::rans::STREAMS;
 
 /// What is known of a block before its samples.
 #[derive(Clone, Copy, Debug)]
-pub struct BlockShape {
+pub(crate) struct BlockShape {
     /// Columns of the block that lie in the picture.
-    pub width: usize,
+    pub(crate) width: usize,
     /// Rows of the block that lie in the picture.
-    pub height: usize,
+    pub(crate) height: usize,
     /// Bit `4 y + x`: whether the tile in column `x`, row `y` of the block holds a sample.
-    pub tiles: u16,
+    pub(crate) tiles: u16,
     /// Lowest bits that no inverse depth of the store has.
-    pub depth_shift: u32,
+    pub(crate) depth_shift: u32,
     /// Colors of the palette.
-    pub colors: usize,
+    pub(crate) colors: usize,
     /// Whether samples have normals.
-    pub normals: bool,
+    pub(crate) normals: bool,
 }
 
-/// What becomes of residuals.
-pub trait Coder {
+/// Codes, decodes or counts the numbers of a block.
+pub(crate) trait Coder {
     /// Whether numbers are predicted; without, they come as they are.
     const PREDICTS: bool = true;
 
-    /// Codes whether a pixel holds a sample, or ignores `value` and decodes it. `lane` is the coder's state that does it.
-    fn held(&mut self, lane: usize, context: usize, value: bool) -> bool;
+    /// Codes whether a pixel holds a sample, or ignores `value` and decodes it. `stream` is that of the entropy coder.
+    fn has_sample(&mut self, stream: usize, context: usize, value: bool) -> bool;
 
     /// Codes `value`, or ignores it and decodes one.
     fn code(&mut self, plane: CodedPlane, context: usize, value: u32) -> u32;
@@ -54,11 +48,11 @@ pub trait Coder {
 #[derive(Clone, Copy, Default)]
 struct SamplePixel {
     at: u16,
-    near: Near,
+    near: Neighbors,
 }
 
-/// Walks over a block. Reused from block to block.
-pub struct Walker {
+/// Working memory of traversing a block, reused from block to block.
+pub(crate) struct BlockTraversal {
     /// Zigzag residuals of each number, by [`cell`].
     residuals: Box<[PerPixel<u32>; NUMBERS]>,
     /// 1 where the depth equalled the reference's, by [`cell`].
@@ -67,7 +61,7 @@ pub struct Walker {
     held: Box<[SamplePixel; BLOCK * BLOCK]>,
 }
 
-impl Default for Walker {
+impl Default for BlockTraversal {
     /// Ready for any block.
     #[expect(clippy::large_stack_arrays, reason = "once a thread, on its way to the heap")]
     fn default() -> Self {
@@ -79,10 +73,10 @@ impl Default for Walker {
     }
 }
 
-impl Walker {
+impl BlockTraversal {
     /// Hands every number of `pixels` to `coder` and takes what it gives back.
     #[inline(always)]
-    pub fn walk<C: Coder>(
+    pub(crate) fn traverse<C: Coder>(
         &mut self,
         coder: &mut C,
         shape: &BlockShape,
@@ -94,13 +88,13 @@ impl Walker {
             let SamplePixel { at, near } = self.held[nth];
             let at = usize::from(at);
             let before = reference.filter(|_| near.has(R));
-            // Compiled twice: within a surface everything is there, and nothing needs to be asked.
+            // Compiled twice: within a surface all neighbors are there, and no checks are needed.
             if near.has(AROUND) && before.is_none() {
                 self.sample(
                     coder,
                     shape,
                     &mut pixels.values,
-                    CodingContext { at, near: Near(AROUND), before: None },
+                    CodingContext { at, near: Neighbors(AROUND), before: None },
                 );
             } else {
                 self.sample(coder, shape, &mut pixels.values, CodingContext { at, near, before });
@@ -145,13 +139,13 @@ impl Walker {
                         | ((west & 1) * u32::from(WW))
                         | (below as u32 & 1) << 8
                         | always;
-                    let held = coder.held(x % LANES, context as usize, known >> x & 1 == 1);
+                    let held = coder.has_sample(x % STREAMS, context as usize, known >> x & 1 == 1);
                     (others, below) = (others >> 8, below >> 1);
                     west = west >> 1 | u32::from(held) << 1;
                     row |= u64::from(held) << x;
                     // Written in any case and counted if it is one: no branch.
                     self.held[count % (BLOCK * BLOCK)] =
-                        SamplePixel { at: cell(x, y) as u16, near: Near(context as u8 & (AROUND | R)) };
+                        SamplePixel { at: cell(x, y) as u16, near: Neighbors(context as u8 & (AROUND | R)) };
                     count += usize::from(held);
                 }
             }
@@ -168,7 +162,7 @@ impl Walker {
         values: &mut [PerPixel<i32>; NUMBERS],
         place: CodingContext<'_>,
     ) {
-        // Every pixel's cell does; said here so that no access below is checked.
+        // True of every pixel's cell; the check spares those of the accesses below.
         if !(cell(0, 0)..CELLS).contains(&place.at) {
             return;
         }

@@ -1,7 +1,7 @@
 //! Which blocks of a store a vantage needs.
 //!
 //! ```text
-//! block + bounds of its depths ─▶ box ─ meets the vantage's pyramid? ─▶ may be seen ─┬──────────────────────────▶ needed
+//! block + bounds of its depths ─▶ box ─ meets the vantage's frustum? ─▶ may be seen ─┬──────────────────────────▶ needed
 //!                                        its projection into every camera: blocks there that the renderer compares with ─┘
 //! ```
 //!
@@ -12,40 +12,40 @@
 
 use glam::{DMat3, DVec3};
 
+use super::image_chunk::BlockEntry;
 use crate::capture::Camera;
 use crate::store::codec::BLOCK;
-use crate::store::image::BlockEntry;
 
 /// Pixels by which the footprints of samples reach beyond their block: twice what renderers stretch them to, and a pixel for rounding.
 const SOURCE_REACH: f64 = 4.0;
 
-/// Pixels of the picture by which it is taken to be larger.
+/// Pixels by which the picture is enlarged on all sides.
 const PICTURE_REACH: f64 = 4.0;
 
-/// More than any picture has along one side.
+/// More blocks than any picture has along one side.
 const MAX_BLOCKS: f64 = 65_536.0;
 
 /// Blocks of a camera's pictures, by place.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct VisibleBlocks {
     across: usize,
-    held: Vec<bool>,
+    is_visible: Vec<bool>,
 }
 
 impl VisibleBlocks {
-    /// None of the blocks in so many columns and rows.
+    /// No block of a grid with these columns and rows.
     fn none((across, down): (usize, usize)) -> Self {
-        Self { across, held: vec![false; across * down] }
+        Self { across, is_visible: vec![false; across * down] }
     }
 
     /// Whether the block in a column and row is one of them.
     pub(crate) fn has(&self, (x, y): (u16, u16)) -> bool {
-        self.held.get(usize::from(y) * self.across + usize::from(x)).copied().unwrap_or(false)
+        self.is_visible.get(usize::from(y) * self.across + usize::from(x)).copied().unwrap_or(false)
     }
 
     /// Adds the blocks that pixels `[left, right] × [top, bottom]` touch.
     fn add(&mut self, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) {
-        let down = self.held.len() / self.across.max(1);
+        let down = self.is_visible.len() / self.across.max(1);
         // What is too large comes after the last block, however large it is.
         let block = |pixel: f64| (pixel / BLOCK as f64).clamp(0.0, MAX_BLOCKS) as usize;
         if right < 0.0 || bottom < 0.0 {
@@ -54,12 +54,12 @@ impl VisibleBlocks {
         for y in block(top)..(block(bottom) + 1).min(down) {
             let row = y * self.across;
             let columns = block(left).min(self.across)..(block(right) + 1).min(self.across);
-            self.held[row + columns.start.min(columns.end)..row + columns.end].fill(true);
+            self.is_visible[row + columns.start.min(columns.end)..row + columns.end].fill(true);
         }
     }
 
     fn add_all(&mut self) {
-        self.held.fill(true);
+        self.is_visible.fill(true);
     }
 }
 
@@ -88,7 +88,7 @@ impl Hull {
     }
 }
 
-/// A camera that looks.
+/// A camera prepared for projecting many points.
 struct Eye {
     camera_from_world: DMat3,
     position: DVec3,
@@ -124,42 +124,42 @@ impl Eye {
     }
 
     /// Adds the blocks that the hull of some points is projected to.
-    fn add_projection(&self, points: &[DVec3; 8], places: &mut VisibleBlocks) {
+    fn add_projection(&self, points: &[DVec3; 8], visible: &mut VisibleBlocks) {
         if points.iter().all(|point| point.z <= 0.0) {
             return;
         }
         if !points.iter().all(|point| point.z > 0.0) {
-            return places.add_all();
+            return visible.add_all();
         }
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for point in points {
             for axis in 0..2 {
                 let pixel = self.center[axis] + self.focal[axis] * point[axis] / point.z;
                 if pixel.is_nan() {
-                    return places.add_all();
+                    return visible.add_all();
                 }
                 low[axis] = low[axis].min(pixel);
                 high[axis] = high[axis].max(pixel);
             }
         }
-        places.add(low.map(|pixel| pixel - PICTURE_REACH), high.map(|pixel| pixel + PICTURE_REACH));
+        visible.add(low.map(|pixel| pixel - PICTURE_REACH), high.map(|pixel| pixel + PICTURE_REACH));
     }
 }
 
 /// For each camera the blocks that a vantage needs, given the blocks that there are, with their cameras.
-pub(crate) fn needed<'a>(
+pub(crate) fn visible_blocks<'a>(
     vantage: &Camera,
     cameras: &[Camera],
     blocks: impl Iterator<Item = (usize, &'a BlockEntry)> + Clone,
 ) -> Vec<VisibleBlocks> {
-    // As large as the blocks that there are: a file that says how large its pictures are need not have any.
+    // Grids are as large as the existing blocks demand: a file may claim any size of its pictures.
     let mut extents = vec![(0, 0); cameras.len()];
     for (camera, block) in blocks.clone() {
         let (across, down): &mut (usize, usize) = &mut extents[camera];
         *across = (*across).max(usize::from(block.place.0) + 1);
         *down = (*down).max(usize::from(block.place.1) + 1);
     }
-    let mut places: Vec<VisibleBlocks> = extents.into_iter().map(VisibleBlocks::none).collect();
+    let mut visible: Vec<VisibleBlocks> = extents.into_iter().map(VisibleBlocks::none).collect();
     let vantage = Eye::of(vantage);
     let eyes: Vec<Eye> = cameras.iter().map(Eye::of).collect();
     for (camera, block) in blocks {
@@ -168,13 +168,13 @@ pub(crate) fn needed<'a>(
         if !vantage.may_see(&hull.seen_by(position, &vantage)) {
             continue;
         }
-        for (eye, places) in eyes.iter().zip(&mut places) {
-            eye.add_projection(&hull.seen_by(position, eye), places);
+        for (eye, visible) in eyes.iter().zip(&mut visible) {
+            eye.add_projection(&hull.seen_by(position, eye), visible);
         }
         let corner = [block.place.0, block.place.1].map(|index| f64::from(index) * BLOCK as f64);
-        places[camera].add(corner, corner);
+        visible[camera].add(corner, corner);
     }
-    places
+    visible
 }
 
 #[cfg(test)]
@@ -184,12 +184,12 @@ mod tests {
 
     #[test]
     fn what_reaches_beyond_all_numbers_touches_every_block_up_to_the_edge() {
-        let mut places = VisibleBlocks::none((3, 2));
-        places.add([100.0, -5.0], [f64::INFINITY, 1e300]);
-        assert_eq!(places.held, [false, true, true, false, true, true]);
-        let mut places = VisibleBlocks::none((3, 2));
-        places.add([f64::INFINITY, 0.0], [f64::INFINITY, 10.0]);
-        assert_eq!(places.held, [false; 6]);
+        let mut visible = VisibleBlocks::none((3, 2));
+        visible.add([100.0, -5.0], [f64::INFINITY, 1e300]);
+        assert_eq!(visible.is_visible, [false, true, true, false, true, true]);
+        let mut visible = VisibleBlocks::none((3, 2));
+        visible.add([f64::INFINITY, 0.0], [f64::INFINITY, 10.0]);
+        assert_eq!(visible.is_visible, [false; 6]);
         let camera = Camera::look_at(
             "c",
             Intrinsics::from_horizontal_angle(192, 128, 0.9),
@@ -198,10 +198,10 @@ mod tests {
             DVec3::Z,
         );
         for nearly_beside in [f64::MIN_POSITIVE, 1e-300] {
-            let mut places = VisibleBlocks::none((3, 2));
+            let mut visible = VisibleBlocks::none((3, 2));
             let points = std::array::from_fn(|i| DVec3::new(i as f64 - 3.5, 3.5 - i as f64, nearly_beside));
-            Eye::of(&camera).add_projection(&points, &mut places);
-            assert_eq!(places.held, [true; 6], "{nearly_beside:e}");
+            Eye::of(&camera).add_projection(&points, &mut visible);
+            assert_eq!(visible.is_visible, [true; 6], "{nearly_beside:e}");
         }
     }
 }

@@ -1,15 +1,18 @@
-//! Reads everything in a store, as playing it would, and says what is damaged.
+//! Reads everything in a store, as playing it would, and reports what is damaged.
 
 use std::path::Path;
 use std::time::Instant;
 
-use super::reader::Store;
+use super::player::Playback;
 use crate::error::Result;
 use crate::job::Job;
-use crate::store::playback::Playback;
+use crate::store::file::Store;
 
 /// Decoded images that are kept meanwhile, bytes.
 const CACHE_BYTES: u64 = 256 << 20;
+
+/// Bytes of one input pixel as 8-bit color and 32-bit depth.
+const INPUT_PIXEL_BYTES: f64 = 7.0;
 
 /// What became of the reading.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
@@ -18,7 +21,7 @@ pub struct Verification {
     pub images: usize,
     /// Frames played, in their order.
     pub frames: usize,
-    /// Samples that the store says it has.
+    /// Samples by the index of the store.
     pub samples: u64,
     /// Bytes of the file.
     pub bytes: u64,
@@ -26,7 +29,7 @@ pub struct Verification {
     pub seconds_to_first_frame: f64,
     /// Wall-clock seconds of all frames.
     pub seconds: f64,
-    /// Bytes of the input, as 8-bit color and 32-bit depth, that the frames read in a second stand for, in 10⁹.
+    /// Bytes of the input, as 8-bit color and 32-bit depth, that one second of reading frames represents, in 10⁹.
     pub input_gb_per_s: f64,
     /// One line for everything that is damaged: which chunk, at which byte, and what of it is lost.
     pub damage: Vec<String>,
@@ -53,7 +56,9 @@ pub fn verify(path: &Path, job: &Job) -> Result<Verification> {
         job.advance(1);
     }
     let seconds = started.elapsed().as_secs_f64();
-    let mut damage = playback.store().walk()?;
+    let pixels: usize = info.cameras.iter().map(|camera| camera.intrinsics.pixel_count()).sum();
+    let input_bytes = INPUT_PIXEL_BYTES * (pixels * frames) as f64;
+    let mut damage = playback.store().check_chunks()?;
     damage.extend(playback.store().damage());
     Ok(Verification {
         images: info.images.len(),
@@ -62,7 +67,7 @@ pub fn verify(path: &Path, job: &Job) -> Result<Verification> {
         bytes: info.bytes,
         seconds_to_first_frame,
         seconds,
-        input_gb_per_s: info.report.bytes_raw as f64 / seconds.max(1e-9) / 1e9,
+        input_gb_per_s: input_bytes / seconds.max(1e-9) / 1e9,
         damage,
     })
 }

@@ -1,0 +1,65 @@
+//! Whether two entries of a manifest were recorded by one camera: equal but for rounding.
+
+use crate::capture::camera::{Camera, Intrinsics};
+use crate::error::{Error, Result};
+
+/// How far two positions of one camera may lie apart, relative to the distance from the origin up to [`NEAR`]: matrices
+/// that went through six digits of text.
+const SAME_PLACE: f64 = 1e-6;
+/// The same farther out: matrices that went through `f32`.
+const SAME_PLACE_FAR: f64 = 1.2e-7;
+/// World units from the origin in which scenes are built.
+const NEAR: f64 = 1e3;
+/// How far the entries of two rotations of one camera may differ: a fiftieth of a pixel at a focal length of 2000.
+const SAME_ROTATION: f64 = 1e-5;
+/// How far focal length and principal point may differ, pixels.
+const SAME_INTRINSICS_PX: f64 = 1e-3;
+
+/// Refuses a camera that is not where, or as large, or of the focal length that it was in its first frame.
+///
+/// # Errors
+/// `Unsupported` where it moves or zooms, `Invalid` where its size changes.
+pub(super) fn refuse_motion(first: &Camera, other: &Camera, first_number: i64, place: &str) -> Result<()> {
+    if !is_still(first, other) {
+        let what = format!("the camera moved since frame {first_number}; only static cameras are supported");
+        return Err(Error::unsupported(place, what));
+    }
+    let (a, b) = (&first.intrinsics, &other.intrinsics);
+    if (a.width, a.height) != (b.width, b.height) {
+        let what = format!(
+            "the picture is {}×{} but was {}×{} in frame {first_number}; every frame of a camera must have the same size",
+            b.width, b.height, a.width, a.height
+        );
+        return Err(Error::invalid(place, what));
+    }
+    if !same_lens(a, b) {
+        let what =
+            format!("the camera zooms since frame {first_number}; only a fixed focal length is supported");
+        return Err(Error::unsupported(place, what));
+    }
+    Ok(())
+}
+
+fn is_still(first: &Camera, other: &Camera) -> bool {
+    let reach = first.position_in_world().length();
+    let (a, b) = (&first.world_from_camera, &other.world_from_camera);
+    let apart = (SAME_PLACE * reach.clamp(1.0, NEAR)).max(SAME_PLACE_FAR * reach);
+    a.matrix3.abs_diff_eq(b.matrix3, SAME_ROTATION) && a.translation.abs_diff_eq(b.translation, apart)
+}
+
+/// The first of the `known` cameras that differs from this one by rounding alone, or this one, which is known from then on.
+pub(super) fn without_rounding(known: &mut Vec<Camera>, camera: Camera) -> Camera {
+    let is_same = |first: &&Camera| {
+        let (a, b) = (&first.intrinsics, &camera.intrinsics);
+        first.name == camera.name && a.size() == b.size() && same_lens(a, b) && is_still(first, &camera)
+    };
+    if let Some(first) = known.iter().find(is_same) {
+        return first.clone();
+    }
+    known.push(camera.clone());
+    camera
+}
+
+fn same_lens(a: &Intrinsics, b: &Intrinsics) -> bool {
+    [a.fx - b.fx, a.fy - b.fy, a.cx - b.cx, a.cy - b.cy].iter().all(|d| d.abs() <= SAME_INTRINSICS_PX)
+}
