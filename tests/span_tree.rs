@@ -9,10 +9,12 @@ use half::f16;
 use overlook::capture::{Capture, Frame, INVALID_INVERSE_DEPTH};
 use overlook::grid::Grid;
 use overlook::job::Job;
-use overlook::preprocess::inspect::PixelClass;
 use overlook::preprocess::noise::CameraNoise;
-use overlook::preprocess::temporal::{BATCH, Given, Split, StaticTest};
-use overlook::preprocess::{Preprocessed, Spooled, inspect_frame, preprocess, preprocess_spooled, scan};
+use overlook::preprocess::temporal::PixelClass;
+use overlook::preprocess::temporal::{BATCH, FinishedSpans, Split, StaticTest};
+use overlook::preprocess::{
+    BufferedResult, Preprocessed, inspect_frame, preprocess, preprocess_buffered, scan,
+};
 use overlook::samples::Span;
 use overlook::settings::{Precision, PruningMethod, Settings, SpanLevels};
 use overlook::store::file::Extras;
@@ -409,8 +411,8 @@ fn kept_samples_that_do_not_fit_the_memory_are_stored_as_those_that_do() {
         let Preprocessed { samples, report } = preprocess(&capture, &settings, &Job::new()).unwrap();
         assert!(samples.bytes() > 1 << 20, "{} bytes: more than a sixteenth of the setting", samples.bytes());
         overlook::store::file::write(&from_memory, &samples, &report, &Job::new()).unwrap();
-        let Spooled { outline, images, report } =
-            preprocess_spooled(&capture, &settings, &Job::new()).unwrap();
+        let BufferedResult { outline, images, report } =
+            preprocess_buffered(&capture, &settings, &Job::new()).unwrap();
         assert!(outline.images.is_empty());
         overlook::store::file::write_spooled(
             &from_file,

@@ -59,7 +59,7 @@ pub struct Preprocessed {
 
 /// As [`Preprocessed`], where more was kept than memory may hold.
 #[derive(Debug)]
-pub struct Spooled {
+pub struct BufferedResult {
     /// All but the samples: a set without images.
     pub outline: SampleSet,
     /// The kept samples, ordered as [`SampleSet::images`].
@@ -68,7 +68,7 @@ pub struct Spooled {
     pub report: Report,
 }
 
-impl Spooled {
+impl BufferedResult {
     fn into_memory(self) -> Result<Preprocessed> {
         let Self { outline, images, report } = self;
         let samples = Arc::new(SampleSet { images: images.into_images()?, ..outline });
@@ -89,7 +89,7 @@ pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<P
 ///
 /// # Errors
 /// As [`preprocess`].
-pub fn preprocess_spooled(capture: &Capture, settings: &Settings, job: &Job) -> Result<Spooled> {
+pub fn preprocess_buffered(capture: &Capture, settings: &Settings, job: &Job) -> Result<BufferedResult> {
     preprocess_into(ImageBuffer::new(samples_in_memory(settings)), capture, settings, job)
 }
 
@@ -98,7 +98,7 @@ fn preprocess_into(
     capture: &Capture,
     settings: &Settings,
     job: &Job,
-) -> Result<Spooled> {
+) -> Result<BufferedResult> {
     let started = Instant::now();
     let scan = scan(capture, settings, job)?;
     let mut spooled = prune_into(images, (capture, &scan), settings, job)?;
@@ -129,7 +129,7 @@ fn prune_into(
     (capture, scan): (&Capture, &PreparedScan),
     settings: &Settings,
     job: &Job,
-) -> Result<Spooled> {
+) -> Result<BufferedResult> {
     settings.validate("settings")?;
     let started = Instant::now();
     let other;
@@ -145,26 +145,25 @@ fn prune_into(
     let mut tally = Tally::new((capture, scan), &normal_errors, settings);
     tally.add(scan.tree(&settings.spans).root(), &background.decided);
     pack_all(all_frames(scan.frames), &background.layers, &background.decided, settings, &mut images)?;
-    let rig = CameraPairs::new(&capture.cameras);
-    let mut residuals = Residuals::new(&rig, scan.frames);
+    let pairs = CameraPairs::new(&capture.cameras);
+    let mut residuals = Residuals::new(&pairs, scan.frames);
     residuals.add_lasting(&background.layers, job)?;
-    let descent = SpanStack::new(capture, Some(scan), &rig, settings, background);
+    let stack = SpanStack::new(capture, Some(scan), &pairs, settings, background);
     job.start("Pruning frames", scan.frames);
-    let mut traversal =
-        SpanTraversal { tree: descent.tree(), descent, tally, residuals, images, settings, job };
+    let mut traversal = SpanTraversal { tree: stack.tree(), stack, tally, residuals, images, settings, job };
     traversal.below(all_frames(scan.frames), ROOT)?;
     let SpanTraversal { tally, residuals, mut images, .. } = traversal;
     images.sort();
     let mut report = tally.finish(images.facts());
     report.residuals = residuals.finish();
     report.seconds = started.elapsed().as_secs_f64();
-    Ok(Spooled { outline: sample_set(capture, settings, Vec::new()), images, report })
+    Ok(BufferedResult { outline: sample_set(capture, settings, Vec::new()), images, report })
 }
 
 /// Goes over all spans, parents before children, and decides what lives in each.
 struct SpanTraversal<'a> {
     tree: SpanTree,
-    descent: SpanStack<'a>,
+    stack: SpanStack<'a>,
     tally: Tally,
     residuals: Residuals<'a>,
     images: ImageBuffer,
@@ -176,18 +175,18 @@ impl SpanTraversal<'_> {
     /// Everything that lives in shorter spans within `span`, which lies at `level`.
     fn below(&mut self, span: Span, level: SpanLevel) -> Result<()> {
         for child in self.tree.children(span) {
-            let step = self.descent.enter(child, level + 1, self.job)?;
+            let step = self.stack.enter(child, level + 1, self.job)?;
             self.tally.add(child, &step.decided);
-            pack_all(child, &self.descent.layers, &step.decided, self.settings, &mut self.images)?;
+            pack_all(child, &self.stack.layers, &step.decided, self.settings, &mut self.images)?;
             // Of a single frame the paper's two levels are as long as each other.
             if child.len() < span.len() {
                 self.below(child, level + 1)?;
             }
             if child.len() == 1 {
-                self.residuals.add_moving(child.start as usize, &self.descent.layers, self.job)?;
+                self.residuals.add_moving(child.start as usize, &self.stack.layers, self.job)?;
                 self.job.advance(1);
             }
-            self.descent.leave(&step);
+            self.stack.leave(&step);
         }
         Ok(())
     }
@@ -216,13 +215,13 @@ pub fn inspect_frame(
     }
     let spans = scan.map_or_else(|| settings.spans.clone(), |scan| scan.served(&settings.spans));
     let settings = &Settings { spans, ..settings.clone() };
-    let rig = CameraPairs::new(&capture.cameras);
+    let pairs = CameraPairs::new(&capture.cameras);
     let frames = load_frame(capture, frame, job)?;
     let complete = match scan {
-        Some(scan) => scan.frame_layers(capture, &rig, settings, frame, job)?,
-        None => Arc::new(FrameLayers::unscanned(capture, &rig, settings, frame, job)?),
+        Some(scan) => scan.frame_layers(capture, &pairs, settings, frame, job)?,
+        None => Arc::new(FrameLayers::unscanned(capture, &pairs, settings, frame, job)?),
     };
-    let all = complete.prune(&rig, settings, job)?;
+    let all = complete.prune(&pairs, settings, job)?;
     let levels = complete.path.iter().zip(0..);
     let packed = levels.flat_map(|(&span, level)| {
         let cameras = complete.layers.par_iter().enumerate();
@@ -267,8 +266,8 @@ pub fn prepare_frame(
     if frame >= capture.frame_count() || !scan.serves(&settings.spans) {
         return Ok(None);
     }
-    let rig = CameraPairs::new(&capture.cameras);
-    scan.frame_layers(capture, &rig, settings, frame, job)?.prepare(&rig, settings, job)
+    let pairs = CameraPairs::new(&capture.cameras);
+    scan.frame_layers(capture, &pairs, settings, frame, job)?.prepare(&pairs, settings, job)
 }
 
 /// Adds the kept samples of every camera over one span.

@@ -1,4 +1,4 @@
-//! A scan with the last results that no tolerance touches: whoever looks at frame after frame, or turns one threshold, pays once
+//! A scan with the last results that no tolerance touches: whoever packed_colors at frame after frame, or turns one threshold, pays once
 //! for what stays.
 
 use std::ops::Deref;
@@ -89,7 +89,7 @@ impl PreparedScan {
     pub fn frame_layers(
         &self,
         capture: &Capture,
-        rig: &CameraPairs<'_>,
+        pairs: &CameraPairs<'_>,
         settings: &Settings,
         frame: usize,
         job: &Job,
@@ -107,8 +107,8 @@ impl PreparedScan {
             return Ok(layers);
         }
         let background = PrunedBackground::undecided(self.rated_layers(capture, settings, job)?);
-        let descent = SpanStack::new(capture, Some(&self.scan), rig, settings, background);
-        let layers = Arc::new(FrameLayers::at(frame, descent, job)?);
+        let stack = SpanStack::new(capture, Some(&self.scan), pairs, settings, background);
+        let layers = Arc::new(FrameLayers::at(frame, stack, job)?);
         self.frame.set(key, layers.clone());
         Ok(layers)
     }

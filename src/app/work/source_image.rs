@@ -9,8 +9,9 @@ use crate::app::theme::Tokens;
 use crate::capture::Frame;
 use crate::color::steps_from_linear;
 use crate::grid::Grid;
-use crate::preprocess::inspect::{CameraInspection, FrameInspection, PixelClass};
+use crate::preprocess::inspect::{CameraInspection, FrameInspection};
 use crate::preprocess::pruning::Verdict;
+use crate::preprocess::temporal::PixelClass;
 use crate::samples::TILE;
 
 /// What the left view shows.

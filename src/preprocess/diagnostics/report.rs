@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::calibration_warnings::{doubts, shared_doubt};
+use super::calibration_warnings::{calibration_warnings, shared_warning};
 use super::pair_residuals::PairResiduals;
 use crate::capture::Capture;
 use crate::preprocess::layers::Rate;
@@ -83,7 +83,7 @@ pub struct Report {
     /// `residuals[a][b]`: how well the samples of camera `a` fit what camera `b` saw; nothing of a camera itself.
     pub residuals: Vec<Vec<PairResiduals>>,
     /// Samples whose color was found to be blended across a silhouette, and what became of them: of those `found` some
-    /// `yielded` to clean ones, were `dropped`, `outranked` by others that are blended as well, or `kept`. Nobody looks for them
+    /// `yielded` to clean ones, were `dropped`, `outranked` by others that are blended as well, or `kept`. Nobody packed_colors for them
     /// where mixed pixels are kept, the first camera wins or the capture's color is not filtered, and those whose neighbors live in
     /// shorter spans go unseen; see [`mixed_pixels`](crate::preprocess::layers).
     pub mixed_pixels: BTreeMap<String, u64>,
@@ -102,21 +102,20 @@ impl Report {
         self.cameras.iter().fold(0, |sum, camera| sum.saturating_add(camera.invalid))
     }
 
-    /// What is to be said about cameras that do not fit the others, and about normals that do not fit the depth; see [`doubts`]
-    /// and [`normals::contradiction`].
+    /// Warnings about cameras that do not fit the others, and about normals that do not fit the depth.
     #[must_use]
-    pub fn doubts(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Vec<String> {
         let off = self
             .cameras
             .iter()
             .filter_map(|camera| Some((camera.name.as_str(), camera.normals_off_degrees?)));
-        let normals = normals::doubt(&off.collect::<Vec<_>>());
-        if let Some(shared) = shared_doubt(&self.residuals, self.noise_footprints()) {
+        let normals = normals::normal_space_warning(&off.collect::<Vec<_>>());
+        if let Some(shared) = shared_warning(&self.residuals, self.noise_footprints()) {
             return normals.into_iter().chain([shared.sentence()]).collect();
         }
-        let doubts = doubts(&self.residuals).into_iter();
+        let warnings = calibration_warnings(&self.residuals).into_iter();
         let sentences =
-            doubts.filter_map(|doubt| Some(doubt.sentence(&self.cameras.get(doubt.camera)?.name)));
+            warnings.filter_map(|warning| Some(warning.sentence(&self.cameras.get(warning.camera)?.name)));
         normals.into_iter().chain(sentences).collect()
     }
 

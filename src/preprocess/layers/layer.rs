@@ -3,7 +3,7 @@
 use glam::Vec3;
 use half::f16;
 
-use super::packed_sample::{Facet, Look, Ranks};
+use super::packed_sample::{PackedColor, PackedGeometry, Ranks};
 use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
 use crate::preprocess::noise::CameraNoise;
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel, SpanSamples};
@@ -24,12 +24,12 @@ pub struct CameraLayer {
     /// How well each was sampled: the first that other cameras ask, …
     pub ranks: Vec<Ranks>,
     /// … where it lies, …
-    pub facets: Vec<Facet>,
-    /// … and how it looks.
-    pub looks: Vec<Look>,
+    pub geometry: Vec<PackedGeometry>,
+    /// … and how it packed_colors.
+    pub packed_colors: Vec<PackedColor>,
     /// The level of each pixel's sample; [`NO_SAMPLE`] where there is none.
     pub level: Vec<SpanLevel>,
-    /// Noise of a single frame. Samples of one frame carry it.
+    /// Noise of a single frame. Samples of one frame reproject it.
     pub noise: CameraNoise,
     /// How much of [`CameraLayer::noise`] is left in the samples of each level, 0 to 1; 0 for levels beyond the last.
     pub noise_share: Vec<f32>,
@@ -49,8 +49,8 @@ impl CameraLayer {
             normal: vec![Vec3::ZERO; pixels],
             footprint: vec![f32::INFINITY; pixels],
             ranks: vec![Ranks::ABSENT; pixels],
-            facets: vec![Facet::ABSENT; pixels],
-            looks: vec![Look::ABSENT; pixels],
+            geometry: vec![PackedGeometry::ABSENT; pixels],
+            packed_colors: vec![PackedColor::ABSENT; pixels],
             level: vec![NO_SAMPLE; pixels],
             noise: CameraNoise::default(),
             noise_share: Vec::new(),
@@ -94,8 +94,8 @@ impl CameraLayer {
         self.normal[pixel] = Vec3::ZERO;
         self.footprint[pixel] = f32::INFINITY;
         self.ranks[pixel] = Ranks::ABSENT;
-        self.facets[pixel] = Facet::ABSENT;
-        self.looks[pixel] = Look::ABSENT;
+        self.geometry[pixel] = PackedGeometry::ABSENT;
+        self.packed_colors[pixel] = PackedColor::ABSENT;
         self.level[pixel] = NO_SAMPLE;
     }
 

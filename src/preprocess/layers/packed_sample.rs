@@ -2,7 +2,7 @@
 //!
 //! Asking whether another camera shows the same point reads one sample at a place known only then, sixteen such places at a
 //! time. Such reads cost more than what is done with them: first come the ranks, as nearly always one camera's sample is the
-//! best by far and the others' need no second look; then where the surface lies; and last how it looks.
+//! best by far and the others' need no second look; then where the surface lies; and last how it packed_colors.
 
 use glam::Vec3;
 use half::f16;
@@ -11,14 +11,26 @@ use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::color;
 use crate::preprocess::temporal::SpanLevel;
 
-/// Steps of the colors in a [`Look`] per 8-bit sRGB step.
+/// Steps of the colors in a [`PackedColor`] per 8-bit sRGB step.
 pub const COLOR_STEPS: f32 = 32.0;
 
-/// Set in the rank of a mixed sample that yields: it loses against every clean one.
-pub const MIXED: u32 = 1 << 31;
+/// Set in the rank of a sample whose color is blended across a silhouette, where such samples yield to all others.
+pub(super) const MIXED: u32 = 1 << 31;
 
-/// Set in the rank of a sample on a surface whose normal is not known: it loses against all whose normal is.
-pub const UNSURE: u32 = 1 << 30;
+/// Set in the rank of a sample on a surface whose normal is not known: it yields to all whose normal is.
+pub(super) const UNKNOWN_NORMAL: u32 = 1 << 30;
+
+/// Whether a rank is that of a sample whose color is blended across a silhouette, and which yields to all others.
+#[inline(always)]
+pub(crate) fn is_mixed(rank: u32) -> bool {
+    rank & MIXED != 0
+}
+
+/// Whether a rank is that of a sample on a surface whose normal is not known.
+#[inline(always)]
+pub(crate) fn has_unknown_normal(rank: u32) -> bool {
+    rank & UNKNOWN_NORMAL != 0
+}
 
 /// Set where the normal is known.
 const NORMAL_KNOWN: u32 = 1 << 31;
@@ -27,10 +39,14 @@ const NORMAL_KNOWN: u32 = 1 << 31;
 const LEVEL_SHIFT: u32 = 16;
 
 /// How well a sample was sampled: smaller wins.
+///
+/// ```text
+/// [ blended color: 1 bit | unknown normal: 1 bit | footprint: 30 bits ]     u32::MAX where there is no sample
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(8))]
 pub struct Ranks {
-    /// By the rate model that decides; see [`MIXED`] and [`UNSURE`].
+    /// By the rate model that decides.
     pub rank: u32,
     /// By the rate model that does not decide, to see where the two disagree.
     pub other_rank: u32,
@@ -44,14 +60,14 @@ impl Ranks {
 /// Where a sample's surface is and which way it faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(16))]
-pub struct Facet {
+pub struct PackedGeometry {
     /// 1/z; 0 at infinity, negative where there is no sample.
     pub inverse_depth: f32,
     /// Unit, in the space of its own camera; `(0, 0, 1)` where it is unknown, so that distances count along the depth.
     pub normal_in_camera: [f32; 3],
 }
 
-impl Facet {
+impl PackedGeometry {
     /// No sample.
     pub const ABSENT: Self = Self { inverse_depth: INVALID_INVERSE_DEPTH, normal_in_camera: [0.0, 0.0, 1.0] };
 
@@ -63,15 +79,15 @@ impl Facet {
     }
 }
 
-/// How a sample looks, whether its normal is known, and its level.
+/// How a sample packed_colors, whether its normal is known, and its level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(8))]
-pub struct Look {
+pub struct PackedColor {
     red_green: u32,
     blue_level_known: u32,
 }
 
-impl Look {
+impl PackedColor {
     /// No sample.
     pub const ABSENT: Self = Self { red_green: 0, blue_level_known: 0 };
 
@@ -121,18 +137,18 @@ mod tests {
 
     #[test]
     fn a_sample_keeps_its_color_to_a_fraction_of_a_step_and_four_share_a_cache_line() {
-        assert_eq!((size_of::<Ranks>(), size_of::<Facet>(), size_of::<Look>()), (8, 16, 8));
+        assert_eq!((size_of::<Ranks>(), size_of::<PackedGeometry>(), size_of::<PackedColor>()), (8, 16, 8));
         for linear in [0.0, 0.003, 0.2, 0.99, 3.0, 100.0] {
             let linear = f16::from_f32(linear);
-            let look = Look::new(3, [linear, f16::ZERO, linear], true);
+            let look = PackedColor::new(3, [linear, f16::ZERO, linear], true);
             let steps = color::steps_from_linear(linear);
             let [red, green, blue] = look.color();
             assert!((red as f32 / COLOR_STEPS - steps).abs() <= 0.5 / COLOR_STEPS);
             assert_eq!((red, green), (blue, 0));
             assert!(look.has_normal() && look.level() == 3);
         }
-        assert!(!Look::new(3, [f16::ONE; 3], false).has_normal());
-        assert_eq!(Look::new(3, [f16::MAX; 3], true).color(), [65535; 3]);
-        assert_eq!(Facet::new(0.5, Vec3::ZERO).normal_in_camera, [0.0, 0.0, 1.0]);
+        assert!(!PackedColor::new(3, [f16::ONE; 3], false).has_normal());
+        assert_eq!(PackedColor::new(3, [f16::MAX; 3], true).color(), [65535; 3]);
+        assert_eq!(PackedGeometry::new(0.5, Vec3::ZERO).normal_in_camera, [0.0, 0.0, 1.0]);
     }
 }

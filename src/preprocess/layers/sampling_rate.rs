@@ -15,7 +15,7 @@
 //! every capture tried, the longest side keeps fewer samples than the area and comes closer to the truth
 //! (`overlook sweep`, RESULTS.md). Where cameras are alike it orders samples as the paper does, but for α.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use crate::capture::Camera;
 use crate::settings::{PruningSettings, RateModel};
@@ -103,8 +103,7 @@ impl ViewingRays {
 /// The cosine of incidence θ between a ray and a surface normal, both in world orientation, no less than `floor`.
 /// An unknown (zero) normal counts as the floor. That it loses to every known one is up to the sample's
 /// [`Ranks`](super::packed_sample::Ranks).
-#[must_use]
-pub(super) fn cosine_of_incidence(ray: Vec3, normal: Vec3, floor: f32) -> f32 {
+fn cosine_of_incidence(ray: Vec3, normal: Vec3, floor: f32) -> f32 {
     (-normal.dot(ray) / ray.length()).max(floor)
 }
 
@@ -147,20 +146,11 @@ pub(super) fn rank(footprint: f32) -> u32 {
     footprint.to_bits() >> RANK_SHIFT
 }
 
-/// The paper's `r` for one point seen by two cameras, as printed: view vectors `v`, look vectors `d` (unit, world space),
-/// distances along the view vector, and the normal at the point. For reference and tests.
-#[must_use]
-pub(super) fn paper_r(view: [Vec3; 2], look: [Vec3; 2], distance: Vec2, normal: Vec3) -> f32 {
-    let numerator = (view[0] * distance.x).dot(look[0]) * normal.dot(-view[1]);
-    let denominator = (view[1] * distance.y).dot(look[1]) * normal.dot(-view[0]);
-    numerator / denominator
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::capture::Intrinsics;
-    use glam::{DVec2, DVec3};
+    use glam::{DVec2, DVec3, Vec2};
 
     fn camera(eye: DVec3, target: DVec3, width: u32) -> Camera {
         Camera::look_at("c", Intrinsics::from_horizontal_angle(width, width, 0.9), eye, target, DVec3::Z)
@@ -197,6 +187,14 @@ mod tests {
         let r = footprint_at(Rate::Paper, &side, DVec3::ZERO, Vec3::Z)
             / footprint_at(Rate::Paper, &front, DVec3::ZERO, Vec3::Z);
         assert!((r - 2.0).abs() < 1e-4, "{r}");
+    }
+
+    /// The paper's `r` for one point seen by two cameras, as printed: view vectors `v`, look vectors `d` (unit, world space),
+    /// distances along the view vector, and the normal at the point.
+    fn paper_r(view: [Vec3; 2], look: [Vec3; 2], distance: Vec2, normal: Vec3) -> f32 {
+        let numerator = (view[0] * distance.x).dot(look[0]) * normal.dot(-view[1]);
+        let denominator = (view[1] * distance.y).dot(look[1]) * normal.dot(-view[0]);
+        numerator / denominator
     }
 
     #[test]
@@ -270,7 +268,11 @@ mod tests {
         let camera = camera(DVec3::new(0.0, -3.0, 1.0), DVec3::ZERO, 100);
         for rate in [Rate::Paper, Rate::Footprint, Rate::Stretch] {
             let footprint = |normal| footprint_at(rate, &camera, DVec3::ZERO, normal);
-            assert_eq!(footprint(Vec3::ZERO), footprint(Vec3::X), "the camera looks along the surface");
+            assert_eq!(
+                footprint(Vec3::ZERO),
+                footprint(Vec3::X),
+                "the camera packed_colors along the surface"
+            );
             assert!(rank(footprint(Vec3::ZERO)) > rank(footprint(Vec3::Z)));
         }
     }

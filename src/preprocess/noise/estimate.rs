@@ -18,6 +18,7 @@ use half::f16;
 use serde::{Deserialize, Serialize};
 
 use super::block_motion::{is_same_surface, patterns_move};
+use super::rank::bin_of_rank;
 use crate::capture::Frame;
 use crate::color;
 
@@ -280,15 +281,9 @@ fn median_bin(bins: &[u64]) -> Option<f32> {
         return None;
     }
     let half = total as f64 / 2.0;
-    let mut below = 0.0;
-    for (bin, &count) in bins.iter().enumerate() {
-        let count = count as f64;
-        if below + count >= half {
-            return Some(bin as f32 + ((half - below) / count) as f32);
-        }
-        below += count;
-    }
-    None
+    let bin = bin_of_rank(bins.iter().copied(), half.ceil() as u64)?;
+    let below: u64 = bins[..bin].iter().sum();
+    Some(bin as f32 + ((half - below as f64) / bins[bin] as f64) as f32)
 }
 
 #[cfg(test)]

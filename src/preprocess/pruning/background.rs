@@ -63,9 +63,9 @@ impl PrunedBackground {
     /// Prunes static layers, which need their rates yet, against each other.
     fn prune(capture: &Capture, layers: Vec<StaticLayer>, settings: &Settings, job: &Job) -> Result<Self> {
         let layers = rated(capture, layers, settings, job)?;
-        let rig = CameraPairs::new(&capture.cameras);
+        let pairs = CameraPairs::new(&capture.cameras);
         let statuses = no_statuses(&layers);
-        let decided = search::prune(&rig, &layers, &statuses, ROOT, settings, job)?;
+        let decided = search::prune(&pairs, &layers, &statuses, ROOT, settings, job)?;
         let statuses = statuses
             .iter()
             .map(|camera| camera.iter().map(|status| status.load(Ordering::Relaxed)).collect());

@@ -28,7 +28,7 @@ pub const FRAME: SpanLevel = 1;
 pub struct SpanStack<'a> {
     capture: &'a Capture,
     scan: Option<&'a TemporalScan>,
-    rig: &'a CameraPairs<'a>,
+    pairs: &'a CameraPairs<'a>,
     settings: &'a Settings,
     builder: LayerBuilder<'a>,
     /// Per camera, every sample that was put so far.
@@ -50,7 +50,7 @@ impl<'a> SpanStack<'a> {
     pub fn new(
         capture: &'a Capture,
         scan: Option<&'a TemporalScan>,
-        rig: &'a CameraPairs<'a>,
+        pairs: &'a CameraPairs<'a>,
         settings: &'a Settings,
         background: PrunedBackground,
     ) -> Self {
@@ -60,7 +60,7 @@ impl<'a> SpanStack<'a> {
             .map(|camera| camera.into_iter().map(AtomicU8::new).collect())
             .collect();
         let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
-        Self { capture, scan, rig, settings, builder, layers: background.layers, statuses }
+        Self { capture, scan, pairs, settings, builder, layers: background.layers, statuses }
     }
 
     /// The spans there are.
@@ -79,7 +79,7 @@ impl<'a> SpanStack<'a> {
     /// Whatever the capture gives (naming file and frame), `Io` where the temporary file cannot be read, and `Cancelled`.
     pub fn enter(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<StackStep> {
         let pixels = self.put_span(span, level, job)?;
-        let decided = search::prune(self.rig, &self.layers, &self.statuses, level, self.settings, job)?;
+        let decided = search::prune(self.pairs, &self.layers, &self.statuses, level, self.settings, job)?;
         Ok(StackStep { pixels, decided })
     }
 

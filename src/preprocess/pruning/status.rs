@@ -4,9 +4,9 @@ use std::sync::atomic::AtomicU8;
 
 use crate::preprocess::layers::CameraLayer;
 
-/// No sample at the pixel that could stand for another.
+/// No sample at the pixel that could be a witness.
 pub(super) const ABSENT: u8 = 0;
-/// Waiting for better samples to be decided.
+/// PendingSample for better samples to be decided.
 pub(crate) const UNDECIDED: u8 = 1;
 /// Stays.
 pub const KEPT: u8 = 2;

@@ -17,7 +17,7 @@ pub enum Outcome {
     ShorterSpan,
     /// The camera sees something nearer at that pixel.
     Occluded,
-    /// The camera sees something farther at that pixel: it looks past the point.
+    /// The camera sees something farther at that pixel: it packed_colors past the point.
     SeesPast,
     /// Same depth, but the normals differ.
     NormalDiffers,
@@ -53,20 +53,20 @@ pub(crate) const NEARER: u32 = 1 << 7;
 /// For the samples of a block, the smallest tolerances at which each shows the same surface point as the target does, up to
 /// rounding; anything where no tolerance makes it so.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Needs<const N: usize = LANES> {
+pub(crate) struct RequiredTolerances<const N: usize = LANES> {
     /// In footprints, of the point itself and where it is asked for of the pixels around it.
     pub(crate) depth: [f32; N],
     /// One less the cosine between the normals.
     pub(crate) turn: [f32; N],
-    /// In 8-bit sRGB steps; where they are fewer than [`Needs::few_steps`], noise is not counted.
+    /// In 8-bit sRGB steps; where they are fewer than [`RequiredTolerances::negligible_steps`], noise is not counted.
     pub(crate) color: [f32; N],
     /// Colors that differ by no more than this agree at any tolerance that will ever be asked about.
-    pub(crate) few_steps: f32,
+    pub(crate) negligible_steps: f32,
 }
 
-impl<const N: usize> Needs<N> {
-    pub(crate) fn new(few_steps: f32) -> Self {
-        Self { depth: [0.0; N], turn: [0.0; N], color: [0.0; N], few_steps }
+impl<const N: usize> RequiredTolerances<N> {
+    pub(crate) fn new(negligible_steps: f32) -> Self {
+        Self { depth: [0.0; N], turn: [0.0; N], color: [0.0; N], negligible_steps }
     }
 }
 

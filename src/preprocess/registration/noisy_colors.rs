@@ -1,8 +1,8 @@
 //! Colors that differ by more than the tolerance, but by no more than the noise of both cameras explains.
 
-use super::answers::{COLOR_AGREES, Needs, SAME, SURROUNDED, SurfaceMatches};
+use super::answers::{COLOR_AGREES, RequiredTolerances, SAME, SURROUNDED, SurfaceMatches};
 use super::reproject::PixelRun;
-use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, Look};
+use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor};
 
 /// All that has to hold before the color of a sample matters.
 const BUT_LOOKS: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
@@ -10,19 +10,19 @@ const BUT_LOOKS: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
 /// The color tolerance that each sample needs once noise is granted.
 #[cold]
 #[inline(never)]
-pub(crate) fn tell_noise<const N: usize>(
+pub(crate) fn require_beyond_noise<const N: usize>(
     (source, block): (&CameraLayer, &PixelRun<N>),
-    (target, looks): (&CameraLayer, &[Look; N]),
+    (target, packed_colors): (&CameraLayer, &[PackedColor; N]),
     answers: &SurfaceMatches<N>,
     sigmas: f32,
-    needs: &mut Needs<N>,
+    required: &mut RequiredTolerances<N>,
 ) {
-    for (i, look) in looks.iter().enumerate() {
-        if answers.bits[i] & BUT_LOOKS != BUT_LOOKS || needs.color[i] <= needs.few_steps {
+    for (i, packed) in packed_colors.iter().enumerate() {
+        if answers.bits[i] & BUT_LOOKS != BUT_LOOKS || required.color[i] <= required.negligible_steps {
             continue;
         }
-        let beyond = beyond_noise((source, block, i), (target, answers.pixel[i], look), sigmas);
-        needs.color[i] = needs.color[i].min(beyond);
+        let beyond = beyond_noise((source, block, i), (target, answers.pixel[i], packed), sigmas);
+        required.color[i] = required.color[i].min(beyond);
     }
 }
 
@@ -31,11 +31,11 @@ pub(crate) fn tell_noise<const N: usize>(
 #[inline(always)]
 fn beyond_noise<const N: usize>(
     (source, block, lane): (&CameraLayer, &PixelRun<N>, usize),
-    (target, found, look): (&CameraLayer, u32, &Look),
+    (target, found, packed): (&CameraLayer, u32, &PackedColor),
     sigmas: f32,
 ) -> f32 {
     let pixel = block.row * source.width + block.column + lane;
-    let found_color = look.color();
+    let found_color = packed.color();
     let of_channel = |channel: usize| {
         let [a, b] =
             [block.color[channel][lane], found_color[channel]].map(|color| color as f32 / COLOR_STEPS);
@@ -50,16 +50,16 @@ fn beyond_noise<const N: usize>(
 #[inline(never)]
 pub(crate) fn allow_noise<const N: usize>(
     (source, block): (&CameraLayer, &PixelRun<N>),
-    (target, looks): (&CameraLayer, &[Look; N]),
+    (target, packed_colors): (&CameraLayer, &[PackedColor; N]),
     answers: &mut SurfaceMatches<N>,
     (color_steps, sigmas): (f32, f32),
-    wanted: [u32; N],
+    relevant: [u32; N],
 ) {
-    for (i, look) in looks.iter().enumerate() {
-        if wanted[i] == 0 || answers.bits[i] & (BUT_LOOKS | COLOR_AGREES) != BUT_LOOKS {
+    for (i, packed) in packed_colors.iter().enumerate() {
+        if relevant[i] == 0 || answers.bits[i] & (BUT_LOOKS | COLOR_AGREES) != BUT_LOOKS {
             continue;
         }
-        let beyond = beyond_noise((source, block, i), (target, answers.pixel[i], look), sigmas);
+        let beyond = beyond_noise((source, block, i), (target, answers.pixel[i], packed), sigmas);
         let agrees = beyond <= color_steps;
         if agrees {
             answers.bits[i] |= COLOR_AGREES;

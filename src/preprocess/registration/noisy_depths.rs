@@ -1,7 +1,7 @@
 //! Depths that differ by more than the tolerance, but by no more than the noise of both cameras explains.
 
-use super::reproject::{Carried, PixelRun};
-use crate::preprocess::layers::{CameraLayer, Facet};
+use super::reproject::{PixelRun, ReprojectedRun};
+use crate::preprocess::layers::{CameraLayer, PackedGeometry};
 
 /// By how much the noise of both cameras may move the points of a block off the surfaces that the target found: for each its
 /// distance along the ray, times both inverse depths as in the [comparison](super::same_surface).
@@ -9,7 +9,7 @@ use crate::preprocess::layers::{CameraLayer, Facet};
 #[inline(never)]
 pub(crate) fn granted_to_noise<const N: usize>(
     (source, block): (&CameraLayer, &PixelRun<N>),
-    (target, carried, found): (&CameraLayer, &Carried<N>, &[Facet; N]),
+    (target, carried, found): (&CameraLayer, &ReprojectedRun<N>, &[PackedGeometry; N]),
     sigmas: f32,
 ) -> [f32; N] {
     let mut granted = [0.0; N];
@@ -29,8 +29,8 @@ pub(crate) fn granted_to_noise<const N: usize>(
 #[inline(never)]
 pub(crate) fn granted_around<const N: usize>(
     target: &CameraLayer,
-    carried: &Carried<N>,
-    found: &[Facet; N],
+    carried: &ReprojectedRun<N>,
+    found: &[PackedGeometry; N],
     neighbors: &[[f32; N]; 3],
     sigmas: f32,
 ) -> [[f32; N]; 3] {

@@ -13,14 +13,14 @@
 //! `step` is what depths are rounded by. Where depth is noisy, so many standard deviations of both samples' noise come to it.
 
 use super::answers::{
-    COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, Needs, ON_SURFACE, Outcome, SAME,
-    SURROUNDED, SurfaceMatches,
+    COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, ON_SURFACE, Outcome,
+    RequiredTolerances, SAME, SURROUNDED, SurfaceMatches,
 };
-use super::noisy_colors::{allow_noise, tell_noise};
+use super::noisy_colors::{allow_noise, require_beyond_noise};
 use super::noisy_depths::{granted_around, granted_to_noise};
-use super::reproject::{Carried, Lens, PixelRun, Registration};
+use super::reproject::{Lens, PixelRun, Registration, ReprojectedRun};
 use crate::capture::INVALID_INVERSE_DEPTH;
-use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, Facet, Look, MIXED};
+use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
 use crate::simd::whole;
@@ -62,7 +62,7 @@ impl SameSurface {
         }
     }
 
-    /// Thresholds by which surfaces are the same up to a distance in footprints, however they face and look.
+    /// Thresholds by which surfaces are the same up to a distance in footprints, however they face and packed.
     #[must_use]
     pub fn geometry_within(footprints: f32) -> Self {
         Self {
@@ -111,7 +111,7 @@ impl SameSurface {
         target: &CameraLayer,
     ) -> Outcome {
         let block = PixelRun::<1>::new(source, x, y, 1);
-        let carried = registration.carry(&block, target.width);
+        let carried = registration.reproject(&block, target.width);
         if carried.bits[0] & IN_VIEW == 0 {
             return if carried.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
         }
@@ -139,34 +139,40 @@ impl SameSurface {
         }
     }
 
-    /// Compares the samples of a block with what the target saw where they lie. Of samples that are not `wanted` it tells no
+    /// Compares the samples of a block with what the target saw where they lie. Of samples that are not `relevant` it tells no
     /// more than is needed for the others.
     #[inline(always)]
     pub(crate) fn compare<const N: usize>(
         &self,
         registration: &Registration,
         source: (&CameraLayer, &PixelRun<N>),
-        target: (&CameraLayer, &Carried<N>),
-        wanted: [u32; N],
+        target: (&CameraLayer, &ReprojectedRun<N>),
+        relevant: [u32; N],
     ) -> SurfaceMatches<N> {
-        self.compare_telling::<N, false>(registration, source, target, wanted, &mut Needs::new(0.0))
+        self.compare_measuring::<N, false>(
+            registration,
+            source,
+            target,
+            relevant,
+            &mut RequiredTolerances::new(0.0),
+        )
     }
 
-    /// [`SameSurface::compare`]; where `TELLING`, with what each sample needs to be the same, if anything within these thresholds
+    /// [`SameSurface::compare`]; where `MEASURING`, with what each sample needs to be the same, if anything within these thresholds
     /// does.
     #[inline(always)]
-    pub(crate) fn compare_telling<const N: usize, const TELLING: bool>(
+    pub(crate) fn compare_measuring<const N: usize, const MEASURING: bool>(
         &self,
         registration: &Registration,
         (source, block): (&CameraLayer, &PixelRun<N>),
-        (target, carried): (&CameraLayer, &Carried<N>),
-        wanted: [u32; N],
-        needs: &mut Needs<N>,
+        (target, carried): (&CameraLayer, &ReprojectedRun<N>),
+        relevant: [u32; N],
+        required: &mut RequiredTolerances<N>,
     ) -> SurfaceMatches<N> {
         let limits = self;
-        let mut found = [Facet::ABSENT; N];
+        let mut found = [PackedGeometry::ABSENT; N];
         for i in 0..N {
-            found[i] = target.facets[carried.pixel[i] as usize];
+            found[i] = target.geometry[carried.pixel[i] as usize];
         }
         let mut granted = [0.0; N];
         if limits.depth_sigmas > 0.0 {
@@ -193,78 +199,83 @@ impl SameSurface {
                 + (ax.y * mx + ay.y * my + az.y * mz) * ny
                 + (ax.z * mx + ay.z * my + az.z * mz) * nz;
             let facing = (block.known[i] == 0) | (cosine >= limits.normal_cosine);
-            if TELLING {
-                needs.depth[i] = needed(distance.abs() - step, footprint);
-                needs.turn[i] = if block.known[i] == 0 { 0.0 } else { 1.0 - cosine };
+            if MEASURING {
+                required.depth[i] = needed(distance.abs() - step, footprint);
+                required.turn[i] = if block.known[i] == 0 { 0.0 } else { 1.0 - cosine };
             }
             answers.bits[i] |= if there >= 0.0 { HAS_DEPTH } else { 0 }
                 | if on_surface { ON_SURFACE } else { 0 }
                 | if there * qz > w { NEARER } else { 0 }
                 | if facing { NORMAL_AGREES } else { 0 };
         }
-        let mut looks = [Look::ABSENT; N];
+        let mut packed_colors = [PackedColor::ABSENT; N];
         for i in 0..N {
-            looks[i] = target.looks[carried.pixel[i] as usize];
+            packed_colors[i] = target.packed_colors[carried.pixel[i] as usize];
         }
         let mut yields = [0_u32; N];
-        if block.rank.iter().fold(0, |all, rank| all | rank) & MIXED != 0 {
+        if is_mixed(block.rank.iter().fold(0, |all, rank| all | rank)) {
             for i in 0..N {
                 // A mixed sample's color belongs to no surface: it may not speak against a clean witness.
-                let is_mixed = |rank: u32| rank & MIXED != 0;
                 let clean = !is_mixed(target.ranks[carried.pixel[i] as usize].rank);
                 yields[i] = u32::from(is_mixed(block.rank[i]) & clean);
             }
         }
         let color_limit = (limits.color_steps * COLOR_STEPS) as i32;
         for i in 0..N {
-            let color = looks[i].color();
+            let color = packed_colors[i].color();
             let furthest = (block.color[0][i] - color[0])
                 .abs()
                 .max((block.color[1][i] - color[1]).abs())
                 .max((block.color[2][i] - color[2]).abs());
-            let level = looks[i].level();
+            let level = packed_colors[i].level();
             answers.bits[i] &= if level <= limits.deepest { u32::MAX } else { !HAS_DEPTH };
-            answers.bits[i] |= if looks[i].has_normal() { 0 } else { NORMAL_AGREES }
+            answers.bits[i] |= if packed_colors[i].has_normal() { 0 } else { NORMAL_AGREES }
                 | if (yields[i] != 0) | (furthest <= color_limit) { COLOR_AGREES } else { 0 };
             answers.level[i] = level;
-            if TELLING {
-                needs.turn[i] = if looks[i].has_normal() { needs.turn[i] } else { 0.0 };
-                needs.color[i] = if yields[i] != 0 { 0.0 } else { furthest as f32 * (1.0 / COLOR_STEPS) };
+            if MEASURING {
+                required.turn[i] = if packed_colors[i].has_normal() { required.turn[i] } else { 0.0 };
+                required.color[i] = if yields[i] != 0 { 0.0 } else { furthest as f32 * (1.0 / COLOR_STEPS) };
             }
         }
         if limits.noise_sigmas > 0.0 {
-            if TELLING {
-                tell_noise((source, block), (target, &looks), &answers, limits.noise_sigmas, needs);
+            if MEASURING {
+                require_beyond_noise(
+                    (source, block),
+                    (target, &packed_colors),
+                    &answers,
+                    limits.noise_sigmas,
+                    required,
+                );
             }
             let thresholds = (limits.color_steps, limits.noise_sigmas);
-            allow_noise((source, block), (target, &looks), &mut answers, thresholds, wanted);
+            allow_noise((source, block), (target, &packed_colors), &mut answers, thresholds, relevant);
         }
-        self.surround::<N, TELLING>(
+        self.surround::<N, MEASURING>(
             &registration.target,
             (target, carried, &found),
             &mut answers,
-            wanted,
-            needs,
+            relevant,
+            required,
         );
         answers
     }
 
     /// Whether the target shows the surface on all four pixels around each position, so that it can be interpolated there.
     #[inline(always)]
-    fn surround<const N: usize, const TELLING: bool>(
+    fn surround<const N: usize, const MEASURING: bool>(
         &self,
         lens: &Lens,
-        (target, carried, found): (&CameraLayer, &Carried<N>, &[Facet; N]),
+        (target, carried, found): (&CameraLayer, &ReprojectedRun<N>, &[PackedGeometry; N]),
         answers: &mut SurfaceMatches<N>,
-        mut wanted: [u32; N],
-        needs: &mut Needs<N>,
+        mut relevant: [u32; N],
+        required: &mut RequiredTolerances<N>,
     ) {
         const BUT_SURROUNDED: u32 = SAME & !SURROUNDED;
         let mut candidates = 0;
         for i in 0..N {
             let so_far = answers.bits[i] & BUT_SURROUNDED == BUT_SURROUNDED;
-            wanted[i] &= u32::from(so_far);
-            candidates |= wanted[i];
+            relevant[i] &= u32::from(so_far);
+            candidates |= relevant[i];
         }
         let limits = self;
         if candidates == 0 || !limits.overlap {
@@ -277,7 +288,7 @@ impl SameSurface {
         let mut beside = [[0_u32; N]; 3];
         let mut inside = [0_u32; N];
         for i in 0..N {
-            let mut within = wanted[i] != 0;
+            let mut within = relevant[i] != 0;
             for axis in 0..2 {
                 let off = carried.off_center[axis][i];
                 let side = if off > CENTERED { 1.0 } else { 0.0 } - if off < -CENTERED { 1.0 } else { 0.0 };
@@ -297,7 +308,7 @@ impl SameSurface {
         let mut depths = [[0.0_f32; N]; 3];
         for corner in 0..3 {
             for i in 0..N {
-                depths[corner][i] = target.facets[beside[corner][i] as usize].inverse_depth;
+                depths[corner][i] = target.geometry[beside[corner][i] as usize].inverse_depth;
             }
         }
         if limits.has_deeper {
@@ -329,8 +340,8 @@ impl SameSurface {
                 // Both are rounded, and both are noisy.
                 let step = target.depth_step_relative * (here + there) + granted[corner][i];
                 let limit = limits.depth_footprints * footprint + step;
-                if TELLING {
-                    needs.depth[i] = needs.depth[i].max(needed(distance.abs() - step, footprint));
+                if MEASURING {
+                    required.depth[i] = required.depth[i].max(needed(distance.abs() - step, footprint));
                 }
                 let both_or_neither_finite = (here == 0.0) == (there == 0.0);
                 all &= (there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite;

@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::staticness::StaticTest;
+use crate::preprocess::noise::{bin_of_rank, rank_of_share};
 use crate::simd::{self, VectorLoop};
 
 /// Bins per octave of the histograms of ranges.
@@ -20,7 +21,7 @@ pub(super) const PERCENTILES: [f32; 5] = [50.0, 75.0, 90.0, 95.0, 99.0];
 
 /// Counts pixels by their ranges.
 #[derive(Clone, Debug)]
-pub struct RangeShares {
+pub struct RangeHistogram {
     color: Vec<u64>,
     depth: Vec<u64>,
     pixels: u64,
@@ -30,7 +31,7 @@ pub struct RangeShares {
     within_depth: u64,
 }
 
-impl Default for RangeShares {
+impl Default for RangeHistogram {
     fn default() -> Self {
         Self {
             color: vec![0; COLOR_BINS],
@@ -62,7 +63,7 @@ pub struct RangeFacts {
     pub within_depth_granted: f32,
 }
 
-impl RangeShares {
+impl RangeHistogram {
     /// Counts pixels over all frames: their ranges of color (8-bit sRGB steps) and of depth (relative, infinite where there is a
     /// frame without depth), and the ranges of color that are granted to them.
     pub fn count(&mut self, color: &[f32], depth: &[f32], granted: &[f32], test: &StaticTest) {
@@ -110,7 +111,7 @@ impl RangeShares {
 const LANES: usize = 16;
 
 struct Count<'a> {
-    shares: &'a mut RangeShares,
+    shares: &'a mut RangeHistogram,
     color: &'a [f32],
     depth: &'a [f32],
     granted: &'a [f32],
@@ -136,7 +137,7 @@ impl VectorLoop for Count<'_> {
     }
 }
 
-impl RangeShares {
+impl RangeHistogram {
     #[inline(always)]
     fn count_lanes(
         &mut self,
@@ -202,13 +203,8 @@ fn percentiles(bins: &[u64], octaves: f32) -> Vec<f32> {
     PERCENTILES
         .iter()
         .map(|percent| {
-            let rank = (f64::from(*percent) / 100.0 * total as f64).ceil() as u64;
-            let mut below = 0;
-            let found = bins.iter().position(|count| {
-                below += count;
-                below >= rank
-            });
-            match found.unwrap_or(0) {
+            let rank = rank_of_share(total, f64::from(*percent) / 100.0);
+            match bin_of_rank(bins.iter().copied(), rank).unwrap_or(0) {
                 0 => 0.0,
                 bin => (bin as f32 / BINS_PER_OCTAVE - octaves).exp2(),
             }
@@ -239,7 +235,7 @@ mod tests {
     fn percentiles_and_shares_tell_where_the_tolerance_lies() {
         let settings = SpanSettings::default();
         let test = StaticTest::new(&settings, &CameraNoise::default(), 0.0, 10);
-        let mut shares = RangeShares::default();
+        let mut shares = RangeHistogram::default();
         for i in 0..1000 {
             shares.count(&[i as f32 / 100.0], &[0.0], &[test.granted_color()], &test);
         }

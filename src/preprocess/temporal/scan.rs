@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::batch::BATCH;
-use super::range_histogram::RangeShares;
+use super::range_histogram::RangeHistogram;
 use super::span_store::SpanStore;
 use super::span_tree::SpanTree;
 use super::staticness::StaticTest;
@@ -34,7 +34,7 @@ pub struct CameraScan {
     /// Range and mean of every pixel over all frames; for the paper's two lengths only.
     pub ranges: Option<SequenceRanges>,
     /// How far the ranges of all pixels reach; for the tree of spans only.
-    pub shares: Option<RangeShares>,
+    pub shares: Option<RangeHistogram>,
     /// Pixels without depth, over all frames.
     pub invalid: u64,
     /// The coarsest quantization step of depth met in any frame, relative; where a tree of spans was built, in those that were
@@ -166,7 +166,12 @@ impl Preview {
     }
 
     /// With what the pass over the frames told.
-    fn with(self, ranges: Option<SequenceRanges>, shares: Option<RangeShares>, invalid: u64) -> CameraScan {
+    fn with(
+        self,
+        ranges: Option<SequenceRanges>,
+        shares: Option<RangeHistogram>,
+        invalid: u64,
+    ) -> CameraScan {
         let Self { noise, depth_step_relative, normal_errors, held: _ } = self;
         CameraScan { ranges, shares, invalid, depth_step_relative, noise, normal_errors }
     }

@@ -115,14 +115,14 @@ impl Record for SpanSamples {
 #[derive(Debug)]
 pub struct SpanStore {
     places: BTreeMap<(usize, Span), RecordPlace<SpanSamples>>,
-    overflow: SpillFile,
+    spill: SpillFile,
 }
 
 impl SpanStore {
     /// An empty store that holds at most `bound` bytes in memory.
     #[must_use]
     pub fn new(bound: usize) -> Self {
-        Self { places: BTreeMap::new(), overflow: SpillFile::new(bound) }
+        Self { places: BTreeMap::new(), spill: SpillFile::new(bound) }
     }
 
     /// Takes the samples of `camera` over `span`.
@@ -131,7 +131,7 @@ impl SpanStore {
     /// `Io` where the temporary file cannot be written.
     pub fn insert(&mut self, camera: usize, span: Span, samples: SpanSamples) -> Result<()> {
         if !samples.is_empty() {
-            self.places.insert((camera, span), self.overflow.put(samples)?);
+            self.places.insert((camera, span), self.spill.put(samples)?);
         }
         Ok(())
     }
@@ -141,7 +141,7 @@ impl SpanStore {
     /// # Errors
     /// `Io` where the temporary file cannot be read.
     pub fn get(&self, camera: usize, span: Span) -> Result<Option<Arc<SpanSamples>>> {
-        self.places.get(&(camera, span)).map(|place| self.overflow.get(place)).transpose()
+        self.places.get(&(camera, span)).map(|place| self.spill.get(place)).transpose()
     }
 
     /// How many samples each span of `camera` has, in no order of length; spans without any are left out.

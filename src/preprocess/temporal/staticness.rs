@@ -47,7 +47,7 @@ const COLOR_BITS: [u32; CHANNELS] = {
     bits
 };
 
-/// [`StaticTest::doubtful_colors`] tells halves of octaves apart: what is darker than 2⁻⁹ counts as the first, what is brighter
+/// [`StaticTest::uncertain_colors`] tells halves of octaves apart: what is darker than 2⁻⁹ counts as the first, what is brighter
 /// than 1.5 as the last.
 const MARGIN_STEPS: usize = 20;
 const DARKEST: usize = 6 << 10;
@@ -99,18 +99,18 @@ impl StaticTest {
     /// three to a color; of dark and very bright ones by a narrower margin.
     #[inline(always)]
     #[must_use]
-    pub(crate) fn doubtful_colors(&self, low: &[i16; CHANNELS], high: &[i16; CHANNELS]) -> u32 {
+    pub(crate) fn uncertain_colors(&self, low: &[i16; CHANNELS], high: &[i16; CHANNELS]) -> u32 {
         let mut margin = [0; CHANNELS];
         for &(from, least) in &self.margin_steps {
             for i in 0..CHANNELS {
                 margin[i] = if high[i] >= from { least } else { margin[i] };
             }
         }
-        let mut doubtful = [0; CHANNELS];
+        let mut uncertain = [0; CHANNELS];
         for i in 0..CHANNELS {
-            doubtful[i] = if high[i] - low[i] > margin[i] { COLOR_BITS[i] } else { 0 };
+            uncertain[i] = if high[i] - low[i] > margin[i] { COLOR_BITS[i] } else { 0 };
         }
-        simd::joined(&doubtful)
+        simd::joined(&uncertain)
     }
 
     /// Whether a color whose half floats have these smallest and largest bits, none below 0, is static.
@@ -211,8 +211,8 @@ mod tests {
         for (low, high, is_clear) in channels(&test) {
             assert_eq!(is_clear, test.is_within_granted([low; 3], [high; 3]), "{low} to {high}");
             clear += usize::from(is_clear);
-            let doubtful = test.doubtful_colors(&[low; CHANNELS], &[high; CHANNELS]);
-            assert!(is_clear || doubtful == 0xffff, "{low} to {high}");
+            let uncertain = test.uncertain_colors(&[low; CHANNELS], &[high; CHANNELS]);
+            assert!(is_clear || uncertain == 0xffff, "{low} to {high}");
         }
         assert!(clear > 10_000, "{clear}");
     }

@@ -23,8 +23,8 @@ use rayon::prelude::*;
 use super::batch::Batch;
 use super::batch_split::ShortSpans;
 use super::pixel_stats::{FrameRun, SpanSums};
-use super::prefilter::list_doubtful;
-use super::range_histogram::RangeShares;
+use super::prefilter::list_uncertain;
+use super::range_histogram::RangeHistogram;
 use super::root_buffer::{RootBand, RootSamples};
 use super::span_means::{
     color_ranges_steps, depth_ranges_relative, granted_color_steps, mean_color, mean_inverse_depth,
@@ -65,11 +65,11 @@ struct SplitBand {
     /// `[chunk][open span]`
     chunks: Vec<Vec<SpanSums>>,
     invalid: u64,
-    shares: RangeShares,
+    shares: RangeHistogram,
 }
 
 /// Samples of some spans, in no order of spans.
-pub type Given = Vec<(Span, SpanSamples)>;
+pub type FinishedSpans = Vec<(Span, SpanSamples)>;
 
 impl Split {
     /// A split of `pixels` pixels over `frames` frames.
@@ -82,7 +82,7 @@ impl Split {
                 pixels: count,
                 chunks: vec![Vec::new(); count.div_ceil(CHUNK)],
                 invalid: 0,
-                shares: RangeShares::default(),
+                shares: RangeHistogram::default(),
             }
         });
         Self {
@@ -96,15 +96,15 @@ impl Split {
 
     /// Adds the frames that follow: [`BATCH`](super::batch::BATCH) of them, or a smaller power of two each time; at the end, what is left. Gives
     /// the samples of the spans that are settled now.
-    pub fn add(&mut self, frames: &[Arc<Frame>]) -> Given {
+    pub fn add(&mut self, frames: &[Arc<Frame>]) -> FinishedSpans {
         let span = Span { start: self.added, end: self.added + frames.len() as u32 };
         self.added = span.end;
-        let carry = self.carry(span);
+        let reproject = self.reproject(span);
         let batch = Batch {
             frames,
             span,
             test: &self.test,
-            carry: &carry,
+            reproject: &reproject,
             is_last: span.end == self.tree.root().end,
         };
         let pixels = self.bands.iter().map(|band| band.pixels).sum();
@@ -138,15 +138,15 @@ impl Split {
 
     /// How far the ranges of all pixels reach, once all frames are added.
     #[must_use]
-    pub fn shares(&self) -> RangeShares {
-        let mut all = RangeShares::default();
+    pub fn shares(&self) -> RangeHistogram {
+        let mut all = RangeHistogram::default();
         self.bands.iter().for_each(|band| all.join(&band.shares));
         all
     }
 
     /// Pairs of spans that become one once `span` is complete, in order.
-    fn carry(&mut self, span: Span) -> Vec<[Span; 2]> {
-        let mut carry = Vec::new();
+    fn reproject(&mut self, span: Span) -> Vec<[Span; 2]> {
+        let mut reproject = Vec::new();
         let mut right = span;
         while let Some(&left) = self.open.last() {
             let union = Span { start: left.start, end: right.end };
@@ -154,21 +154,21 @@ impl Split {
                 break;
             }
             self.open.pop();
-            carry.push([left, right]);
+            reproject.push([left, right]);
             right = union;
         }
         self.open.push(right);
-        carry
+        reproject
     }
 }
 
 /// The samples that were found in bands that follow one another.
 struct SplitSamples {
     short: ShortSpans,
-    /// For each pair of spans in [`Batch::carry`].
+    /// For each pair of spans in [`Batch::reproject`].
     long: Vec<[SpanSamples; 2]>,
     /// Pixels of a chunk that need a look of their own.
-    doubtful: Vec<u16>,
+    uncertain: Vec<u16>,
 }
 
 impl SplitSamples {
@@ -176,23 +176,23 @@ impl SplitSamples {
         let room = || SpanSamples::with_capacity(ROOM);
         Self {
             short: ShortSpans::new(batch, ROOM),
-            long: batch.carry.iter().map(|_| [room(), room()]).collect(),
-            doubtful: Vec::with_capacity(CHUNK),
+            long: batch.reproject.iter().map(|_| [room(), room()]).collect(),
+            uncertain: Vec::with_capacity(CHUNK),
         }
     }
 
-    fn given(self, batch: &Batch<'_>) -> Given {
+    fn given(self, batch: &Batch<'_>) -> FinishedSpans {
         let long =
-            batch.carry.iter().zip(self.long).flat_map(|(spans, given)| spans.iter().copied().zip(given));
+            batch.reproject.iter().zip(self.long).flat_map(|(spans, given)| spans.iter().copied().zip(given));
         self.short.given.into_iter().chain(long).collect()
     }
 }
 
 /// The samples of all bands, those of a span together.
-fn join(found: Vec<SplitSamples>, batch: &Batch<'_>) -> Given {
+fn join(found: Vec<SplitSamples>, batch: &Batch<'_>) -> FinishedSpans {
     let mut parts = found.into_iter().map(|found| found.given(batch));
-    let Some(mut joined) = parts.next() else { return Given::new() };
-    let later: Vec<Given> = parts.collect();
+    let Some(mut joined) = parts.next() else { return FinishedSpans::new() };
+    let later: Vec<FinishedSpans> = parts.collect();
     joined.par_iter_mut().enumerate().for_each(|(nth, (_, samples))| {
         let later = || later.iter().map(|given| &given[nth].1);
         samples.reserve(later().map(SpanSamples::len).sum());
@@ -205,7 +205,7 @@ fn join(found: Vec<SplitSamples>, batch: &Batch<'_>) -> Given {
 impl SplitBand {
     /// `root` is there with the last frames.
     fn add(&mut self, batch: &Batch<'_>, mut root: Option<&mut RootBand<'_>>, found: &mut SplitSamples) {
-        let SplitSamples { short, long, doubtful } = found;
+        let SplitSamples { short, long, uncertain } = found;
         for (index, open) in self.chunks.iter_mut().enumerate() {
             let first = self.first + index * CHUNK;
             let pixels = CHUNK.min(self.first + self.pixels - first);
@@ -213,8 +213,8 @@ impl SplitBand {
             let count_invalid =
                 |run: &FrameRun<'_>| run.inverse_depth[..pixels].iter().filter(|w| **w < 0.0).count();
             let mut sums = SpanSums::of(&runs, pixels);
-            list_doubtful([&sums, &sums], batch.test, doubtful);
-            for &pixel in doubtful.iter() {
+            list_uncertain([&sums, &sums], batch.test, uncertain);
+            for &pixel in uncertain.iter() {
                 let pixel = pixel as usize;
                 if !sums.is_static(pixel, batch.test) {
                     short.push(batch, &runs, first, pixel);
@@ -227,8 +227,8 @@ impl SplitBand {
             }
             for given in &mut *long {
                 let Some(left) = open.pop() else { break };
-                list_doubtful([&left, &sums], batch.test, doubtful);
-                sums = union(left, &sums, batch.test, (first, doubtful), given);
+                list_uncertain([&left, &sums], batch.test, uncertain);
+                sums = union(left, &sums, batch.test, (first, uncertain), given);
             }
             if let Some(root) = &mut root {
                 let (color, depth) = (color_ranges_steps(&sums), depth_ranges_relative(&sums));
@@ -252,16 +252,16 @@ fn run_of(frame: &Frame, first: usize) -> FrameRun<'_> {
     }
 }
 
-/// The sums over two spans together. Where they are not static, which is asked of the `doubtful` pixels, the static ones of the two
+/// The sums over two spans together. Where they are not static, which is asked of the `uncertain` pixels, the static ones of the two
 /// become samples.
 fn union(
     mut left: SpanSums,
     right: &SpanSums,
     test: &StaticTest,
-    (first, doubtful): (usize, &[u16]),
+    (first, uncertain): (usize, &[u16]),
     given: &mut [SpanSamples; 2],
 ) -> SpanSums {
-    for pixel in doubtful.iter().map(|pixel| *pixel as usize) {
+    for pixel in uncertain.iter().map(|pixel| *pixel as usize) {
         if left.is_static_with(right, pixel, test) {
             continue;
         }
@@ -303,7 +303,7 @@ mod tests {
         let test = StaticTest::new(&SpanSettings::default(), &noise, 0.0, frames.len());
         let found = simd::at_every_level(|| {
             let mut split = Split::new(75 * 50, frames.len(), test.clone());
-            let given: Vec<Given> = frames.chunks(BATCH).map(|frames| split.add(frames)).collect();
+            let given: Vec<FinishedSpans> = frames.chunks(BATCH).map(|frames| split.add(frames)).collect();
             (given, split.shares().facts(&test))
         });
         let short = found[0].0.iter().flatten().filter(|(span, _)| span.len() < 40);

@@ -13,7 +13,7 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::pixel_stats::{direction, summand};
-use super::range_histogram::RangeShares;
+use super::range_histogram::RangeHistogram;
 use super::span_store::SpanSamples;
 use super::staticness::{StaticTest, color_range_steps};
 use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
@@ -80,8 +80,8 @@ impl SequenceRanges {
 
     /// How far the ranges of all pixels reach.
     #[must_use]
-    pub fn shares(&self, test: &StaticTest) -> RangeShares {
-        let mut shares = RangeShares::default();
+    pub fn shares(&self, test: &StaticTest) -> RangeHistogram {
+        let mut shares = RangeHistogram::default();
         let colors = self.low_color.as_slice().iter().zip(self.high_color.as_slice());
         let granted: Vec<f32> = colors.map(|(low, high)| test.granted_within(low, high)).collect();
         let color: Vec<f32> = self.color_steps().collect();
