@@ -14,8 +14,8 @@
 
 pub mod diagnostics;
 pub mod inspect;
-pub mod interactive;
-pub mod layers;
+pub(crate) mod interactive;
+mod layers;
 pub mod noise;
 pub mod normals;
 mod prepared_scan;

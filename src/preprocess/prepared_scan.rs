@@ -86,7 +86,7 @@ impl PreparedScan {
     ///
     /// # Errors
     /// As [`SpanStack::enter`].
-    pub fn frame_layers(
+    pub(crate) fn frame_layers(
         &self,
         capture: &Capture,
         pairs: &CameraPairs<'_>,

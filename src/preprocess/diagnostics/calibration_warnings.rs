@@ -44,7 +44,6 @@ pub(super) struct SharedWarning {
 
 impl SharedWarning {
     /// In words.
-    #[must_use]
     pub(super) fn sentence(&self) -> String {
         const CHECK: &str = "check depth_kind, depth_unit_scale_factor and the lens, which concern all of them, and the poses";
         match self.footprints {
@@ -81,7 +80,6 @@ const SUSPECT_RATIO: f32 = 8.0;
 
 /// What is to be said of all cameras together, where not even those two agree that fit best; see [`PairResiduals`] for `pairs`.
 /// Noise and rounding may put surfaces so many footprints apart as `granted`.
-#[must_use]
 pub(super) fn shared_warning(pairs: &[Vec<PairResiduals>], granted_footprints: f32) -> Option<SharedWarning> {
     let of = |a: usize, b: usize| pairs.get(a)?.get(b).copied();
     let others = |a: usize| (0..pairs.len()).filter(move |b| *b != a);

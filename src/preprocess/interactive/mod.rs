@@ -6,4 +6,4 @@ mod candidate_lists;
 mod prepared_frame;
 mod replay;
 
-pub use prepared_frame::{CameraPlanes, FrameLayers, FrameVerdicts};
+pub(crate) use prepared_frame::{CameraPlanes, FrameLayers, FrameVerdicts};

@@ -24,13 +24,13 @@ use crate::settings::{PruningMethod, Settings};
 
 /// All cameras at one frame, ready to be pruned.
 #[derive(Debug)]
-pub struct FrameLayers {
+pub(crate) struct FrameLayers {
     /// The spans that contain the frame, by level.
-    pub path: Vec<Span>,
+    pub(crate) path: Vec<Span>,
     /// Every sample at the frame, per camera.
-    pub layers: Arc<Vec<CameraLayer>>,
+    pub(crate) layers: Arc<Vec<CameraLayer>>,
     /// The same for display, per camera.
-    pub planes: Vec<CameraPlanes>,
+    pub(crate) planes: Vec<CameraPlanes>,
     lists: Mutex<CachedLists>,
 }
 
@@ -44,15 +44,15 @@ struct CachedLists {
 
 /// What is shown of a layer beside its verdicts.
 #[derive(Clone, Debug)]
-pub struct CameraPlanes {
+pub(crate) struct CameraPlanes {
     /// Over how many frames each pixel is the same, in words.
-    pub class: Arc<Grid<PixelClass>>,
+    pub(crate) class: Arc<Grid<PixelClass>>,
     /// The level of each pixel's sample.
-    pub level: Arc<Grid<SpanLevel>>,
+    pub(crate) level: Arc<Grid<SpanLevel>>,
     /// World-space normals; zero where there is none.
-    pub normal_in_world: Arc<Grid<[f32; 3]>>,
+    pub(crate) normal_in_world: Arc<Grid<[f32; 3]>>,
     /// Footprint of each pixel; infinite where there is no sample.
-    pub footprint: Arc<Grid<f32>>,
+    pub(crate) footprint: Arc<Grid<f32>>,
 }
 
 impl FrameLayers {
@@ -60,7 +60,7 @@ impl FrameLayers {
     ///
     /// # Errors
     /// As [`SpanStack::enter`].
-    pub fn unscanned(
+    pub(crate) fn unscanned(
         capture: &Capture,
         pairs: &CameraPairs<'_>,
         settings: &Settings,
@@ -74,7 +74,7 @@ impl FrameLayers {
     ///
     /// # Errors
     /// As [`SpanStack::enter`].
-    pub fn at(frame: usize, mut stack: SpanStack<'_>, job: &Job) -> Result<Self> {
+    pub(crate) fn at(frame: usize, mut stack: SpanStack<'_>, job: &Job) -> Result<Self> {
         let path = stack.tree().path(frame);
         for (level, &span) in path.iter().enumerate().skip(1) {
             stack.put_span(span, level as SpanLevel, job)?;
@@ -87,7 +87,12 @@ impl FrameLayers {
     ///
     /// # Errors
     /// `Cancelled`.
-    pub fn prune(&self, pairs: &CameraPairs<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
+    pub(crate) fn prune(
+        &self,
+        pairs: &CameraPairs<'_>,
+        settings: &Settings,
+        job: &Job,
+    ) -> Result<FrameVerdicts> {
         let lists = self.lists.lock().map_or(None, |cached| cached.serving(settings));
         match lists {
             Some(lists) => self.replay(&lists, pairs, settings, job),
@@ -100,7 +105,12 @@ impl FrameLayers {
     ///
     /// # Errors
     /// `Cancelled`.
-    pub fn prepare(&self, pairs: &CameraPairs<'_>, settings: &Settings, job: &Job) -> Result<Option<usize>> {
+    pub(crate) fn prepare(
+        &self,
+        pairs: &CameraPairs<'_>,
+        settings: &Settings,
+        job: &Job,
+    ) -> Result<Option<usize>> {
         let lock = || self.lists.lock().unwrap_or_else(PoisonError::into_inner);
         if settings.pruning.method == PruningMethod::Off || lock().refused(settings) {
             return Ok(None);
@@ -172,11 +182,11 @@ impl CachedLists {
 
 /// The verdicts on every pixel of every camera at one frame.
 #[derive(Debug)]
-pub struct FrameVerdicts {
+pub(crate) struct FrameVerdicts {
     /// Per camera, row by row.
-    pub verdicts: Vec<Vec<Verdict>>,
+    pub(crate) verdicts: Vec<Vec<Verdict>>,
     /// Per camera, where the other rate model would have named another winner, by pixel.
-    pub disputes: Vec<Vec<Dispute>>,
+    pub(crate) disputes: Vec<Vec<Dispute>>,
     statuses: Statuses,
 }
 
@@ -198,8 +208,7 @@ impl FrameVerdicts {
     }
 
     /// Which samples of a level are kept, of a camera with that layer.
-    #[must_use]
-    pub fn masks(&self, camera: usize, layer: &CameraLayer, level: SpanLevel) -> Masks {
+    pub(crate) fn masks(&self, camera: usize, layer: &CameraLayer, level: SpanLevel) -> Masks {
         Masks::at_level(layer, level, &self.statuses[camera])
     }
 }

@@ -15,7 +15,7 @@ use crate::settings::{MixedPixels, NormalSource, PruningMethod, Settings};
 const MIN_PIXELS: usize = 1024;
 
 /// What is needed to complete layers, decided once per capture and settings.
-pub struct LayerBuilder<'a> {
+pub(crate) struct LayerBuilder<'a> {
     settings: &'a Settings,
     rate: Rate,
     antialiased: bool,
@@ -23,13 +23,12 @@ pub struct LayerBuilder<'a> {
 
 impl<'a> LayerBuilder<'a> {
     /// For a capture with these cameras, whose color is filtered across silhouettes if `antialiased`.
-    #[must_use]
-    pub fn new(settings: &'a Settings, cameras: &[Camera], antialiased: bool) -> Self {
+    pub(crate) fn new(settings: &'a Settings, cameras: &[Camera], antialiased: bool) -> Self {
         Self { settings, rate: Rate::resolve(settings.pruning.rate, cameras), antialiased }
     }
 
     /// Estimates the normals of the samples at `pixels`, where they are not given or not wanted as given.
-    pub fn estimate_normals(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
+    pub(crate) fn estimate_normals(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
         let rotation = camera.world_from_camera.matrix3.as_mat3();
         let view = DepthView::new(&layer.inverse_depth, camera, &self.settings.normals);
         let estimated = self.settings.normals.source == NormalSource::Estimated;
@@ -53,7 +52,7 @@ impl<'a> LayerBuilder<'a> {
     }
 
     /// Fills in footprints, ranks, geometry and packed_colors of the samples at `pixels`, from colors, depths and normals.
-    pub fn rate(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
+    pub(crate) fn rate(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
         let width = layer.width.max(1);
         let rays = ViewingRays::new(camera);
         let camera_from_world = camera.camera_from_world().matrix3.as_mat3();

@@ -12,7 +12,7 @@ use crate::color;
 use crate::preprocess::temporal::SpanLevel;
 
 /// Steps of the colors in a [`PackedColor`] per 8-bit sRGB step.
-pub const COLOR_STEPS: f32 = 32.0;
+pub(crate) const COLOR_STEPS: f32 = 32.0;
 
 /// Set in the rank of a sample whose color is blended across a silhouette, where such samples yield to all others.
 pub(super) const MIXED: u32 = 1 << 31;
@@ -45,35 +45,35 @@ const LEVEL_SHIFT: u32 = 16;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(8))]
-pub struct Ranks {
+pub(crate) struct Ranks {
     /// By the rate model that decides.
-    pub rank: u32,
+    pub(crate) rank: u32,
     /// By the rate model that does not decide, to see where the two disagree.
-    pub other_rank: u32,
+    pub(crate) other_rank: u32,
 }
 
 impl Ranks {
     /// No sample.
-    pub const ABSENT: Self = Self { rank: u32::MAX, other_rank: u32::MAX };
+    pub(crate) const ABSENT: Self = Self { rank: u32::MAX, other_rank: u32::MAX };
 }
 
 /// Where a sample's surface is and which way it faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(16))]
-pub struct PackedGeometry {
+pub(crate) struct PackedGeometry {
     /// 1/z; 0 at infinity, negative where there is no sample.
-    pub inverse_depth: f32,
+    pub(crate) inverse_depth: f32,
     /// Unit, in the space of its own camera; `(0, 0, 1)` where it is unknown, so that distances count along the depth.
-    pub normal_in_camera: [f32; 3],
+    pub(crate) normal_in_camera: [f32; 3],
 }
 
 impl PackedGeometry {
     /// No sample.
-    pub const ABSENT: Self = Self { inverse_depth: INVALID_INVERSE_DEPTH, normal_in_camera: [0.0, 0.0, 1.0] };
+    pub(crate) const ABSENT: Self =
+        Self { inverse_depth: INVALID_INVERSE_DEPTH, normal_in_camera: [0.0, 0.0, 1.0] };
 
     /// A sample on a surface; a zero normal is unknown.
-    #[must_use]
-    pub fn new(inverse_depth: f32, normal_in_camera: Vec3) -> Self {
+    pub(crate) fn new(inverse_depth: f32, normal_in_camera: Vec3) -> Self {
         let normal = if normal_in_camera == Vec3::ZERO { Vec3::Z } else { normal_in_camera };
         Self { inverse_depth, normal_in_camera: normal.to_array() }
     }
@@ -82,18 +82,17 @@ impl PackedGeometry {
 /// How a sample packed_colors, whether its normal is known, and its level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(8))]
-pub struct PackedColor {
+pub(crate) struct PackedColor {
     red_green: u32,
     blue_level_known: u32,
 }
 
 impl PackedColor {
     /// No sample.
-    pub const ABSENT: Self = Self { red_green: 0, blue_level_known: 0 };
+    pub(crate) const ABSENT: Self = Self { red_green: 0, blue_level_known: 0 };
 
     /// A sample of a level and of linear `color`.
-    #[must_use]
-    pub fn new(level: SpanLevel, color: [f16; 3], has_normal: bool) -> Self {
+    pub(crate) fn new(level: SpanLevel, color: [f16; 3], has_normal: bool) -> Self {
         let [red, green, blue] = color.map(|channel| {
             // 2048 steps are 150 times white; what is brighter than that counts as equally bright.
             (color::steps_from_linear(channel) * COLOR_STEPS + 0.5).min(65535.0) as u32
@@ -107,8 +106,7 @@ impl PackedColor {
 
     /// Color in [`COLOR_STEPS`].
     #[inline(always)]
-    #[must_use]
-    pub fn color(&self) -> [i32; 3] {
+    pub(crate) fn color(&self) -> [i32; 3] {
         [
             (self.red_green & 0xffff) as i32,
             (self.red_green >> 16) as i32,
@@ -118,15 +116,13 @@ impl PackedColor {
 
     /// The level of the sample.
     #[inline(always)]
-    #[must_use]
-    pub fn level(&self) -> u32 {
+    pub(crate) fn level(&self) -> u32 {
         self.blue_level_known >> LEVEL_SHIFT & 0xff
     }
 
     /// Whether the normal is known.
     #[inline(always)]
-    #[must_use]
-    pub fn has_normal(&self) -> bool {
+    pub(crate) fn has_normal(&self) -> bool {
         self.blue_level_known & NORMAL_KNOWN != 0
     }
 }

@@ -22,7 +22,7 @@ use crate::settings::{PruningSettings, RateModel};
 
 /// How footprints are measured, once decided for a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rate {
+pub(crate) enum Rate {
     /// `z / cos θ`, capture units.
     Paper,
     /// `z² cos α / (fx fy cos θ)`, capture units squared.
@@ -36,8 +36,7 @@ const ALIKE: f64 = 1e-3;
 
 impl Rate {
     /// What `model` means for these cameras.
-    #[must_use]
-    pub fn resolve(model: RateModel, cameras: &[Camera]) -> Self {
+    pub(crate) fn resolve(model: RateModel, cameras: &[Camera]) -> Self {
         let alike = |a: &Camera, b: &Camera| {
             let (a, b) = (a.intrinsics, b.intrinsics);
             (a.fx / b.fx - 1.0).abs() < ALIKE && (a.fy / b.fy - 1.0).abs() < ALIKE
@@ -51,8 +50,7 @@ impl Rate {
     }
 
     /// The model that this is compared with.
-    #[must_use]
-    pub fn other(self) -> Self {
+    pub(crate) fn other(self) -> Self {
         match self {
             Self::Paper => Self::Footprint,
             Self::Footprint | Self::Stretch => Self::Paper,
@@ -60,28 +58,26 @@ impl Rate {
     }
 
     /// This one where it knows focal length and resolution, else the area of a pixel: what the paper's `r` is shown beside.
-    #[must_use]
-    pub fn with_focal_length(self) -> Self {
+    pub(crate) fn with_focal_length(self) -> Self {
         if self == Self::Paper { Self::Footprint } else { self }
     }
 }
 
 /// The viewing rays of a camera: camera position plus `ray(x, y) · z` is the world point of a pixel at planar depth `z`.
 #[derive(Clone, Copy, Debug)]
-pub struct ViewingRays {
+pub(crate) struct ViewingRays {
     origin: Vec3,
     per_column: Vec3,
     per_row: Vec3,
     /// `1 / (fx fy)`: solid angle of a pixel on the optical axis.
-    pub pixel_area: f32,
+    pub(crate) pixel_area: f32,
     /// `1 / min(fx, fy)²`: the square of a pixel's longer side at depth 1; the area where pixels are square.
     longer_side_squared: f32,
 }
 
 impl ViewingRays {
     /// The rays of `camera`, in world orientation.
-    #[must_use]
-    pub fn new(camera: &Camera) -> Self {
+    pub(crate) fn new(camera: &Camera) -> Self {
         let k = camera.intrinsics;
         let rotation = camera.world_from_camera.matrix3;
         Self {
@@ -94,8 +90,7 @@ impl ViewingRays {
     }
 
     /// The ray through the center of pixel `(x, y)`, scaled to planar depth 1, in world orientation.
-    #[must_use]
-    pub fn at(&self, x: usize, y: usize) -> Vec3 {
+    pub(crate) fn at(&self, x: usize, y: usize) -> Vec3 {
         self.origin + self.per_column * x as f32 + self.per_row * y as f32
     }
 }
@@ -110,8 +105,7 @@ fn cosine_of_incidence(ray: Vec3, normal: Vec3, floor: f32) -> f32 {
 /// The footprint of a sample: smaller is sampled more densely; the ratio of two is the paper's `r`.
 ///
 /// `ray` comes from [`ViewingRays::at`]; samples at infinity (`inverse_depth` 0) are compared by the size of their pixel alone.
-#[must_use]
-pub fn footprint(
+pub(crate) fn footprint(
     rate: Rate,
     rays: &ViewingRays,
     ray: Vec3,
@@ -141,7 +135,6 @@ pub fn footprint(
 const RANK_SHIFT: u32 = 13;
 
 /// The order in which samples win: smaller wins. Monotone in the footprint (positive, finite).
-#[must_use]
 pub(super) fn rank(footprint: f32) -> u32 {
     footprint.to_bits() >> RANK_SHIFT
 }

@@ -9,11 +9,10 @@ use crate::grid::Grid;
 use crate::settings::NormalEstimator;
 
 /// Estimates below this confidence are not used.
-pub const MIN_CONFIDENCE: f32 = 0.5;
+pub(crate) const MIN_CONFIDENCE: f32 = 0.5;
 
 /// The estimates at some pixels (`y * width + x`), one for each.
-#[must_use]
-pub fn estimate_at(view: &DepthView<'_>, estimator: NormalEstimator, pixels: &[u32]) -> Vec<Estimate> {
+pub(crate) fn estimate_at(view: &DepthView<'_>, estimator: NormalEstimator, pixels: &[u32]) -> Vec<Estimate> {
     match estimator {
         NormalEstimator::Cross => pixels.iter().map(|&pixel| cross(view, pixel)).collect(),
         NormalEstimator::Plane => {
@@ -25,8 +24,7 @@ pub fn estimate_at(view: &DepthView<'_>, estimator: NormalEstimator, pixels: &[u
 }
 
 /// Estimates for every pixel of the picture.
-#[must_use]
-pub fn estimate_all(view: &DepthView<'_>, estimator: NormalEstimator) -> Grid<Estimate> {
+pub(crate) fn estimate_all(view: &DepthView<'_>, estimator: NormalEstimator) -> Grid<Estimate> {
     let (width, height) = (view.width as usize, view.height as usize);
     let row = |y: usize| {
         let pixels: Vec<u32> = (y * width..(y + 1) * width).map(|pixel| pixel as u32).collect();

@@ -15,6 +15,7 @@ mod estimate;
 mod plane_fit;
 mod validation;
 
-pub use depth_view::DepthView;
-pub use estimate::{MIN_CONFIDENCE, estimate_all, estimate_at};
-pub use validation::{NormalErrors, compare_with_given, contradiction, normal_space_warning};
+pub(crate) use depth_view::DepthView;
+pub(crate) use estimate::{MIN_CONFIDENCE, estimate_all, estimate_at};
+pub use validation::NormalErrors;
+pub(crate) use validation::{compare_with_given, contradiction, normal_space_warning};

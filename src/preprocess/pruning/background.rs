@@ -18,19 +18,18 @@ use crate::settings::Settings;
 
 /// Static pixels of all cameras with their verdicts.
 #[derive(Clone, Debug)]
-pub struct PrunedBackground {
+pub(crate) struct PrunedBackground {
     /// Per camera; pixels that are not static hold no sample.
-    pub layers: Vec<CameraLayer>,
+    pub(crate) layers: Vec<CameraLayer>,
     /// Per camera and pixel: as [`Statuses`](super::status::Statuses).
-    pub statuses: Vec<Vec<u8>>,
+    pub(crate) statuses: Vec<Vec<u8>>,
     /// The verdicts.
-    pub decided: Vec<Decided>,
+    pub(crate) decided: Vec<Decided>,
 }
 
 impl PrunedBackground {
     /// A background without any sample: every pixel will count as foreground.
-    #[must_use]
-    pub fn none(capture: &Capture) -> Self {
+    pub(crate) fn none(capture: &Capture) -> Self {
         let layers = capture
             .cameras
             .iter()
@@ -43,8 +42,7 @@ impl PrunedBackground {
     }
 
     /// Layers on which nothing was decided.
-    #[must_use]
-    pub fn undecided(layers: Vec<CameraLayer>) -> Self {
+    pub(crate) fn undecided(layers: Vec<CameraLayer>) -> Self {
         Self {
             statuses: layers.iter().map(|layer| vec![ABSENT; layer.level.len()]).collect(),
             decided: layers.iter().map(|_| Decided::default()).collect(),
@@ -56,7 +54,7 @@ impl PrunedBackground {
     ///
     /// # Errors
     /// `Cancelled`, and `Io` where a temporary file cannot be read.
-    pub fn of(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &Job) -> Result<Self> {
+    pub(crate) fn of(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &Job) -> Result<Self> {
         Self::prune(capture, static_layers(capture, scan, settings, job)?, settings, job)
     }
 

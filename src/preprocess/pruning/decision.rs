@@ -250,17 +250,17 @@ impl Verdict {
 
 /// The verdicts on one camera's samples of one level.
 #[derive(Clone, Debug, Default)]
-pub struct Decided {
+pub(crate) struct Decided {
     /// Pixels that were decided, `y * width + x`, ascending.
-    pub pixels: Vec<u32>,
+    pub(crate) pixels: Vec<u32>,
     /// One verdict per pixel.
-    pub verdicts: Vec<Verdict>,
+    pub(crate) verdicts: Vec<Verdict>,
     /// Where the other rate model names another camera as the best-sampled, by pixel.
-    pub disputes: Vec<Dispute>,
+    pub(crate) disputes: Vec<Dispute>,
     /// Samples whose color was found to be blended across a silhouette.
-    pub mixed: u64,
+    pub(crate) mixed: u64,
     /// How many of them are kept.
-    pub mixed_kept: u64,
+    pub(crate) mixed_kept: u64,
 }
 
 /// A sample for which the two rate models name different cameras as the one that samples its point best.

@@ -14,16 +14,17 @@ mod search;
 mod span_stack;
 mod status;
 
-pub use background::PrunedBackground;
+pub(crate) use background::PrunedBackground;
 pub(crate) use background::{StaticLayer, rated, static_layers};
 pub(crate) use best_candidate::{OtherCamera, lanes_at, other_cameras};
+pub(crate) use decision::Decided;
 pub(crate) use decision::{
     Candidate, decide, is_better, is_dropped_as_mixed, may_be_witness, rule_of_dropped, rule_of_kept,
 };
-pub use decision::{Decided, Dispute, Rule, Verdict};
-pub use pack::{Masks, pack};
+pub use decision::{Dispute, Rule, Verdict};
+pub(crate) use pack::{Masks, pack};
 pub(crate) use pass::BAND_ROWS;
-pub use search::prune;
-pub use span_stack::{FRAME, SpanStack, load_frame};
+pub(crate) use search::prune;
+pub(crate) use span_stack::{FRAME, SpanStack, load_frame};
 pub(crate) use status::UNDECIDED;
-pub use status::{DROPPED, KEPT, Statuses, no_statuses};
+pub(crate) use status::{DROPPED, KEPT, Statuses, no_statuses};

@@ -42,7 +42,7 @@ use crate::simd::{self, VectorLoop};
 ///
 /// # Errors
 /// `Cancelled`.
-pub fn prune(
+pub(crate) fn prune(
     pairs: &CameraPairs<'_>,
     layers: &[CameraLayer],
     statuses: &Statuses,

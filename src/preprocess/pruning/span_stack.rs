@@ -22,32 +22,31 @@ use crate::samples::Span;
 use crate::settings::{Settings, SpanLevels};
 
 /// The level of samples of one frame where nothing is known of other frames.
-pub const FRAME: SpanLevel = 1;
+pub(crate) const FRAME: SpanLevel = 1;
 
 /// All cameras on the way down.
-pub struct SpanStack<'a> {
+pub(crate) struct SpanStack<'a> {
     capture: &'a Capture,
     scan: Option<&'a TemporalScan>,
     pairs: &'a CameraPairs<'a>,
     settings: &'a Settings,
     builder: LayerBuilder<'a>,
     /// Per camera, every sample that was put so far.
-    pub layers: Vec<CameraLayer>,
+    pub(crate) layers: Vec<CameraLayer>,
     statuses: Statuses,
 }
 
 /// What was put and decided at a step down, per camera.
-pub struct StackStep {
+pub(crate) struct StackStep {
     /// The samples, ascending.
-    pub pixels: Vec<Vec<u32>>,
+    pub(crate) pixels: Vec<Vec<u32>>,
     /// The verdicts on them.
-    pub decided: Vec<Decided>,
+    pub(crate) decided: Vec<Decided>,
 }
 
 impl<'a> SpanStack<'a> {
     /// Begins at `background`. Without a `scan` every pixel is one of its frame alone.
-    #[must_use]
-    pub fn new(
+    pub(crate) fn new(
         capture: &'a Capture,
         scan: Option<&'a TemporalScan>,
         pairs: &'a CameraPairs<'a>,
@@ -64,8 +63,7 @@ impl<'a> SpanStack<'a> {
     }
 
     /// The spans there are.
-    #[must_use]
-    pub fn tree(&self) -> SpanTree {
+    pub(crate) fn tree(&self) -> SpanTree {
         let frames = self.capture.frame_count();
         match self.scan {
             Some(scan) => scan.tree(&self.settings.spans),
@@ -77,7 +75,7 @@ impl<'a> SpanStack<'a> {
     ///
     /// # Errors
     /// Whatever the capture gives (naming file and frame), `Io` where the temporary file cannot be read, and `Cancelled`.
-    pub fn enter(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<StackStep> {
+    pub(crate) fn enter(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<StackStep> {
         let pixels = self.put_span(span, level, job)?;
         let decided = search::prune(self.pairs, &self.layers, &self.statuses, level, self.settings, job)?;
         Ok(StackStep { pixels, decided })
@@ -87,7 +85,7 @@ impl<'a> SpanStack<'a> {
     ///
     /// # Errors
     /// As [`SpanStack::enter`].
-    pub fn put_span(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<Vec<Vec<u32>>> {
+    pub(crate) fn put_span(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<Vec<Vec<u32>>> {
         let (capture, scan, builder) = (self.capture, self.scan, &self.builder);
         let of_camera = |(camera, layer): (usize, &mut CameraLayer)| {
             job.check()?;
@@ -112,7 +110,7 @@ impl<'a> SpanStack<'a> {
     }
 
     /// Takes the samples of a step away again; later steps must be taken away before.
-    pub fn leave(&mut self, step: &StackStep) {
+    pub(crate) fn leave(&mut self, step: &StackStep) {
         let cameras = self.layers.par_iter_mut().zip(&self.statuses).zip(&step.pixels);
         cameras.for_each(|((layer, statuses), pixels)| {
             for &pixel in pixels {
@@ -127,7 +125,7 @@ impl<'a> SpanStack<'a> {
 ///
 /// # Errors
 /// Whatever the capture gives, and `Cancelled`.
-pub fn load_frame(capture: &Capture, frame: usize, job: &Job) -> Result<Vec<Arc<Frame>>> {
+pub(crate) fn load_frame(capture: &Capture, frame: usize, job: &Job) -> Result<Vec<Arc<Frame>>> {
     let load = |camera| {
         job.check()?;
         capture.frame(camera, frame)

@@ -9,15 +9,14 @@ pub(super) const ABSENT: u8 = 0;
 /// PendingSample for better samples to be decided.
 pub(crate) const UNDECIDED: u8 = 1;
 /// Stays.
-pub const KEPT: u8 = 2;
+pub(crate) const KEPT: u8 = 2;
 /// Was dropped.
-pub const DROPPED: u8 = 3;
+pub(crate) const DROPPED: u8 = 3;
 
 /// Whether each pixel of each camera holds a kept sample: [`ABSENT`], [`KEPT`] or [`DROPPED`].
-pub type Statuses = Vec<Vec<AtomicU8>>;
+pub(crate) type Statuses = Vec<Vec<AtomicU8>>;
 
 /// Statuses in which nothing is decided yet.
-#[must_use]
-pub fn no_statuses(layers: &[CameraLayer]) -> Statuses {
+pub(crate) fn no_statuses(layers: &[CameraLayer]) -> Statuses {
     layers.iter().map(|layer| layer.level.iter().map(|_| AtomicU8::new(ABSENT)).collect()).collect()
 }

@@ -1,7 +1,7 @@
 //! What one camera says about the samples of another: bits of an answer for each lane of a block, and the same in words.
 
 /// Pixels that are carried at once.
-pub const LANES: usize = 16;
+pub(crate) const LANES: usize = 16;
 
 /// What another camera says about a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -34,9 +34,9 @@ pub enum Outcome {
 pub(crate) struct SurfaceMatches<const N: usize = LANES> {
     pub(crate) bits: [u32; N],
     /// Pixels of the target, `y * width + x`; 0 where the point lies outside.
-    pub pixel: [u32; N],
+    pub(crate) pixel: [u32; N],
     /// Levels of the samples found.
-    pub level: [u32; N],
+    pub(crate) level: [u32; N],
 }
 
 pub(crate) const IN_FRONT: u32 = 1;
@@ -73,13 +73,11 @@ impl<const N: usize> RequiredTolerances<N> {
 impl<const N: usize> SurfaceMatches<N> {
     /// Whether the target shows the same surface point as the sample in `lane`.
     #[inline(always)]
-    #[must_use]
     pub(crate) fn is_same(&self, lane: usize) -> bool {
         self.bits[lane] & SAME == SAME
     }
 
     /// In words.
-    #[must_use]
     pub(crate) fn outcome(&self, lane: usize) -> Outcome {
         let bits = self.bits[lane];
         let first_missing = (!bits & SAME).trailing_zeros();

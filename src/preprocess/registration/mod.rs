@@ -7,9 +7,9 @@ mod noisy_depths;
 mod reproject;
 mod same_surface;
 
-pub(crate) use answers::{IN_VIEW, RequiredTolerances};
-pub use answers::{LANES, Outcome};
-pub use camera_pairs::CameraPairs;
-pub use reproject::{PixelRun, Registration};
+pub use answers::Outcome;
+pub(crate) use answers::{IN_VIEW, LANES, RequiredTolerances};
+pub(crate) use camera_pairs::CameraPairs;
+pub(crate) use reproject::{PixelRun, Registration};
 pub(crate) use reproject::{ReprojectedRun, lanes_of};
-pub use same_surface::SameSurface;
+pub(crate) use same_surface::SameSurface;

@@ -15,7 +15,7 @@ use crate::simd::{self, whole};
 
 /// Carries samples of one camera into another.
 #[derive(Clone, Copy, Debug)]
-pub struct Registration {
+pub(crate) struct Registration {
     /// The ray of the source's first pixel, at depth 1, in the target's orientation, …
     first_ray: Vec3,
     /// … its growth from one column to the next, …
@@ -54,7 +54,7 @@ impl Lens {
 
 /// Pixels of a row, some of which hold samples to be carried.
 #[derive(Clone, Copy, Debug)]
-pub struct PixelRun<const N: usize = LANES> {
+pub(crate) struct PixelRun<const N: usize = LANES> {
     pub(crate) column: usize,
     pub(crate) row: usize,
     pub(crate) inverse_depth: [f32; N],
@@ -62,9 +62,9 @@ pub struct PixelRun<const N: usize = LANES> {
     pub(crate) color: [[i32; N]; 3],
     pub(crate) known: [u32; N],
     /// Ranks of the samples.
-    pub rank: [u32; N],
+    pub(crate) rank: [u32; N],
     /// Ranks by the other rate model.
-    pub other_rank: [u32; N],
+    pub(crate) other_rank: [u32; N],
 }
 
 /// Pixels of a row from `(column, row)` on; `nothing` beyond its end.
@@ -122,8 +122,7 @@ impl<const N: usize> ReprojectedRun<N> {
 impl<const N: usize> PixelRun<N> {
     /// The samples of `layer` from `(column, row)` on for whose bit of `lanes` is set.
     #[inline(always)]
-    #[must_use]
-    pub fn new(layer: &CameraLayer, column: usize, row: usize, lanes: u32) -> Self {
+    pub(crate) fn new(layer: &CameraLayer, column: usize, row: usize, lanes: u32) -> Self {
         let geometry = lanes_of::<_, N>(&layer.geometry, layer.width, (column, row), PackedGeometry::ABSENT);
         let packed_colors =
             lanes_of::<_, N>(&layer.packed_colors, layer.width, (column, row), PackedColor::ABSENT);
@@ -168,8 +167,7 @@ pub(crate) struct ReprojectedRun<const N: usize = LANES> {
 
 impl Registration {
     /// Carries samples of `source` into `target`.
-    #[must_use]
-    pub fn new(source: &Camera, target: &Camera) -> Self {
+    pub(crate) fn new(source: &Camera, target: &Camera) -> Self {
         let k = source.intrinsics;
         let target_from_source = target.camera_from_world() * source.world_from_camera;
         let axes = target_from_source.matrix3;
@@ -186,8 +184,7 @@ impl Registration {
 
     /// Whether the target may see anything of what lies between two inverse depths (from 0) behind a rectangle of source
     /// pixels, given by its first and last columns and rows. Never wrongly says no.
-    #[must_use]
-    pub fn may_see(&self, columns: [usize; 2], rows: [usize; 2], inverse_depths: [f32; 2]) -> bool {
+    pub(crate) fn may_see(&self, columns: [usize; 2], rows: [usize; 2], inverse_depths: [f32; 2]) -> bool {
         let lens = &self.target;
         // A point is out of view where one of these is negative; they are linear, so it is enough to packed at corners.
         let mut largest = [f32::NEG_INFINITY; 5];

@@ -27,7 +27,7 @@ use crate::simd::whole;
 
 /// Thresholds of the same-surface test, converted once.
 #[derive(Clone, Copy, Debug)]
-pub struct SameSurface {
+pub(crate) struct SameSurface {
     depth_footprints: f32,
     normal_cosine: f32,
     pub(crate) color_steps: f32,
@@ -48,8 +48,7 @@ const CENTERED: f32 = 1.0 / 16.0;
 
 impl SameSurface {
     /// The thresholds of `settings`.
-    #[must_use]
-    pub fn new(settings: &Settings) -> Self {
+    pub(crate) fn new(settings: &Settings) -> Self {
         Self {
             depth_footprints: settings.pruning.depth_tolerance,
             normal_cosine: settings.pruning.normal_tolerance.to_radians().cos(),
@@ -63,8 +62,7 @@ impl SameSurface {
     }
 
     /// Thresholds by which surfaces are the same up to a distance in footprints, however they face and packed.
-    #[must_use]
-    pub fn geometry_within(footprints: f32) -> Self {
+    pub(crate) fn geometry_within(footprints: f32) -> Self {
         Self {
             depth_footprints: footprints,
             normal_cosine: f32::NEG_INFINITY,
@@ -78,14 +76,12 @@ impl SameSurface {
     }
 
     /// These thresholds for samples of `level`, to which those of deeper levels do not exist yet.
-    #[must_use]
-    pub fn at_level(self, level: SpanLevel) -> Self {
+    pub(crate) fn at_level(self, level: SpanLevel) -> Self {
         Self { deepest: u32::from(level), ..self }
     }
 
     /// These thresholds for one pair of layers: where neither is noisy, nothing has to be allowed for noise.
-    #[must_use]
-    pub fn between(self, source: &CameraLayer, target: &CameraLayer) -> Self {
+    pub(crate) fn between(self, source: &CameraLayer, target: &CameraLayer) -> Self {
         let noisy = source.has_color_noise() || target.has_color_noise();
         let noisy_depth = source.has_depth_noise() || target.has_depth_noise();
         Self {
@@ -96,15 +92,13 @@ impl SameSurface {
     }
 
     /// These thresholds for a target of which is known whether it has samples of deeper levels.
-    #[must_use]
-    pub fn with_deeper(self, has_deeper: bool) -> Self {
+    pub(crate) fn with_deeper(self, has_deeper: bool) -> Self {
         Self { has_deeper, ..self }
     }
 
     /// What the target camera says about the sample of `source` at pixel `(x, y)`.
     #[inline(always)]
-    #[must_use]
-    pub fn test(
+    pub(crate) fn test(
         &self,
         registration: &Registration,
         (source, x, y): (&CameraLayer, usize, usize),
@@ -120,8 +114,7 @@ impl SameSurface {
 
     /// As [`SameSurface::test`], for the eye: where the target has samples that do not count because their spans are shorter, what
     /// they would say.
-    #[must_use]
-    pub fn explain(
+    pub(crate) fn explain(
         &self,
         registration: &Registration,
         source: (&CameraLayer, usize, usize),

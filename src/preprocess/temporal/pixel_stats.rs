@@ -42,7 +42,6 @@ pub(super) struct SpanSums {
 
 impl SpanSums {
     /// The sums over the first `pixels` pixels of some frames, of which there is at least one.
-    #[must_use]
     pub(super) fn of(frames: &[FrameRun<'_>], pixels: usize) -> Self {
         let normals = frames.first().map_or(0, |frame| frame.normal.len().min(3 * pixels));
         let mut sums = Self {
@@ -61,27 +60,23 @@ impl SpanSums {
     }
 
     /// Pixels.
-    #[must_use]
     pub(super) fn pixels(&self) -> usize {
         self.inverse_depth.len()
     }
 
     /// Whether any pixel has no depth in some frame.
-    #[must_use]
     pub(super) fn lacks_depth(&self) -> bool {
         self.min_inverse_depth.iter().fold(false, |lacks, w| lacks | (*w < 0.0))
     }
 
     /// Whether the pixel is open and stays within the tolerance.
     #[inline(always)]
-    #[must_use]
     pub(super) fn is_static(&self, pixel: usize, test: &StaticTest) -> bool {
         self.is_static_with(self, pixel, test)
     }
 
     /// Whether the pixel is open in both and stays within the tolerance over both together.
     #[inline(always)]
-    #[must_use]
     pub(super) fn is_static_with(&self, later: &Self, pixel: usize, test: &StaticTest) -> bool {
         if !(self.is_open[pixel] & later.is_open[pixel]) {
             return false;
@@ -110,13 +105,11 @@ impl SpanSums {
     }
 
     /// Whether no pixel was taken out.
-    #[must_use]
     pub(super) fn is_all_open(&self) -> bool {
         self.is_open.iter().fold(true, |all, open| all & open)
     }
 
     /// Whether the pixel was not taken out, here or in a part of the span.
-    #[must_use]
     pub(super) fn is_open(&self, pixel: usize) -> bool {
         self.is_open[pixel]
     }
@@ -136,7 +129,6 @@ pub(crate) fn relative_range(farthest: f32, nearest: f32) -> f32 {
 
 /// A component of a unit normal as a multiple of 2⁻⁴⁰: sums of up to 8192 of them are exact, whatever their order.
 #[inline(always)]
-#[must_use]
 pub(crate) fn summand(component: f32) -> f64 {
     /// So large that what is added to it is rounded to multiples of 2⁻⁴⁰.
     const ROUNDING: f64 = 6144.0;
@@ -144,7 +136,6 @@ pub(crate) fn summand(component: f32) -> f64 {
 }
 
 /// The direction of a sum of normals.
-#[must_use]
 pub(crate) fn direction(sum: [f64; 3]) -> Vec3 {
     Vec3::from(sum.map(|component| component as f32)).normalize_or_zero()
 }

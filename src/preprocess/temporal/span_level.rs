@@ -27,7 +27,6 @@ pub enum PixelClass {
 
 impl PixelClass {
     /// The class of a pixel whose sample has this level, the last of `levels` being that of a single frame.
-    #[must_use]
     pub(crate) fn of(level: SpanLevel, levels: usize) -> Self {
         match level {
             NO_SAMPLE => Self::Invalid,

@@ -98,7 +98,6 @@ impl StaticTest {
     /// Which of sixteen colors are not clearly static, one bit each, by [`StaticTest::is_clearly_static`] of their channels,
     /// three to a color; of dark and very bright ones by a narrower margin.
     #[inline(always)]
-    #[must_use]
     pub(crate) fn uncertain_colors(&self, low: &[i16; CHANNELS], high: &[i16; CHANNELS]) -> u32 {
         let mut margin = [0; CHANNELS];
         for &(from, least) in &self.margin_steps {
