@@ -1,16 +1,16 @@
-//! Preprocessing (the paper, §3.2): removes what is said twice, over time and between cameras.
+//! Preprocessing (the paper, §3.2): removes what is recorded twice, over time and between cameras.
 //!
 //! ```text
 //! frames ─ temporal::scan ─▶ noise ─▶ split ─▶ samples of every span ─▶ background (once) ─▶ pruning ─┐
 //!                                                      └─▶ shorter spans, down to each frame ─▶ pruning ─┴▶ pack ─▶ SampleSet + Report
 //!
-//! a layer = colors, depths ─▶ normals ─▶ sampling rate ─▶ rank;  pruning asks registration who shows the same point
+//! a layer = colors, depths ─▶ normals ─▶ sampling rate ─▶ rank;  pruning compares by registration who shows the same point
 //! ```
 //!
 //! The steps, in the paper's order: [`normals`] are given or estimated; [`temporal`] redundancy is split off
 //! ([`split`], over the spans of a [`span_tree`]); [`registration`] carries samples between cameras; [`sampling_rate`] tells which of two is better; and
 //! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add. Where thresholds of one frame
-//! are turned again and again, [`prepare_frame`] lists who may stand for whom, so that nobody has to be searched for.
+//! change again and again, [`prepare_frame`] lists the candidates of every sample, so that none has to be searched for.
 
 pub mod diagnostics;
 pub mod inspect;
@@ -48,12 +48,12 @@ use crate::samples::{SampleImage, SampleSet, Span};
 use diagnostics::Report;
 use inspect::{CameraInspection, FrameInspection};
 
-/// What preprocessing gives: the kept samples, and the account of what was dropped and why.
+/// What preprocessing gives: the kept samples, and the report of what was dropped and why.
 #[derive(Clone, Debug)]
 pub struct Preprocessed {
     /// The kept samples.
     pub samples: Arc<SampleSet>,
-    /// The account.
+    /// What was dropped and why.
     pub report: Report,
 }
 
@@ -64,7 +64,7 @@ pub struct BufferedResult {
     pub outline: SampleSet,
     /// The kept samples, ordered as [`SampleSet::images`].
     pub images: ImageBuffer,
-    /// The account.
+    /// What was dropped and why.
     pub report: Report,
 }
 
@@ -160,7 +160,7 @@ fn prune_into(
     Ok(BufferedResult { outline: sample_set(capture, settings, Vec::new()), images, report })
 }
 
-/// Goes over all spans, parents before children, and decides what lives in each.
+/// Visits all spans, parents before children, and decides the samples of each.
 struct SpanTraversal<'a> {
     tree: SpanTree,
     stack: SpanStack<'a>,
@@ -192,7 +192,7 @@ impl SpanTraversal<'_> {
     }
 }
 
-/// All verdicts of one frame, for the eye: what [`prune`] decides there, with reasons and witnesses.
+/// All verdicts of one frame, for display: what [`prune`] decides there, with reasons and witnesses.
 ///
 /// Without a `scan` (still under way) every pixel counts as one of this frame alone. Where the scan does not serve the
 /// settings of the spans, the frame is shown with those it was made with.
@@ -249,7 +249,7 @@ pub fn inspect_frame(
     })
 }
 
-/// Makes ready for thresholds of pruning to be turned at one frame: [`inspect_frame`] is then several times as fast there, for
+/// Prepares a frame for changing thresholds of pruning: [`inspect_frame`] is then several times as fast there, for
 /// tolerances up to four times as large or small. Gives the bytes that this takes in memory; `None` where it takes more than
 /// half of the memory setting, or where the scan does not serve the settings, and all stays as it is.
 ///

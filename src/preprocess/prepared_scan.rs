@@ -1,5 +1,5 @@
-//! A scan with the last results that no tolerance touches: whoever packed_colors at frame after frame, or turns one threshold, pays once
-//! for what stays.
+//! A scan with the last results that no tolerance changes, so that inspecting frame after frame, or changing one threshold,
+//! pays once for what stays.
 
 use std::ops::Deref;
 use std::sync::{Arc, Mutex};
@@ -83,9 +83,6 @@ impl<K: PartialEq, V: Clone> Last<K, V> {
 impl PreparedScan {
     /// The layers of `frame` under `settings`, which the scan serves: made once for as long as the settings that touch them and
     /// the frame stay.
-    ///
-    /// # Errors
-    /// As [`SpanStack::enter`].
     pub(crate) fn frame_layers(
         &self,
         capture: &Capture,

@@ -1,4 +1,4 @@
-//! What is to be said about cameras that do not agree: one against the others, or none with any.
+//! Warnings about cameras that do not agree: one with the others, or none with any.
 
 use super::pair_residuals::PairResiduals;
 
@@ -7,7 +7,7 @@ use super::pair_residuals::PairResiduals;
 pub struct CalibrationWarning {
     /// The camera, by its index.
     pub camera: usize,
-    /// Whether it is in warning over what moves alone: its frames may be early or late. Else its pose may be wrong. (A pose that is
+    /// Whether it is suspect in what moves alone: its frames may be early or late. Else its pose may be wrong. (A pose that is
     /// off along a plane that fills the picture shows only in what stands out of it, which may be what moves.)
     pub over_time: bool,
     /// How far the camera that fits it best is off, in footprints: most samples, or over time the median.
@@ -43,7 +43,7 @@ pub(super) struct SharedWarning {
 }
 
 impl SharedWarning {
-    /// In words.
+    /// The first condition that is not met.
     pub(super) fn sentence(&self) -> String {
         const CHECK: &str = "check depth_kind, depth_unit_scale_factor and the lens, which concern all of them, and the poses";
         match self.footprints {
@@ -59,27 +59,27 @@ impl SharedWarning {
     }
 }
 
-/// Less is no reason to warning a camera over what never moves, by the distance of most samples, in footprints. Correct captures
+/// A pose is suspect only if the distance of most samples of what never moves exceeds this, in footprints. Correct captures
 /// stay below a tenth in all but one or two pairs; a camera that is turned by half a pixel reaches a third in all.
 const SUSPECT_POSE_FOOTPRINTS: f32 = 0.25;
 
-/// The same over what moves, by the median: of moving things silhouettes are a large part, and are off in correct captures too.
+/// A clock is suspect only if the median distance of what moves exceeds this, in footprints: of moving things silhouettes are a large part, and are off in correct captures too.
 const SUSPECT_CLOCK_FOOTPRINTS: f32 = 0.15;
 
 /// The same where there are no others to compare with.
 const SUSPECT_CLOCK_ALONE_FOOTPRINTS: f32 = 2.0;
 
-/// Samples of a pair, both ways where there are any, that are enough to warning all cameras where no pair fits: of fewer, silhouettes may be most.
+/// With fewer samples of a pair, both ways where there are any, no warning about all cameras: silhouettes may be most of them.
 const INFORMATIVE_SAMPLES: u64 = 256;
 
-/// Samples of a camera that are enough to wonder why no other sees one of them.
+/// Samples of a camera from which on it is suspect that no other camera sees any of them.
 const INFORMATIVE_UNMATCHED: u64 = 1000;
 
-/// Nor is less than so many times what others are off.
+/// A camera is suspect only if its residual exceeds this many times the median of the others.
 const SUSPECT_RATIO: f32 = 8.0;
 
-/// What is to be said of all cameras together, where not even those two agree that fit best; see [`PairResiduals`] for `pairs`.
-/// Noise and rounding may put surfaces so many footprints apart as `granted`.
+/// The warning about all cameras together, where not even the two agree that fit best; see [`PairResiduals`] for `pairs`.
+/// `granted_footprints` is how far noise and rounding may put surfaces apart.
 pub(super) fn shared_warning(pairs: &[Vec<PairResiduals>], granted_footprints: f32) -> Option<SharedWarning> {
     let of = |a: usize, b: usize| pairs.get(a)?.get(b).copied();
     let others = |a: usize| (0..pairs.len()).filter(move |b| *b != a);
@@ -91,15 +91,15 @@ pub(super) fn shared_warning(pairs: &[Vec<PairResiduals>], granted_footprints: f
         let informative = (0..pairs.len()).filter(is_informative).count();
         return (informative > 1).then_some(SharedWarning { footprints: None });
     }
-    let way = |a: usize, b: usize| of(a, b)?.lasting;
+    let one_way = |a: usize, b: usize| of(a, b)?.lasting;
     let fits_of = |fit: &dyn Fn(usize, usize) -> Option<(f32, u64)>| -> Vec<(f32, u64)> {
         (0..pairs.len()).flat_map(|a| others(a).filter_map(move |b| fit(a, b))).collect()
     };
     let mutual = fits_of(&|a, b| {
-        let [there, back] = [way(a, b)?, way(b, a)?];
+        let [there, back] = [one_way(a, b)?, one_way(b, a)?];
         Some((there.most_footprints.max(back.most_footprints), there.samples.min(back.samples)))
     });
-    let one_sided = || fits_of(&|a, b| way(a, b).map(|way| (way.most_footprints, way.samples)));
+    let one_sided = || fits_of(&|a, b| one_way(a, b).map(|fit| (fit.most_footprints, fit.samples)));
     let fits = if mutual.is_empty() { one_sided() } else { mutual };
     let is_informative = fits.iter().any(|(_, samples)| *samples >= INFORMATIVE_SAMPLES);
     let best = fits.iter().map(|(off, _)| *off).reduce(f32::min).filter(|_| is_informative)?;
@@ -107,7 +107,7 @@ pub(super) fn shared_warning(pairs: &[Vec<PairResiduals>], granted_footprints: f
 }
 
 /// The cameras that fit no other as well as the others fit each other; see [`PairResiduals`] for `pairs`. Where no others can be
-/// compared, only clocks are doubted, and all of them; the rest is [`shared_warning`]'s.
+/// compared, only clocks are suspect, and all of them; the rest is left to [`shared_warning`].
 #[must_use]
 pub fn calibration_warnings(pairs: &[Vec<PairResiduals>]) -> Vec<CalibrationWarning> {
     let mut calibration_warnings = warnings_over(pairs, false, |pair| Some(pair.lasting?.most_footprints));
@@ -121,7 +121,7 @@ pub fn calibration_warnings(pairs: &[Vec<PairResiduals>]) -> Vec<CalibrationWarn
     calibration_warnings
 }
 
-/// The calibration_warnings by one number of each pair; a pair that is not there says nothing.
+/// The warnings by one number of each pair; a pair that is missing counts for nothing.
 fn warnings_over(
     pairs: &[Vec<PairResiduals>],
     over_time: bool,
@@ -140,7 +140,7 @@ fn warnings_over(
     let is_mutual = |a: usize, b: usize| of(a, b).is_some() && of(b, a).is_some();
     let warning = |camera: usize| {
         let footprints = partners[camera].first()?.0;
-        // Cameras of which but one finds things in the other's picture see next to nothing in common: few silhouettes decide.
+        // Where only one of two cameras finds things in the other's picture, they see next to nothing in common.
         if partners[camera].iter().all(|(_, other)| !is_mutual(camera, *other)) {
             return None;
         }

@@ -5,8 +5,8 @@
 //!
 //! Source: the paper takes calibrated and synchronized cameras for granted. Distances are those of
 //! [`crate::preprocess::registration`], in footprints: from a sample to the tangent plane of what the other camera saw in its place. What
-//! differs: there is no tolerance. Where the other camera sees something much nearer, the sample is hidden and says nothing;
-//! where it sees something farther, it packed_colors through the surface, and the distance counts however large it is. Samples lie on a
+//! differs: there is no tolerance. Where the other camera sees something much nearer, the sample is hidden and counts for nothing;
+//! where it sees something farther, it looks through the surface, and the distance counts however large it is. Samples lie on a
 //! lattice, and what most of them do not exceed is blind to silhouettes and to single wrong pixels.
 
 use rayon::prelude::*;
@@ -28,14 +28,14 @@ use crate::simd::{self, VectorLoop};
 /// passes for disagreement.
 const HIDING_FOOTPRINTS: f32 = 2.0;
 
-/// The share of the samples that [`Residual::most_footprints`] speaks for: on the silhouettes of correct captures up to one in
+/// The share of the samples that do not exceed [`Residual::most_footprints`]: on the silhouettes of correct captures up to one in
 /// ten is off.
 const MOST: f64 = 0.85;
 
-/// Fewer samples of a pair say nothing.
+/// Pairs with fewer samples have no residual.
 const MIN_SAMPLES: u64 = 48;
 
-/// Samples of each camera that another one is asked about, about: with many cameras fewer, so that all together are no more.
+/// Samples of each camera that are compared with another one, about: with many cameras fewer, so that all together are no more.
 const LATTICE_SAMPLES: usize = 8192;
 const FEWEST_LATTICE_SAMPLES: usize = 1024;
 /// Cameras up to which nothing is spared.
@@ -86,7 +86,7 @@ fn is_none(count: &u64) -> bool {
 struct Readings {
     footprints: LogHistogram,
     color_steps: LogHistogram,
-    /// Samples at some distance, wherever the other camera packed_colors.
+    /// Samples at some distance, wherever the other camera looks.
     asked: u64,
 }
 
@@ -131,9 +131,6 @@ impl<'a> Residuals<'a> {
     }
 
     /// Compares what is the same over all frames.
-    ///
-    /// # Errors
-    /// `Cancelled`.
     pub(crate) fn add_lasting(&mut self, layers: &[CameraLayer], job: &Job) -> Result<()> {
         let asked = self.asked();
         let blocks = layers.par_iter().map(|layer| {
@@ -149,9 +146,6 @@ impl<'a> Residuals<'a> {
 
     /// Compares what is nearer or farther at `frame` than it was when pixels were last looked at, where this is one of the
     /// frames to look at; `layers` hold all its samples. What changes its light alone is left out: of such there may be a lot.
-    ///
-    /// # Errors
-    /// `Cancelled`.
     pub(crate) fn add_moving(&mut self, frame: usize, layers: &[CameraLayer], job: &Job) -> Result<()> {
         if !frame.is_multiple_of(self.frames.div_ceil(FRAMES).max(1)) {
             return Ok(());
@@ -172,7 +166,7 @@ impl<'a> Residuals<'a> {
         self.add(layers, &blocks, 1, job)
     }
 
-    /// Samples to ask of each pair, about, were all pixels of the kind that is compared.
+    /// Samples to compare of each pair, about, were all pixels of the kind that is compared.
     fn asked(&self) -> usize {
         let cameras = self.camera_pairs.cameras().len().max(1);
         (LATTICE_SAMPLES * FEW_CAMERAS / cameras).clamp(FEWEST_LATTICE_SAMPLES, LATTICE_SAMPLES)

@@ -1,4 +1,4 @@
-//! The account that preprocessing gives of itself.
+//! The report of preprocessing: counts, timings, warnings.
 
 use std::collections::BTreeMap;
 
@@ -58,7 +58,7 @@ pub struct SpanReport {
     pub samples: u64,
 }
 
-/// The account that preprocessing gives of itself. Written into the store and printed by `preprocess --json`.
+/// What preprocessing counted and measured. Written into the store and printed by `preprocess --json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Report {
@@ -83,7 +83,7 @@ pub struct Report {
     /// `residuals[a][b]`: how well the samples of camera `a` fit what camera `b` saw; nothing of a camera itself.
     pub residuals: Vec<Vec<PairResiduals>>,
     /// Samples whose color was found to be blended across a silhouette, and what became of them: of those `found` some
-    /// `yielded` to clean ones, were `dropped`, `outranked` by others that are blended as well, or `kept`. Nobody packed_colors for them
+    /// `yielded` to clean ones, were `dropped`, `outranked` by others that are blended as well, or `kept`. They are not looked for
     /// where mixed pixels are kept, the first camera wins or the capture's color is not filtered, and those whose neighbors live in
     /// shorter spans go unseen; see [`mixed_pixels`](crate::preprocess::layers).
     pub mixed_pixels: BTreeMap<String, u64>,

@@ -26,9 +26,6 @@ use crate::simd::{self, VectorLoop};
 
 /// The candidate lists of a frame of so many `levels`, for tolerances around those of `settings`; `None` where they would take
 /// more than `bytes`.
-///
-/// # Errors
-/// `Cancelled`.
 pub(crate) fn build_lists(
     pairs: &CameraPairs<'_>,
     layers: &[CameraLayer],

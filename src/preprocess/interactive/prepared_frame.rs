@@ -57,9 +57,6 @@ pub(crate) struct CameraPlanes {
 
 impl FrameLayers {
     /// The layers of `frame` where nothing is known of other frames.
-    ///
-    /// # Errors
-    /// As [`SpanStack::enter`].
     pub(crate) fn unscanned(
         capture: &Capture,
         pairs: &CameraPairs<'_>,
@@ -71,9 +68,6 @@ impl FrameLayers {
     }
 
     /// The layers of `frame`, on a stack that holds the span of all frames alone.
-    ///
-    /// # Errors
-    /// As [`SpanStack::enter`].
     pub(crate) fn at(frame: usize, mut stack: SpanStack<'_>, job: &Job) -> Result<Self> {
         let path = stack.tree().path(frame);
         for (level, &span) in path.iter().enumerate().skip(1) {
@@ -84,9 +78,6 @@ impl FrameLayers {
     }
 
     /// Decides every sample: from candidate lists that serve the settings, else by searching all pictures.
-    ///
-    /// # Errors
-    /// `Cancelled`.
     pub(crate) fn prune(
         &self,
         pairs: &CameraPairs<'_>,
@@ -102,9 +93,6 @@ impl FrameLayers {
 
     /// Builds the lists for tolerances around those of `settings`, unless there are some: from then on pruning again takes a
     /// fraction of the time. Gives their size in bytes; `None` where half of the memory setting does not hold them.
-    ///
-    /// # Errors
-    /// `Cancelled`.
     pub(crate) fn prepare(
         &self,
         pairs: &CameraPairs<'_>,

@@ -18,9 +18,6 @@ use crate::settings::{MixedPixels, Settings};
 
 /// Decides every sample of `level` of a frame whose lists serve the settings. `verdicts` has one for each pixel of
 /// each camera; those of other levels stay as they are. Gives each camera's disputes.
-///
-/// # Errors
-/// `Cancelled`.
 pub(crate) fn prune(
     (lists, pairs): (&CandidateLists, &CameraPairs<'_>),
     layers: &[CameraLayer],

@@ -1,4 +1,4 @@
-//! Completes layers: normals where none are given, then footprints, ranks, geometry and packed_colors.
+//! Completes layers: normals where none are given, then footprints, ranks, packed geometry and packed color.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -51,7 +51,7 @@ impl<'a> LayerBuilder<'a> {
         }
     }
 
-    /// Fills in footprints, ranks, geometry and packed_colors of the samples at `pixels`, from colors, depths and normals.
+    /// Fills in footprints, ranks, packed geometry and packed color of the samples at `pixels`, from colors, depths and normals.
     pub(crate) fn rate(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
         let width = layer.width.max(1);
         let rays = ViewingRays::new(camera);

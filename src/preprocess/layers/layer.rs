@@ -21,15 +21,15 @@ pub(crate) struct CameraLayer {
     pub(crate) normal: Vec<Vec3>,
     /// See [`footprint`](super::sampling_rate::footprint); infinite where there is no sample.
     pub(crate) footprint: Vec<f32>,
-    /// How well each was sampled: the first that other cameras ask, …
+    /// How well each was sampled; read first when cameras are compared.
     pub(crate) ranks: Vec<Ranks>,
-    /// … where it lies, …
+    /// Where each lies; read second.
     pub(crate) geometry: Vec<PackedGeometry>,
-    /// … and how it packed_colors.
+    /// How each looks; read last.
     pub(crate) packed_colors: Vec<PackedColor>,
     /// The level of each pixel's sample; [`NO_SAMPLE`] where there is none.
     pub(crate) level: Vec<SpanLevel>,
-    /// Noise of a single frame. Samples of one frame reproject it.
+    /// Noise of a single frame. Samples of one frame carry it.
     pub(crate) noise: CameraNoise,
     /// How much of [`CameraLayer::noise`] is left in the samples of each level, 0 to 1; 0 for levels beyond the last.
     pub(crate) noise_share: Vec<f32>,

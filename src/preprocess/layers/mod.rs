@@ -1,4 +1,4 @@
-//! Layers: one camera at one frame with everything that a comparison required.
+//! Layers: one camera at one frame with everything that a comparison needs.
 
 mod builder;
 mod layer;

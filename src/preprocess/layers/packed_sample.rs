@@ -1,8 +1,8 @@
-//! One sample as other cameras test it, cut into what they ask first, second and last.
+//! One sample as it is compared with those of other cameras, cut into what is read first, second and last.
 //!
-//! Asking whether another camera shows the same point reads one sample at a place known only then, sixteen such places at a
+//! Testing whether another camera shows the same point reads one sample at a place known only then, sixteen such places at a
 //! time. Such reads cost more than what is done with them: first come the ranks, as nearly always one camera's sample is the
-//! best by far and the others' need no second look; then where the surface lies; and last how it packed_colors.
+//! best by far and the others need no further reads; then where the surface lies; and last how it looks.
 
 use glam::Vec3;
 use half::f16;
@@ -79,7 +79,7 @@ impl PackedGeometry {
     }
 }
 
-/// How a sample packed_colors, whether its normal is known, and its level.
+/// How a sample looks, whether its normal is known, and its level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(8))]
 pub(crate) struct PackedColor {

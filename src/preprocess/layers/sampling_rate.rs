@@ -261,11 +261,7 @@ mod tests {
         let camera = camera(DVec3::new(0.0, -3.0, 1.0), DVec3::ZERO, 100);
         for rate in [Rate::Paper, Rate::Footprint, Rate::Stretch] {
             let footprint = |normal| footprint_at(rate, &camera, DVec3::ZERO, normal);
-            assert_eq!(
-                footprint(Vec3::ZERO),
-                footprint(Vec3::X),
-                "the camera packed_colors along the surface"
-            );
+            assert_eq!(footprint(Vec3::ZERO), footprint(Vec3::X), "the camera looks along the surface");
             assert!(rank(footprint(Vec3::ZERO)) > rank(footprint(Vec3::Z)));
         }
     }

@@ -173,22 +173,15 @@ impl NoiseMeter {
     /// The standard deviations that the counted differences speak for.
     fn noise(&self) -> CameraNoise {
         let mut overall = vec![0; COLOR_BINS];
-        for class in self.color.chunks_exact(COLOR_BINS) {
-            overall.iter_mut().zip(class).for_each(|(sum, count)| *sum += count);
-        }
+        self.color.iter().zip((0..COLOR_BINS).cycle()).for_each(|(count, bin)| overall[bin] += count);
         let is_motion = self.redrawn * FEWEST_REDRAWN < self.looked_at;
         let color_sigma = |bins: &[u64]| {
             if is_motion {
                 return 0.0;
             }
             // Bin 0 means "no difference that matters", so that noise-free input measures exactly 0.
-            median_bin(bins).map_or(0.0, |bin| {
-                if bin < 1.0 {
-                    0.0
-                } else {
-                    (bin * COLOR_BIN_STEPS / MEDIAN_DIFFERENCE_PER_SIGMA).min(MAX_COLOR_STEPS)
-                }
-            })
+            let steps = |bin: f32| (bin * COLOR_BIN_STEPS / MEDIAN_DIFFERENCE_PER_SIGMA).min(MAX_COLOR_STEPS);
+            median_bin(bins).filter(|bin| *bin >= 1.0).map_or(0.0, steps)
         };
         let color_steps_overall = color_sigma(&overall);
         let mut color_steps = [color_steps_overall; BRIGHTNESS_BINS];
@@ -197,14 +190,11 @@ impl NoiseMeter {
                 *sigma = color_sigma(class);
             }
         }
-        let depth_relative = median_bin(&self.depth).map_or(0.0, |bin| {
-            if bin < 1.0 {
-                0.0
-            } else {
-                let difference = ((bin - 1.0) / DEPTH_BINS_PER_OCTAVE - DEPTH_OCTAVES).exp2();
-                (difference / MEDIAN_DIFFERENCE_PER_SIGMA).min(MAX_DEPTH_RELATIVE)
-            }
-        });
+        let depth = |bin: f32| {
+            let difference = ((bin - 1.0) / DEPTH_BINS_PER_OCTAVE - DEPTH_OCTAVES).exp2();
+            (difference / MEDIAN_DIFFERENCE_PER_SIGMA).min(MAX_DEPTH_RELATIVE)
+        };
+        let depth_relative = median_bin(&self.depth).filter(|bin| *bin >= 1.0).map_or(0.0, depth);
         CameraNoise { color_steps, color_steps_overall, depth_relative }
     }
 }

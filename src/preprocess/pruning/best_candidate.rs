@@ -166,10 +166,10 @@ pub(crate) struct BestCandidates {
     other_rank: [u32; LANES],
     other_camera: [u32; LANES],
     /// Whether any other camera shows the point with a sample that may be a witness.
-    seen: [u32; LANES],
+    pub(super) seen: [u32; LANES],
     /// Whether there is a better sample of the point that may not be a witness.
-    passed_over: [u32; LANES],
-    own_rank: [u32; LANES],
+    pub(super) passed_over: [u32; LANES],
+    pub(super) own_rank: [u32; LANES],
 }
 
 impl BestCandidates {
@@ -267,24 +267,6 @@ impl BestCandidates {
             level: self.level[lane] as SpanLevel,
             pixel: self.pixel[lane],
         })
-    }
-
-    /// The rank of the block's own sample in `lane`.
-    #[inline(always)]
-    pub(crate) fn own_rank(&self, lane: usize) -> u32 {
-        self.own_rank[lane]
-    }
-
-    /// Whether some better sample of the point in `lane` may not be a witness.
-    #[inline(always)]
-    pub(crate) fn passed_over_a_better(&self, lane: usize) -> bool {
-        self.passed_over[lane] != 0
-    }
-
-    /// Whether any other camera shows the point in `lane` with a sample that may be a witness.
-    #[inline(always)]
-    pub(crate) fn is_seen(&self, lane: usize) -> bool {
-        self.seen[lane] != 0
     }
 
     /// The camera that has the best sample of the point in `lane` by the model in use, and by the other one.

@@ -44,7 +44,7 @@ pub(crate) struct PendingSample {
     /// Index into the band's pixels.
     pub(crate) index: u32,
     /// All candidates but the best, worst first; found only where the best was dropped. The verdict names the one that is
-    /// pending.
+    /// waited for.
     pub(crate) others: Option<Vec<Candidate>>,
 }
 

@@ -4,7 +4,7 @@
 //! the highest sampling rate". What differs: **coverage is guaranteed**. A sample is dropped only if a sample that is
 //! *kept* represents it. Pairwise comparison alone does not give that: A may be dropped for B, and B for C, where C does
 //! not see A's point. Here every sample waits until all better samples of its point are decided; it is dropped if one of
-//! them was kept, and kept otherwise. "Better" is a total order (rank, then camera index), so the pending has no cycles
+//! them was kept, and kept otherwise. "Better" is a total order (rank, then camera index), so the waiting has no cycles
 //! and the answer is the same whatever order or thread it is worked out in.
 //!
 //! ```text
@@ -277,8 +277,8 @@ fn first_verdict(
         disputes.push(Dispute { pixel: pixel as u32, camera: winners[0], other_camera: winners[1] });
     }
     if let Some(candidate) = best.candidate(lane) {
-        return Verdict::dropped_for(pass.settings.pruning.method, best.own_rank(lane), candidate);
+        return Verdict::dropped_for(pass.settings.pruning.method, best.own_rank[lane], candidate);
     }
     pass.set_status(camera, pixel as u32, KEPT);
-    Verdict::without_witness(rule_of_kept(best.passed_over_a_better(lane), best.is_seen(lane)))
+    Verdict::without_witness(rule_of_kept(best.passed_over[lane] != 0, best.seen[lane] != 0))
 }

@@ -1,10 +1,10 @@
-//! The way down: from the background to one frame, the samples of ever shorter spans are put where longer ones left room, and
-//! decided against each other and against all that is decided above.
+//! The span stack: from the background to one frame, the samples of ever shorter spans are put where longer ones left room,
+//! and decided against each other and against all that is decided above.
 //!
 //! Layers are changed in place and changed back, so that going down to a frame costs what its short-lived samples cost.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
@@ -24,7 +24,7 @@ use crate::settings::{Settings, SpanLevels};
 /// The level of samples of one frame where nothing is known of other frames.
 pub(crate) const FRAME: SpanLevel = 1;
 
-/// All cameras on the way down.
+/// The samples of all cameras in the spans from all frames to the one entered last.
 pub(crate) struct SpanStack<'a> {
     capture: &'a Capture,
     scan: Option<&'a TemporalScan>,
@@ -53,13 +53,16 @@ impl<'a> SpanStack<'a> {
         settings: &'a Settings,
         background: PrunedBackground,
     ) -> Self {
-        let statuses = background
-            .statuses
-            .into_par_iter()
-            .map(|camera| camera.into_iter().map(AtomicU8::new).collect())
-            .collect();
         let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
-        Self { capture, scan, pairs, settings, builder, layers: background.layers, statuses }
+        Self {
+            capture,
+            scan,
+            pairs,
+            settings,
+            builder,
+            layers: background.layers,
+            statuses: background.statuses,
+        }
     }
 
     /// The spans there are.
@@ -82,9 +85,6 @@ impl<'a> SpanStack<'a> {
     }
 
     /// Puts and completes the samples of `span`, undecided. Gives their pixels, per camera.
-    ///
-    /// # Errors
-    /// As [`SpanStack::enter`].
     pub(crate) fn put_span(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<Vec<Vec<u32>>> {
         let (capture, scan, builder) = (self.capture, self.scan, &self.builder);
         let of_camera = |(camera, layer): (usize, &mut CameraLayer)| {

@@ -1,9 +1,9 @@
-//! All cameras and the ways between them.
+//! All cameras and the registrations between them.
 
 use super::reproject::Registration;
 use crate::capture::Camera;
 
-/// All cameras and every way between two of them.
+/// All cameras and the registration of each pair.
 pub(crate) struct CameraPairs<'a> {
     cameras: &'a [Camera],
     /// `[source * cameras + target]`.

@@ -4,11 +4,11 @@
 //! time frame to every other image in that time frame". What differs: sixteen pixels of a row are carried at once, and pairs
 //! that cannot see each other are found by rectangles of pixels between two depths. All of it is linear in `(ray, w)`, where
 //! `w = 1/z`: `q = R·ray + t·w` is the point in the target camera times `w`, for points at infinity as well. Whether what the
-//! target saw there is the same surface point is asked in [`super::same_surface`].
+//! target saw there is the same surface point is decided in [`super::same_surface`].
 
 use glam::{DVec2, Vec3};
 
-use super::answers::{IN_FRONT, IN_VIEW, LANES};
+use super::matches::{IN_FRONT, IN_VIEW, LANES};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
 use crate::preprocess::layers::{CameraLayer, PackedColor, PackedGeometry, Ranks};
 use crate::simd::{self, whole};
@@ -186,7 +186,7 @@ impl Registration {
     /// pixels, given by its first and last columns and rows. Never wrongly says no.
     pub(crate) fn may_see(&self, columns: [usize; 2], rows: [usize; 2], inverse_depths: [f32; 2]) -> bool {
         let lens = &self.target;
-        // A point is out of view where one of these is negative; they are linear, so it is enough to packed at corners.
+        // A point is out of view where one of these is negative; they are linear, so it is enough to test the corners.
         let mut largest = [f32::NEG_INFINITY; 5];
         let mut depth = 0.0_f32;
         for corner in 0..8 {

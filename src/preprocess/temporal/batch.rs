@@ -14,6 +14,6 @@ pub(crate) struct Batch<'a> {
     pub(crate) frames: &'a [Arc<Frame>],
     pub(crate) span: Span,
     pub(crate) test: &'a StaticTest,
-    pub(crate) reproject: &'a [[Span; 2]],
+    pub(crate) carry: &'a [[Span; 2]],
     pub(crate) is_last: bool,
 }

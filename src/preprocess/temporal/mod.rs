@@ -5,7 +5,6 @@ mod batch_split;
 mod pixel_stats;
 mod prefilter;
 mod range_histogram;
-mod root_buffer;
 mod scan;
 mod span_level;
 mod span_means;

@@ -104,11 +104,6 @@ impl SpanSums {
         self.is_open[pixel] = false;
     }
 
-    /// Whether no pixel was taken out.
-    pub(super) fn is_all_open(&self) -> bool {
-        self.is_open.iter().fold(true, |all, open| all & open)
-    }
-
     /// Whether the pixel was not taken out, here or in a part of the span.
     pub(super) fn is_open(&self, pixel: usize) -> bool {
         self.is_open[pixel]

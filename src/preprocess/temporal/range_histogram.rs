@@ -25,7 +25,6 @@ pub struct RangeHistogram {
     color: Vec<u64>,
     depth: Vec<u64>,
     pixels: u64,
-    with_depth: u64,
     within_color: u64,
     within_noisy_color: u64,
     within_depth: u64,
@@ -37,7 +36,6 @@ impl Default for RangeHistogram {
             color: vec![0; COLOR_BINS],
             depth: vec![0; DEPTH_BINS],
             pixels: 0,
-            with_depth: 0,
             within_color: 0,
             within_noisy_color: 0,
             within_depth: 0,
@@ -75,7 +73,6 @@ impl RangeHistogram {
         let pairs = self.color.iter_mut().zip(&other.color).chain(self.depth.iter_mut().zip(&other.depth));
         pairs.for_each(|(all, more)| *all += more);
         self.pixels += other.pixels;
-        self.with_depth += other.with_depth;
         self.within_color += other.within_color;
         self.within_noisy_color += other.within_noisy_color;
         self.within_depth += other.within_depth;
@@ -158,7 +155,6 @@ impl RangeHistogram {
             within[3][i] = u32::from(has_depth & (depth[i] <= test.granted_depth()));
         }
         let sum = |of: &[u32; LANES]| u64::from(of.iter().sum::<u32>());
-        self.with_depth += sum(&within[0]);
         self.within_color += sum(&within[1]);
         self.within_noisy_color += sum(&within[2]);
         self.within_depth += sum(&within[3]);

@@ -18,6 +18,7 @@
 
 use std::sync::Arc;
 
+use half::f16;
 use rayon::prelude::*;
 
 use super::batch::Batch;
@@ -25,10 +26,9 @@ use super::batch_split::ShortSpans;
 use super::pixel_stats::{FrameRun, SpanSums};
 use super::prefilter::list_uncertain;
 use super::range_histogram::RangeHistogram;
-use super::root_buffer::{RootBand, RootSamples};
 use super::span_means::{
     color_ranges_steps, depth_ranges_relative, granted_color_steps, mean_color, mean_inverse_depth,
-    mean_normal,
+    mean_normal, write_means,
 };
 use super::span_store::SpanSamples;
 use super::span_tree::SpanTree;
@@ -95,39 +95,27 @@ impl Split {
     }
 
     /// Adds the frames that follow: [`BATCH`](super::batch::BATCH) of them, or a smaller power of two each time; at the end, what is left. Gives
-    /// the samples of the spans that are settled now.
+    /// the samples of the spans that are finished now.
     pub fn add(&mut self, frames: &[Arc<Frame>]) -> FinishedSpans {
         let span = Span { start: self.added, end: self.added + frames.len() as u32 };
         self.added = span.end;
-        let reproject = self.reproject(span);
+        let carry = self.carry(span);
         let batch = Batch {
             frames,
             span,
             test: &self.test,
-            reproject: &reproject,
+            carry: &carry,
             is_last: span.end == self.tree.root().end,
         };
-        let pixels = self.bands.iter().map(|band| band.pixels).sum();
-        let normals = frames.first().is_some_and(|frame| frame.normal_in_world.is_some());
-        let mut root = RootSamples::of(if batch.is_last { pixels } else { 0 }, normals);
-        let mut roots: Vec<Option<RootBand<'_>>> = root.bands(BAND).into_iter().map(Some).collect();
-        roots.resize_with(self.bands.len(), || None);
-        let bands = self.bands.par_iter_mut().zip(&mut roots).with_max_len(JOB_BANDS);
+        let bands = self.bands.par_iter_mut().with_max_len(JOB_BANDS);
         let found = bands.fold(
             || SplitSamples::new(&batch),
-            |mut found, (band, root)| {
-                band.add(&batch, root.as_mut(), &mut found);
+            |mut found, band| {
+                band.add(&batch, &mut found);
                 found
             },
         );
-        let found: Vec<SplitSamples> = found.collect();
-        let counts: Vec<usize> = roots.iter().flatten().map(RootBand::count).collect();
-        let mut joined = join(found, &batch);
-        let root = root.joined(&counts, BAND);
-        if !root.is_empty() {
-            joined.push((self.tree.root(), root));
-        }
-        joined
+        join(found.collect(), &batch, self.tree.root())
     }
 
     /// Pixels without depth, over all frames added.
@@ -145,8 +133,8 @@ impl Split {
     }
 
     /// Pairs of spans that become one once `span` is complete, in order.
-    fn reproject(&mut self, span: Span) -> Vec<[Span; 2]> {
-        let mut reproject = Vec::new();
+    fn carry(&mut self, span: Span) -> Vec<[Span; 2]> {
+        let mut carry = Vec::new();
         let mut right = span;
         while let Some(&left) = self.open.last() {
             let union = Span { start: left.start, end: right.end };
@@ -154,19 +142,21 @@ impl Split {
                 break;
             }
             self.open.pop();
-            reproject.push([left, right]);
+            carry.push([left, right]);
             right = union;
         }
         self.open.push(right);
-        reproject
+        carry
     }
 }
 
 /// The samples that were found in bands that follow one another.
 struct SplitSamples {
     short: ShortSpans,
-    /// For each pair of spans in [`Batch::reproject`].
+    /// For each pair of spans in [`Batch::carry`].
     long: Vec<[SpanSamples; 2]>,
+    /// Of the span of all frames: found with the last frames.
+    root: SpanSamples,
     /// Pixels of a chunk that need a look of their own.
     uncertain: Vec<u16>,
 }
@@ -176,21 +166,22 @@ impl SplitSamples {
         let room = || SpanSamples::with_capacity(ROOM);
         Self {
             short: ShortSpans::new(batch, ROOM),
-            long: batch.reproject.iter().map(|_| [room(), room()]).collect(),
+            long: batch.carry.iter().map(|_| [room(), room()]).collect(),
+            root: SpanSamples::default(),
             uncertain: Vec::with_capacity(CHUNK),
         }
     }
 
-    fn given(self, batch: &Batch<'_>) -> FinishedSpans {
-        let long =
-            batch.reproject.iter().zip(self.long).flat_map(|(spans, given)| spans.iter().copied().zip(given));
-        self.short.given.into_iter().chain(long).collect()
+    fn into_spans(self, batch: &Batch<'_>, root: Span) -> FinishedSpans {
+        let pairs = batch.carry.iter().zip(self.long);
+        let long = pairs.flat_map(|(spans, samples)| spans.iter().copied().zip(samples));
+        self.short.given.into_iter().chain(long).chain([(root, self.root)]).collect()
     }
 }
 
 /// The samples of all bands, those of a span together.
-fn join(found: Vec<SplitSamples>, batch: &Batch<'_>) -> FinishedSpans {
-    let mut parts = found.into_iter().map(|found| found.given(batch));
+fn join(found: Vec<SplitSamples>, batch: &Batch<'_>, root: Span) -> FinishedSpans {
+    let mut parts = found.into_iter().map(|found| found.into_spans(batch, root));
     let Some(mut joined) = parts.next() else { return FinishedSpans::new() };
     let later: Vec<FinishedSpans> = parts.collect();
     joined.par_iter_mut().enumerate().for_each(|(nth, (_, samples))| {
@@ -203,9 +194,8 @@ fn join(found: Vec<SplitSamples>, batch: &Batch<'_>) -> FinishedSpans {
 }
 
 impl SplitBand {
-    /// `root` is there with the last frames.
-    fn add(&mut self, batch: &Batch<'_>, mut root: Option<&mut RootBand<'_>>, found: &mut SplitSamples) {
-        let SplitSamples { short, long, uncertain } = found;
+    fn add(&mut self, batch: &Batch<'_>, found: &mut SplitSamples) {
+        let SplitSamples { short, long, root, uncertain } = found;
         for (index, open) in self.chunks.iter_mut().enumerate() {
             let first = self.first + index * CHUNK;
             let pixels = CHUNK.min(self.first + self.pixels - first);
@@ -230,11 +220,10 @@ impl SplitBand {
                 list_uncertain([&left, &sums], batch.test, uncertain);
                 sums = union(left, &sums, batch.test, (first, uncertain), given);
             }
-            if let Some(root) = &mut root {
+            if batch.is_last {
                 let (color, depth) = (color_ranges_steps(&sums), depth_ranges_relative(&sums));
                 self.shares.count(&color, &depth, &granted_color_steps(&sums, batch.test), batch.test);
-                root.write(first, &sums);
-                root.take(&sums);
+                take_open(root, first, &sums);
             } else {
                 open.push(sums);
             }
@@ -276,13 +265,24 @@ fn union(
     left
 }
 
+/// Adds the samples of all open pixels of `sums`, the first of which is `first`. Of the span of all frames these are most.
+fn take_open(samples: &mut SpanSamples, first: usize, sums: &SpanSums) {
+    let mut color = vec![[f16::ZERO; 3]; sums.pixels()];
+    let mut inverse_depth = vec![0.0; sums.pixels()];
+    write_means(sums, &mut color, &mut inverse_depth);
+    for pixel in (0..sums.pixels()).filter(|pixel| sums.is_open(*pixel)) {
+        samples.pixels.push((first + pixel) as u32);
+        samples.color.push(color[pixel]);
+        samples.inverse_depth.push(inverse_depth[pixel]);
+        samples.normal.extend(mean_normal(sums, pixel));
+    }
+}
+
 fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums) {
     samples.pixels.push((first + pixel) as u32);
     samples.color.push(mean_color(sums, pixel));
     samples.inverse_depth.push(mean_inverse_depth(sums, pixel));
-    if let Some(normal) = mean_normal(sums, pixel) {
-        samples.normal.push(normal);
-    }
+    samples.normal.extend(mean_normal(sums, pixel));
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
-//! What one camera says about the samples of another: bits of an answer for each lane of a block, and the same in words.
+//! What one camera shows of the samples of another: the conditions that each lane of a block meets, as bits, and the outcome.
 
 /// Pixels that are carried at once.
 pub(crate) const LANES: usize = 16;
 
-/// What another camera says about a sample.
+/// What another camera shows where a sample's point lies in its picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Outcome {
     /// The point lies behind the camera.
@@ -12,12 +12,12 @@ pub enum Outcome {
     OutsideView,
     /// The camera recorded no depth at that pixel.
     NoDepth,
-    /// The camera saw the same surface point, but for a shorter span only: its sample is decided later, and stands for no longer
-    /// one.
+    /// The camera saw the same surface point, but for a shorter span only: its sample is decided later, and is no
+    /// witness of longer ones.
     ShorterSpan,
     /// The camera sees something nearer at that pixel.
     Occluded,
-    /// The camera sees something farther at that pixel: it packed_colors past the point.
+    /// The camera sees something farther at that pixel: it looks past the point.
     SeesPast,
     /// Same depth, but the normals differ.
     NormalDiffers,
@@ -29,7 +29,7 @@ pub enum Outcome {
     Same(u32),
 }
 
-/// What the target says about the samples of a block: for each a set of bits, and where in the target it was looked for.
+/// What the target shows of the samples of a block: for each a set of bits, and where in the target its point lies.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceMatches<const N: usize = LANES> {
     pub(crate) bits: [u32; N],
@@ -47,20 +47,20 @@ pub(crate) const NORMAL_AGREES: u32 = 1 << 4;
 pub(crate) const COLOR_AGREES: u32 = 1 << 5;
 pub(crate) const SURROUNDED: u32 = 1 << 6;
 pub(crate) const SAME: u32 = (1 << 7) - 1;
-/// Not a condition: the target sees something nearer than the point.
+/// The target sees something nearer than the point: no condition, but part of the outcome.
 pub(crate) const NEARER: u32 = 1 << 7;
 
 /// For the samples of a block, the smallest tolerances at which each shows the same surface point as the target does, up to
 /// rounding; anything where no tolerance makes it so.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RequiredTolerances<const N: usize = LANES> {
-    /// In footprints, of the point itself and where it is asked for of the pixels around it.
+    /// In footprints, of the point itself and, where overlap is tested, of the pixels around it.
     pub(crate) depth: [f32; N],
     /// One less the cosine between the normals.
     pub(crate) turn: [f32; N],
     /// In 8-bit sRGB steps; where they are fewer than [`RequiredTolerances::negligible_steps`], noise is not counted.
     pub(crate) color: [f32; N],
-    /// Colors that differ by no more than this agree at any tolerance that will ever be asked about.
+    /// Colors that differ by no more than this agree at every tolerance in question.
     pub(crate) negligible_steps: f32,
 }
 
@@ -77,7 +77,7 @@ impl<const N: usize> SurfaceMatches<N> {
         self.bits[lane] & SAME == SAME
     }
 
-    /// In words.
+    /// The first condition that is not met.
     pub(crate) fn outcome(&self, lane: usize) -> Outcome {
         let bits = self.bits[lane];
         let first_missing = (!bits & SAME).trailing_zeros();
