@@ -11,7 +11,7 @@
 //! | normals | [`preprocess::normals`] | takes given normals or estimates them from depth |
 //! | temporal redundancy | [`preprocess::temporal`] | finds the longest spans of frames over which a pixel stays the same |
 //! | registration | [`preprocess::registration`] | carries samples into the other cameras: who saw the same surface point? |
-//! | sampling rate | [`preprocess::sampling_rate`] | of two samples of one point, which is denser? (the paper's `r`) |
+//! | sampling rate | `preprocess::layers` | of two samples of one point, which is denser? (the paper's `r`) |
 //! | spatial redundancy | [`preprocess::pruning`] | keeps the denser one, and never loses a point on the way |
 //! | storage | [`store`] | predicts every number from its neighbors and entropy-codes the rest (rANS), in the chunks of an IFF file |
 //! | rendering | [`render`] | paints foreground over background into any vantage |

@@ -186,8 +186,9 @@ fn the_search_the_candidate_lists_and_the_explanation_of_a_pixel_decide_alike() 
             assert_eq!(is_listed, settings.pruning.method != PruningMethod::Off, "capture {seed}");
             let mut rules = BTreeSet::new();
             // The lists serve tolerances around those that they were built for.
-            for factor in [1.0, 0.5, 1.9] {
-                settings.pruning.depth_tolerance *= factor;
+            for factor in [1.0, 0.5, 2.5] {
+                settings.pruning.depth_tolerance =
+                    (settings.pruning.depth_tolerance * factor).clamp(0.05, 16.0);
                 settings.pruning.across_spans = draws.chance(0.5);
                 let [searched, replayed] = [0, 1]
                     .map(|nth| inspect_frame(&capture, Some(&scans[nth]), &settings, frame, &job).unwrap());

@@ -7,10 +7,11 @@
 //! a layer = colors, depths ─▶ normals ─▶ sampling rate ─▶ rank;  pruning compares by registration who shows the same point
 //! ```
 //!
-//! The steps, in the paper's order: [`normals`] are given or estimated; [`temporal`] redundancy is split off
-//! ([`split`], over the spans of a [`span_tree`]); [`registration`] carries samples between cameras; [`sampling_rate`] tells which of two is better; and
-//! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add. Where thresholds of one frame
-//! change again and again, [`prepare_frame`] lists the candidates of every sample, so that none has to be searched for.
+//! The steps, in the paper's order: [`normals`] are given or estimated; [`temporal`] redundancy is split off, over a tree of
+//! spans; `layers` hold every sample with its sampling rate; [`registration`] carries samples between cameras and tests whether
+//! they show the same surface point; and [`pruning`] keeps the better one. [`noise`] deals with what real renderers add. Where
+//! thresholds of one frame change again and again, [`prepare_frame`] lists the candidates of every sample, so that none has to
+//! be searched for. [`inspect`] explains the verdicts, [`diagnostics`] counts them.
 
 pub mod diagnostics;
 pub mod inspect;
@@ -34,19 +35,15 @@ use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::job::Job;
+use crate::samples::{ImageBuffer, SampleImage, SampleSet, Span, samples_in_memory};
 use crate::settings::Settings;
-
-use crate::samples::{ImageBuffer, samples_in_memory};
-use diagnostics::{Residuals, Tally};
+use diagnostics::{Report, Residuals, Tally};
+use inspect::{CameraInspection, FrameInspection};
 use interactive::{CameraPlanes, FrameLayers, FrameVerdicts};
 use layers::CameraLayer;
 use pruning::{Decided, Masks, PrunedBackground, SpanStack, load_frame};
 use registration::CameraPairs;
 use temporal::{ROOT, SpanLevel, SpanTree, all_frames};
-
-use crate::samples::{SampleImage, SampleSet, Span};
-use diagnostics::Report;
-use inspect::{CameraInspection, FrameInspection};
 
 /// What preprocessing gives: the kept samples, and the report of what was dropped and why.
 #[derive(Clone, Debug)]

@@ -107,7 +107,7 @@ pub(super) fn shared_warning(pairs: &[Vec<PairResiduals>], granted_footprints: f
 }
 
 /// The cameras that fit no other as well as the others fit each other; see [`PairResiduals`] for `pairs`. Where no others can be
-/// compared, only clocks are suspect, and all of them; the rest is left to [`shared_warning`].
+/// compared, only clocks are suspect, and all of them; the rest is left to the warning about all cameras.
 #[must_use]
 pub fn calibration_warnings(pairs: &[Vec<PairResiduals>]) -> Vec<CalibrationWarning> {
     let mut calibration_warnings = warnings_over(pairs, false, |pair| Some(pair.lasting?.most_footprints));

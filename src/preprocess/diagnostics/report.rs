@@ -85,7 +85,7 @@ pub struct Report {
     /// Samples whose color was found to be blended across a silhouette, and what became of them: of those `found` some
     /// `yielded` to clean ones, were `dropped`, `outranked` by others that are blended as well, or `kept`. They are not looked for
     /// where mixed pixels are kept, the first camera wins or the capture's color is not filtered, and those whose neighbors live in
-    /// shorter spans go unseen; see [`mixed_pixels`](crate::preprocess::layers).
+    /// shorter spans go unseen.
     pub mixed_pixels: BTreeMap<String, u64>,
     /// All input pixels as 8-bit color and 32-bit depth.
     pub bytes_raw: u64,

@@ -1,4 +1,4 @@
-//! Why each pixel was kept or dropped.
+//! Why each pixel was kept or dropped: the verdicts of a frame for display, and the explanation of one pixel.
 
 mod frame;
 mod pixel;

@@ -1,4 +1,8 @@
-//! Pruning one frame again and again while a threshold is turned.
+//! Pruning one frame again and again while a threshold changes.
+//!
+//! ```text
+//! prepared frame (layers of all levels) ─▶ build lists: candidates of every sample ─▶ replay per setting ─▶ verdicts
+//! ```
 
 mod build_lists;
 mod candidate;

@@ -8,6 +8,7 @@ mod sampling_rate;
 
 pub(crate) use builder::LayerBuilder;
 pub(crate) use layer::CameraLayer;
-pub(crate) use packed_sample::{COLOR_STEPS, PackedColor, PackedGeometry, Ranks};
-pub(crate) use packed_sample::{has_unknown_normal, is_mixed};
+pub(crate) use packed_sample::{
+    COLOR_STEPS, PackedColor, PackedGeometry, Ranks, has_unknown_normal, is_mixed,
+};
 pub(crate) use sampling_rate::{Rate, ViewingRays, footprint};

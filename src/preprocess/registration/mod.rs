@@ -9,6 +9,5 @@ mod same_surface;
 pub(crate) use camera_pairs::CameraPairs;
 pub use matches::Outcome;
 pub(crate) use matches::{IN_VIEW, LANES, RequiredTolerances};
-pub(crate) use reproject::{PixelRun, Registration};
-pub(crate) use reproject::{ReprojectedRun, lanes_of};
+pub(crate) use reproject::{PixelRun, Registration, ReprojectedRun, lanes_of};
 pub(crate) use same_surface::SameSurface;
