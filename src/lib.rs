@@ -7,17 +7,20 @@
 //!
 //! | stage | module | what it does |
 //! |---|---|---|
-//! | collection | [`capture`] | reads what was recorded: cameras, color, depth, normals; or traces a built-in scene |
+//! | collection | [`capture`], [`demo`] | reads what was recorded: cameras, color, depth, normals; or traces a built-in scene |
+//! | data model | [`samples`] | samples of all cameras over spans of frames, in tiles |
+//! | noise | [`preprocess::noise`] | measures how noisy the frames are |
 //! | normals | [`preprocess::normals`] | takes given normals or estimates them from depth |
 //! | temporal redundancy | [`preprocess::temporal`] | finds the longest spans of frames over which a pixel stays the same |
-//! | registration | [`preprocess::registration`] | carries samples into the other cameras: who saw the same surface point? |
+//! | registration | [`preprocess::registration`] | carries samples into the other cameras: which of them saw the same surface point? |
 //! | sampling rate | `preprocess::layers` | of two samples of one point, which is denser? (the paper's `r`) |
-//! | spatial redundancy | [`preprocess::pruning`] | keeps the denser one, and never loses a point on the way |
+//! | spatial redundancy | [`preprocess::pruning`] | keeps the denser one; a sample is dropped only if a kept one represents it |
+//! | explanation | [`preprocess::inspect`] | says for each pixel by which rule it was kept or dropped |
 //! | storage | [`store`] | predicts every number from its neighbors and entropy-codes the rest (rANS), in the chunks of an IFF file |
 //! | rendering | [`render`] | paints foreground over background into any vantage |
 //! | accuracy | [`evaluate`] | how close to the truth that comes, against no pruning and against first camera wins |
 //! | trade-offs | [`evaluate::sweep`], [`evaluate::stress`], [`evaluate::tune`] | what each setting buys, where it breaks, what is enough |
-//! | speed | [`evaluate::speed`] | how fast each stage is, as a share of what the machine can do |
+//! | speed | [`evaluate::bench`] | how fast each stage is, as a share of what the machine can do |
 //!
 //! [`cli`] and [`app`] are the command line and the window over these same calls.
 //!
@@ -31,9 +34,9 @@
 //!
 //! # Words
 //!
-//! *Sample*: one pixel of one camera over one span of frames. *Span*: a run of frames. *Witness*: the kept sample that stands
-//! for a pruned one. *Footprint*: how much surface a pixel covers; the ratio of two footprints is the paper's `r`.
-//! *Vantage*: a virtual camera at a frame.
+//! *Sample*: one pixel of one camera over one span of frames. *Span*: a run of frames. *Witness*: the kept sample that represents a
+//! dropped one. *Footprint*: the surface area that a pixel covers; the ratio of two footprints is the paper's `r`.
+//! *Vantage*: a virtual camera at a frame. `ARCHITECTURE.md` has the whole glossary.
 #![warn(clippy::unwrap_used, clippy::expect_used)]
 
 pub mod app;

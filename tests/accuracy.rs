@@ -1,21 +1,20 @@
 //! On real renderer output: pruning by sampling rate keeps the picture, first camera wins does not.
 
-use std::path::Path;
+#[path = "common/small_capture.rs"]
+mod small_capture;
 
-use overlook::capture::transforms::{open, open_views};
 use overlook::capture::{Capture, TruthView};
 use overlook::evaluate::{MethodScore, compare, evaluate};
 use overlook::job::Job;
 use overlook::preprocess::diagnostics::Report;
 use overlook::preprocess::normals::NormalErrors;
 use overlook::preprocess::{preprocess, prune, scan};
-use overlook::settings::{CaptureSettings, Kernel, RenderSettings, Settings};
+use overlook::settings::{Kernel, RenderSettings, Settings};
 
 #[test]
 fn pruning_by_rate_costs_little_and_first_camera_wins_costs_clearly_more() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
-    let capture = open(&folder, &CaptureSettings::default()).unwrap();
-    let views = open_views(&folder.join("novel/transforms.json")).unwrap();
+    let capture = small_capture::capture();
+    let views = small_capture::views();
     assert_eq!((capture.cameras.len(), capture.frame_count()), (4, 4));
 
     // Measured in dB, by rate and by first camera wins: blocks 0.07 and 0.20; gathering, where looking a point up in fewer
@@ -64,9 +63,8 @@ fn compare_rules(capture: &Capture, views: &[TruthView], kernel: Kernel, bounds:
 
 #[test]
 fn gathering_comes_closer_to_a_renderer_s_truth_than_blocks_and_surfels_do() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
-    let capture = open(&folder, &CaptureSettings::default()).unwrap();
-    let views = open_views(&folder.join("novel/transforms.json")).unwrap();
+    let capture = small_capture::capture();
+    let views = small_capture::views();
     let samples = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples;
     let score = |kernel| {
         let settings = RenderSettings { kernel, ..RenderSettings::default() };
@@ -81,22 +79,25 @@ fn gathering_comes_closer_to_a_renderer_s_truth_than_blocks_and_surfels_do() {
 
 #[test]
 fn both_estimators_come_close_to_the_normals_that_the_renderer_gave() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
-    let capture = open(&folder, &CaptureSettings::default()).unwrap();
+    let capture = small_capture::capture();
     let scan = scan(&capture, &Settings::default(), &Job::new()).unwrap();
+    // On walls and floors, most of the pictures, differences of direct neighbors are exact but for rounding: 0.02° is the least that
+    // a cosine in single precision tells from 0 (measured: 0.02° at most, 0.89 trusted at least, 95 % within 35°). Windows of five
+    // pixels often reach over creases here (measured: 1.6°, 0.49, 18°). Up to a fifth is let pass on top, of rounding more.
+    let bounds = [("cross", 0.06, 0.85, 42.0), ("plane", 1.9, 0.45, 22.0)];
     for camera in &scan.cameras {
-        assert_eq!(camera.normal_errors.len(), 2);
-        for errors in &camera.normal_errors {
-            println!("{errors:?}");
-            assert!(errors.median_degrees < 10.0 && errors.trusted > 0.4, "{errors:?}");
+        assert_eq!(camera.normal_errors.len(), bounds.len());
+        for (errors, (estimator, median, trusted, p95)) in camera.normal_errors.iter().zip(bounds) {
+            assert_eq!(errors.estimator, estimator);
+            assert!(errors.median_degrees < median && errors.p95_degrees < p95, "{errors:?}");
+            assert!(errors.trusted > trusted, "{errors:?}");
         }
     }
 }
 
 #[test]
 fn the_report_compares_normals_by_the_settings_that_it_was_pruned_with() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
-    let capture = open(&folder, &CaptureSettings::default()).unwrap();
+    let capture = small_capture::capture();
     let scan = scan(&capture, &Settings::default(), &Job::new()).unwrap();
     let errors = |report: Report| -> Vec<Vec<NormalErrors>> {
         report.cameras.into_iter().map(|camera| camera.normal_errors).collect()

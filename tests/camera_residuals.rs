@@ -110,10 +110,11 @@ fn a_camera_that_is_turned_by_a_pixel_is_named_and_so_is_nobody_else() {
         sentence.contains("'arc2'") && sentence.contains("pose") && !sentence.contains('\n'),
         "{sentence}"
     );
-    // Twice as wrong is about twice as far off.
+    // Twice as wrong is about twice as far off: 1.86 times was measured. Each median is the middle of a bin that is up to 1/16 wide,
+    // so that a ratio of 2 may read as 1.88 to 2.13; as much again is for points that the larger turn takes out of the picture.
     let twice = doubts_of(&report_of(&record_turned(4, radians(2.0))));
     let growth = twice[0].footprints / found[0].footprints;
-    assert!((1.4..3.0).contains(&growth), "{growth}: {found:?} {twice:?}");
+    assert!((1.75..2.25).contains(&growth), "{growth}: {found:?} {twice:?}");
 }
 
 /// Turned to the side, a plane that fills nearly all of the picture shifts within itself. What stands out gives it away.

@@ -158,7 +158,13 @@ fn an_entry_that_says_it_is_not_bent_is_believed() {
     let mut straight = entry("a.exr", "a", 0);
     straight["k1"] = 0.into();
     let keys = json!({"k1": 0.1, "distortion_params": [0, 0.0], "is_fisheye": false, "camera_type": "PERSP"});
-    folder.open(keys, &[straight]).unwrap();
+    let capture = folder.open(keys, &[straight]).unwrap();
+    let lens = capture.cameras[0].intrinsics;
+    assert_eq!((lens.size(), lens.fx, lens.fy, lens.cx, lens.cy), (common::SIZE, 3.0, 3.0, 3.0, 2.0));
+    let frame = capture.frame(0, 0).unwrap();
+    assert_eq!(frame.inverse_depth.as_slice(), [0.5; PIXELS]);
+    assert_eq!(frame.color.as_slice(), [[half::f16::from_f32(0.5); 3]; PIXELS]);
+    assert_eq!(capture.warnings, Vec::<String>::new());
 }
 
 #[test]
@@ -221,10 +227,13 @@ fn positions_off_the_rays_of_their_pixels_are_refused() {
     let folder = Folder::new();
     let read = |bytes: &[u8]| {
         folder.put("a.exr", bytes);
-        folder.open(json!({}), &[entry("a.exr", "a", 0)]).unwrap().frame(0, 0).map(drop)
+        folder.open(json!({}), &[entry("a.exr", "a", 0)]).unwrap().frame(0, 0)
     };
-    read(&wall(0.0, true)).unwrap();
-    read(&wall(1.0, true)).unwrap();
+    // A shift along the wall leaves each pixel's depth what it is.
+    for shift in [0.0, 1.0] {
+        let frame = read(&wall(shift, true)).unwrap();
+        assert!(frame.inverse_depth.as_slice().iter().all(|w| (w - 0.25).abs() < 1e-6), "shift {shift}");
+    }
     assert_names(
         &read(&wall(4.0, true)).unwrap_err().to_string(),
         &["a.exr", "rays of camera 'a'", "median 3 px"],
@@ -238,16 +247,26 @@ fn positions_off_the_rays_of_their_pixels_are_refused() {
 #[test]
 fn a_large_picture_of_one_color_is_read_however_small_its_dwa_file() {
     let encoding = Encoding { compression: Compression::DWAA(None), ..Encoding::UNCOMPRESSED };
-    let side = 2048;
-    let zeros = || FlatSamples::F16(vec![half::f16::ZERO; side * side]);
+    // Of few rows, as each block of them takes some bytes.
+    let (width, height) = (16_384, 256);
+    let zeros = || FlatSamples::F16(vec![half::f16::ZERO; width * height]);
     let channels = ["R", "G", "B"].map(|name| AnyChannel::new(name, zeros()));
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let mut bytes = std::io::Cursor::new(Vec::new());
-    let image = Image::from_encoded_channels((side, side), encoding, channels);
+    let image = Image::from_encoded_channels((width, height), encoding, channels);
     image.write().non_parallel().to_buffered(&mut bytes).unwrap();
-    let file = ExrFile::from_bytes(bytes.into_inner(), PLACE).unwrap();
+    let bytes = bytes.into_inner();
+    // More pixels a byte than any other compression makes of them.
+    assert!(bytes.len() * 1100 < width * height, "{} bytes", bytes.len());
+    let file = ExrFile::from_bytes(bytes, PLACE).unwrap();
     let window = file.window(None).unwrap();
-    file.decode(&[0], window).unwrap();
+    assert_eq!((window.width, window.height), (width, height));
+    let planes = file.decode(&[0, 1, 2], window).unwrap();
+    assert_eq!(planes.len(), 3);
+    for plane in planes {
+        let values = plane.into_single();
+        assert!(values.len() == width * height && values.iter().all(|value| *value == 0.0));
+    }
 }
 
 #[test]

@@ -368,7 +368,7 @@ fn manifests_from_windows_are_read() {
     let settings = overlook::settings::CaptureSettings::default();
     let capture = transforms::open(&folder.path(""), &settings).unwrap();
     assert_eq!(capture.frame(0, 0).unwrap().inverse_depth[(0, 0)], 0.5);
-    let places = overlook::capture::transforms::picture_places(&folder.path("")).unwrap();
+    let places = picture_places(&folder.path("")).unwrap();
     assert!(places.contains(&folder.path("front/0000.exr")), "{places:?}");
 }
 

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Folder, PIXELS, SIZE, entry, flat, picture};
 use exr::prelude::FlatSamples;
-use overlook::capture::{Capture, transforms};
+use overlook::capture::Capture;
 use overlook::error::Result;
 use serde_json::{Value, json};
 

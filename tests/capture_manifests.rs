@@ -165,7 +165,7 @@ fn instant_ngps_words_for_depth_are_known_and_its_other_lenses_are_refused() {
     ingp["depth_path"] = "d.png".into();
     let capture = folder.open(json!({"integer_depth_scale": 1e-4}), &[ingp.clone()]).unwrap();
     assert_eq!(capture.frame(0, 0).unwrap().inverse_depth[(0, 0)], 0.5);
-    let places = overlook::capture::transforms::picture_places(&folder.path("transforms.json")).unwrap();
+    let places = picture_places(&folder.path("transforms.json")).unwrap();
     assert!(places.contains(&folder.path("d.png")));
     ingp["integer_depth_scale"] = 2e-4.into();
     let capture = folder.open(json!({"depth_unit_scale_factor": 1e-4}), &[ingp.clone()]).unwrap();

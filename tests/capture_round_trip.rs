@@ -1,6 +1,8 @@
 //! What is written is read again: captures, vantages, and the small real one that others wrote.
 
-use std::path::Path;
+#[path = "common/small_capture.rs"]
+mod small_capture;
+
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
@@ -121,8 +123,7 @@ fn names_that_lead_out_of_the_folder_are_refused() {
 
 #[test]
 fn the_small_real_capture_holds_together() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
-    let capture = transforms::open(&folder, &CaptureSettings::default()).unwrap();
+    let capture = small_capture::capture();
     assert_eq!((capture.cameras.len(), capture.has_normals), (4, true));
     assert_eq!(capture.frame_numbers, [0, 6, 12, 18]);
     let (left, front) = (capture.frame(0, 0).unwrap(), capture.frame(1, 0).unwrap());
@@ -147,7 +148,7 @@ fn the_small_real_capture_holds_together() {
         }
     }
     assert!(seen > 2000 && agreeing * 10 > seen * 7, "{agreeing} of {seen}");
-    let views = transforms::open_views(&folder.join("novel")).unwrap();
+    let views = small_capture::views();
     assert_eq!(views.len(), 12);
     let truth = views[0].truth.as_ref().unwrap()().unwrap();
     assert_eq!((truth.size(), truth.invalid_pixels()), ((86, 64), 0));

@@ -334,7 +334,7 @@ fn the_noise_of_a_scene_is_that_which_was_put_in() {
     let noise = measured(&recorded("nine-cameras"), 0, [0, 20, 40]);
     let steps = |linear: f32| steps_from_linear(f16::from_f32(linear));
     for linear in [0.1_f32, 0.2, 0.3] {
-        // See `capture::demo::camera_noise`: a relative deviation of 0.03.
+        // See `demo::tracer::camera_noise`: a relative deviation of 0.03.
         let sigma = 0.03 * (linear * (linear + 0.02)).sqrt();
         let expected = 0.5 * (steps(linear + sigma) - steps(linear - sigma));
         let ratio = noise.color_at(steps(linear)) / expected;

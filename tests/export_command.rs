@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use overlook::job::Job;
-use overlook::store;
 
 use builder::{moving_set, small_report, small_set};
 

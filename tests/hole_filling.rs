@@ -1,19 +1,18 @@
 //! The promises of hole filling: what was painted stays, what is behind comes forward, what is near stays where it is.
 
 mod samples;
-
-use std::path::Path;
+#[path = "common/small_capture.rs"]
+mod small_capture;
 
 use glam::DVec3;
 use overlook::capture::Camera;
-use overlook::capture::transforms::{open, open_views};
 use overlook::evaluate::evaluate;
 use overlook::grid::Grid;
 use overlook::job::Job;
 use overlook::preprocess::preprocess;
 use overlook::render::fill::fill;
 use overlook::render::{CpuRenderer, NO_IMAGE, Picture, Vantage};
-use overlook::settings::{CaptureSettings, Fill, Kernel, RenderSettings, Settings};
+use overlook::settings::{Fill, Kernel, RenderSettings, Settings};
 use samples::{plain_camera, samples};
 
 const RED: [f32; 3] = [0.75, 0.125, 0.0625];
@@ -274,9 +273,8 @@ fn a_wide_hole_shows_no_blocks() {
 
 #[test]
 fn filling_brings_real_pictures_nearer_to_the_truth_and_says_what_it_invented() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
-    let capture = open(&folder, &CaptureSettings::default()).unwrap();
-    let views = open_views(&folder.join("novel/transforms.json")).unwrap();
+    let capture = small_capture::capture();
+    let views = small_capture::views();
     let set = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples;
     for kernel in Kernel::ALL {
         let mean = |fill| {

@@ -16,28 +16,14 @@ use overlook::preprocess::pruning::Rule;
 use overlook::preprocess::{inspect_frame, prepare_frame, preprocess, scan};
 use overlook::settings::{MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
 use rayon::prelude::*;
+use scene::draws::Draws;
 use scene::{Scene, Sphere, arc};
 
 const CAPTURES: u64 = 1000;
 
-/// Steele, Lea and Flood, *Fast Splittable Pseudorandom Number Generators*, OOPSLA 2014.
-struct Draws(u64);
-
 impl Draws {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    fn below(&mut self, limit: u64) -> u64 {
-        self.bits() % limit
-    }
-
     fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+        low + (high - low) * self.below(1 << 53) as f64 / (1_u64 << 53) as f64
     }
 
     fn chance(&mut self, share: f64) -> bool {
@@ -150,7 +136,7 @@ fn any_capture(draws: &mut Draws) -> (Scene, Settings, Capture) {
 
 #[test]
 fn a_thousand_random_captures_neither_panic_nor_lose_a_surface_point() {
-    let dropped: u64 = (0..CAPTURES)
+    let (dropped, beyond) = (0..CAPTURES)
         .into_par_iter()
         .map(|seed| {
             let draws = &mut Draws(seed);
@@ -160,16 +146,18 @@ fn a_thousand_random_captures_neither_panic_nor_lose_a_surface_point() {
             let scan = scan(&capture, &settings, &job).unwrap();
             let frame = draws.below(frames as u64) as usize;
             let inspection = inspect_frame(&capture, Some(&scan), &settings, frame, &job).unwrap();
-            assert_covered(&scene, &capture, &inspection, &settings);
+            let beyond = assert_covered(&scene, &capture, &inspection, &settings);
             let report = preprocess(&capture, &settings, &job).unwrap().report;
             let pruned: u64 = report.pruned.values().sum();
             let invalid: u64 = report.cameras.iter().map(|camera| camera.invalid).sum();
             assert_eq!(report.samples_in, report.samples_kept + pruned + invalid, "capture {seed}");
             let verdicts = inspection.cameras.iter().flat_map(|camera| camera.verdict.as_slice());
-            verdicts.filter(|verdict| !verdict.is_kept()).count() as u64
+            (verdicts.filter(|verdict| !verdict.is_kept()).count(), beyond)
         })
-        .sum();
+        .reduce(|| (0, 0), |(a, b), (c, d)| (a + c, b + d));
     assert!(dropped > 50_000, "{dropped}");
+    // Where an estimated normal is wrong: 2 of 65,122 here, and 18 in six times as many captures.
+    assert!(beyond * 10_000 < dropped, "{beyond} of {dropped}");
 }
 
 #[test]

@@ -1,27 +1,20 @@
 //! The promises that the renderer gives, on scenes whose right answer is known.
 
+#[path = "scene/moving.rs"]
+mod moving;
 mod scene;
 
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use overlook::capture::{Camera, Capture, Intrinsics};
+use moving::moving_capture;
+use overlook::capture::{Camera, Capture, Frame, Intrinsics};
 use overlook::job::Job;
 use overlook::preprocess::preprocess;
 use overlook::render::{CpuRenderer, Picture, Vantage};
 use overlook::samples::SampleSet;
 use overlook::settings::{Kernel, PruningMethod, RenderSettings, Settings};
-use scene::{SKY, Scene, Sphere, arc, camera};
-
-fn moving_capture() -> Capture {
-    let mut scene = Scene::still_life();
-    scene.spheres.push(Sphere {
-        center: Arc::new(|frame| Some(DVec3::new(-1.2 + 0.3 * frame as f64, -0.9, 0.3))),
-        radius: 0.3,
-        color: [0.6, 0.6, 0.1],
-    });
-    scene.record(arc(4, 96), 5)
-}
+use scene::{SKY, Scene, arc, camera};
 
 fn samples(capture: &Capture, settings: &Settings) -> Arc<SampleSet> {
     preprocess(capture, settings, &Job::new()).unwrap().samples
@@ -56,6 +49,45 @@ fn a_camera_that_kept_everything_is_painted_back_exactly() {
     }
 }
 
+/// Pixels whose true surface point no camera sees: another surface stands before it, or it lies outside the picture.
+fn unseen_pixels(capture: &Capture, vantage: &Camera, truth: &Frame) -> usize {
+    let is_seen = |pixel: usize, inverse_depth: f32| {
+        let center = DVec2::new((pixel % 96) as f64 + 0.5, (pixel / 96) as f64 + 0.5);
+        let point = vantage.unproject(center, f64::from(inverse_depth).recip());
+        capture.cameras.iter().enumerate().any(|(index, camera)| {
+            let Some((at, z)) = camera.project(point) else { return false };
+            let frame = capture.frame(index, 0).unwrap();
+            let there = frame.inverse_depth.get(at.x.max(-1.0) as usize, at.y as usize);
+            at.min_element() >= 0.0 && there.is_some_and(|there| f64::from(*there) * z < 1.05)
+        })
+    };
+    let pixels = truth.inverse_depth.as_slice().iter().enumerate();
+    pixels.filter(|(pixel, w)| **w > 0.0 && !is_seen(*pixel, **w)).count()
+}
+
+/// Which solid a pixel shows: the red of the spheres, which have one color each and the ground does not reach; 0 for the ground, and
+/// -1 for the sky.
+fn solid(truth: &Frame, at: (usize, usize)) -> f32 {
+    let red = truth.color[at][0].to_f32();
+    let is_sphere = [0.7, 0.1].iter().any(|sphere| (red - sphere).abs() < 1e-3);
+    if truth.inverse_depth[at] == 0.0 {
+        -1.0
+    } else if is_sphere {
+        red
+    } else {
+        0.0
+    }
+}
+
+/// Whether a pixel or one of those around it shows another solid than the rest.
+fn is_at_edge(truth: &Frame, pixel: usize) -> bool {
+    let (width, height) = truth.size();
+    let (x, y) = (pixel % width, pixel / width);
+    let columns = x.saturating_sub(1)..(x + 2).min(width);
+    let mut around = columns.flat_map(|x| (y.saturating_sub(1)..(y + 2).min(height)).map(move |y| (x, y)));
+    around.any(|at| solid(truth, at) != solid(truth, (x, y)))
+}
+
 #[test]
 fn a_place_where_no_camera_stood_shows_the_true_surfaces() {
     let scene = Scene::still_life();
@@ -63,6 +95,8 @@ fn a_place_where_no_camera_stood_shows_the_true_surfaces() {
     let vantage = camera("novel", DVec3::new(0.4, -4.6, 2.6), DVec3::new(0.3, 0.2, 0.3), 96);
     let truth = scene.trace(&vantage, 0, 9);
     let samples = samples(&capture, &Settings::default());
+    let unseen = unseen_pixels(&capture, &vantage, &truth) as u64;
+    let edge = (0..96 * 96).filter(|pixel| is_at_edge(&truth, *pixel)).count();
     for kernel in Kernel::ALL {
         let picture = paint(&samples, &vantage, 0, *kernel);
         let mut wrong = 0;
@@ -74,15 +108,22 @@ fn a_place_where_no_camera_stood_shows_the_true_surfaces() {
                 // Off the true surface, along its normal, by more than three pixels.
                 let normal = truth.normal_in_world.as_ref().unwrap().as_slice()[pixel];
                 let off = DVec3::from(normal.map(f64::from)).dot(found - vantage.unproject(center, z)).abs();
-                wrong += usize::from(off > 3.0 * z / vantage.intrinsics.fx);
+                let is_wrong = off > 3.0 * z / vantage.intrinsics.fx;
+                wrong += usize::from(is_wrong);
+                if is_wrong {
+                    assert!(is_at_edge(&truth, pixel), "{kernel}: pixel {pixel} shows another surface");
+                }
             }
         }
-        assert!(wrong < 96 * 96 / 50, "{kernel}: {wrong} pixels show another surface");
+        // Where a silhouette falls within a pixel is not known: up to 93 of the 308 pixels beside one were found to show the other
+        // side with blocks, which are the widest, and 40 with the others.
+        let share = if *kernel == Kernel::Block { 3 } else { 6 };
         assert!(
-            picture.holes() < if *kernel == Kernel::Point { 900 } else { 250 },
-            "{kernel}: {}",
-            picture.holes()
+            wrong * share < edge,
+            "{kernel}: {wrong} of {edge} pixels at silhouettes show another surface"
         );
+        // At most 12 holes were found: footprints cover most of the slivers that no camera sees, 64 pixels.
+        assert!(picture.holes() < unseen / 2, "{kernel}: {} holes, {unseen} unseen", picture.holes());
     }
 }
 

@@ -266,7 +266,8 @@ fn a_silhouette_that_other_cameras_see_through_does_not_grow() {
     let (grown, shrunk) = shown(Kernel::Gather);
     let (block_grown, _) = shown(Kernel::Block);
     assert!(2 * grown < block_grown, "gather {grown}, block {block_grown}");
-    assert!(grown + shrunk < 120, "{grown} grown, {shrunk} shrunk");
+    // Measured: 34 and 0, of some 300 pixels beside silhouettes, each of which may fall to either side; half as many more are let pass.
+    assert!(grown <= 51 && shrunk <= 5, "{grown} grown, {shrunk} shrunk");
 }
 
 #[test]

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use half::f16;
 use overlook::capture::{Capture, Frame, INVALID_INVERSE_DEPTH};
+use overlook::color;
 use overlook::grid::Grid;
 use overlook::job::Job;
 use overlook::preprocess::noise::CameraNoise;
@@ -18,8 +19,8 @@ use overlook::preprocess::{
 use overlook::samples::Span;
 use overlook::settings::{Precision, PruningMethod, Settings, SpanLevels};
 use overlook::store::file::Extras;
-use overlook::{color, store};
 use proptest::prelude::*;
+use scene::draws::Draws;
 use scene::{Scene, arc, camera};
 
 fn with_levels(levels: SpanLevels) -> Settings {
@@ -41,11 +42,8 @@ const INVERSE_DEPTH: [f32; 6] = [INVALID_INVERSE_DEPTH, 0.0, 0.5, 0.499_65, 0.49
 
 /// Pictures of `width` pixels in which a channel of a pixel or its depth changes now and then, and its normal always.
 fn readings(width: usize, frames: usize, seed: u64) -> Vec<Arc<Frame>> {
-    let mut state = seed;
-    let mut below = |bound: usize| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as usize % bound
-    };
+    let mut draws = Draws(seed);
+    let mut below = |bound: u64| draws.below(bound) as usize;
     let mut color: Vec<[usize; 3]> = (0..width).map(|_| std::array::from_fn(|_| below(4))).collect();
     let mut depth: Vec<usize> = (0..width).map(|_| below(6)).collect();
     let mut normal = vec![[0.0; 3]; width];

@@ -15,7 +15,6 @@ use overlook::error::{Error, Result};
 use overlook::job::Job;
 use overlook::preprocess::{prune, scan};
 use overlook::settings::Settings;
-use overlook::store;
 use rustix::process::{Pid, Signal, kill_process};
 use scene::{Scene, arc};
 

@@ -10,7 +10,6 @@ use overlook::job::Job;
 use overlook::preprocess::preprocess;
 use overlook::render::{CpuRenderer, Vantage};
 use overlook::settings::{CaptureSettings, Fill, Kernel, RenderSettings, Settings};
-use overlook::store;
 use overlook::store::file::Store;
 use overlook::store::playback::Playback;
 

@@ -2,6 +2,8 @@
 
 mod results;
 mod scenes;
+#[path = "../common/small_capture.rs"]
+mod small_capture;
 mod stress;
 mod sweep;
 mod truth;

@@ -3,18 +3,18 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use overlook::capture::transforms::{open, open_views};
 use overlook::evaluate::sweep::{self, Series, SweepPlan};
 use overlook::evaluate::truth::Truth;
 use overlook::job::Job;
-use overlook::settings::{CaptureSettings, Kernel, Settings};
+use overlook::settings::{Kernel, Settings};
+
+use super::small_capture;
 
 /// What `overlook sweep assets/small_capture --vary render.kernel=gather --out small` measures with
 /// the kernel `gather` and with the paper's settings, as RESULTS.md shows it.
 fn small_table() -> String {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
-    let capture = open(&folder, &CaptureSettings::default()).unwrap();
-    let truth = Truth::Views(open_views(&folder.join("novel/transforms.json")).unwrap());
+    let capture = small_capture::capture();
+    let truth = Truth::Views(small_capture::views());
     let settings = Settings::default();
     let mut plan = SweepPlan::grid(&settings, &[], &capture).unwrap();
     plan.trials.retain(|planned| {

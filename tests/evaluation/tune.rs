@@ -5,7 +5,6 @@ use overlook::evaluate::tune::{self, TuneBudget, TunePlan, Tuned};
 use overlook::job::Job;
 use overlook::preprocess::preprocess;
 use overlook::settings::{Settings, SpanLevels};
-use overlook::store;
 
 use crate::scenes::{Scene, flashing, one_too_many, orrery, still};
 

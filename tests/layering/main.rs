@@ -286,11 +286,12 @@ fn the_files_that_the_architecture_names_exist() {
         let exists = std::fs::read_dir(root.join(folder)).is_ok_and(|mut entries| {
             entries.any(|entry| matches(&entry.unwrap().file_name().to_string_lossy()))
         });
-        // A file or folder of the sources may be named by the end of its path, and without its extension.
+        // A file or folder of the sources may be named by a part of its path, and without its extension.
         let is_source = || {
             sources.iter().any(|(name, _)| {
                 let ending = if is_rust { word.to_owned() } else { format!("{word}.rs") };
-                let is_folder = || name.starts_with(&format!("{word}/"));
+                let folder = format!("{}/", word.trim_end_matches('/'));
+                let is_folder = || name.starts_with(&folder) || name.contains(&format!("/{folder}"));
                 name == &ending || name.ends_with(&format!("/{ending}")) || is_folder()
             })
         };

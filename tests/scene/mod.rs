@@ -2,8 +2,12 @@
 //!
 //! It shares nothing with the built-in demo scenes: what a test believes must not come from the code under test.
 
+#[path = "../common/draws.rs"]
+pub(crate) mod draws;
+
 use std::sync::Arc;
 
+use draws::Draws;
 use glam::{DVec2, DVec3};
 use half::f16;
 use overlook::capture::{
@@ -177,14 +181,9 @@ impl FrameSource for Recorder {
 
 /// A draw from a normal distribution that depends on nothing but its key.
 pub(crate) fn normal_draw(key: (usize, usize, usize)) -> f32 {
-    let mut state = (key.0 as u64) ^ (key.1 as u64) << 24 ^ (key.2 as u64) << 48 ^ 0x9e37_79b9_7f4a_7c15;
-    let mut uniform = || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ z >> 31) >> 40) as f32 / (1 << 24) as f32
-    };
+    let key = (key.0 as u64) ^ (key.1 as u64) << 24 ^ (key.2 as u64) << 48;
+    let mut draws = Draws(key ^ 0x9e37_79b9_7f4a_7c15);
+    let mut uniform = || draws.below(1 << 24) as f32 / (1 << 24) as f32;
     let (a, b) = (uniform().max(1e-7), uniform());
     (-2.0 * a.ln()).sqrt() * (std::f32::consts::TAU * b).cos()
 }

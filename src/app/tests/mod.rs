@@ -100,12 +100,16 @@ fn a_kernel_changed_while_time_passes_leaves_no_accuracy_of_the_one_before() {
 fn accuracy_whose_measuring_was_stopped_is_measured_after_the_next_change() {
     let mut app = start(2, 4);
     wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
+    let gathered = app.state.accuracy.unwrap();
     app.apply(Command::Set { path: "render.kernel", value: "point".into() });
     step(&mut app);
     app.apply(Command::Cancel);
     wait(&mut app, "the measuring to stop", |app| app.lanes.measure.is_idle());
+    assert_ne!(app.state.accuracy, Some(gathered), "shown with another kernel");
     app.apply(Command::Reset("render.kernel"));
     wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
+    // Measuring gives the same numbers each time.
+    assert_eq!(app.state.accuracy, Some(gathered));
 }
 
 #[test]

@@ -1,0 +1,20 @@
+//! The small capture of a renderer's pictures that the repository carries: four cameras, four frames, given normals.
+
+use std::path::{Path, PathBuf};
+
+use overlook::capture::transforms::{open, open_views};
+use overlook::capture::{Capture, TruthView};
+use overlook::settings::CaptureSettings;
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture")
+}
+
+pub(crate) fn capture() -> Capture {
+    open(&folder(), &CaptureSettings::default()).unwrap()
+}
+
+/// Views from where no camera stood, each with its true picture.
+pub(crate) fn views() -> Vec<TruthView> {
+    open_views(&folder().join("novel")).unwrap()
+}
