@@ -1,7 +1,7 @@
 //! Unit normals in two bytes.
 //!
 //! Source: Cigolle et al., *A Survey of Efficient Representations for Independent Unit Vectors*, JCGT 2014: project onto the
-//! octahedron, unfold it to a square. What differs: both coordinates at −128 stand for "no normal".
+//! octahedron, unfold it to a square. What differs: both coordinates at −128 mean "no normal".
 
 use glam::Vec3;
 

@@ -44,7 +44,7 @@ pub(super) struct SharedWarning {
 
 impl SharedWarning {
     /// The first condition that is not met.
-    pub(super) fn sentence(&self) -> String {
+    pub(super) fn sentence(self) -> String {
         const CHECK: &str = "check depth_kind, depth_unit_scale_factor and the lens, which concern all of them, and the poses";
         match self.footprints {
             Some(footprints) => format!(

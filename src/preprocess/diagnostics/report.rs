@@ -73,9 +73,9 @@ pub struct Report {
     /// Samples kept.
     pub samples_kept: u64,
     /// Samples dropped, per rule; `static` counts the repetitions that a sample of several frames
-    /// stands for.
+    /// represents.
     pub pruned: BTreeMap<String, u64>,
-    /// `witnesses[loser][winner]`: samples of camera `loser` for which a sample of camera `winner` stands.
+    /// `witnesses[loser][winner]`: samples of camera `loser` that were dropped for a sample of camera `winner`.
     pub witnesses: Vec<Vec<u64>>,
     /// `rate_disputes[a][b]`: samples of whose point the paper's rate names camera `a` as the best-sampled and the footprint
     /// (its longest side where that decides, else its area) another camera, `b`.

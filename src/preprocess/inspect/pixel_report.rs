@@ -6,7 +6,7 @@ use crate::preprocess::pruning::Verdict;
 use crate::preprocess::registration::Outcome;
 use crate::preprocess::temporal::PixelClass;
 
-/// What one camera says about a surface point. Lengths are in the capture's unit; what is not known is NaN.
+/// What one camera shows of a surface point. Lengths are in the capture's unit; what is not known is NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraEvidence {
     /// Index of the camera.
@@ -21,7 +21,7 @@ pub struct CameraEvidence {
     pub depth_expected: f64,
     /// Planar z that the camera recorded there; infinite at infinity.
     pub depth_found: f64,
-    /// Side of the larger of the two pixels on the surface: the footprint that distances are told in.
+    /// Side of the larger of the two pixels on the surface: the footprint that distances are measured in.
     pub footprint: f64,
     /// Distance from the point to the tangent plane found there, in footprints.
     pub plane_distance_footprints: f64,

@@ -106,7 +106,7 @@ impl PackedColor {
 
     /// Color in [`COLOR_STEPS`].
     #[inline(always)]
-    pub(crate) fn color(&self) -> [i32; 3] {
+    pub(crate) fn color(self) -> [i32; 3] {
         [
             (self.red_green & 0xffff) as i32,
             (self.red_green >> 16) as i32,
@@ -116,13 +116,13 @@ impl PackedColor {
 
     /// The level of the sample.
     #[inline(always)]
-    pub(crate) fn level(&self) -> u32 {
+    pub(crate) fn level(self) -> u32 {
         self.blue_level_known >> LEVEL_SHIFT & 0xff
     }
 
     /// Whether the normal is known.
     #[inline(always)]
-    pub(crate) fn has_normal(&self) -> bool {
+    pub(crate) fn has_normal(self) -> bool {
         self.blue_level_known & NORMAL_KNOWN != 0
     }
 }

@@ -8,7 +8,7 @@
 //! Light that moves changes many pixels, but neighbors alike; noise does not. Of the relative changes of color `d` in a row
 //! of pixels, only `d(i−2) − 2d(i) + d(i+2)` counts, which is √6 times as wide as that of `d(i)` where they are independent
 //! and 0 where they grow evenly, whatever pattern the surface has. Of relative changes of depth the same: a surface that comes
-//! nearer changes evenly. Patterns that move are told apart in `moving_patterns.rs`.
+//! nearer changes evenly. Patterns that move are detected in `block_motion.rs`.
 //!
 //! Source: the median absolute deviation (Hampel 1974) of first differences; second differences in space are those of
 //! Immerkær, *Fast Noise Variance Estimation*, CVIU 1996.
@@ -247,8 +247,8 @@ fn finite_depths<'a>(
 /// The noise of a camera from some pairs of successive frames.
 ///
 /// Differences of color count where the surface is the same in both frames and the color is not. A renderer that draws the
-/// same random numbers for every frame gives a pixel that nothing moving shines on the very same color again, which says
-/// nothing about its noise; how the others differ does.
+/// same random numbers for every frame gives a pixel that nothing moving shines on the very same color again, which shows
+/// nothing of its noise; the differences of the others do.
 #[must_use]
 pub fn measure_pairs(pairs: &[[&Frame; 2]]) -> CameraNoise {
     let mut meter = NoiseMeter::default();

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::decision::Decided;
+use super::pass::{Statuses, no_statuses};
 use super::search;
-use super::status::{Statuses, no_statuses};
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;

@@ -1,8 +1,7 @@
 //! The coverage guarantee: a sample is dropped once a candidate is known to be kept, and kept once all are known to be dropped.
 
 use super::decision::{Candidate, Rule, Verdict, may_be_witness};
-use super::pass::{PendingSample, PruningPass, SearchBand};
-use super::status::{DROPPED, KEPT, UNDECIDED};
+use super::pass::{DROPPED, KEPT, PendingSample, PruningPass, SearchBand, UNDECIDED};
 use crate::preprocess::registration::Outcome;
 use crate::simd::{self, VectorLoop};
 

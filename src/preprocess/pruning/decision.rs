@@ -135,13 +135,11 @@ pub(crate) fn decide(
     };
     let better = || others.iter().filter(|(other, _)| other.is_better_than(sample));
     let kept = better().filter(may_be_witness).filter(|(_, is_kept)| *is_kept);
-    match kept.map(|(other, _)| other).min() {
-        Some(witness) => Verdict::dropped_for(settings.method, sample.rank, *witness),
-        None => {
-            let is_seen = others.iter().any(|other| may_be_witness(&other));
-            Verdict::without_witness(rule_of_kept(better().next().is_some(), is_seen))
-        }
+    if let Some((witness, _)) = kept.min_by_key(|(other, _)| *other) {
+        return Verdict::dropped_for(settings.method, sample.rank, *witness);
     }
+    let is_seen = others.iter().any(|other| may_be_witness(&other));
+    Verdict::without_witness(rule_of_kept(better().next().is_some(), is_seen))
 }
 
 impl Rule {

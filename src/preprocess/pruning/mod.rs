@@ -12,7 +12,6 @@ mod pack;
 mod pass;
 mod search;
 mod span_stack;
-mod status;
 
 pub(crate) use background::PrunedBackground;
 pub(crate) use background::{StaticLayer, rated, static_layers};
@@ -23,8 +22,6 @@ pub(crate) use decision::{
 };
 pub use decision::{Dispute, Rule, Verdict};
 pub(crate) use pack::{Masks, pack};
-pub(crate) use pass::BAND_ROWS;
+pub(crate) use pass::{BAND_ROWS, DROPPED, KEPT, Statuses, UNDECIDED, no_statuses};
 pub(crate) use search::prune;
 pub(crate) use span_stack::{FRAME, SpanStack, load_frame};
-pub(crate) use status::UNDECIDED;
-pub(crate) use status::{DROPPED, KEPT, Statuses, no_statuses};

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::decision::Decided;
-use super::status::KEPT;
+use super::pass::KEPT;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::temporal::SpanLevel;
 use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, Span, TILE};

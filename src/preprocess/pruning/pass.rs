@@ -1,14 +1,30 @@
 //! One pruning pass: what is decided together, and what is known of it meanwhile.
 
 use std::ops::Range;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::decision::{Candidate, Dispute, Verdict, may_be_witness};
-use super::status::{DROPPED, KEPT, Statuses};
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::registration::{CameraPairs, SameSurface};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
+
+/// No sample at the pixel that could be a witness.
+pub(super) const ABSENT: u8 = 0;
+/// Waiting for better samples to be decided.
+pub(crate) const UNDECIDED: u8 = 1;
+/// Stays.
+pub(crate) const KEPT: u8 = 2;
+/// Was dropped.
+pub(crate) const DROPPED: u8 = 3;
+
+/// Whether each pixel of each camera holds a kept sample: [`ABSENT`], [`KEPT`] or [`DROPPED`].
+pub(crate) type Statuses = Vec<Vec<AtomicU8>>;
+
+/// Statuses in which nothing is decided yet.
+pub(crate) fn no_statuses(layers: &[CameraLayer]) -> Statuses {
+    layers.iter().map(|layer| layer.level.iter().map(|_| AtomicU8::new(ABSENT)).collect()).collect()
+}
 
 /// Rows that one task works on.
 pub(crate) const BAND_ROWS: usize = 16;

@@ -14,7 +14,7 @@
 //!
 //! Nearly always the best candidate is kept, so that only this one is looked for at first, for sixteen samples at a time. Where
 //! it turns out dropped, all candidates are found and tried in their order. Samples are not compared with a camera that cannot
-//! see the rectangle in which they lie. The conditions of the rules stand in `decision.rs`.
+//! see the rectangle in which they lie. The conditions of the rules are in `decision.rs`.
 
 use std::cmp::Reverse;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -26,8 +26,7 @@ use super::best_candidate::{
 };
 use super::coverage::{ResolvePending, resolve};
 use super::decision::{Decided, Dispute, Rule, Verdict, is_dropped_as_mixed, may_be_witness, rule_of_kept};
-use super::pass::{BAND_ROWS, PruningPass, SearchBand};
-use super::status::{DROPPED, KEPT, Statuses, UNDECIDED};
+use super::pass::{BAND_ROWS, DROPPED, KEPT, PruningPass, SearchBand, Statuses, UNDECIDED};
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::layers::CameraLayer;

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 use super::background::PrunedBackground;
 use super::decision::Decided;
+use super::pass::{ABSENT, Statuses};
 use super::search;
-use super::status::{ABSENT, Statuses};
 use crate::capture::{Capture, Frame};
 use crate::error::Result;
 use crate::job::Job;

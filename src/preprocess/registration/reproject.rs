@@ -183,7 +183,7 @@ impl Registration {
     }
 
     /// Whether the target may see anything of what lies between two inverse depths (from 0) behind a rectangle of source
-    /// pixels, given by its first and last columns and rows. Never wrongly says no.
+    /// pixels, given by its first and last columns and rows. It may wrongly be true, never wrongly false.
     pub(crate) fn may_see(&self, columns: [usize; 2], rows: [usize; 2], inverse_depths: [f32; 2]) -> bool {
         let lens = &self.target;
         // A point is out of view where one of these is negative; they are linear, so it is enough to test the corners.

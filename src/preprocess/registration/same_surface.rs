@@ -222,14 +222,7 @@ impl SameSurface {
         for i in 0..N {
             packed_colors[i] = target.packed_colors[reprojected.pixel[i] as usize];
         }
-        let mut yields = [0_u32; N];
-        if is_mixed(block.rank.iter().fold(0, |all, rank| all | rank)) {
-            for i in 0..N {
-                // A mixed sample's color belongs to no surface: it may not speak against a clean witness.
-                let clean = !is_mixed(target.ranks[reprojected.pixel[i] as usize].rank);
-                yields[i] = u32::from(is_mixed(block.rank[i]) & clean);
-            }
-        }
+        let yields = yields(block, target, reprojected);
         let color_limit = (limits.color_steps * COLOR_STEPS) as i32;
         for i in 0..N {
             let color = packed_colors[i].color();
@@ -357,6 +350,23 @@ impl SameSurface {
             matches.bits[i] |= if all { SURROUNDED } else { 0 };
         }
     }
+}
+
+/// For which samples color counts as equal: a mixed one's belongs to no surface, so that a clean witness need not agree with it.
+#[inline(always)]
+fn yields<const N: usize>(
+    block: &PixelRun<N>,
+    target: &CameraLayer,
+    reprojected: &ReprojectedRun<N>,
+) -> [u32; N] {
+    let mut yields = [0_u32; N];
+    if is_mixed(block.rank.iter().fold(0, |all, rank| all | rank)) {
+        for i in 0..N {
+            let is_clean = !is_mixed(target.ranks[reprojected.pixel[i] as usize].rank);
+            yields[i] = u32::from(is_mixed(block.rank[i]) & is_clean);
+        }
+    }
+    yields
 }
 
 /// The tolerance at which a distance is granted, where `footprint` is granted for each footprint of tolerance.

@@ -110,7 +110,7 @@ impl SpanSums {
     }
 }
 
-/// A range of inverse depth as a share of its maximum; infinite where the smallest says that there is none.
+/// A range of inverse depth as a share of its maximum; infinite where the smallest is negative: there is a frame without depth.
 #[inline(always)]
 pub(crate) fn relative_range(farthest: f32, nearest: f32) -> f32 {
     if farthest < 0.0 {

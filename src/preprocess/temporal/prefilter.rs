@@ -1,11 +1,11 @@
 //! Which pixels may not be static over two spans together: sixteen at a time, by the bits of their ranges alone. Nearly all are
-//! static beyond doubt, and need no look of their own.
+//! certainly static, and need no exact test.
 
 use super::pixel_stats::{REGISTER_PIXELS, SpanSums, larger, smaller};
 use super::staticness::{CHANNELS, StaticTest};
 use crate::simd::{self, VectorLoop};
 
-/// Lists the pixels, ascending, whose ranges over both spans are in doubt: all that are not static there, and some that are.
+/// Lists the pixels, ascending, whose ranges over both spans need an exact test: all that are not static there, and some that are.
 /// Pixels that are closed in both are left out.
 pub(crate) fn list_uncertain(sums: [&SpanSums; 2], test: &StaticTest, uncertain: &mut Vec<u16>) {
     uncertain.clear();
@@ -59,7 +59,7 @@ fn doubts([sums, later]: [&SpanSums; 2], test: &StaticTest, first: usize) -> Opt
     let doubtful_depth = simd::mask(|i| {
         let farthest = smaller(farthest[0][i], farthest[1][i]);
         let nearest = larger(nearest[0][i], nearest[1][i]);
-        // What `relative_range` says, without its branches.
+        // As `relative_range`, without its branches.
         let is_static = (farthest == nearest) | ((nearest - farthest) / nearest <= test.granted_depth());
         !((farthest >= 0.0) & is_static)
     });

@@ -28,7 +28,7 @@ use crate::preprocess::normals::{NormalErrors, compare_with_given};
 use crate::samples::samples_in_memory;
 use crate::settings::{Settings, SpanLevels, SpanSettings};
 
-/// What a pass over all frames told of one camera.
+/// What a pass over all frames found out about one camera.
 #[derive(Debug)]
 pub struct CameraScan {
     /// Range and mean of every pixel over all frames; for the paper's two lengths only.
@@ -46,7 +46,7 @@ pub struct CameraScan {
     pub normal_errors: Vec<NormalErrors>,
 }
 
-/// What a pass over all frames told.
+/// What a pass over all frames found out.
 #[derive(Debug)]
 pub struct TemporalScan {
     /// Frames that were scanned.
@@ -119,7 +119,7 @@ fn scan_cameras(
     let indices: Vec<usize> = (0..capture.cameras.len()).collect();
     for indices in indices.chunks(SIDE_BY_SIDE) {
         let scanned: Vec<Result<CameraScan>> = indices.par_iter().map(|&camera| scan(camera)).collect();
-        // One after the other, so that of two errors the first camera's is told.
+        // One after the other, so that of two errors the first camera's is reported.
         for scan in scanned {
             cameras.push(scan?);
         }
@@ -165,7 +165,7 @@ impl Preview {
         })
     }
 
-    /// With what the pass over the frames told.
+    /// With what the pass over the frames found.
     fn with(
         self,
         ranges: Option<SequenceRanges>,

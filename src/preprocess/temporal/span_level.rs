@@ -1,7 +1,7 @@
 //! Levels: where on the way from the span of all frames to a single frame a sample lives.
 
 /// Position on the way from the whole sequence to a single frame: 0 is the span of all frames, and every step down is a
-/// shorter span inside the one before. A sample's level says when it is decided and what it is compared with: samples of one
+/// shorter span inside the one before. A sample's level determines when it is decided and what it is compared with: samples of one
 /// level are decided together, against each other and against those of the levels above, which are decided already.
 pub type SpanLevel = u8;
 

@@ -47,7 +47,7 @@ const COLOR_BITS: [u32; CHANNELS] = {
     bits
 };
 
-/// [`StaticTest::uncertain_colors`] tells halves of octaves apart: what is darker than 2⁻⁹ counts as the first, what is brighter
+/// [`StaticTest::uncertain_colors`] distinguishes halves of octaves: what is darker than 2⁻⁹ counts as the first, what is brighter
 /// than 1.5 as the last.
 const MARGIN_STEPS: usize = 20;
 const DARKEST: usize = 6 << 10;

@@ -241,7 +241,7 @@ fn run_of(frame: &Frame, first: usize) -> FrameRun<'_> {
     }
 }
 
-/// The sums over two spans together. Where they are not static, which is asked of the `uncertain` pixels, the static ones of the two
+/// The sums over two spans together. Where they are not static, which is tested for the `uncertain` pixels, the static ones of the two
 /// become samples.
 fn union(
     mut left: SpanSums,

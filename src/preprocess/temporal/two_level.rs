@@ -1,7 +1,7 @@
 //! The paper's two lengths of spans, all frames and one: range and mean of every pixel over all frames.
 //!
-//! Purpose: where a sample lives over all frames or in a single one, a pass over the frames that depends on no threshold tells
-//! which; the split is then a comparison per pixel. (What moves is not kept by this pass, since nobody knows before its end
+//! Purpose: where a sample lives over all frames or in a single one, a pass over the frames that depends on no threshold finds
+//! which; the split is then a comparison per pixel. (What moves is not kept by this pass, since it is not known before its end
 //! what does; it is read again, frame by frame.)
 //!
 //! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.2: a pixel that remains constant
