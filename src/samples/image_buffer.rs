@@ -153,8 +153,7 @@ impl ImageBuffer {
     }
 
     /// What is known of an image.
-    #[must_use]
-    pub fn facts_of(&self, index: usize) -> &ImageFacts {
+    pub(crate) fn facts_of(&self, index: usize) -> &ImageFacts {
         &self.images[index].0
     }
 
@@ -184,7 +183,7 @@ impl ImageBuffer {
     ///
     /// # Errors
     /// `Io` as [`ImageBuffer::get`].
-    pub fn into_images(self) -> Result<Vec<Arc<SampleImage>>> {
+    pub(crate) fn into_images(self) -> Result<Vec<Arc<SampleImage>>> {
         (0..self.len()).map(|index| self.get(index)).collect()
     }
 }

@@ -16,8 +16,7 @@ const UNKNOWN: OctNormal = OctNormal([-128, -128]);
 
 impl OctNormal {
     /// The nearest representable direction; a zero vector stays "unknown".
-    #[must_use]
-    pub fn encode(normal: Vec3) -> Self {
+    pub(crate) fn encode(normal: Vec3) -> Self {
         let length = normal.x.abs() + normal.y.abs() + normal.z.abs();
         if length == 0.0 {
             return UNKNOWN;

@@ -97,8 +97,7 @@ pub struct Report {
 
 impl Report {
     /// Pixels of all frames of all cameras that have no depth: they are neither kept nor dropped.
-    #[must_use]
-    pub fn without_depth(&self) -> u64 {
+    pub(crate) fn without_depth(&self) -> u64 {
         self.cameras.iter().fold(0, |sum, camera| sum.saturating_add(camera.invalid))
     }
 

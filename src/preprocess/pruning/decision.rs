@@ -223,8 +223,7 @@ impl Verdict {
     pub const NO_CAMERA: u16 = u16::MAX;
 
     /// A verdict without a witness.
-    #[must_use]
-    pub fn without_witness(rule: Rule) -> Self {
+    pub(crate) fn without_witness(rule: Rule) -> Self {
         Self { rule, witness_level: NO_SAMPLE, witness_camera: Self::NO_CAMERA, witness_pixel: 0 }
     }
 

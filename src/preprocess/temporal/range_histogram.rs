@@ -80,18 +80,17 @@ impl RangeHistogram {
 
     /// Ranges of color (8-bit sRGB steps) from a lower end to an upper one, and how many pixels have such a range. What has
     /// no range at all comes first, from 0 to 0.
-    pub fn color_bins(&self) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
+    pub(crate) fn color_bins(&self) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
         ends(&self.color, COLOR_OCTAVES)
     }
 
     /// The same for relative ranges of depth.
-    pub fn depth_bins(&self) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
+    pub(crate) fn depth_bins(&self) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
         ends(&self.depth, DEPTH_OCTAVES)
     }
 
     /// What the counts tell.
-    #[must_use]
-    pub fn facts(&self, test: &StaticTest) -> RangeFacts {
+    pub(crate) fn facts(&self, test: &StaticTest) -> RangeFacts {
         let share = |count: u64| count as f32 / self.pixels.max(1) as f32;
         RangeFacts {
             color_percentiles_steps: percentiles(&self.color, COLOR_OCTAVES),

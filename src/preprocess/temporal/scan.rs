@@ -71,8 +71,7 @@ impl TemporalScan {
     }
 
     /// The settings closest to `settings` that the scan serves.
-    #[must_use]
-    pub fn served(&self, settings: &SpanSettings) -> SpanSettings {
+    pub(crate) fn served(&self, settings: &SpanSettings) -> SpanSettings {
         if self.serves(settings) { settings.clone() } else { self.made_with.clone() }
     }
 
@@ -83,8 +82,7 @@ impl TemporalScan {
     }
 
     /// When a pixel of `camera` counts as static under `settings`.
-    #[must_use]
-    pub fn static_test(&self, camera: usize, settings: &SpanSettings) -> StaticTest {
+    pub(crate) fn static_test(&self, camera: usize, settings: &SpanSettings) -> StaticTest {
         let scan = &self.cameras[camera];
         StaticTest::new(settings, &scan.noise, scan.depth_step_relative, self.frames)
     }

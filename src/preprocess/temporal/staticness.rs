@@ -90,8 +90,7 @@ impl StaticTest {
     /// Whether a color channel whose half floats have these smallest and largest bits, neither below 0, stays within the
     /// tolerance by a margin that needs no exact look. Where all channels do, the color is static.
     #[inline(always)]
-    #[must_use]
-    pub fn is_clearly_static(&self, low: i16, high: i16) -> bool {
+    pub(crate) fn is_clearly_static(&self, low: i16, high: i16) -> bool {
         (high - low) as u16 <= self.margins[high as usize & (POSITIVE_HALVES - 1)]
     }
 
@@ -114,8 +113,7 @@ impl StaticTest {
 
     /// Whether a color whose half floats have these smallest and largest bits, none below 0, is static.
     #[inline(always)]
-    #[must_use]
-    pub fn is_color_static(&self, low: [i16; 3], high: [i16; 3]) -> bool {
+    pub(crate) fn is_color_static(&self, low: [i16; 3], high: [i16; 3]) -> bool {
         let is_clear = |channel: usize| self.is_clearly_static(low[channel], high[channel]);
         (is_clear(0) & is_clear(1) & is_clear(2)) || self.is_within_granted(low, high)
     }
@@ -129,8 +127,7 @@ impl StaticTest {
     /// Color range that is granted to a pixel whose half floats have these smallest and largest bits, none below 0: that of the
     /// noisiest channel, 8-bit sRGB steps.
     #[inline(always)]
-    #[must_use]
-    pub fn granted_within(&self, low: &[i16; 3], high: &[i16; 3]) -> f32 {
+    pub(crate) fn granted_within(&self, low: &[i16; 3], high: &[i16; 3]) -> f32 {
         let table = color::steps_table();
         let class =
             |bits: i16| brightness_bin(table[bits as usize & (POSITIVE_HALVES - 1)]) % BRIGHTNESS_BINS;
@@ -139,14 +136,12 @@ impl StaticTest {
     }
 
     /// Color range that is granted to every pixel, whatever the noise, 8-bit sRGB steps.
-    #[must_use]
-    pub fn granted_color(&self) -> f32 {
+    pub(crate) fn granted_color(&self) -> f32 {
         self.color_steps
     }
 
     /// Depth range that is granted, relative.
-    #[must_use]
-    pub fn granted_depth(&self) -> f32 {
+    pub(crate) fn granted_depth(&self) -> f32 {
         self.depth_relative
     }
 }

@@ -42,8 +42,7 @@ pub struct SequenceRanges {
 
 impl SequenceRanges {
     /// Which pixels are background under `settings`, row-major.
-    #[must_use]
-    pub fn static_pixels(&self, settings: &SpanSettings, test: &StaticTest) -> Vec<bool> {
+    pub(crate) fn static_pixels(&self, settings: &SpanSettings, test: &StaticTest) -> Vec<bool> {
         if settings.levels == SpanLevels::Off {
             return vec![false; self.mean_color.len()];
         }
@@ -56,8 +55,7 @@ impl SequenceRanges {
     }
 
     /// Range of color over time of every pixel, the widest of the three channels, 8-bit sRGB steps.
-    #[must_use]
-    pub fn color_steps(&self) -> impl ExactSizeIterator<Item = f32> {
+    pub(crate) fn color_steps(&self) -> impl ExactSizeIterator<Item = f32> {
         let table = color::steps_table();
         let colors = self.low_color.as_slice().iter().zip(self.high_color.as_slice());
         colors.map(|(low, high)| color_range_steps(table, low, high))
