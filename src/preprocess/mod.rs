@@ -231,10 +231,10 @@ pub fn inspect_frame(
     let FrameVerdicts { verdicts, disputes, .. } = all;
     let cameras = complete.planes.iter().zip(frames).zip(verdicts.into_iter().zip(disputes));
     let cameras = cameras.map(|((planes, frame), (verdicts, disputes))| {
-        let CameraPlanes { class, level, normal_in_world, footprint } = planes.clone();
+        let CameraPlanes { class, level, normal_in_world } = planes.clone();
         let (width, height) = level.size();
         let verdict = Grid::from_vec(width, height, verdicts);
-        CameraInspection { frame, class, level, verdict, disputes, normal_in_world, footprint }
+        CameraInspection { frame, class, level, verdict, disputes, normal_in_world }
     });
     Ok(FrameInspection {
         frame,

@@ -168,10 +168,4 @@ impl SampleSet {
     pub fn frame_count(&self) -> usize {
         self.frame_numbers.len()
     }
-
-    /// The index of the frame that bears `number`, or `None`.
-    #[must_use]
-    pub fn frame_index(&self, number: i64) -> Option<usize> {
-        self.frame_numbers.binary_search(&number).ok()
-    }
 }

@@ -385,7 +385,6 @@ mod tests {
                 .map(|pixel| Dispute { pixel, camera: 0, other_camera: 1 })
                 .collect(),
             normal_in_world: Arc::new(Grid::filled(width, height, [0.0, 0.0, 1.0])),
-            footprint: Arc::new(Grid::filled(width, height, 1.0)),
         };
         (camera, Grid::filled(width, height, Color32::WHITE))
     }

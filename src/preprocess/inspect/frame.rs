@@ -28,9 +28,6 @@ pub struct CameraInspection {
     pub disputes: Vec<Dispute>,
     /// World-space normals that were used, given or estimated; zero where there is none.
     pub normal_in_world: Arc<Grid<[f32; 3]>>,
-    /// Footprint of each pixel on its surface in the unit of the rate model, smaller is better sampled; infinite where
-    /// there is no sample. The ratio of two footprints is `r`.
-    pub footprint: Arc<Grid<f32>>,
 }
 
 impl CameraInspection {

@@ -51,8 +51,6 @@ pub(crate) struct CameraPlanes {
     pub(crate) level: Arc<Grid<SpanLevel>>,
     /// World-space normals; zero where there is none.
     pub(crate) normal_in_world: Arc<Grid<[f32; 3]>>,
-    /// Footprint of each pixel; infinite where there is no sample.
-    pub(crate) footprint: Arc<Grid<f32>>,
 }
 
 impl FrameLayers {
@@ -209,7 +207,6 @@ fn planes(layer: &CameraLayer, levels: usize) -> CameraPlanes {
         class: Arc::new(Grid::from_vec(width, height, class)),
         level: Arc::new(Grid::from_vec(width, height, layer.level.clone())),
         normal_in_world: Arc::new(Grid::from_vec(width, height, normals)),
-        footprint: Arc::new(Grid::from_vec(width, height, layer.footprint.clone())),
     }
 }
 

@@ -121,13 +121,13 @@ impl StaticTest {
     #[cold]
     fn is_within_granted(&self, low: [i16; 3], high: [i16; 3]) -> bool {
         let range = color_range_steps(color::steps_table(), &low, &high);
-        range <= self.granted_within(&low, &high)
+        range <= self.granted_within(low, high)
     }
 
     /// Color range that is granted to a pixel whose half floats have these smallest and largest bits, none below 0: that of the
     /// noisiest channel, 8-bit sRGB steps.
     #[inline(always)]
-    pub(crate) fn granted_within(&self, low: &[i16; 3], high: &[i16; 3]) -> f32 {
+    pub(crate) fn granted_within(&self, low: [i16; 3], high: [i16; 3]) -> f32 {
         let table = color::steps_table();
         let class =
             |bits: i16| brightness_bin(table[bits as usize & (POSITIVE_HALVES - 1)]) % BRIGHTNESS_BINS;

@@ -81,7 +81,7 @@ impl SequenceRanges {
     pub fn shares(&self, test: &StaticTest) -> RangeHistogram {
         let mut shares = RangeHistogram::default();
         let colors = self.low_color.as_slice().iter().zip(self.high_color.as_slice());
-        let granted: Vec<f32> = colors.map(|(low, high)| test.granted_within(low, high)).collect();
+        let granted: Vec<f32> = colors.map(|(low, high)| test.granted_within(*low, *high)).collect();
         let color: Vec<f32> = self.color_steps().collect();
         shares.count(&color, self.depth_relative.as_slice(), &granted, test);
         shares
