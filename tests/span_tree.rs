@@ -71,10 +71,10 @@ fn readings(width: usize, frames: usize, seed: u64) -> Vec<Arc<Frame>> {
         .collect()
 }
 
-fn split(frames: &[Arc<Frame>], batch: usize, noise: &CameraNoise) -> Given {
+fn split(frames: &[Arc<Frame>], batch: usize, noise: &CameraNoise) -> FinishedSpans {
     let test = StaticTest::new(&with_levels(SpanLevels::Tree).spans, noise, 0.0, frames.len());
     let mut split = Split::new(frames[0].inverse_depth.len(), frames.len(), test);
-    let mut given: Given = frames.chunks(batch).flat_map(|frames| split.add(frames)).collect();
+    let mut given: FinishedSpans = frames.chunks(batch).flat_map(|frames| split.add(frames)).collect();
     given.sort_by_key(|(span, _)| *span);
     given
 }
