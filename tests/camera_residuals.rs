@@ -169,7 +169,7 @@ fn told_of_misread(depth: fn(f32, f64) -> f32) -> Vec<String> {
         warnings: Vec::new(),
         source: Arc::new(Misread { capture, depth }),
     };
-    let told = report_of(&Capture::new(parts, 256 << 20)).calibration_warnings();
+    let told = report_of(&Capture::new(parts, 256 << 20)).warnings();
     told.into_iter().filter(|told| !told.contains("normal_space")).collect()
 }
 

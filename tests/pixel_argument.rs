@@ -5,7 +5,7 @@ use overlook::capture::Capture;
 use overlook::demo::{Demo, DemoSpec};
 use overlook::job::Job;
 use overlook::preprocess::inspect::{
-    CameraEvidence, FrameInspection, PixelExplanation, explain_pixel, pair_quantities,
+    CameraEvidence, FrameInspection, PixelExplanation, explain_pixel, pair_quantities, spans_of_pixel,
 };
 use overlook::preprocess::pruning::{Rule, Verdict};
 use overlook::preprocess::registration::Outcome;
@@ -178,12 +178,7 @@ fn the_spans_of_a_pixel_hold_it_at_exactly_the_frames_where_it_was_kept() {
     let whole = preprocess::prune(&capture, &scan, &settings, &job).unwrap();
     let mut kept = 0;
     for argument in arguments(&inspection) {
-        let spans = overlook::preprocess::inspect::spans_of_pixel(
-            &whole.samples,
-            argument.camera,
-            argument.x,
-            argument.y,
-        );
+        let spans = spans_of_pixel(&whole.samples, argument.camera, argument.x, argument.y);
         let stored_here = spans.iter().any(|span| span.contains(1));
         assert_eq!(stored_here, argument.verdict.is_kept(), "{argument:?}");
         kept += usize::from(stored_here);
