@@ -13,7 +13,7 @@
 //! | normals | [`preprocess::normals`] | takes given normals or estimates them from depth |
 //! | temporal redundancy | [`preprocess::temporal`] | finds the longest spans of frames over which a pixel stays the same |
 //! | registration | [`preprocess::registration`] | carries samples into the other cameras: which of them saw the same surface point? |
-//! | sampling rate | [`preprocess::layers`] | of two samples of one point, which is denser? (the paper's `r`) |
+//! | sampling rate | `preprocess::layers` | of two samples of one point, which is denser? (the paper's `r`) |
 //! | spatial redundancy | [`preprocess::pruning`] | keeps the denser one; a sample is dropped only if a kept one represents it |
 //! | explanation | [`preprocess::inspect`] | says for each pixel by which rule it was kept or dropped |
 //! | storage | [`store`] | predicts every number from its neighbors and entropy-codes the rest (rANS), in the chunks of an IFF file |

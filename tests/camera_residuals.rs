@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
 use overlook::error::Result;
 use overlook::job::Job;
-use overlook::preprocess::diagnostics::{CalibrationWarning, Report, doubts};
+use overlook::preprocess::diagnostics::{CalibrationWarning, Report, calibration_warnings};
 use overlook::preprocess::{inspect_frame, preprocess, scan};
 use overlook::settings::{NormalSource, PruningMethod, Settings};
 use scene::{Scene, Sphere, arc};
@@ -71,7 +71,7 @@ fn report_of(capture: &Capture) -> Report {
 }
 
 fn doubts_of(report: &Report) -> Vec<CalibrationWarning> {
-    doubts(&report.residuals)
+    calibration_warnings(&report.residuals)
 }
 
 /// Radians by which a camera of 96 pixels and 0.9 radians is turned for its picture to move by some pixels.
@@ -93,7 +93,7 @@ fn correct_cameras_agree_and_nobody_is_doubted() {
             assert!(pair.moving.is_some_and(|moving| moving.median_footprints < 0.05), "{a} {b}: {pair:?}");
         }
     }
-    assert_eq!(report.doubts(), Vec::<String>::new());
+    assert_eq!(report.warnings(), Vec::<String>::new());
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn a_camera_that_is_turned_by_a_pixel_is_named_and_so_is_nobody_else() {
         [(WRONG, false)]
     );
     assert!(found[0].footprints > 8.0 * found[0].usual_footprints.unwrap(), "{found:?}");
-    let sentence = &report.doubts()[0];
+    let sentence = &report.warnings()[0];
     assert!(
         sentence.contains("'arc2'") && sentence.contains("pose") && !sentence.contains('\n'),
         "{sentence}"
@@ -130,7 +130,7 @@ fn a_camera_that_is_turned_along_the_ground_is_named_by_what_moves() {
 fn of_two_cameras_that_disagree_neither_is_accused() {
     let report = report_of(&record_turned(2, radians(2.0)));
     assert!(doubts_of(&report).is_empty());
-    let told = report.doubts();
+    let told = report.warnings();
     assert!(told.len() == 1 && told[0].starts_with("no two cameras agree"), "{told:?}");
 }
 
@@ -169,7 +169,7 @@ fn told_of_misread(depth: fn(f32, f64) -> f32) -> Vec<String> {
         warnings: Vec::new(),
         source: Arc::new(Misread { capture, depth }),
     };
-    let told = report_of(&Capture::new(parts, 256 << 20)).doubts();
+    let told = report_of(&Capture::new(parts, 256 << 20)).warnings();
     told.into_iter().filter(|told| !told.contains("normal_space")).collect()
 }
 
@@ -198,7 +198,7 @@ fn a_camera_that_is_late_is_doubted_over_what_moves_alone() {
     for pair in &report.residuals[WRONG] {
         assert!(pair.lasting.is_none_or(|lasting| lasting.median_footprints < 0.02), "{pair:?}");
     }
-    assert!(report.doubts()[0].contains("early or late"));
+    assert!(report.warnings()[0].contains("early or late"));
 }
 
 #[test]
@@ -229,8 +229,8 @@ fn normals_in_another_space_than_the_poses_are_told_once_for_all_cameras() {
         camera.world_from_camera = turned * camera.world_from_camera;
     }
     let of_normals = |settings: &Settings| -> Vec<String> {
-        let doubts = preprocess(&capture, settings, &Job::new()).unwrap().report.doubts();
-        doubts.into_iter().filter(|doubt| doubt.contains("normal_space")).collect()
+        let calibration_warnings = preprocess(&capture, settings, &Job::new()).unwrap().report.warnings();
+        calibration_warnings.into_iter().filter(|doubt| doubt.contains("normal_space")).collect()
     };
     let mut settings = Settings::default();
     let told = of_normals(&settings);

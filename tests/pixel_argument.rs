@@ -5,7 +5,7 @@ use overlook::capture::Capture;
 use overlook::demo::{Demo, DemoSpec};
 use overlook::job::Job;
 use overlook::preprocess::inspect::{
-    CameraEvidence, FrameInspection, PixelExplanation, pair_quantities, pixel_argument,
+    CameraEvidence, FrameInspection, PixelExplanation, explain_pixel, pair_quantities, spans_of_pixel,
 };
 use overlook::preprocess::pruning::{Rule, Verdict};
 use overlook::preprocess::registration::Outcome;
@@ -51,7 +51,7 @@ fn arguments(inspection: &FrameInspection) -> Vec<PixelExplanation> {
         let (width, height) = inspected.verdict.size();
         for y in (0..height).step_by(5) {
             for x in (0..width).step_by(5) {
-                arguments.push(pixel_argument(inspection, camera, x, y).unwrap());
+                arguments.push(explain_pixel(inspection, camera, x, y).unwrap());
             }
         }
     }
@@ -82,10 +82,10 @@ fn hold_against_winners(capture: &Capture, settings: &Settings, by_rule: &mut BT
         lost += 1;
         assert_eq!(argument.winner, Some(witness.camera));
         assert!(witness.verdict.is_kept(), "the last of the chain stays");
-        let row = &argument.testimonies[witness.camera];
+        let row = &argument.evidence[witness.camera];
         assert_eq!(row.outcome, Some(Outcome::Same(witness.pixel)));
         assert!(row.plane_distance_footprints <= f64::from(settings.pruning.depth_tolerance) * 1.001 + 1e-3);
-        let own = &argument.testimonies[argument.camera];
+        let own = &argument.evidence[argument.camera];
         assert!(own.is_blended || row.color_difference_steps <= color_limit, "{row:?}");
         *by_rule.entry(argument.verdict.rule).or_default() += 1;
         match argument.verdict.rule {
@@ -104,7 +104,7 @@ fn what_is_kept_as_the_only_witness_is_shown_by_no_sample_that_stays_in_the_tabl
     let (_, inspection) = inspected(&capture(), &Settings::default());
     let (mut alone, mut shorter) = (0, 0);
     for argument in arguments(&inspection) {
-        let rows = || argument.testimonies.iter();
+        let rows = || argument.evidence.iter();
         shorter += rows().filter(|row| row.outcome == Some(Outcome::ShorterSpan)).count();
         if argument.verdict.rule == Rule::OnlyWitness {
             alone += 1;
@@ -126,9 +126,8 @@ fn who_is_kept_though_a_better_sample_is_in_the_table_is_kept_because_that_one_d
     for (capture, settings) in cases().into_iter().chain([(capture(), across)]) {
         let (_, inspection) = inspected(&capture, &settings);
         for argument in arguments(&inspection).iter().filter(|argument| argument.verdict.is_kept()) {
-            let own = &argument.testimonies[argument.camera];
-            let rows =
-                argument.testimonies.iter().filter(|row| matches!(row.outcome, Some(Outcome::Same(_))));
+            let own = &argument.evidence[argument.camera];
+            let rows = argument.evidence.iter().filter(|row| matches!(row.outcome, Some(Outcome::Same(_))));
             let (mut better, mut denser) = (false, false);
             for row in rows {
                 better |= class(row) < class(own) || (class(row) == class(own) && row.paper_r > 1.001);
@@ -150,7 +149,7 @@ fn who_is_kept_though_a_better_sample_is_in_the_table_is_kept_because_that_one_d
 fn a_camera_that_is_blocked_found_something_nearer_and_one_that_looks_past_something_farther() {
     let (_, inspection) = inspected(&capture(), &Settings::default());
     let (mut blocked, mut past) = (0, 0);
-    for row in arguments(&inspection).iter().flat_map(|argument| &argument.testimonies) {
+    for row in arguments(&inspection).iter().flat_map(|argument| &argument.evidence) {
         match row.outcome {
             Some(Outcome::Occluded) if row.depth_expected.is_finite() => {
                 blocked += 1;
@@ -179,12 +178,7 @@ fn the_spans_of_a_pixel_hold_it_at_exactly_the_frames_where_it_was_kept() {
     let whole = preprocess::prune(&capture, &scan, &settings, &job).unwrap();
     let mut kept = 0;
     for argument in arguments(&inspection) {
-        let spans = overlook::preprocess::inspect::spans_of_pixel(
-            &whole.samples,
-            argument.camera,
-            argument.x,
-            argument.y,
-        );
+        let spans = spans_of_pixel(&whole.samples, argument.camera, argument.x, argument.y);
         let stored_here = spans.iter().any(|span| span.contains(1));
         assert_eq!(stored_here, argument.verdict.is_kept(), "{argument:?}");
         kept += usize::from(stored_here);
@@ -195,8 +189,8 @@ fn the_spans_of_a_pixel_hold_it_at_exactly_the_frames_where_it_was_kept() {
 #[test]
 fn outside_the_picture_there_is_nothing_to_argue_about() {
     let (_, inspection) = inspected(&capture(), &Settings::default());
-    assert!(pixel_argument(&inspection, 9, 0, 0).is_none());
-    assert!(pixel_argument(&inspection, 0, 96, 0).is_none());
+    assert!(explain_pixel(&inspection, 9, 0, 0).is_none());
+    assert!(explain_pixel(&inspection, 0, 96, 0).is_none());
     assert!(pair_quantities(&inspection, 5000).len() > 500);
 }
 

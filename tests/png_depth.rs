@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use image::{ImageBuffer, Luma, Rgb};
 use overlook::capture::{Camera, Capture, transforms};
 use overlook::job::Job;
-use overlook::preprocess::inspect::PixelClass;
+use overlook::preprocess::temporal::PixelClass;
 use overlook::preprocess::{inspect_frame, preprocess, scan};
 use overlook::settings::{CaptureSettings, Settings};
 use scene::{Scene, arc, normal_draw};

@@ -4,13 +4,16 @@
 mod coverage;
 mod scene;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use coverage::assert_covered;
 use glam::DVec3;
-use overlook::capture::{Camera, Intrinsics};
+use overlook::capture::{Camera, Capture, Intrinsics};
 use overlook::job::Job;
-use overlook::preprocess::{inspect_frame, preprocess, scan};
+use overlook::preprocess::inspect::explain_pixel;
+use overlook::preprocess::pruning::Rule;
+use overlook::preprocess::{inspect_frame, prepare_frame, preprocess, scan};
 use overlook::settings::{MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
 use rayon::prelude::*;
 use scene::draws::Draws;
@@ -119,19 +122,26 @@ fn any_settings(draws: &mut Draws) -> Settings {
     settings
 }
 
+/// A capture with everything that `draws` decides about it.
+fn any_capture(draws: &mut Draws) -> (Scene, Settings, Capture) {
+    let (scene, settings) = (any_scene(draws), any_settings(draws));
+    let mut cameras = Vec::new();
+    for _ in 0..=draws.below(6) {
+        cameras.push(any_camera(draws, &cameras));
+    }
+    let frames = 1 + draws.below(3) as usize;
+    let capture = scene.record(cameras, frames);
+    (scene, settings, capture)
+}
+
 #[test]
 fn a_thousand_random_captures_neither_panic_nor_lose_a_surface_point() {
     let (dropped, beyond) = (0..CAPTURES)
         .into_par_iter()
         .map(|seed| {
             let draws = &mut Draws(seed);
-            let (scene, settings) = (any_scene(draws), any_settings(draws));
-            let mut cameras = Vec::new();
-            for _ in 0..=draws.below(6) {
-                cameras.push(any_camera(draws, &cameras));
-            }
-            let frames = 1 + draws.below(3) as usize;
-            let capture = scene.record(cameras, frames);
+            let (scene, settings, capture) = any_capture(draws);
+            let frames = capture.frame_count();
             let job = Job::new();
             let scan = scan(&capture, &settings, &job).unwrap();
             let frame = draws.below(frames as u64) as usize;
@@ -148,4 +158,43 @@ fn a_thousand_random_captures_neither_panic_nor_lose_a_surface_point() {
     assert!(dropped > 50_000, "{dropped}");
     // Where an estimated normal is wrong: 2 of 65,122 here, and 18 in six times as many captures.
     assert!(beyond * 10_000 < dropped, "{beyond} of {dropped}");
+}
+
+#[test]
+fn the_search_the_candidate_lists_and_the_explanation_of_a_pixel_decide_alike() {
+    let (replayed, rules) = (0..CAPTURES / 4)
+        .into_par_iter()
+        .map(|seed| {
+            let draws = &mut Draws(CAPTURES + seed);
+            let (_, mut settings, capture) = any_capture(draws);
+            let job = Job::new();
+            let frame = draws.below(capture.frame_count() as u64) as usize;
+            let scans = [0, 1].map(|_| scan(&capture, &settings, &job).unwrap());
+            let is_listed = prepare_frame(&capture, &scans[1], &settings, frame, &job).unwrap().is_some();
+            assert_eq!(is_listed, settings.pruning.method != PruningMethod::Off, "capture {seed}");
+            let mut rules = BTreeSet::new();
+            // The lists serve tolerances around those that they were built for.
+            for factor in [1.0, 0.5, 2.5] {
+                settings.pruning.depth_tolerance =
+                    (settings.pruning.depth_tolerance * factor).clamp(0.05, 16.0);
+                settings.pruning.across_spans = draws.chance(0.5);
+                let [searched, replayed] = [0, 1]
+                    .map(|nth| inspect_frame(&capture, Some(&scans[nth]), &settings, frame, &job).unwrap());
+                for (camera, (one, other)) in searched.cameras.iter().zip(&replayed.cameras).enumerate() {
+                    assert!(one.verdict.as_slice() == other.verdict.as_slice(), "capture {seed}, {camera}");
+                    assert_eq!(one.disputes, other.disputes, "capture {seed}, {camera}");
+                    let (width, height) = one.verdict.size();
+                    for (x, y) in (0..height).flat_map(|y| (y % 2..width).step_by(2).map(move |x| (x, y))) {
+                        let explained = explain_pixel(&searched, camera, x, y).unwrap().verdict;
+                        assert_eq!(explained, one.verdict[(x, y)], "capture {seed}, {camera}, {x}, {y}");
+                        rules.insert(explained.rule);
+                    }
+                }
+            }
+            (u32::from(is_listed), rules)
+        })
+        .reduce(<(u32, BTreeSet<Rule>)>::default, |(a, one), (b, other)| (a + b, &one | &other));
+    assert!(replayed > 50, "{replayed}");
+    let missing: Vec<&Rule> = Rule::ALL.iter().filter(|rule| !rules.contains(rule)).collect();
+    assert_eq!(missing, [&Rule::NoSample], "every pixel of these scenes has depth");
 }

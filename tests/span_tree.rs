@@ -10,10 +10,12 @@ use overlook::capture::{Capture, Frame, INVALID_INVERSE_DEPTH};
 use overlook::color;
 use overlook::grid::Grid;
 use overlook::job::Job;
-use overlook::preprocess::inspect::PixelClass;
 use overlook::preprocess::noise::CameraNoise;
-use overlook::preprocess::temporal::{BATCH, Given, Split, StaticTest};
-use overlook::preprocess::{Preprocessed, Spooled, inspect_frame, preprocess, preprocess_spooled, scan};
+use overlook::preprocess::temporal::PixelClass;
+use overlook::preprocess::temporal::{BATCH, FinishedSpans, Split, StaticTest};
+use overlook::preprocess::{
+    BufferedResult, Preprocessed, inspect_frame, preprocess, preprocess_buffered, scan,
+};
 use overlook::samples::Span;
 use overlook::settings::{Precision, PruningMethod, Settings, SpanLevels};
 use overlook::store::file::Extras;
@@ -69,10 +71,10 @@ fn readings(width: usize, frames: usize, seed: u64) -> Vec<Arc<Frame>> {
         .collect()
 }
 
-fn split(frames: &[Arc<Frame>], batch: usize, noise: &CameraNoise) -> Given {
+fn split(frames: &[Arc<Frame>], batch: usize, noise: &CameraNoise) -> FinishedSpans {
     let test = StaticTest::new(&with_levels(SpanLevels::Tree).spans, noise, 0.0, frames.len());
     let mut split = Split::new(frames[0].inverse_depth.len(), frames.len(), test);
-    let mut given: Given = frames.chunks(batch).flat_map(|frames| split.add(frames)).collect();
+    let mut given: FinishedSpans = frames.chunks(batch).flat_map(|frames| split.add(frames)).collect();
     given.sort_by_key(|(span, _)| *span);
     given
 }
@@ -408,8 +410,8 @@ fn kept_samples_that_do_not_fit_the_memory_are_stored_as_those_that_do() {
         assert!(samples.bytes() > 1 << 20, "{} bytes: more than a sixteenth of the setting", samples.bytes());
         overlook::store::file::write(&from_memory, &samples, &report.to_json().unwrap(), &Job::new())
             .unwrap();
-        let Spooled { outline, images, report } =
-            preprocess_spooled(&capture, &settings, &Job::new()).unwrap();
+        let BufferedResult { outline, images, report } =
+            preprocess_buffered(&capture, &settings, &Job::new()).unwrap();
         assert!(outline.images.is_empty());
         overlook::store::file::write_spooled(
             &from_file,

@@ -1,21 +1,22 @@
-//! Preprocessing (the paper, §3.2): removes what is said twice, over time and between cameras.
+//! Preprocessing (the paper, §3.2): removes what is recorded twice, over time and between cameras.
 //!
 //! ```text
 //! frames ─ temporal::scan ─▶ noise ─▶ split ─▶ samples of every span ─▶ background (once) ─▶ pruning ─┐
 //!                                                      └─▶ shorter spans, down to each frame ─▶ pruning ─┴▶ pack ─▶ SampleSet + Report
 //!
-//! a layer = colors, depths ─▶ normals ─▶ sampling rate ─▶ rank;  pruning asks registration who shows the same point
+//! a layer = colors, depths ─▶ normals ─▶ sampling rate ─▶ rank;  pruning compares by registration who shows the same point
 //! ```
 //!
-//! The steps, in the paper's order: [`normals`] are given or estimated; [`temporal`] redundancy is split off
-//! ([`split`], over the spans of a [`span_tree`]); [`registration`] carries samples between cameras; [`sampling_rate`] tells which of two is better; and
-//! [`pruning`] keeps the better one. [`mixed_pixels`] and [`noise`] deal with what real renderers add. Where thresholds of one frame
-//! are turned again and again, [`prepare_frame`] lists who may stand for whom, so that nobody has to be searched for.
+//! The steps, in the paper's order: [`normals`] are given or estimated; [`temporal`] redundancy is split off, over a tree of
+//! spans; `layers` hold every sample with its sampling rate; [`registration`] carries samples between cameras and tests whether
+//! they show the same surface point; and [`pruning`] keeps the better one. [`noise`] deals with what real renderers add. Where
+//! thresholds of one frame change again and again, [`prepare_frame`] lists the candidates of every sample, so that none has to
+//! be searched for. [`inspect`] explains the verdicts, [`diagnostics`] counts them.
 
 pub mod diagnostics;
 pub mod inspect;
-pub mod interactive;
-pub mod layers;
+pub(crate) mod interactive;
+mod layers;
 pub mod noise;
 pub mod normals;
 mod prepared_scan;
@@ -34,41 +35,37 @@ use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::job::Job;
+use crate::samples::{ImageBuffer, SampleImage, SampleSet, Span, samples_in_memory};
 use crate::settings::Settings;
-
-use crate::samples::{ImageBuffer, samples_in_memory};
-use diagnostics::{Residuals, Tally};
+use diagnostics::{Report, Residuals, Tally};
+use inspect::{CameraInspection, FrameInspection};
 use interactive::{CameraPlanes, FrameLayers, FrameVerdicts};
 use layers::CameraLayer;
 use pruning::{Decided, Masks, PrunedBackground, SpanStack, load_frame};
 use registration::CameraPairs;
 use temporal::{ROOT, SpanLevel, SpanTree, all_frames};
 
-use crate::samples::{SampleImage, SampleSet, Span};
-use diagnostics::Report;
-use inspect::{CameraInspection, FrameInspection};
-
-/// What preprocessing gives: the kept samples, and the account of what was dropped and why.
+/// What preprocessing gives: the kept samples, and the report of what was dropped and why.
 #[derive(Clone, Debug)]
 pub struct Preprocessed {
     /// The kept samples.
     pub samples: Arc<SampleSet>,
-    /// The account.
+    /// What was dropped and why.
     pub report: Report,
 }
 
 /// As [`Preprocessed`], where more was kept than memory may hold.
 #[derive(Debug)]
-pub struct Spooled {
+pub struct BufferedResult {
     /// All but the samples: a set without images.
     pub outline: SampleSet,
     /// The kept samples, ordered as [`SampleSet::images`].
     pub images: ImageBuffer,
-    /// The account.
+    /// What was dropped and why.
     pub report: Report,
 }
 
-impl Spooled {
+impl BufferedResult {
     fn into_memory(self) -> Result<Preprocessed> {
         let Self { outline, images, report } = self;
         let samples = Arc::new(SampleSet { images: images.into_images()?, ..outline });
@@ -89,7 +86,7 @@ pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<P
 ///
 /// # Errors
 /// As [`preprocess`].
-pub fn preprocess_spooled(capture: &Capture, settings: &Settings, job: &Job) -> Result<Spooled> {
+pub fn preprocess_buffered(capture: &Capture, settings: &Settings, job: &Job) -> Result<BufferedResult> {
     preprocess_into(ImageBuffer::new(samples_in_memory(settings)), capture, settings, job)
 }
 
@@ -98,7 +95,7 @@ fn preprocess_into(
     capture: &Capture,
     settings: &Settings,
     job: &Job,
-) -> Result<Spooled> {
+) -> Result<BufferedResult> {
     let started = Instant::now();
     let scan = scan(capture, settings, job)?;
     let mut spooled = prune_into(images, (capture, &scan), settings, job)?;
@@ -129,7 +126,7 @@ fn prune_into(
     (capture, scan): (&Capture, &PreparedScan),
     settings: &Settings,
     job: &Job,
-) -> Result<Spooled> {
+) -> Result<BufferedResult> {
     settings.validate("settings")?;
     let started = Instant::now();
     let other;
@@ -145,26 +142,25 @@ fn prune_into(
     let mut tally = Tally::new((capture, scan), &normal_errors, settings);
     tally.add(scan.tree(&settings.spans).root(), &background.decided);
     pack_all(all_frames(scan.frames), &background.layers, &background.decided, settings, &mut images)?;
-    let rig = CameraPairs::new(&capture.cameras);
-    let mut residuals = Residuals::new(&rig, scan.frames);
+    let pairs = CameraPairs::new(&capture.cameras);
+    let mut residuals = Residuals::new(&pairs, scan.frames);
     residuals.add_lasting(&background.layers, job)?;
-    let descent = SpanStack::new(capture, Some(scan), &rig, settings, background);
+    let stack = SpanStack::new(capture, Some(scan), &pairs, settings, background);
     job.start("Pruning frames", scan.frames);
-    let mut traversal =
-        SpanTraversal { tree: descent.tree(), descent, tally, residuals, images, settings, job };
+    let mut traversal = SpanTraversal { tree: stack.tree(), stack, tally, residuals, images, settings, job };
     traversal.below(all_frames(scan.frames), ROOT)?;
     let SpanTraversal { tally, residuals, mut images, .. } = traversal;
     images.sort();
     let mut report = tally.finish(images.facts());
     report.residuals = residuals.finish();
     report.seconds = started.elapsed().as_secs_f64();
-    Ok(Spooled { outline: sample_set(capture, settings, Vec::new()), images, report })
+    Ok(BufferedResult { outline: sample_set(capture, settings, Vec::new()), images, report })
 }
 
-/// Goes over all spans, parents before children, and decides what lives in each.
+/// Visits all spans, parents before children, and decides the samples of each.
 struct SpanTraversal<'a> {
     tree: SpanTree,
-    descent: SpanStack<'a>,
+    stack: SpanStack<'a>,
     tally: Tally,
     residuals: Residuals<'a>,
     images: ImageBuffer,
@@ -176,24 +172,24 @@ impl SpanTraversal<'_> {
     /// Everything that lives in shorter spans within `span`, which lies at `level`.
     fn below(&mut self, span: Span, level: SpanLevel) -> Result<()> {
         for child in self.tree.children(span) {
-            let step = self.descent.enter(child, level + 1, self.job)?;
+            let step = self.stack.enter(child, level + 1, self.job)?;
             self.tally.add(child, &step.decided);
-            pack_all(child, &self.descent.layers, &step.decided, self.settings, &mut self.images)?;
+            pack_all(child, &self.stack.layers, &step.decided, self.settings, &mut self.images)?;
             // Of a single frame the paper's two levels are as long as each other.
             if child.len() < span.len() {
                 self.below(child, level + 1)?;
             }
             if child.len() == 1 {
-                self.residuals.add_moving(child.start as usize, &self.descent.layers, self.job)?;
+                self.residuals.add_moving(child.start as usize, &self.stack.layers, self.job)?;
                 self.job.advance(1);
             }
-            self.descent.leave(&step);
+            self.stack.leave(&step);
         }
         Ok(())
     }
 }
 
-/// All verdicts of one frame, for the eye: what [`prune`] decides there, with reasons and witnesses.
+/// All verdicts of one frame, for display: what [`prune`] decides there, with reasons and witnesses.
 ///
 /// Without a `scan` (still under way) every pixel counts as one of this frame alone. Where the scan does not serve the
 /// settings of the spans, the frame is shown with those it was made with.
@@ -216,13 +212,13 @@ pub fn inspect_frame(
     }
     let spans = scan.map_or_else(|| settings.spans.clone(), |scan| scan.served(&settings.spans));
     let settings = &Settings { spans, ..settings.clone() };
-    let rig = CameraPairs::new(&capture.cameras);
+    let pairs = CameraPairs::new(&capture.cameras);
     let frames = load_frame(capture, frame, job)?;
     let complete = match scan {
-        Some(scan) => scan.frame_layers(capture, &rig, settings, frame, job)?,
-        None => Arc::new(FrameLayers::unscanned(capture, &rig, settings, frame, job)?),
+        Some(scan) => scan.frame_layers(capture, &pairs, settings, frame, job)?,
+        None => Arc::new(FrameLayers::unscanned(capture, &pairs, settings, frame, job)?),
     };
-    let all = complete.prune(&rig, settings, job)?;
+    let all = complete.prune(&pairs, settings, job)?;
     let levels = complete.path.iter().zip(0..);
     let packed = levels.flat_map(|(&span, level)| {
         let cameras = complete.layers.par_iter().enumerate();
@@ -235,10 +231,10 @@ pub fn inspect_frame(
     let FrameVerdicts { verdicts, disputes, .. } = all;
     let cameras = complete.planes.iter().zip(frames).zip(verdicts.into_iter().zip(disputes));
     let cameras = cameras.map(|((planes, frame), (verdicts, disputes))| {
-        let CameraPlanes { class, level, normal_in_world, footprint } = planes.clone();
+        let CameraPlanes { class, level, normal_in_world } = planes.clone();
         let (width, height) = level.size();
         let verdict = Grid::from_vec(width, height, verdicts);
-        CameraInspection { frame, class, level, verdict, disputes, normal_in_world, footprint }
+        CameraInspection { frame, class, level, verdict, disputes, normal_in_world }
     });
     Ok(FrameInspection {
         frame,
@@ -250,7 +246,7 @@ pub fn inspect_frame(
     })
 }
 
-/// Makes ready for thresholds of pruning to be turned at one frame: [`inspect_frame`] is then several times as fast there, for
+/// Prepares a frame for changing thresholds of pruning: [`inspect_frame`] is then several times as fast there, for
 /// tolerances up to four times as large or small. Gives the bytes that this takes in memory; `None` where it takes more than
 /// half of the memory setting, or where the scan does not serve the settings, and all stays as it is.
 ///
@@ -267,8 +263,8 @@ pub fn prepare_frame(
     if frame >= capture.frame_count() || !scan.serves(&settings.spans) {
         return Ok(None);
     }
-    let rig = CameraPairs::new(&capture.cameras);
-    scan.frame_layers(capture, &rig, settings, frame, job)?.prepare(&rig, settings, job)
+    let pairs = CameraPairs::new(&capture.cameras);
+    scan.frame_layers(capture, &pairs, settings, frame, job)?.prepare(&pairs, settings, job)
 }
 
 /// Adds the kept samples of every camera over one span.

@@ -1,5 +1,5 @@
-//! A scan with the last results that no tolerance touches: whoever looks at frame after frame, or turns one threshold, pays once
-//! for what stays.
+//! A scan with the last results that no tolerance changes, so that inspecting frame after frame, or changing one threshold,
+//! pays once for what stays.
 
 use std::ops::Deref;
 use std::sync::{Arc, Mutex};
@@ -83,13 +83,10 @@ impl<K: PartialEq, V: Clone> Last<K, V> {
 impl PreparedScan {
     /// The layers of `frame` under `settings`, which the scan serves: made once for as long as the settings that touch them and
     /// the frame stay.
-    ///
-    /// # Errors
-    /// As [`SpanStack::enter`].
-    pub fn frame_layers(
+    pub(crate) fn frame_layers(
         &self,
         capture: &Capture,
-        rig: &CameraPairs<'_>,
+        pairs: &CameraPairs<'_>,
         settings: &Settings,
         frame: usize,
         job: &Job,
@@ -107,8 +104,8 @@ impl PreparedScan {
             return Ok(layers);
         }
         let background = PrunedBackground::undecided(self.rated_layers(capture, settings, job)?);
-        let descent = SpanStack::new(capture, Some(&self.scan), rig, settings, background);
-        let layers = Arc::new(FrameLayers::at(frame, descent, job)?);
+        let stack = SpanStack::new(capture, Some(&self.scan), pairs, settings, background);
+        let layers = Arc::new(FrameLayers::at(frame, stack, job)?);
         self.frame.set(key, layers.clone());
         Ok(layers)
     }

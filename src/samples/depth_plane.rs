@@ -35,8 +35,7 @@ pub struct DepthTile {
 impl DepthTile {
     /// Whether samples of this tile have two high bytes.
     #[inline(always)]
-    #[must_use]
-    pub fn is_wide(self) -> bool {
+    pub(crate) fn is_wide(self) -> bool {
         self.nearest - self.farthest >= WIDE
     }
 }
@@ -51,15 +50,13 @@ pub struct TileDepths<'a> {
 
 impl TileDepths<'_> {
     /// Smallest and largest inverse depth.
-    #[must_use]
-    pub fn bounds(&self) -> (f32, f32) {
+    pub(crate) fn bounds(&self) -> (f32, f32) {
         (f32::from_bits(self.place.farthest), f32::from_bits(self.place.nearest))
     }
 
     /// The planes that it is read from, see the module's page: low halves and high bytes.
     #[inline(always)]
-    #[must_use]
-    pub fn planes(&self) -> (&[u16], &[u8]) {
+    pub(crate) fn planes(&self) -> (&[u16], &[u8]) {
         (self.low, self.high)
     }
 
@@ -77,7 +74,7 @@ impl TileDepths<'_> {
 
     /// The inverse depths of all samples, in their order, into the front of `depths`; the rest of it is left as it is.
     #[inline(always)]
-    pub fn unpack(&self, depths: &mut [f32; TILE_SAMPLES]) {
+    pub(crate) fn unpack(&self, depths: &mut [f32; TILE_SAMPLES]) {
         let farthest = self.place.farthest;
         if self.place.is_wide() {
             let (high, _) = self.high.as_chunks::<2>();
@@ -197,8 +194,7 @@ impl DepthPlane {
     }
 
     /// Every inverse depth, in the order of the samples of `tiles`.
-    #[must_use]
-    pub fn unpack(&self, tiles: &[SampleTile]) -> Vec<f32> {
+    pub(crate) fn unpack(&self, tiles: &[SampleTile]) -> Vec<f32> {
         let mut all = Vec::with_capacity(self.len());
         let mut depths = [0.0; TILE_SAMPLES];
         let mut first = 0;
@@ -212,8 +208,7 @@ impl DepthPlane {
     }
 
     /// Whether the plane holds one depth for every sample of `tiles`, and nothing else.
-    #[must_use]
-    pub fn fits(&self, tiles: &[SampleTile]) -> bool {
+    pub(crate) fn fits(&self, tiles: &[SampleTile]) -> bool {
         let mut high = 0;
         let tiles_fit = self.tiles.len() == tiles.len()
             && self.tiles.iter().zip(tiles).all(|(place, tile)| {

@@ -101,17 +101,17 @@ impl Record for SampleImage {
 #[derive(Debug)]
 pub struct ImageBuffer {
     images: Vec<(ImageFacts, RecordPlace<SampleImage>)>,
-    overflow: SpillFile,
+    spill: SpillFile,
 }
 
 /// Images that are worked on at a time: enough for every thread, few enough to be held in memory.
 const BATCH: usize = 64;
 
 impl ImageBuffer {
-    /// An empty spool that holds at most `bound` bytes in memory.
+    /// An empty buffer that holds at most `bound` bytes in memory.
     #[must_use]
     pub fn new(bound: usize) -> Self {
-        Self { images: Vec::new(), overflow: SpillFile::new(bound) }
+        Self { images: Vec::new(), spill: SpillFile::new(bound) }
     }
 
     /// Images that are in memory already, in their order.
@@ -126,7 +126,7 @@ impl ImageBuffer {
     /// # Errors
     /// `Io` where the temporary file cannot be written.
     pub fn push(&mut self, image: SampleImage) -> Result<()> {
-        self.images.push((ImageFacts::of(&image), self.overflow.put(image)?));
+        self.images.push((ImageFacts::of(&image), self.spill.put(image)?));
         Ok(())
     }
 
@@ -153,8 +153,7 @@ impl ImageBuffer {
     }
 
     /// What is known of an image.
-    #[must_use]
-    pub fn facts_of(&self, index: usize) -> &ImageFacts {
+    pub(crate) fn facts_of(&self, index: usize) -> &ImageFacts {
         &self.images[index].0
     }
 
@@ -163,7 +162,7 @@ impl ImageBuffer {
     /// # Errors
     /// `Io` where the temporary file cannot be read.
     pub fn get(&self, index: usize) -> Result<Arc<SampleImage>> {
-        self.overflow.get(&self.images[index].1)
+        self.spill.get(&self.images[index].1)
     }
 
     /// The images after `change`, in the same order and within the same bound.
@@ -171,7 +170,7 @@ impl ImageBuffer {
     /// # Errors
     /// Whatever `change` gives; `Io` as [`ImageBuffer::push`] and [`ImageBuffer::get`].
     pub fn map(&self, change: impl Fn(&SampleImage) -> Result<SampleImage> + Sync) -> Result<Self> {
-        let mut changed = Self::new(self.overflow.bound);
+        let mut changed = Self::new(self.spill.bound);
         for first in (0..self.len()).step_by(BATCH) {
             let batch = (first..self.len().min(first + BATCH)).into_par_iter();
             let images: Result<Vec<_>> = batch.map(|index| change(&*self.get(index)?)).collect();
@@ -184,7 +183,7 @@ impl ImageBuffer {
     ///
     /// # Errors
     /// `Io` as [`ImageBuffer::get`].
-    pub fn into_images(self) -> Result<Vec<Arc<SampleImage>>> {
+    pub(crate) fn into_images(self) -> Result<Vec<Arc<SampleImage>>> {
         (0..self.len()).map(|index| self.get(index)).collect()
     }
 }
@@ -220,18 +219,18 @@ mod tests {
     fn images_come_back_bit_for_bit_and_in_order_from_memory_and_from_the_file() {
         let pushed: Vec<SampleImage> = (0..8).map(|n| image(n % 2, 14 - n / 2 * 2, n % 3 == 0)).collect();
         for bound in [0, 3 * pushed[0].bytes(), usize::MAX] {
-            let mut spool = ImageBuffer::new(bound);
-            pushed.iter().cloned().try_for_each(|image| spool.push(image)).unwrap();
-            spool.sort();
-            let in_memory = spool.images.iter().filter(|(_, place)| matches!(place, RecordPlace::Memory(_)));
+            let mut buffer = ImageBuffer::new(bound);
+            pushed.iter().cloned().try_for_each(|image| buffer.push(image)).unwrap();
+            buffer.sort();
+            let in_memory = buffer.images.iter().filter(|(_, place)| matches!(place, RecordPlace::Memory(_)));
             let bytes: usize = in_memory.map(|(facts, _)| facts.bytes).sum();
             assert!(bytes <= bound && (bound == 0 || bytes > 0), "{bytes} of {bound}");
-            let facts: Vec<ImageFacts> = spool.facts().copied().collect();
+            let facts: Vec<ImageFacts> = buffer.facts().copied().collect();
             assert!(facts.is_sorted_by_key(|image| (image.span.start, image.camera)));
             let twice =
-                spool.map(|image| Ok(SampleImage { camera: image.camera + 2, ..image.clone() })).unwrap();
+                buffer.map(|image| Ok(SampleImage { camera: image.camera + 2, ..image.clone() })).unwrap();
             for (facts, (read, changed)) in
-                facts.iter().zip(spool.into_images().unwrap().iter().zip(twice.into_images().unwrap()))
+                facts.iter().zip(buffer.into_images().unwrap().iter().zip(twice.into_images().unwrap()))
             {
                 let same = |image: &&SampleImage| (image.camera, image.span) == (facts.camera, facts.span);
                 let image = pushed.iter().find(same).unwrap();

@@ -1,7 +1,7 @@
 //! Unit normals in two bytes.
 //!
 //! Source: Cigolle et al., *A Survey of Efficient Representations for Independent Unit Vectors*, JCGT 2014: project onto the
-//! octahedron, unfold it to a square. What differs: both coordinates at −128 stand for "no normal".
+//! octahedron, unfold it to a square. What differs: both coordinates at −128 mean "no normal".
 
 use glam::Vec3;
 
@@ -16,8 +16,7 @@ const UNKNOWN: OctNormal = OctNormal([-128, -128]);
 
 impl OctNormal {
     /// The nearest representable direction; a zero vector stays "unknown".
-    #[must_use]
-    pub fn encode(normal: Vec3) -> Self {
+    pub(crate) fn encode(normal: Vec3) -> Self {
         let length = normal.x.abs() + normal.y.abs() + normal.z.abs();
         if length == 0.0 {
             return UNKNOWN;

@@ -5,11 +5,11 @@
 //!                           tiles:  [tile 0][tile 3][tile 4]…      only tiles that hold a sample, row-major
 //!                           planes: color[…] depth[…] normal[…]   samples of tile 0, then of tile 3, …
 //!
-//! bytes a sample: color 6, depth 3 (see depth_plane), normal 2 where asked for;  a tile: 40, and 12 for its depths
+//! bytes a sample: color 6, depth 3 (see depth_plane), normal 2 where set;  a tile: 40, and 12 for its depths
 //! ```
 //!
 //! Inside a tile samples are stored row by row, left to right; bit `x` of `rows[y]` says whether pixel `(x, y)` of the
-//! tile holds one. The same order stands in the file.
+//! tile holds one. The file has the same order.
 
 use glam::DVec3;
 use half::f16;
@@ -167,11 +167,5 @@ impl SampleSet {
     #[must_use]
     pub fn frame_count(&self) -> usize {
         self.frame_numbers.len()
-    }
-
-    /// The index of the frame that bears `number`, or `None`.
-    #[must_use]
-    pub fn frame_index(&self, number: i64) -> Option<usize> {
-        self.frame_numbers.binary_search(&number).ok()
     }
 }

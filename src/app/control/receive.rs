@@ -103,7 +103,7 @@ impl OverlookApp {
             return;
         }
         let report = &result.report;
-        for doubt in report.doubts() {
+        for doubt in report.warnings() {
             state.warn_of_scene("Check the capture", model::sentence(&doubt));
         }
         let line = format!(

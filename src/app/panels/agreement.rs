@@ -15,7 +15,7 @@ pub(crate) fn ui(ui: &mut Ui, report: &Report) {
     let tokens = Tokens::in_ui(ui);
     ui.heading("How well cameras agree");
     let help = "How far samples of the row's camera lie off what the column's camera saw there, in pixel footprints. Where all of one camera's pairs are light, that camera is wrong.";
-    let doubts = report.doubts();
+    let doubts = report.warnings();
     if doubts.is_empty() {
         ui.label(RichText::new("No camera contradicts the others.").color(tokens.text_weak))
             .on_hover_text(help);

@@ -12,7 +12,7 @@ pub(crate) fn in_camera(state: &State, probed: &Probed, camera: usize) -> Option
     if camera == probed.camera {
         return Some((pos2(probed.x as f32 + 0.5, probed.y as f32 + 0.5), true));
     }
-    if let Some(row) = probed.argument.as_ref().and_then(|argument| argument.testimonies.get(camera)) {
+    if let Some(row) = probed.argument.as_ref().and_then(|argument| argument.evidence.get(camera)) {
         let sees = matches!(row.outcome, Some(Outcome::Same(_)));
         return row.position.map(|position| (pos2(position.x as f32, position.y as f32), sees));
     }

@@ -166,7 +166,7 @@ fn dot_ui(ui: &mut Ui, camera: usize) {
 fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Vec<Command>) {
     let tokens = Tokens::in_ui(ui);
     let Some(argument) = &probed.argument else { return };
-    if argument.testimonies.is_empty() {
+    if argument.evidence.is_empty() {
         ui.label(
             RichText::new("The pixel has no depth, so no camera can be asked about it.")
                 .color(tokens.text_weak),
@@ -187,7 +187,7 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, comm
             ui.label(RichText::new(name).small().color(tokens.text_weak)).on_hover_text(help);
         }
         ui.end_row();
-        for row in &argument.testimonies {
+        for row in &argument.evidence {
             row_ui(ui, state, scene, row, argument.winner == Some(row.camera), commands);
             ui.end_row();
         }

@@ -166,13 +166,13 @@ pub(crate) fn argument(scene: &OpenScene, probed: &Probed) -> String {
         let stored = if spans.is_empty() { "not stored".to_owned() } else { spans.join(", ") };
         lines.push(format!("Stored in frames: {stored}"));
     }
-    if let Some(argument) = probed.argument.as_ref().filter(|argument| !argument.testimonies.is_empty()) {
+    if let Some(argument) = probed.argument.as_ref().filter(|argument| !argument.evidence.is_empty()) {
         lines.push(
             "camera\tsees it\tdepth expected\tdepth found\toff (footprints)\tincidence (°)\tr (paper)\tr (footprint)\t\
              color (8-bit steps)\tthere"
                 .to_owned(),
         );
-        lines.extend(argument.testimonies.iter().map(|row| line(cameras, row)));
+        lines.extend(argument.evidence.iter().map(|row| line(cameras, row)));
     }
     lines.join("\n")
 }

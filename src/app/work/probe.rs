@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::live_image::{LiveKey, LivePicture};
 use crate::app::model::{Content, OpenScene};
-use crate::preprocess::inspect::{FrameInspection, PixelExplanation, pixel_argument, spans_of_pixel};
+use crate::preprocess::inspect::{FrameInspection, PixelExplanation, explain_pixel, spans_of_pixel};
 use crate::render::output::pick;
 use crate::samples::{SampleSet, Span};
 
@@ -101,7 +101,7 @@ pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
             (picked.camera, picked.x, picked.y, picked.point_in_world)
         }
     };
-    let argument = key.inspection.as_ref().and_then(|inspection| pixel_argument(inspection, camera, x, y));
+    let argument = key.inspection.as_ref().and_then(|inspection| explain_pixel(inspection, camera, x, y));
     let point_in_world = argument.as_ref().map_or(seen, |argument| argument.point_in_world.or(seen));
     let samples = match &key.scene.content {
         // Of a store played from disk only the frame shown is in memory.

@@ -9,8 +9,9 @@ use crate::app::theme::Tokens;
 use crate::capture::Frame;
 use crate::color::steps_from_linear;
 use crate::grid::Grid;
-use crate::preprocess::inspect::{CameraInspection, FrameInspection, PixelClass};
+use crate::preprocess::inspect::{CameraInspection, FrameInspection};
 use crate::preprocess::pruning::Verdict;
+use crate::preprocess::temporal::PixelClass;
 use crate::samples::TILE;
 
 /// What the left view shows.
@@ -384,7 +385,6 @@ mod tests {
                 .map(|pixel| Dispute { pixel, camera: 0, other_camera: 1 })
                 .collect(),
             normal_in_world: Arc::new(Grid::filled(width, height, [0.0, 0.0, 1.0])),
-            footprint: Arc::new(Grid::filled(width, height, 1.0)),
         };
         (camera, Grid::filled(width, height, Color32::WHITE))
     }

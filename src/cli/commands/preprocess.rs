@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::evaluate::truth;
 use crate::job::Job;
 use crate::preprocess::diagnostics::{CameraReport, PairResiduals, Report};
-use crate::preprocess::{Spooled, preprocess_spooled};
+use crate::preprocess::{BufferedResult, preprocess_buffered};
 use crate::settings::{CaptureSettings, Settings, SpanLevels};
 use crate::store::file::{Extras, Provenance};
 
@@ -77,7 +77,7 @@ impl PreprocessArgs {
         let seconds_decode_only = if self.measure_decode { Some(self.decode_seconds()?) } else { None };
         let started = Instant::now();
         let (report, bytes_store) = output::watched(|job| {
-            let Spooled { outline, images, report } = preprocess_spooled(&capture, &settings, job)?;
+            let BufferedResult { outline, images, report } = preprocess_buffered(&capture, &settings, job)?;
             let inputs = input::input_files(&capture, job)?;
             let frames_are_ranked = capture.frames_are_ranked();
             let provenance = Provenance { inputs, frames_are_ranked, ..Provenance::default() };
@@ -85,7 +85,7 @@ impl PreprocessArgs {
             let bytes = crate::store::file::write_spooled(&self.out, &outline, &images, &extras, job)?;
             Ok::<_, Error>((report, bytes))
         })?;
-        output::warn(&report.doubts());
+        output::warn(&report.warnings());
         let result = PreprocessOutput {
             samples_in: report.samples_in,
             samples_kept: report.samples_kept,

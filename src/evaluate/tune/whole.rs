@@ -4,7 +4,7 @@
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::{Spooled, preprocess_spooled};
+use crate::preprocess::{BufferedResult, preprocess_buffered};
 use crate::settings::{RenderSettings, Settings};
 use crate::store::file::{Extras, InputFiles, Provenance};
 
@@ -42,7 +42,7 @@ impl<'a> WholeStores<'a> {
 /// Bytes of the store, with the longest record of where it comes from.
 fn most_bytes(capture: &Capture, settings: &Settings, job: &Job) -> Result<u64> {
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
-    let Spooled { outline, images, report } = preprocess_spooled(capture, settings, job)?;
+    let BufferedResult { outline, images, report } = preprocess_buffered(capture, settings, job)?;
     let inputs = InputFiles { files: u64::MAX, bytes: u64::MAX, crc32: u32::MAX };
     let provenance = Provenance { inputs: Some(inputs), ..Provenance::default() };
     let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };

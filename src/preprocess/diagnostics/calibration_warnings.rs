@@ -1,4 +1,4 @@
-//! What is to be said about cameras that do not agree: one against the others, or none with any.
+//! Warnings about cameras that do not agree: one with the others, or none with any.
 
 use super::pair_residuals::PairResiduals;
 
@@ -7,7 +7,7 @@ use super::pair_residuals::PairResiduals;
 pub struct CalibrationWarning {
     /// The camera, by its index.
     pub camera: usize,
-    /// Whether it is in doubt over what moves alone: its frames may be early or late. Else its pose may be wrong. (A pose that is
+    /// Whether it is suspect in what moves alone: its frames may be early or late. Else its pose may be wrong. (A pose that is
     /// off along a plane that fills the picture shows only in what stands out of it, which may be what moves.)
     pub over_time: bool,
     /// How far the camera that fits it best is off, in footprints: most samples, or over time the median.
@@ -36,16 +36,15 @@ impl CalibrationWarning {
 
 /// No two cameras agree about what never moves: what they have in common is wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct SharedDoubt {
+pub(super) struct SharedWarning {
     /// How far the two cameras are off that fit each other best, most samples, in footprints; `None` where no camera finds
     /// anything that another sees.
     pub footprints: Option<f32>,
 }
 
-impl SharedDoubt {
-    /// In words.
-    #[must_use]
-    pub(super) fn sentence(&self) -> String {
+impl SharedWarning {
+    /// The first condition that is not met.
+    pub(super) fn sentence(self) -> String {
         const CHECK: &str = "check depth_kind, depth_unit_scale_factor and the lens, which concern all of them, and the poses";
         match self.footprints {
             Some(footprints) => format!(
@@ -60,70 +59,70 @@ impl SharedDoubt {
     }
 }
 
-/// Less is no reason to doubt a camera over what never moves, by the distance of most samples, in footprints. Correct captures
+/// A pose is suspect only if the distance of most samples of what never moves exceeds this, in footprints. Correct captures
 /// stay below a tenth in all but one or two pairs; a camera that is turned by half a pixel reaches a third in all.
-const DOUBTFUL_POSE_FOOTPRINTS: f32 = 0.25;
+const SUSPECT_POSE_FOOTPRINTS: f32 = 0.25;
 
-/// The same over what moves, by the median: of moving things silhouettes are a large part, and are off in correct captures too.
-const DOUBTFUL_CLOCK_FOOTPRINTS: f32 = 0.15;
+/// A clock is suspect only if the median distance of what moves exceeds this, in footprints: of moving things silhouettes are a large part, and are off in correct captures too.
+const SUSPECT_CLOCK_FOOTPRINTS: f32 = 0.15;
 
 /// The same where there are no others to compare with.
-const DOUBTFUL_CLOCK_ALONE_FOOTPRINTS: f32 = 2.0;
+const SUSPECT_CLOCK_ALONE_FOOTPRINTS: f32 = 2.0;
 
-/// Samples of a pair, both ways where there are any, that are enough to doubt all cameras where no pair fits: of fewer, silhouettes may be most.
-const TELLING_SAMPLES: u64 = 256;
+/// With fewer samples of a pair, both ways where there are any, no warning about all cameras: silhouettes may be most of them.
+const INFORMATIVE_SAMPLES: u64 = 256;
 
-/// Samples of a camera that are enough to wonder why no other sees one of them.
-const TELLING_UNMATCHED: u64 = 1000;
+/// Samples of a camera from which on it is suspect that no other camera sees any of them.
+const INFORMATIVE_UNMATCHED: u64 = 1000;
 
-/// Nor is less than so many times what others are off.
-const DOUBTFUL_RATIO: f32 = 8.0;
+/// A camera is suspect only if its residual exceeds this many times the median of the others.
+const SUSPECT_RATIO: f32 = 8.0;
 
-/// What is to be said of all cameras together, where not even those two agree that fit best; see [`PairResiduals`] for `pairs`.
-/// Noise and rounding may put surfaces so many footprints apart as `granted`.
-#[must_use]
-pub(super) fn shared_doubt(pairs: &[Vec<PairResiduals>], granted_footprints: f32) -> Option<SharedDoubt> {
+/// The warning about all cameras together, where not even the two agree that fit best; see [`PairResiduals`] for `pairs`.
+/// `granted_footprints` is how far noise and rounding may put surfaces apart.
+pub(super) fn shared_warning(pairs: &[Vec<PairResiduals>], granted_footprints: f32) -> Option<SharedWarning> {
     let of = |a: usize, b: usize| pairs.get(a)?.get(b).copied();
     let others = |a: usize| (0..pairs.len()).filter(move |b| *b != a);
     let all = || (0..pairs.len()).flat_map(|a| others(a).filter_map(move |b| of(a, b)));
     if all().all(|pair| pair.lasting.is_none() && pair.moving.is_none()) {
-        let is_telling =
-            |a: &usize| others(*a).filter_map(|b| of(*a, b)).any(|pair| pair.unmatched >= TELLING_UNMATCHED);
-        let telling = (0..pairs.len()).filter(is_telling).count();
-        return (telling > 1).then_some(SharedDoubt { footprints: None });
+        let is_informative = |a: &usize| {
+            others(*a).filter_map(|b| of(*a, b)).any(|pair| pair.unmatched >= INFORMATIVE_UNMATCHED)
+        };
+        let informative = (0..pairs.len()).filter(is_informative).count();
+        return (informative > 1).then_some(SharedWarning { footprints: None });
     }
-    let way = |a: usize, b: usize| of(a, b)?.lasting;
+    let one_way = |a: usize, b: usize| of(a, b)?.lasting;
     let fits_of = |fit: &dyn Fn(usize, usize) -> Option<(f32, u64)>| -> Vec<(f32, u64)> {
         (0..pairs.len()).flat_map(|a| others(a).filter_map(move |b| fit(a, b))).collect()
     };
     let mutual = fits_of(&|a, b| {
-        let [there, back] = [way(a, b)?, way(b, a)?];
+        let [there, back] = [one_way(a, b)?, one_way(b, a)?];
         Some((there.most_footprints.max(back.most_footprints), there.samples.min(back.samples)))
     });
-    let one_sided = || fits_of(&|a, b| way(a, b).map(|way| (way.most_footprints, way.samples)));
+    let one_sided = || fits_of(&|a, b| one_way(a, b).map(|fit| (fit.most_footprints, fit.samples)));
     let fits = if mutual.is_empty() { one_sided() } else { mutual };
-    let is_told = fits.iter().any(|(_, samples)| *samples >= TELLING_SAMPLES);
-    let best = fits.iter().map(|(off, _)| *off).reduce(f32::min).filter(|_| is_told)?;
-    (best > DOUBTFUL_POSE_FOOTPRINTS + granted_footprints).then_some(SharedDoubt { footprints: Some(best) })
+    let is_informative = fits.iter().any(|(_, samples)| *samples >= INFORMATIVE_SAMPLES);
+    let best = fits.iter().map(|(off, _)| *off).reduce(f32::min).filter(|_| is_informative)?;
+    (best > SUSPECT_POSE_FOOTPRINTS + granted_footprints).then_some(SharedWarning { footprints: Some(best) })
 }
 
 /// The cameras that fit no other as well as the others fit each other; see [`PairResiduals`] for `pairs`. Where no others can be
-/// compared, only clocks are doubted, and all of them; the rest is [`shared_doubt`]'s.
+/// compared, only clocks are suspect, and all of them; the rest is left to the warning about all cameras.
 #[must_use]
-pub fn doubts(pairs: &[Vec<PairResiduals>]) -> Vec<CalibrationWarning> {
-    let mut doubts = doubts_over(pairs, false, |pair| Some(pair.lasting?.most_footprints));
-    let moving = doubts_over(pairs, true, |pair| Some(pair.moving?.median_footprints));
-    let wrong_poses = doubts.len();
-    for doubt in moving {
-        if doubts[..wrong_poses].iter().all(|pose| pose.camera != doubt.camera) {
-            doubts.push(doubt);
+pub fn calibration_warnings(pairs: &[Vec<PairResiduals>]) -> Vec<CalibrationWarning> {
+    let mut calibration_warnings = warnings_over(pairs, false, |pair| Some(pair.lasting?.most_footprints));
+    let moving = warnings_over(pairs, true, |pair| Some(pair.moving?.median_footprints));
+    let wrong_poses = calibration_warnings.len();
+    for warning in moving {
+        if calibration_warnings[..wrong_poses].iter().all(|pose| pose.camera != warning.camera) {
+            calibration_warnings.push(warning);
         }
     }
-    doubts
+    calibration_warnings
 }
 
-/// The doubts by one number of each pair; a pair that is not there says nothing.
-fn doubts_over(
+/// The warnings by one number of each pair; a pair that is missing counts for nothing.
+fn warnings_over(
     pairs: &[Vec<PairResiduals>],
     over_time: bool,
     of: impl Fn(&PairResiduals) -> Option<f32>,
@@ -139,9 +138,9 @@ fn doubts_over(
     };
     let partners: Vec<_> = (0..pairs.len()).map(partners).collect();
     let is_mutual = |a: usize, b: usize| of(a, b).is_some() && of(b, a).is_some();
-    let doubt = |camera: usize| {
+    let warning = |camera: usize| {
         let footprints = partners[camera].first()?.0;
-        // Cameras of which but one finds things in the other's picture see next to nothing in common: few silhouettes decide.
+        // Where only one of two cameras finds things in the other's picture, they see next to nothing in common.
         if partners[camera].iter().all(|(_, other)| !is_mutual(camera, *other)) {
             return None;
         }
@@ -155,13 +154,13 @@ fn doubts_over(
         let usual_footprints = usual.get(usual.len() / 2).copied();
         let limit = match (over_time, usual_footprints) {
             (false, None) => return None,
-            (false, Some(usual)) => DOUBTFUL_POSE_FOOTPRINTS.max(DOUBTFUL_RATIO * usual),
-            (true, None) => DOUBTFUL_CLOCK_ALONE_FOOTPRINTS,
-            (true, Some(usual)) => DOUBTFUL_CLOCK_FOOTPRINTS.max(DOUBTFUL_RATIO * usual),
+            (false, Some(usual)) => SUSPECT_POSE_FOOTPRINTS.max(SUSPECT_RATIO * usual),
+            (true, None) => SUSPECT_CLOCK_ALONE_FOOTPRINTS,
+            (true, Some(usual)) => SUSPECT_CLOCK_FOOTPRINTS.max(SUSPECT_RATIO * usual),
         };
         (footprints > limit).then_some(CalibrationWarning { camera, over_time, footprints, usual_footprints })
     };
-    (0..pairs.len()).filter_map(doubt).collect()
+    (0..pairs.len()).filter_map(warning).collect()
 }
 
 #[cfg(test)]
@@ -187,10 +186,10 @@ mod tests {
 
     #[test]
     fn the_camera_that_fits_no_other_is_doubted_and_those_it_does_not_fit_are_not() {
-        let found = doubts(&pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1, 1.2, 0.1, 0.1]));
+        let found = calibration_warnings(&pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1, 1.2, 0.1, 0.1]));
         assert_eq!(found.len(), 1);
         assert_eq!((found[0].camera, found[0].over_time, found[0].footprints), (1, false, 0.9));
-        let found = doubts(&pairs(&[0.01; 4], &[0.02, 0.01, 0.02, 0.6]));
+        let found = calibration_warnings(&pairs(&[0.01; 4], &[0.02, 0.01, 0.02, 0.6]));
         assert_eq!(found.iter().map(|d| (d.camera, d.over_time)).collect::<Vec<_>>(), [(3, true)]);
     }
 
@@ -199,14 +198,14 @@ mod tests {
         let mut part = pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1; 4]);
         part[3].clear();
         part[0].truncate(3);
-        assert_eq!(doubts(&part).iter().map(|doubt| doubt.camera).collect::<Vec<_>>(), [1]);
+        assert_eq!(calibration_warnings(&part).iter().map(|warning| warning.camera).collect::<Vec<_>>(), [1]);
     }
 
     #[test]
     fn a_camera_that_is_seen_but_sees_no_other_is_not_doubted_nor_makes_others_look_worse() {
         let mut one_sided = pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1; 4]);
         one_sided[1].fill(PairResiduals::default());
-        assert!(doubts(&one_sided).is_empty());
+        assert!(calibration_warnings(&one_sided).is_empty());
         let mut hardly_seen = pairs(&[0.05, 0.3, 0.05, 0.0], &[0.1; 4]);
         for (a, row) in hardly_seen.iter_mut().enumerate().take(3) {
             row[3].lasting = (a != 1)
@@ -215,46 +214,46 @@ mod tests {
                 .map(|fits| Residual { most_footprints: 0.0, ..fits });
         }
         hardly_seen[3].fill(PairResiduals::default());
-        assert!(doubts(&hardly_seen).is_empty());
+        assert!(calibration_warnings(&hardly_seen).is_empty());
     }
 
     #[test]
     fn where_all_are_off_alike_nobody_is_accused_and_what_all_share_is_doubted() {
         let alike = pairs(&[0.8, 0.9, 1.1], &[0.8, 0.9, 1.1]);
-        assert!(doubts(&alike).is_empty());
-        assert_eq!(shared_doubt(&alike, 0.0), Some(SharedDoubt { footprints: Some(0.9) }));
-        assert_eq!(shared_doubt(&alike, 0.7), None, "noise explains it");
+        assert!(calibration_warnings(&alike).is_empty());
+        assert_eq!(shared_warning(&alike, 0.0), Some(SharedWarning { footprints: Some(0.9) }));
+        assert_eq!(shared_warning(&alike, 0.7), None, "noise explains it");
         let two = pairs(&[0.9, 0.9], &[0.1, 0.1]);
-        assert!(doubts(&two).is_empty());
-        let sentence = shared_doubt(&two, 0.0).unwrap().sentence();
+        assert!(calibration_warnings(&two).is_empty());
+        let sentence = shared_warning(&two, 0.0).unwrap().sentence();
         for key in ["depth_kind", "depth_unit_scale_factor", "lens", "0.90"] {
             assert!(sentence.contains(key), "{sentence}");
         }
-        assert_eq!(shared_doubt(&pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1; 4]), 0.0), None, "two agree");
+        assert_eq!(shared_warning(&pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1; 4]), 0.0), None, "two agree");
         let mut one_sided = pairs(&[14.0; 2], &[0.1; 2]);
         one_sided[0][1] = PairResiduals::default();
-        assert_eq!(shared_doubt(&one_sided, 0.0), Some(SharedDoubt { footprints: Some(14.0) }));
+        assert_eq!(shared_warning(&one_sided, 0.0), Some(SharedWarning { footprints: Some(14.0) }));
         let mut few = alike;
         for lasting in few.iter_mut().flatten().filter_map(|pair| pair.lasting.as_mut()) {
-            lasting.samples = TELLING_SAMPLES - 1;
+            lasting.samples = INFORMATIVE_SAMPLES - 1;
         }
-        assert_eq!(shared_doubt(&few, 0.0), None, "silhouettes may be most of them");
+        assert_eq!(shared_warning(&few, 0.0), None, "silhouettes may be most of them");
     }
 
     #[test]
     fn where_no_camera_finds_what_another_sees_depth_and_lens_are_doubted() {
         let unmatched = |count| vec![vec![PairResiduals { unmatched: count, ..Default::default() }; 2]; 2];
-        assert_eq!(shared_doubt(&unmatched(5000), 0.0), Some(SharedDoubt { footprints: None }));
-        assert_eq!(shared_doubt(&unmatched(400), 0.0), None);
-        assert_eq!(shared_doubt(&[], 0.0), None);
+        assert_eq!(shared_warning(&unmatched(5000), 0.0), Some(SharedWarning { footprints: None }));
+        assert_eq!(shared_warning(&unmatched(400), 0.0), None);
+        assert_eq!(shared_warning(&[], 0.0), None);
     }
 
     #[test]
     fn the_clocks_of_two_cameras_are_doubted_only_where_silhouettes_cannot_be_the_reason() {
-        assert!(doubts(&pairs(&[0.01; 2], &[0.46; 2])).is_empty());
-        let found = doubts(&pairs(&[0.01; 2], &[15.75; 2]));
+        assert!(calibration_warnings(&pairs(&[0.01; 2], &[0.46; 2])).is_empty());
+        let found = calibration_warnings(&pairs(&[0.01; 2], &[15.75; 2]));
         assert_eq!(
-            found.iter().map(|doubt| (doubt.camera, doubt.over_time)).collect::<Vec<_>>(),
+            found.iter().map(|warning| (warning.camera, warning.over_time)).collect::<Vec<_>>(),
             [(0, true), (1, true)]
         );
         assert!(!found[0].sentence("a").contains("others"), "{}", found[0].sentence("a"));

@@ -5,7 +5,7 @@ mod log_histogram;
 mod pair_residuals;
 mod report;
 
-pub use calibration_warnings::{CalibrationWarning, doubts};
+pub use calibration_warnings::{CalibrationWarning, calibration_warnings};
 pub(crate) use pair_residuals::Residuals;
 pub use pair_residuals::{PairResiduals, Residual};
 pub(crate) use report::Tally;

@@ -5,21 +5,21 @@
 //!
 //! Source: the paper takes calibrated and synchronized cameras for granted. Distances are those of
 //! [`crate::preprocess::registration`], in footprints: from a sample to the tangent plane of what the other camera saw in its place. What
-//! differs: there is no tolerance. Where the other camera sees something much nearer, the sample is hidden and says nothing;
+//! differs: there is no tolerance. Where the other camera sees something much nearer, the sample is hidden and counts for nothing;
 //! where it sees something farther, it looks through the surface, and the distance counts however large it is. Samples lie on a
 //! lattice, and what most of them do not exceed is blind to silhouettes and to single wrong pixels.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::log_histogram::Spread;
+use super::log_histogram::LogHistogram;
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::layers::{CameraLayer, MIXED};
+use crate::preprocess::layers::{CameraLayer, is_mixed};
 use crate::preprocess::pruning::lanes_at;
 use crate::preprocess::registration::{
-    CameraPairs, IN_VIEW, LANES, Needs, Outcome, PixelRun, Registration, SameSurface, lanes_of,
+    CameraPairs, IN_VIEW, LANES, Outcome, PixelRun, Registration, RequiredTolerances, SameSurface, lanes_of,
 };
 use crate::preprocess::temporal::ROOT;
 use crate::simd::{self, VectorLoop};
@@ -28,14 +28,14 @@ use crate::simd::{self, VectorLoop};
 /// passes for disagreement.
 const HIDING_FOOTPRINTS: f32 = 2.0;
 
-/// The share of the samples that [`Residual::most_footprints`] speaks for: on the silhouettes of correct captures up to one in
+/// The share of the samples that do not exceed [`Residual::most_footprints`]: on the silhouettes of correct captures up to one in
 /// ten is off.
 const MOST: f64 = 0.85;
 
-/// Fewer samples of a pair say nothing.
+/// Pairs with fewer samples have no residual.
 const MIN_SAMPLES: u64 = 48;
 
-/// Samples of each camera that another one is asked about, about: with many cameras fewer, so that all together are no more.
+/// Samples of each camera that are compared with another one, about: with many cameras fewer, so that all together are no more.
 const LATTICE_SAMPLES: usize = 8192;
 const FEWEST_LATTICE_SAMPLES: usize = 1024;
 /// Cameras up to which nothing is spared.
@@ -84,8 +84,8 @@ fn is_none(count: &u64) -> bool {
 /// Distances and colors while they are gathered.
 #[derive(Default)]
 struct Readings {
-    footprints: Spread,
-    color_steps: Spread,
+    footprints: LogHistogram,
+    color_steps: LogHistogram,
     /// Samples at some distance, wherever the other camera looks.
     asked: u64,
 }
@@ -110,7 +110,7 @@ impl Readings {
 
 /// Gathers residuals while preprocessing runs.
 pub(crate) struct Residuals<'a> {
-    rig: &'a CameraPairs<'a>,
+    camera_pairs: &'a CameraPairs<'a>,
     frames: usize,
     /// `[source * cameras + target]`: of samples of all frames, and of things that moved.
     readings: Vec<[Readings; 2]>,
@@ -119,16 +119,18 @@ pub(crate) struct Residuals<'a> {
 }
 
 impl<'a> Residuals<'a> {
-    pub(crate) fn new(rig: &'a CameraPairs<'a>, frames: usize) -> Self {
-        let pairs = rig.cameras().len().pow(2);
-        let before = vec![Vec::new(); rig.cameras().len()];
-        Self { rig, frames, readings: (0..pairs).map(|_| <[Readings; 2]>::default()).collect(), before }
+    pub(crate) fn new(camera_pairs: &'a CameraPairs<'a>, frames: usize) -> Self {
+        let pairs = camera_pairs.cameras().len().pow(2);
+        let before = vec![Vec::new(); camera_pairs.cameras().len()];
+        Self {
+            camera_pairs,
+            frames,
+            readings: (0..pairs).map(|_| <[Readings; 2]>::default()).collect(),
+            before,
+        }
     }
 
     /// Compares what is the same over all frames.
-    ///
-    /// # Errors
-    /// `Cancelled`.
     pub(crate) fn add_lasting(&mut self, layers: &[CameraLayer], job: &Job) -> Result<()> {
         let asked = self.asked();
         let blocks = layers.par_iter().map(|layer| {
@@ -144,9 +146,6 @@ impl<'a> Residuals<'a> {
 
     /// Compares what is nearer or farther at `frame` than it was when pixels were last looked at, where this is one of the
     /// frames to look at; `layers` hold all its samples. What changes its light alone is left out: of such there may be a lot.
-    ///
-    /// # Errors
-    /// `Cancelled`.
     pub(crate) fn add_moving(&mut self, frame: usize, layers: &[CameraLayer], job: &Job) -> Result<()> {
         if !frame.is_multiple_of(self.frames.div_ceil(FRAMES).max(1)) {
             return Ok(());
@@ -167,9 +166,9 @@ impl<'a> Residuals<'a> {
         self.add(layers, &blocks, 1, job)
     }
 
-    /// Samples to ask of each pair, about, were all pixels of the kind that is compared.
+    /// Samples to compare of each pair, about, were all pixels of the kind that is compared.
     fn asked(&self) -> usize {
-        let cameras = self.rig.cameras().len().max(1);
+        let cameras = self.camera_pairs.cameras().len().max(1);
         (LATTICE_SAMPLES * FEW_CAMERAS / cameras).clamp(FEWEST_LATTICE_SAMPLES, LATTICE_SAMPLES)
     }
 
@@ -180,13 +179,13 @@ impl<'a> Residuals<'a> {
         kind: usize,
         job: &Job,
     ) -> Result<()> {
-        let rig = self.rig;
+        let pairs = self.camera_pairs;
         self.readings.par_iter_mut().enumerate().try_for_each(|(pair, readings)| {
             job.check()?;
             let [source, target] = [pair / layers.len(), pair % layers.len()];
             if source != target {
                 let compare = Compare {
-                    registration: rig.registration(source, target),
+                    registration: pairs.registration(source, target),
                     source: &layers[source],
                     target: &layers[target],
                     blocks: &blocks[source],
@@ -199,7 +198,7 @@ impl<'a> Residuals<'a> {
 
     /// `[source][target]`.
     pub(crate) fn finish(self) -> Vec<Vec<PairResiduals>> {
-        let cameras = self.rig.cameras().len();
+        let cameras = self.camera_pairs.cameras().len();
         let is_compared = |reading: &Readings| reading.residual().is_some();
         let is_any_compared = self.readings.iter().flatten().any(is_compared);
         let of_pair = |[lasting, moving]: [Readings; 2]| PairResiduals {
@@ -248,24 +247,29 @@ impl VectorLoop for Compare<'_> {
     fn run(self) -> Readings {
         let Self { registration, source, target, blocks } = self;
         let mut readings = Readings::default();
-        if target.facets.is_empty() {
+        if target.geometry.is_empty() {
             return readings;
         }
         let limits = SameSurface::geometry_within(HIDING_FOOTPRINTS);
         for &(column, row, lanes) in blocks.iter().filter(|(.., lanes)| *lanes != 0) {
             let block = PixelRun::<LANES>::new(source, column, row, lanes);
-            let carried = registration.carry(&block, target.width);
-            let mut wanted = [0; LANES];
+            let carried = registration.reproject(&block, target.width);
+            let mut relevant = [0; LANES];
             for lane in 0..LANES {
-                let counts = (block.rank[lane] & MIXED == 0) & (block.inverse_depth[lane] > 0.0);
+                let counts = !is_mixed(block.rank[lane]) & (block.inverse_depth[lane] > 0.0);
                 readings.asked += u64::from(counts & (lanes >> lane & 1 != 0));
-                wanted[lane] = u32::from(counts & (carried.bits[lane] & IN_VIEW != 0));
+                relevant[lane] = u32::from(counts & (carried.bits[lane] & IN_VIEW != 0));
             }
-            let mut needs = Needs::new(0.0);
+            let mut required = RequiredTolerances::new(0.0);
             let (source, target) = ((source, &block), (target, &carried));
-            let answers =
-                limits.compare_telling::<LANES, true>(registration, source, target, wanted, &mut needs);
-            for lane in (0..LANES).filter(|lane| wanted[*lane] != 0) {
+            let answers = limits.compare_measuring::<LANES, true>(
+                registration,
+                source,
+                target,
+                relevant,
+                &mut required,
+            );
+            for lane in (0..LANES).filter(|lane| relevant[*lane] != 0) {
                 match answers.outcome(lane) {
                     Outcome::Occluded
                     | Outcome::NoDepth
@@ -273,11 +277,11 @@ impl VectorLoop for Compare<'_> {
                     | Outcome::OutsideView
                     | Outcome::Behind => {}
                     Outcome::SeesPast | Outcome::NormalDiffers => {
-                        readings.footprints.count(needs.depth[lane]);
+                        readings.footprints.count(required.depth[lane]);
                     }
                     Outcome::ColorDiffers | Outcome::Seam | Outcome::Same(_) => {
-                        readings.footprints.count(needs.depth[lane]);
-                        readings.color_steps.count(needs.color[lane]);
+                        readings.footprints.count(required.depth[lane]);
+                        readings.color_steps.count(required.color[lane]);
                     }
                 }
             }

@@ -1,11 +1,11 @@
-//! The account that preprocessing gives of itself.
+//! The report of preprocessing: counts, timings, warnings.
 
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::calibration_warnings::{doubts, shared_doubt};
+use super::calibration_warnings::{calibration_warnings, shared_warning};
 use super::pair_residuals::PairResiduals;
 use crate::capture::Capture;
 use crate::error::{Error, Result};
@@ -59,7 +59,7 @@ pub struct SpanReport {
     pub samples: u64,
 }
 
-/// The account that preprocessing gives of itself. Written into the store and printed by `preprocess --json`.
+/// What preprocessing counted and measured. Written into the store and printed by `preprocess --json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Report {
@@ -74,9 +74,9 @@ pub struct Report {
     /// Samples kept.
     pub samples_kept: u64,
     /// Samples dropped, per rule; `static` counts the repetitions that a sample of several frames
-    /// stands for.
+    /// represents.
     pub pruned: BTreeMap<String, u64>,
-    /// `witnesses[loser][winner]`: samples of camera `loser` for which a sample of camera `winner` stands.
+    /// `witnesses[loser][winner]`: samples of camera `loser` that were dropped for a sample of camera `winner`.
     pub witnesses: Vec<Vec<u64>>,
     /// `rate_disputes[a][b]`: samples of whose point the paper's rate names camera `a` as the best-sampled and the footprint
     /// (its longest side where that decides, else its area) another camera, `b`.
@@ -84,9 +84,9 @@ pub struct Report {
     /// `residuals[a][b]`: how well the samples of camera `a` fit what camera `b` saw; nothing of a camera itself.
     pub residuals: Vec<Vec<PairResiduals>>,
     /// Samples whose color was found to be blended across a silhouette, and what became of them: of those `found` some
-    /// `yielded` to clean ones, were `dropped`, `outranked` by others that are blended as well, or `kept`. Nobody looks for them
+    /// `yielded` to clean ones, were `dropped`, `outranked` by others that are blended as well, or `kept`. They are not looked for
     /// where mixed pixels are kept, the first camera wins or the capture's color is not filtered, and those whose neighbors live in
-    /// shorter spans go unseen; see [`mixed_pixels`](crate::preprocess::layers).
+    /// shorter spans go unseen.
     pub mixed_pixels: BTreeMap<String, u64>,
     /// All input pixels as 8-bit color and 32-bit depth.
     pub bytes_raw: u64,
@@ -121,26 +121,24 @@ impl Report {
     }
 
     /// Pixels of all frames of all cameras that have no depth: they are neither kept nor dropped.
-    #[must_use]
-    pub fn without_depth(&self) -> u64 {
+    pub(crate) fn without_depth(&self) -> u64 {
         self.cameras.iter().fold(0, |sum, camera| sum.saturating_add(camera.invalid))
     }
 
-    /// What is to be said about cameras that do not fit the others, and about normals that do not fit the depth; see [`doubts`]
-    /// and [`normals::contradiction`].
+    /// Warnings about cameras that do not fit the others, and about normals that do not fit the depth.
     #[must_use]
-    pub fn doubts(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Vec<String> {
         let off = self
             .cameras
             .iter()
             .filter_map(|camera| Some((camera.name.as_str(), camera.normals_off_degrees?)));
-        let normals = normals::doubt(&off.collect::<Vec<_>>());
-        if let Some(shared) = shared_doubt(&self.residuals, self.noise_footprints()) {
+        let normals = normals::normal_space_warning(&off.collect::<Vec<_>>());
+        if let Some(shared) = shared_warning(&self.residuals, self.noise_footprints()) {
             return normals.into_iter().chain([shared.sentence()]).collect();
         }
-        let doubts = doubts(&self.residuals).into_iter();
+        let warnings = calibration_warnings(&self.residuals).into_iter();
         let sentences =
-            doubts.filter_map(|doubt| Some(doubt.sentence(&self.cameras.get(doubt.camera)?.name)));
+            warnings.filter_map(|warning| Some(warning.sentence(&self.cameras.get(warning.camera)?.name)));
         normals.into_iter().chain(sentences).collect()
     }
 

@@ -1,4 +1,4 @@
-//! Everything preprocessing knows about one frame, for the eye: classes, rates, verdicts, witnesses.
+//! Everything preprocessing knows about one frame, for display: classes, rates, verdicts, witnesses.
 
 use std::sync::Arc;
 
@@ -9,23 +9,9 @@ use crate::grid::Grid;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{Dispute, Verdict};
 use crate::preprocess::registration::{CameraPairs, Outcome, SameSurface};
-use crate::preprocess::temporal::SpanLevel;
+use crate::preprocess::temporal::{PixelClass, SpanLevel};
 use crate::samples::{SampleSet, Span};
 use crate::settings::Settings;
-
-/// What a pixel is over time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[repr(u8)]
-pub enum PixelClass {
-    /// No depth: takes part in nothing.
-    Invalid,
-    /// The same over all frames.
-    Background,
-    /// A sample of this frame alone.
-    Foreground,
-    /// The same over some frames, but not over all.
-    Lasting,
-}
 
 /// One camera at the inspected frame.
 #[derive(Clone, Debug)]
@@ -42,9 +28,6 @@ pub struct CameraInspection {
     pub disputes: Vec<Dispute>,
     /// World-space normals that were used, given or estimated; zero where there is none.
     pub normal_in_world: Arc<Grid<[f32; 3]>>,
-    /// Footprint of each pixel on its surface in the unit of the rate model, smaller is better sampled; infinite where
-    /// there is no sample. The ratio of two footprints is `r`.
-    pub footprint: Arc<Grid<f32>>,
 }
 
 impl CameraInspection {
@@ -78,19 +61,19 @@ impl FrameInspection {
     /// count however long their spans are.
     #[must_use]
     pub fn log2_sampling_ratio(&self, camera: usize, against: Option<usize>) -> Grid<f32> {
-        let rig = CameraPairs::new(&self.samples.cameras);
+        let pairs = CameraPairs::new(&self.samples.cameras);
         let limits = SameSurface::new(&self.settings);
         let layer = &self.layers[camera];
         let (width, height) = (layer.width, layer.height());
         let values = (0..height)
             .into_par_iter()
             .flat_map_iter(|y| {
-                let (rig, limits) = (&rig, &limits);
+                let (pairs, limits) = (&pairs, &limits);
                 (0..width).map(move |x| {
                     (0..self.layers.len())
                         .filter(|&other| other != camera && against.is_none_or(|only| only == other))
-                        .map(|other| self.log2_ratio(rig, limits, (camera, x, y), other))
-                        // f32::max passes NaN over, so silence counts for nothing.
+                        .map(|other| self.log2_ratio(pairs, limits, (camera, x, y), other))
+                        // f32::max ignores NaN, so a camera that does not see the point changes nothing.
                         .fold(f32::NAN, f32::max)
                 })
             })
@@ -101,7 +84,7 @@ impl FrameInspection {
     /// `log₂ r` of the pixel against camera `other`, negative where the pixel is denser; NaN unless both show the same surface point.
     fn log2_ratio(
         &self,
-        rig: &CameraPairs<'_>,
+        pairs: &CameraPairs<'_>,
         limits: &SameSurface,
         (camera, x, y): (usize, usize, usize),
         other: usize,
@@ -111,7 +94,7 @@ impl FrameInspection {
         if layer.inverse_depth[pixel] < 0.0 {
             return f32::NAN;
         }
-        match limits.test(rig.registration(camera, other), (layer, x, y), target) {
+        match limits.test(pairs.registration(camera, other), (layer, x, y), target) {
             Outcome::Same(found) => (layer.footprint[pixel] / target.footprint[found as usize]).log2(),
             _ => f32::NAN,
         }

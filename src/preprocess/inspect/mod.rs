@@ -1,9 +1,9 @@
-//! Why each pixel was kept or dropped.
+//! Why each pixel was kept or dropped: the verdicts of a frame for display, and the explanation of one pixel.
 
 mod frame;
 mod pixel;
 mod pixel_report;
 
-pub use frame::{CameraInspection, FrameInspection, PixelClass};
-pub use pixel::{pair_quantities, pixel_argument, spans_of_pixel};
+pub use frame::{CameraInspection, FrameInspection};
+pub use pixel::{explain_pixel, pair_quantities, spans_of_pixel};
 pub use pixel_report::{CameraEvidence, ChainLink, PairQuantities, PixelExplanation};

@@ -1,11 +1,11 @@
-//! The argument for one pixel: what every camera says about its surface point, in the numbers that the rules compare.
+//! The explanation of one pixel: what every camera shows of its surface point, in the numbers that the rules compare.
 //!
-//! Purpose: a verdict names a rule and a witness; this says why that rule fired. For each camera: where the point falls,
+//! Purpose: a verdict names a rule and a witness; this says why that rule applies. For each camera: where the point falls,
 //! the depth expected and found there, how far apart the two surfaces lie in footprints, the angle of incidence, both
 //! forms of the sampling rate, and how far colors and normals differ.
 //!
-//! Source: the quantities are those of [`crate::preprocess::registration`] and [`crate::preprocess::layers`]. What differs: they are worked
-//! out in double precision for one pixel at a time, beside the outcome that the single-precision test gave.
+//! Source: the verdict comes from the rules of [`crate::preprocess::pruning`] (`decision.rs`) and the single-precision outcomes of
+//! [`crate::preprocess::registration`]. What differs: the numbers beside them are for display, in double precision.
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -13,14 +13,14 @@ use super::frame::FrameInspection;
 use super::pixel_report::{CameraEvidence, ChainLink, PairQuantities, PixelExplanation};
 use crate::capture::Camera;
 use crate::color::steps_from_linear;
-use crate::preprocess::layers::{CameraLayer, MIXED, Rate, UNSURE, ViewingRays, footprint};
-use crate::preprocess::pruning::{Rule, Verdict};
+use crate::preprocess::layers::{CameraLayer, Rate, ViewingRays, footprint, has_unknown_normal, is_mixed};
+use crate::preprocess::pruning::{Candidate, Rule, Verdict, decide};
 use crate::preprocess::registration::{CameraPairs, Outcome, SameSurface};
 use crate::samples::{SampleSet, Span, TILE};
 
-/// The argument for pixel `(x, y)` of camera `camera`; `None` where there is no such pixel.
+/// The explanation of pixel `(x, y)` of camera `camera`; `None` where there is no such pixel.
 #[must_use]
-pub fn pixel_argument(
+pub fn explain_pixel(
     inspection: &FrameInspection,
     camera: usize,
     x: usize,
@@ -30,8 +30,13 @@ pub fn pixel_argument(
     if x >= layer.width || y >= layer.height() {
         return None;
     }
-    let verdict = inspection.cameras[camera].verdict[(x, y)];
-    let mut argument = PixelExplanation {
+    let pixel = (y * layer.width + x) as u32;
+    let pairs = CameraPairs::new(&inspection.samples.cameras);
+    let shown = samples_of_point(inspection, &pairs, camera, pixel);
+    let is_kept = |other: &Candidate| verdict_of(inspection, other.camera.into(), other.pixel).is_kept();
+    let others: Vec<(Candidate, bool)> = shown.iter().map(|other| (*other, is_kept(other))).collect();
+    let verdict = decide(&Candidate::new(layer, camera, pixel), &others, &inspection.settings.pruning);
+    let mut explanation = PixelExplanation {
         camera,
         x,
         y,
@@ -40,29 +45,27 @@ pub fn pixel_argument(
         class: inspection.cameras[camera].class[(x, y)],
         verdict,
         winner: None,
-        testimonies: Vec::new(),
+        evidence: Vec::new(),
         chain: Vec::new(),
     };
-    let inverse_depth = f64::from(layer.inverse_depth[y * layer.width + x]);
-    if inverse_depth < 0.0 {
-        return Some(argument);
+    if layer.inverse_depth[pixel as usize] < 0.0 {
+        return Some(explanation);
     }
-    let asker = Asker::new(inspection, camera, x, y);
-    argument.point_in_world = asker.point_in_world();
-    let rig = CameraPairs::new(&inspection.samples.cameras);
-    let limits = limits_of(inspection, layer, y * layer.width + x);
-    argument.testimonies =
-        (0..inspection.layers.len()).map(|other| asker.testimony(&rig, &limits, other)).collect();
-    argument.winner = if verdict.is_kept() {
+    let sample = ExplainedSample::new(inspection, camera, x, y);
+    explanation.point_in_world = sample.point_in_world();
+    let limits = limits_of(inspection, layer, pixel as usize);
+    explanation.evidence =
+        (0..inspection.layers.len()).map(|other| sample.evidence(&pairs, &limits, other)).collect();
+    explanation.winner = if verdict.is_kept() {
         Some(camera)
     } else {
         (verdict.witness_camera != Verdict::NO_CAMERA).then_some(verdict.witness_camera as usize)
     };
-    argument.chain = chain(inspection, &rig, camera, (y * layer.width + x) as u32);
-    Some(argument)
+    explanation.chain = chain(inspection, &pairs, camera, pixel);
+    Some(explanation)
 }
 
-/// What a sample is held against: others of its level and of longer spans.
+/// The same-surface test of a sample: it is compared with others of its level and of longer spans.
 fn limits_of(inspection: &FrameInspection, layer: &CameraLayer, pixel: usize) -> SameSurface {
     SameSurface::new(&inspection.settings).at_level(layer.level[pixel])
 }
@@ -72,14 +75,14 @@ fn verdict_of(inspection: &FrameInspection, camera: usize, pixel: u32) -> Verdic
     inspection.cameras[camera].verdict[(pixel as usize % width, pixel as usize / width)]
 }
 
-fn chain(inspection: &FrameInspection, rig: &CameraPairs<'_>, camera: usize, pixel: u32) -> Vec<ChainLink> {
+fn chain(inspection: &FrameInspection, pairs: &CameraPairs<'_>, camera: usize, pixel: u32) -> Vec<ChainLink> {
     let mut chain: Vec<ChainLink> = Vec::new();
     let mut next = Some((camera, pixel));
     while let Some((camera, pixel)) = next {
         let verdict = verdict_of(inspection, camera, pixel);
         chain.push(ChainLink { camera, pixel, verdict });
         next = if verdict.rule == Rule::Coverage {
-            best_other(inspection, rig, camera, pixel)
+            best_other(inspection, pairs, camera, pixel)
         } else {
             (!verdict.is_kept() && verdict.witness_camera != Verdict::NO_CAMERA)
                 .then_some((verdict.witness_camera as usize, verdict.witness_pixel))
@@ -90,33 +93,38 @@ fn chain(inspection: &FrameInspection, rig: &CameraPairs<'_>, camera: usize, pix
     chain
 }
 
-/// The best-ranked sample of another camera that shows the same point and is better.
-fn best_other(
+/// The samples of other cameras that show the same surface point as one of `camera`, as far as its level sees them.
+fn samples_of_point(
     inspection: &FrameInspection,
-    rig: &CameraPairs<'_>,
+    pairs: &CameraPairs<'_>,
     camera: usize,
     pixel: u32,
-) -> Option<(usize, u32)> {
+) -> Vec<Candidate> {
     let layer = &inspection.layers[camera];
     let limits = limits_of(inspection, layer, pixel as usize);
     let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
-    let own = (layer.ranks[pixel as usize].rank, camera);
-    (0..inspection.layers.len())
-        .filter(|&other| other != camera)
-        .filter_map(|other| {
-            let target = &inspection.layers[other];
-            match limits.test(rig.registration(camera, other), (layer, x, y), target) {
-                Outcome::Same(found) => Some((target.ranks[found as usize].rank, other, found)),
-                _ => None,
-            }
-        })
-        .filter(|(rank, other, _)| (*rank, *other) < own)
-        .filter(|&(_, other, found)| {
-            let level = inspection.layers[other].level[found as usize];
-            inspection.settings.pruning.across_spans || level == layer.level[pixel as usize]
-        })
-        .min()
-        .map(|(_, other, found)| (other, found))
+    let shown_by = |other: usize| {
+        let target = &inspection.layers[other];
+        match limits.test(pairs.registration(camera, other), (layer, x, y), target) {
+            Outcome::Same(found) => Some(Candidate::new(target, other, found)),
+            _ => None,
+        }
+    };
+    (0..inspection.layers.len()).filter(|&other| other != camera).filter_map(shown_by).collect()
+}
+
+/// The best sample of another camera that shows the same point and is better, dropped or not.
+fn best_other(
+    inspection: &FrameInspection,
+    pairs: &CameraPairs<'_>,
+    camera: usize,
+    pixel: u32,
+) -> Option<(usize, u32)> {
+    let own = Candidate::new(&inspection.layers[camera], camera, pixel);
+    let across_spans = inspection.settings.pruning.across_spans;
+    let counts = |other: &Candidate| other.is_better_than(&own) && (across_spans || other.level == own.level);
+    let best = samples_of_point(inspection, pairs, camera, pixel).into_iter().filter(counts).min();
+    best.map(|best| (usize::from(best.camera), best.pixel))
 }
 
 /// What the same-surface test compares, for at most `at_most` pairs spread evenly over all pixels of all cameras.
@@ -127,7 +135,7 @@ pub fn pair_quantities(inspection: &FrameInspection, at_most: usize) -> Vec<Pair
     let pairs: usize =
         inspection.layers.iter().map(|layer| layer.inverse_depth.len()).sum::<usize>() * cameras;
     let stride = (pairs.div_ceil(at_most.max(1)) as f64).sqrt().ceil().max(1.0) as usize;
-    let rig = CameraPairs::new(&inspection.samples.cameras);
+    let pairs = CameraPairs::new(&inspection.samples.cameras);
     let mut quantities = Vec::new();
     for (camera, layer) in inspection.layers.iter().enumerate() {
         for y in (stride / 2..layer.height()).step_by(stride) {
@@ -136,11 +144,11 @@ pub fn pair_quantities(inspection: &FrameInspection, at_most: usize) -> Vec<Pair
                     continue;
                 }
                 let limits = limits_of(inspection, layer, y * layer.width + x);
-                let asker = Asker::new(inspection, camera, x, y);
+                let sample = ExplainedSample::new(inspection, camera, x, y);
                 quantities.extend(
                     (0..cameras)
                         .filter(|&other| other != camera)
-                        .filter_map(|other| asker.quantities(&rig, &limits, other)),
+                        .filter_map(|other| sample.quantities(&pairs, &limits, other)),
                 );
             }
         }
@@ -177,8 +185,8 @@ fn pixel_of(position: DVec2, layer: &CameraLayer) -> Option<(usize, usize, usize
     })
 }
 
-/// The sample that is argued about.
-struct Asker<'a> {
+/// The sample that is explained.
+struct ExplainedSample<'a> {
     inspection: &'a FrameInspection,
     camera: usize,
     x: usize,
@@ -197,7 +205,7 @@ struct CandidatePixel {
     depth_expected: f64,
 }
 
-impl<'a> Asker<'a> {
+impl<'a> ExplainedSample<'a> {
     fn new(inspection: &'a FrameInspection, camera: usize, x: usize, y: usize) -> Self {
         let layer = &inspection.layers[camera];
         let pixel = y * layer.width + x;
@@ -237,7 +245,7 @@ impl<'a> Asker<'a> {
 
     fn quantities(
         &self,
-        rig: &CameraPairs<'_>,
+        pairs: &CameraPairs<'_>,
         limits: &SameSurface,
         other: usize,
     ) -> Option<PairQuantities> {
@@ -251,7 +259,7 @@ impl<'a> Asker<'a> {
         let (distance, _) = self.plane_distance(target, layer, &found, (x, y, pixel))?;
         Some(PairQuantities {
             outcome: limits.explain(
-                rig.registration(self.camera, other),
+                pairs.registration(self.camera, other),
                 (self.layer, self.x, self.y),
                 layer,
             ),
@@ -261,14 +269,14 @@ impl<'a> Asker<'a> {
         })
     }
 
-    fn testimony(&self, rig: &CameraPairs<'_>, limits: &SameSurface, other: usize) -> CameraEvidence {
+    fn evidence(&self, pairs: &CameraPairs<'_>, limits: &SameSurface, other: usize) -> CameraEvidence {
         let target = &self.inspection.samples.cameras[other];
         let layer = &self.inspection.layers[other];
         let own = other == self.camera;
         let outcome = (!own).then(|| {
-            limits.explain(rig.registration(self.camera, other), (self.layer, self.x, self.y), layer)
+            limits.explain(pairs.registration(self.camera, other), (self.layer, self.x, self.y), layer)
         });
-        let mut testimony = CameraEvidence {
+        let mut evidence = CameraEvidence {
             camera: other,
             outcome,
             position: None,
@@ -286,9 +294,9 @@ impl<'a> Asker<'a> {
             is_unsure: false,
             verdict: None,
         };
-        let Some(found) = self.find(target, layer) else { return testimony };
-        testimony.position = Some(found.position);
-        testimony.depth_expected = found.depth_expected;
+        let Some(found) = self.find(target, layer) else { return evidence };
+        evidence.position = Some(found.position);
+        evidence.depth_expected = found.depth_expected;
         // A test in single precision may fall into the pixel beside: what it named counts.
         let pixel = match outcome {
             Some(Outcome::Same(same)) => {
@@ -298,29 +306,29 @@ impl<'a> Asker<'a> {
             _ if own => Some((self.x, self.y, self.pixel)),
             _ => found.pixel,
         };
-        let Some((x, y, pixel)) = pixel else { return testimony };
-        testimony.pixel = Some(pixel as u32);
-        testimony.verdict = Some(self.inspection.cameras[other].verdict[(x, y)]);
+        let Some((x, y, pixel)) = pixel else { return evidence };
+        evidence.pixel = Some(pixel as u32);
+        evidence.verdict = Some(self.inspection.cameras[other].verdict[(x, y)]);
         let inverse_depth = layer.inverse_depth[pixel];
         if inverse_depth < 0.0 {
-            return testimony;
+            return evidence;
         }
-        testimony.depth_found = 1.0 / f64::from(inverse_depth);
+        evidence.depth_found = 1.0 / f64::from(inverse_depth);
         let rank = layer.ranks[pixel].rank;
-        (testimony.is_blended, testimony.is_unsure) = (rank & MIXED != 0, rank & UNSURE != 0);
+        (evidence.is_blended, evidence.is_unsure) = (is_mixed(rank), has_unknown_normal(rank));
         if let Some((distance, footprint)) = self.plane_distance(target, layer, &found, (x, y, pixel)) {
-            testimony.plane_distance_footprints = distance;
-            testimony.footprint = footprint;
+            evidence.plane_distance_footprints = distance;
+            evidence.footprint = footprint;
         }
-        testimony.normal_angle_degrees = angle_degrees(self.normal, layer.normal[pixel]);
-        testimony.color_difference_steps = self.color_difference(layer, pixel);
+        evidence.normal_angle_degrees = angle_degrees(self.normal, layer.normal[pixel]);
+        evidence.color_difference_steps = self.color_difference(layer, pixel);
         let ray = ViewingRays::new(target).at(x, y);
-        testimony.incidence_degrees = angle_degrees(-ray, layer.normal[pixel]);
+        evidence.incidence_degrees = angle_degrees(-ray, layer.normal[pixel]);
         let pruning = &self.inspection.settings.pruning;
         let deciding = Rate::resolve(pruning.rate, &self.inspection.samples.cameras);
-        [testimony.paper_r, testimony.footprint_r] = [Rate::Paper, deciding.with_focal_length()]
+        [evidence.paper_r, evidence.footprint_r] = [Rate::Paper, deciding.with_focal_length()]
             .map(|rate| self.ratio(rate, target, layer, (x, y, pixel)));
-        testimony
+        evidence
     }
 
     /// Distance to the tangent plane at the pixel found, in footprints, and the footprint; `None` at infinity.

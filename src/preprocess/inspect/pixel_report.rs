@@ -1,17 +1,17 @@
-//! What the argument for a pixel consists of: one testimony per camera, and the chain of witnesses.
+//! What the explanation of a pixel consists of: the evidence of each camera, and the chain of witnesses.
 
 use glam::{DVec2, DVec3};
 
-use super::frame::PixelClass;
 use crate::preprocess::pruning::Verdict;
 use crate::preprocess::registration::Outcome;
+use crate::preprocess::temporal::PixelClass;
 
-/// What one camera says about a surface point. Lengths are in the capture's unit; what is not known is NaN.
+/// What one camera shows of a surface point. Lengths are in the capture's unit; what is not known is NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraEvidence {
-    /// Index of the camera that speaks.
+    /// Index of the camera.
     pub camera: usize,
-    /// Whether it sees the point; `None` for the camera whose own pixel is argued about.
+    /// Whether it sees the point; `None` for the camera whose own pixel is explained.
     pub outcome: Option<Outcome>,
     /// Where the point falls in its picture, pixels; `None` behind the camera. It may lie outside the picture.
     pub position: Option<DVec2>,
@@ -21,7 +21,7 @@ pub struct CameraEvidence {
     pub depth_expected: f64,
     /// Planar z that the camera recorded there; infinite at infinity.
     pub depth_found: f64,
-    /// Side of the larger of the two pixels on the surface: the footprint that distances are told in.
+    /// Side of the larger of the two pixels on the surface: the footprint that distances are measured in.
     pub footprint: f64,
     /// Distance from the point to the tangent plane found there, in footprints.
     pub plane_distance_footprints: f64,
@@ -43,7 +43,7 @@ pub struct CameraEvidence {
     pub verdict: Option<Verdict>,
 }
 
-/// One step from a sample to the one that stands for it.
+/// One step from a sample to its witness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ChainLink {
     /// Index of the camera.
@@ -54,7 +54,7 @@ pub struct ChainLink {
     pub verdict: Verdict,
 }
 
-/// Everything there is to say about one pixel at one frame.
+/// Why one pixel was kept or dropped at one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PixelExplanation {
     /// Index of the camera.
@@ -69,13 +69,13 @@ pub struct PixelExplanation {
     pub point_in_world: Option<DVec3>,
     /// What the pixel is over time.
     pub class: PixelClass,
-    /// What became of it.
+    /// The verdict, worked out from what the other cameras show and what was decided there.
     pub verdict: Verdict,
     /// Index of the camera whose kept sample shows the point; `None` where nothing does.
     pub winner: Option<usize>,
     /// One per camera, in the capture's order; empty where the pixel has no depth.
-    pub testimonies: Vec<CameraEvidence>,
-    /// From the pixel to the sample that stands for it. Where the coverage rule kept it: through the better sample
+    pub evidence: Vec<CameraEvidence>,
+    /// From the pixel to the sample that represents it. Where the coverage rule kept it: through the better sample
     /// that was dropped, to the one which that was dropped for.
     pub chain: Vec<ChainLink>,
 }

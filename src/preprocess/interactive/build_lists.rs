@@ -1,135 +1,139 @@
-//! Making the docket of a frame: every sample is carried into every other camera, and all that may show its point are listed.
+//! Building the candidate lists of a frame: every sample is reprojected into every other camera, and all that may show its
+//! point are listed.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::candidate::{BEHIND, Claimant, Codes, codes, codes_of};
+use super::candidate::{Codes, ListedCandidate, NOT_AHEAD, codes, codes_of};
 use super::candidate_lists::{
-    COUNT, CandidateLists, DISPUTABLE, IS_MIXED, Lists, ToleranceRange, most_tolerant,
+    BandCandidates, COUNT, CandidateLists, DISPUTABLE, IS_MIXED, ToleranceRange, most_tolerant,
 };
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::layers::{CameraLayer, MIXED, Ranks};
-use crate::preprocess::pruning::{BAND_ROWS, OtherCamera, Rule, Verdict, lanes_at, rivals, rule_between};
-use crate::preprocess::registration::{CameraPairs, Carried, IN_VIEW, LANES, Needs, PixelRun, SameSurface};
+use crate::preprocess::layers::{CameraLayer, Ranks, is_mixed};
+use crate::preprocess::pruning::{
+    BAND_ROWS, OtherCamera, Rule, Verdict, is_better, is_dropped_as_mixed, lanes_at, other_cameras,
+    rule_of_dropped,
+};
+use crate::preprocess::registration::{
+    CameraPairs, IN_VIEW, LANES, PixelRun, ReprojectedRun, RequiredTolerances, SameSurface,
+};
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
-use crate::settings::{MixedPixels, Settings};
+use crate::settings::Settings;
 use crate::simd::{self, VectorLoop};
 
-/// The docket of a frame of so many `levels`, for tolerances around those of `settings`; `None` where it would take more
-/// than `bytes`.
-///
-/// # Errors
-/// `Cancelled`.
-pub(crate) fn make_docket(
-    rig: &CameraPairs<'_>,
+/// The candidate lists of a frame of so many `levels`, for tolerances around those of `settings`; `None` where they would take
+/// more than `bytes`.
+pub(crate) fn build_lists(
+    pairs: &CameraPairs<'_>,
     layers: &[CameraLayer],
     levels: usize,
     settings: &Settings,
     bytes: usize,
     job: &Job,
 ) -> Result<Option<CandidateLists>> {
-    if layers.len() >= usize::from(BEHIND) {
+    if layers.len() >= usize::from(NOT_AHEAD) {
         return Ok(None);
     }
-    let reach = ToleranceRange::around(&settings.pruning);
-    let least = codes(reach.least);
+    let range = ToleranceRange::around(&settings.pruning);
+    let least = codes(range.least);
     let settings = most_tolerant(settings);
-    let summons = Summons {
-        rig,
+    let builder = ListBuilder {
+        pairs,
         layers,
         levels: levels as SpanLevel,
         settings: &settings,
         limits: SameSurface::new(&settings),
-        few_steps: reach.least[2] / 2.0,
-        beatable: layers
+        negligible_steps: range.least[2] / 2.0,
+        may_be_beaten: layers
             .iter()
             .map(|layer| layer.level.iter().map(|_| AtomicBool::new(false)).collect())
             .collect(),
-        room: AtomicUsize::new(bytes / size_of::<Claimant>()),
+        room: AtomicUsize::new(bytes / size_of::<ListedCandidate>()),
     };
     let bands = layers.iter().enumerate().flat_map(|(camera, layer)| {
         let height = layer.height();
         (0..height).step_by(BAND_ROWS).map(move |row| (camera, row..(row + BAND_ROWS).min(height)))
     });
     let bands: Vec<(usize, Range<usize>)> = bands.collect();
-    let summoned = bands.par_iter().map(|(camera, rows)| {
+    let found = bands.par_iter().map(|(camera, rows)| {
         job.check()?;
-        Ok(simd::run(Call { summons: &summons, camera: *camera, rows: rows.clone() }))
+        Ok(simd::run(BandBuilder { builder: &builder, camera: *camera, rows: rows.clone() }))
     });
-    let summoned: Vec<Option<Lists>> = summoned.collect::<Result<_>>()?;
-    let Some(mut all) = summoned.into_iter().collect::<Option<Vec<Lists>>>() else { return Ok(None) };
-    all.par_iter_mut().zip(&bands).for_each(|(lists, (camera, rows))| {
-        summons.leave_out(lists, &layers[*camera], rows.start, least);
+    let found: Vec<Option<BandCandidates>> = found.collect::<Result<_>>()?;
+    let Some(mut all) = found.into_iter().collect::<Option<Vec<BandCandidates>>>() else { return Ok(None) };
+    all.par_iter_mut().zip(&bands).for_each(|(band, (camera, rows))| {
+        builder.drop_covered(band, &layers[*camera], rows.start, least);
     });
-    let mut lists: Vec<Vec<Lists>> = layers.iter().map(|_| Vec::new()).collect();
+    let mut by_camera: Vec<Vec<BandCandidates>> = layers.iter().map(|_| Vec::new()).collect();
     for (of_band, (camera, _)) in all.into_iter().zip(bands) {
-        lists[camera].push(of_band);
+        by_camera[camera].push(of_band);
     }
-    Ok(Some(CandidateLists { reach, lists }))
+    Ok(Some(CandidateLists { range, bands: by_camera }))
 }
 
 /// What all bands share.
-struct Summons<'a> {
-    rig: &'a CameraPairs<'a>,
+struct ListBuilder<'a> {
+    pairs: &'a CameraPairs<'a>,
     layers: &'a [CameraLayer],
     levels: SpanLevel,
     settings: &'a Settings,
     limits: SameSurface,
-    /// See [`Needs::few_steps`].
-    few_steps: f32,
-    /// Per sample, whether any other may be better.
-    beatable: Vec<Vec<AtomicBool>>,
-    /// Claimants that there is memory for yet.
+    /// See [`RequiredTolerances::negligible_steps`].
+    negligible_steps: f32,
+    /// Per sample, whether any other camera may have a better one.
+    may_be_beaten: Vec<Vec<AtomicBool>>,
+    /// How many more candidates memory has room for.
     room: AtomicUsize,
 }
 
-/// Lists all claimants of the samples of a band; `None` where there is no room.
-struct Call<'a> {
-    summons: &'a Summons<'a>,
+/// Lists all candidates of the samples of a band; `None` where there is no room.
+struct BandBuilder<'a> {
+    builder: &'a ListBuilder<'a>,
     camera: usize,
     rows: Range<usize>,
 }
 
-/// A claimant of the sample in column `x`, before it is known how it compares.
+/// A candidate of the sample in column `x`, before it is known how it compares.
 #[derive(Clone, Copy)]
-struct Summoned {
+struct FoundCandidate {
     x: u32,
     ranks: Ranks,
-    claimant: Claimant,
+    candidate: ListedCandidate,
 }
 
-impl VectorLoop for Call<'_> {
-    type Output = Option<Lists>;
+impl VectorLoop for BandBuilder<'_> {
+    type Output = Option<BandCandidates>;
 
     #[inline(always)]
-    fn run(self) -> Option<Lists> {
-        let Self { summons, camera, rows } = self;
-        let layer = &summons.layers[camera];
+    fn run(self) -> Option<BandCandidates> {
+        let Self { builder, camera, rows } = self;
+        let layer = &builder.layers[camera];
         let columns = layer.width.div_ceil(LANES);
         let lanes: Vec<u32> = rows.clone().flat_map(|row| lanes_with_samples(layer, row)).collect();
-        let mut rivals = rivals(summons.rig, summons.layers, (camera, rows.clone()), &lanes, |other| {
-            summons.limits.between(layer, &summons.layers[other])
-        });
-        let mut lists = Lists {
+        let mut others =
+            other_cameras(builder.pairs, builder.layers, (camera, rows.clone()), &lanes, |other| {
+                builder.limits.between(layer, &builder.layers[other])
+            });
+        let mut lists = BandCandidates {
             first: Vec::with_capacity(lanes.len()),
             counts: vec![0; rows.len() * layer.width],
-            claimants: Vec::new(),
+            candidates: Vec::new(),
         };
-        let mut ways: Vec<Carried> = (0..columns).map(|_| Carried::NOWHERE).collect();
+        let mut reprojected: Vec<ReprojectedRun> = (0..columns).map(|_| ReprojectedRun::NOWHERE).collect();
         let (mut row_of, mut sorted) = (Vec::new(), Vec::new());
         for (index, row) in rows.enumerate() {
             row_of.clear();
-            for level in (0..summons.levels)
+            for level in (0..builder.levels)
                 .filter(|level| layer.level[row * layer.width..][..layer.width].contains(level))
             {
-                summons.call_row(camera, (row, level), &mut rivals, &mut ways, &mut row_of);
+                builder.find_in_row(camera, (row, level), &mut others, &mut reprojected, &mut row_of);
             }
             let counts = &mut lists.counts[index * layer.width..][..layer.width];
             sort_by_column(&row_of, counts, &mut sorted);
-            if summons
+            if builder
                 .room
                 .fetch_update(Ordering::Relaxed, Ordering::Relaxed, |room| room.checked_sub(sorted.len()))
                 .is_err()
@@ -139,12 +143,12 @@ impl VectorLoop for Call<'_> {
             let mut rest = &mut sorted[..];
             for (x, count) in counts.iter_mut().enumerate() {
                 if x.is_multiple_of(LANES) {
-                    lists.first.push(lists.claimants.len() as u32);
+                    lists.first.push(lists.candidates.len() as u32);
                 }
                 let (own, others) = rest.split_at_mut(usize::from(*count));
                 rest = others;
-                *count |= summons.compare_ranks((camera, row * layer.width + x), own);
-                lists.claimants.extend(own.iter().map(|summoned| summoned.claimant));
+                *count |= builder.compare_ranks((camera, row * layer.width + x), own);
+                lists.candidates.extend(own.iter().map(|found| found.candidate));
             }
         }
         Some(lists)
@@ -159,16 +163,16 @@ fn lanes_with_samples(layer: &CameraLayer, row: usize) -> impl Iterator<Item = u
         .map(move |column| lanes_at(layer, (column, row), |level| level != NO_SAMPLE))
 }
 
-impl Summons<'_> {
-    /// Asks every rival about the samples of a level in a row.
+impl ListBuilder<'_> {
+    /// Lists the candidates in all other cameras of the samples of a level in a row.
     #[inline(always)]
-    fn call_row(
+    fn find_in_row(
         &self,
         camera: usize,
         (row, level): (usize, SpanLevel),
-        rivals: &mut [OtherCamera<'_>],
-        ways: &mut [Carried],
-        found: &mut Vec<Summoned>,
+        others: &mut [OtherCamera<'_>],
+        reprojected: &mut [ReprojectedRun],
+        found: &mut Vec<FoundCandidate>,
     ) {
         let layer = &self.layers[camera];
         let blocks: Vec<(usize, u32, PixelRun)> = (0..layer.width)
@@ -178,145 +182,152 @@ impl Summons<'_> {
             .filter(|(_, lanes)| *lanes != 0)
             .map(|(at, lanes)| (at, lanes, PixelRun::new(layer, at * LANES, row, lanes)))
             .collect();
-        for rival in rivals {
-            let target = &self.layers[rival.camera];
-            let limits = rival.limits.at_level(level).with_deeper(level + 1 < self.levels);
-            for ((at, _, block), way) in blocks.iter().zip(&mut *ways) {
-                way.bits = [0; LANES];
-                if rival.may_see[*at] {
-                    *way = rival.registration.carry(block, target.width);
-                    way.prefetch_ranks(target);
-                    way.prefetch(target);
+        for other in others {
+            let target = &self.layers[other.camera];
+            let limits = other.limits.at_level(level).with_deeper(level + 1 < self.levels);
+            for ((at, _, block), run) in blocks.iter().zip(&mut *reprojected) {
+                run.bits = [0; LANES];
+                if other.may_see[*at] {
+                    *run = other.registration.reproject(block, target.width);
+                    run.prefetch_ranks(target);
+                    run.prefetch(target);
                 }
             }
-            for ((at, lanes, block), way) in blocks.iter().zip(&*ways) {
-                self.call_block((camera, at * LANES, *lanes, block), (rival, &limits), way, found);
+            for ((at, lanes, block), run) in blocks.iter().zip(&*reprojected) {
+                self.find_in_run((camera, at * LANES, *lanes, block), (other, &limits), run, found);
             }
         }
     }
 
     #[inline(always)]
-    fn call_block(
+    fn find_in_run(
         &self,
         (camera, left, lanes, block): (usize, usize, u32, &PixelRun),
-        (rival, limits): (&OtherCamera<'_>, &SameSurface),
-        way: &Carried,
-        found: &mut Vec<Summoned>,
+        (other, limits): (&OtherCamera<'_>, &SameSurface),
+        run: &ReprojectedRun,
+        found: &mut Vec<FoundCandidate>,
     ) {
-        let (source, target) = (&self.layers[camera], &self.layers[rival.camera]);
-        let mut wanted = [0; LANES];
+        let (source, target) = (&self.layers[camera], &self.layers[other.camera]);
+        let mut relevant = [0; LANES];
         let mut any = 0;
         for i in 0..LANES {
-            wanted[i] = u32::from(way.bits[i] & IN_VIEW != 0);
-            any |= wanted[i];
+            relevant[i] = u32::from(run.bits[i] & IN_VIEW != 0);
+            any |= relevant[i];
         }
         if any == 0 {
             return;
         }
-        let mut needs = Needs::new(self.few_steps);
-        let answers = limits.compare_telling::<LANES, true>(
-            rival.registration,
+        let mut required = RequiredTolerances::new(self.negligible_steps);
+        let matches = limits.compare_measuring::<LANES, true>(
+            other.registration,
             (source, block),
-            (target, way),
-            wanted,
-            &mut needs,
+            (target, run),
+            relevant,
+            &mut required,
         );
-        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1 && answers.is_same(*lane)) {
-            let pixel = answers.pixel[lane];
+        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1 && matches.is_same(*lane)) {
+            let pixel = matches.pixel[lane];
             let ranks = target.ranks[pixel as usize];
-            if self.settings.pruning.mixed_pixels == MixedPixels::Drop && ranks.rank & MIXED != 0 {
+            if is_dropped_as_mixed(self.settings.pruning.mixed_pixels, ranks.rank) {
                 continue;
             }
             let verdict = Verdict {
                 rule: Rule::BestRate,
-                witness_level: answers.level[lane] as SpanLevel,
-                witness_camera: rival.camera as u16,
+                witness_level: matches.level[lane] as SpanLevel,
+                witness_camera: other.camera as u16,
                 witness_pixel: pixel,
             };
-            let claimant = Claimant { verdict, needs: codes_of(&needs, lane), place: BEHIND, is_sure: false };
-            found.push(Summoned { x: (left + lane) as u32, ranks, claimant });
+            let candidate = ListedCandidate {
+                verdict,
+                required: codes_of(&required, lane),
+                other_order: NOT_AHEAD,
+                is_sure: false,
+            };
+            found.push(FoundCandidate { x: (left + lane) as u32, ranks, candidate });
         }
     }
 
-    /// Orders the claimants of a sample, best first, and tells each how it compares with the sample. Gives the flags of the
+    /// Orders the candidates of a sample, best first, and notes how each compares with the sample. Gives the flags of the
     /// sample's count.
     #[inline(always)]
-    fn compare_ranks(&self, (camera, pixel): (usize, usize), claimants: &mut [Summoned]) -> u16 {
+    fn compare_ranks(&self, (camera, pixel): (usize, usize), candidates: &mut [FoundCandidate]) -> u16 {
         let own = self.layers[camera].ranks[pixel];
-        let name = camera as u16;
         let flags =
-            if self.layers[camera].level[pixel] != NO_SAMPLE && own.rank & MIXED != 0 { IS_MIXED } else { 0 };
-        let of = |summoned: &Summoned| summoned.claimant.verdict.witness_camera;
-        claimants.sort_unstable_by_key(|summoned| (summoned.ranks.rank, of(summoned)));
+            if self.layers[camera].level[pixel] != NO_SAMPLE && is_mixed(own.rank) { IS_MIXED } else { 0 };
+        let of = |found: &FoundCandidate| found.candidate.verdict.witness_camera;
+        candidates.sort_unstable_by_key(|found| (found.ranks.rank, of(found)));
         let mut any_better = false;
-        for index in 0..claimants.len() {
-            let this = claimants[index];
+        for index in 0..candidates.len() {
+            let this = candidates[index];
             let otherwise = (this.ranks.other_rank, of(&this));
-            if (this.ranks.rank, of(&this)) < (own.rank, name) {
-                claimants[index].claimant.verdict.rule =
-                    rule_between(self.settings.pruning.method, own.rank, this.ranks.rank);
+            let this_camera = u32::from(of(&this));
+            if is_better(this.ranks.rank, this_camera, own.rank, camera as u32) {
+                candidates[index].candidate.verdict.rule =
+                    rule_of_dropped(self.settings.pruning.method, own.rank, this.ranks.rank);
                 any_better = true;
             }
-            if otherwise < (own.other_rank, name) {
-                let ahead = claimants.iter().filter(|other| (other.ranks.other_rank, of(other)) < otherwise);
-                claimants[index].claimant.place = ahead.count() as u8;
+            if is_better(this.ranks.other_rank, this_camera, own.other_rank, camera as u32) {
+                let ahead = candidates.iter().filter(|other| (other.ranks.other_rank, of(other)) < otherwise);
+                candidates[index].candidate.other_order = ahead.count() as u8;
             }
         }
-        self.beatable[camera][pixel].store(any_better, Ordering::Relaxed);
+        self.may_be_beaten[camera][pixel].store(any_better, Ordering::Relaxed);
         flags
     }
 
-    /// Leaves out the claimants that are covered by better ones, and finds out where the rate models may disagree.
-    fn leave_out(&self, lists: &mut Lists, layer: &CameraLayer, first_row: usize, least: Codes) {
-        let all = std::mem::take(&mut lists.claimants);
-        let mut kept: Vec<Claimant> = Vec::with_capacity(all.len());
+    /// Drops the candidates that better ones dominate, and notes where the rate models may disagree.
+    fn drop_covered(&self, lists: &mut BandCandidates, layer: &CameraLayer, first_row: usize, least: Codes) {
+        let all = std::mem::take(&mut lists.candidates);
+        let mut kept: Vec<ListedCandidate> = Vec::with_capacity(all.len());
         let mut next = 0;
-        for (place, count) in lists.counts.iter_mut().enumerate() {
-            let x = place % layer.width;
+        for (index, count) in lists.counts.iter_mut().enumerate() {
+            let x = index % layer.width;
             if x.is_multiple_of(LANES) {
-                lists.first[place / layer.width * layer.width.div_ceil(LANES) + x / LANES] =
+                lists.first[index / layer.width * layer.width.div_ceil(LANES) + x / LANES] =
                     kept.len() as u32;
             }
             let listed = &all[next..next + usize::from(*count & COUNT)];
             next += listed.len();
-            let own_level = layer.level[first_row * layer.width + place];
+            let own_level = layer.level[first_row * layer.width + index];
             let from = kept.len();
-            for claimant in listed {
+            for candidate in listed {
                 let covered = kept[from..].iter().any(|better| {
                     better.is_sure
-                        && better.place.min(BEHIND - 1) < claimant.place
-                        && better.covers(claimant, least)
+                        && better.other_order.min(NOT_AHEAD - 1) < candidate.other_order
+                        && better.covers(candidate, least)
                 });
                 if !covered {
                     let is_sure =
-                        claimant.verdict.witness_level == own_level && !self.is_beatable(claimant.verdict);
-                    kept.push(Claimant { is_sure, ..*claimant });
+                        candidate.verdict.witness_level == own_level && !self.is_beatable(candidate.verdict);
+                    kept.push(ListedCandidate { is_sure, ..*candidate });
                 }
             }
             let left = &kept[from..];
             *count = *count & IS_MIXED | left.len() as u16 | if is_disputable(left) { DISPUTABLE } else { 0 };
         }
         kept.shrink_to_fit();
-        lists.claimants = kept;
+        lists.candidates = kept;
     }
 
-    fn is_beatable(&self, claim: Verdict) -> bool {
-        self.beatable[usize::from(claim.witness_camera)][claim.witness_pixel as usize].load(Ordering::Relaxed)
+    fn is_beatable(&self, candidate: Verdict) -> bool {
+        self.may_be_beaten[usize::from(candidate.witness_camera)][candidate.witness_pixel as usize]
+            .load(Ordering::Relaxed)
     }
 }
 
-/// Whether, of the claimants of a sample in their order, another may be ahead by the other rate model.
-fn is_disputable(claimants: &[Claimant]) -> bool {
-    let in_order = claimants.windows(2).all(|pair| pair[0].place <= pair[1].place);
-    let alike = claimants.iter().all(|claimant| claimant.is_better() == (claimant.place != BEHIND));
+/// Whether, of the candidates of a sample in their order, another may be ahead by the other rate model.
+fn is_disputable(candidates: &[ListedCandidate]) -> bool {
+    let in_order = candidates.windows(2).all(|pair| pair[0].other_order <= pair[1].other_order);
+    let alike =
+        candidates.iter().all(|candidate| candidate.is_better() == (candidate.other_order != NOT_AHEAD));
     !(in_order && alike)
 }
 
 /// Sorts by column, keeping the order within each, and counts.
 #[inline(always)]
-fn sort_by_column(found: &[Summoned], counts: &mut [u16], sorted: &mut Vec<Summoned>) {
-    for summoned in found {
-        counts[summoned.x as usize] += 1;
+fn sort_by_column(found: &[FoundCandidate], counts: &mut [u16], sorted: &mut Vec<FoundCandidate>) {
+    for found in found {
+        counts[found.x as usize] += 1;
     }
     let mut ends = Vec::with_capacity(counts.len());
     let mut end = 0_usize;
@@ -328,9 +339,9 @@ fn sort_by_column(found: &[Summoned], counts: &mut [u16], sorted: &mut Vec<Summo
     if let Some(&any) = found.first() {
         sorted.resize(found.len(), any);
     }
-    for summoned in found {
-        let at = &mut ends[summoned.x as usize];
-        sorted[*at] = *summoned;
+    for found in found {
+        let at = &mut ends[found.x as usize];
+        sorted[*at] = *found;
         *at += 1;
     }
 }

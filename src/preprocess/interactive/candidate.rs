@@ -1,10 +1,10 @@
-//! A sample that another camera may hold against one, and the tolerances from which on it does.
+//! A listed candidate: a sample of another camera that may show the point of a sample, and the tolerances from which on it does.
 //!
-//! Tolerances are compared as codes of 16 bits, which grow with them. What is a code or less off the limit is asked anew, so
-//! that the answers are those of [`crate::preprocess::registration`] bit for bit.
+//! Tolerances are compared as codes of 16 bits, which grow with them. Where the codes are one apart or less, the same-surface
+//! test itself decides, so that the verdicts are those of [`crate::preprocess::pruning`] bit for bit.
 
 use crate::preprocess::pruning::{Rule, Verdict};
-use crate::preprocess::registration::Needs;
+use crate::preprocess::registration::RequiredTolerances;
 use crate::settings::PruningSettings;
 
 /// Depth in footprints, one less the cosine of the turn between the normals, color in 8-bit steps.
@@ -38,41 +38,41 @@ pub(crate) fn codes(tolerances: Tolerances) -> Codes {
     tolerances.map(|tolerance| code(tolerance) as u16)
 }
 
-/// The codes of what one of a block's samples needs.
+/// The codes of what one of a block's samples requires.
 #[inline(always)]
-pub(crate) fn codes_of<const N: usize>(needs: &Needs<N>, lane: usize) -> Codes {
-    codes([needs.depth[lane], needs.turn[lane], needs.color[lane]])
+pub(crate) fn codes_of<const N: usize>(required: &RequiredTolerances<N>, lane: usize) -> Codes {
+    codes([required.depth[lane], required.turn[lane], required.color[lane]])
 }
 
-/// Quotients are rounded: a need may have the code beside the one of the smallest tolerance that serves it.
+/// Quotients are rounded: a required tolerance may have the code beside that of the smallest tolerance that suffices.
 const ROUNDING: u16 = 1;
 
-/// What is known of a claim under some limits without asking anew.
+/// Whether a candidate shows the point under some limits, as far as the codes tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CandidateValidity {
-    Yes,
-    No,
-    /// So near the limit that the test itself has to say.
-    Ask,
+    Valid,
+    Invalid,
+    /// So near the limit that the same-surface test has to decide.
+    NearLimit,
 }
 
-/// In place of [`Claimant::place`] where the sample itself is ahead by the other rate model.
-pub(crate) const BEHIND: u8 = u8::MAX;
+/// In place of [`ListedCandidate::other_order`] where the sample itself is ahead by the other rate model.
+pub(crate) const NOT_AHEAD: u8 = u8::MAX;
 
 /// A sample of another camera that shows the point of a sample, at least at the largest tolerances.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Claimant {
-    /// The verdict on the sample if this one stands for it; [`Rule::BestRate`] where this one is the worse of both.
+pub(crate) struct ListedCandidate {
+    /// The verdict on the sample if this one is its witness; [`Rule::BestRate`] where this one is the worse of both.
     pub(crate) verdict: Verdict,
     /// From which tolerances on both show the same point.
-    pub(crate) needs: Codes,
-    /// Its place among those ahead of the sample by the other rate model; [`BEHIND`] where it is not.
-    pub(crate) place: u8,
+    pub(crate) required: Codes,
+    /// Its position among those ahead of the sample by the other rate model; [`NOT_AHEAD`] where it is not.
+    pub(crate) other_order: u8,
     /// Whether it is surely kept, as no other is better.
     pub(crate) is_sure: bool,
 }
 
-impl Claimant {
+impl ListedCandidate {
     /// Whether it is the better one of both.
     #[inline(always)]
     pub(crate) fn is_better(&self) -> bool {
@@ -81,16 +81,16 @@ impl Claimant {
 
     /// Whether both show the same point within `limits`.
     #[inline(always)]
-    pub(crate) fn holds(&self, limits: Codes) -> CandidateValidity {
+    pub(crate) fn validity(&self, limits: Codes) -> CandidateValidity {
         let [mut surely, mut maybe] = [true; 2];
-        for (&need, &limit) in self.needs.iter().zip(&limits) {
-            surely &= need.saturating_add(ROUNDING) < limit;
-            maybe &= need <= limit.saturating_add(ROUNDING);
+        for (&required, &limit) in self.required.iter().zip(&limits) {
+            surely &= required.saturating_add(ROUNDING) < limit;
+            maybe &= required <= limit.saturating_add(ROUNDING);
         }
         match (surely, maybe) {
-            (true, _) => CandidateValidity::Yes,
-            (false, false) => CandidateValidity::No,
-            (false, true) => CandidateValidity::Ask,
+            (true, _) => CandidateValidity::Valid,
+            (false, false) => CandidateValidity::Invalid,
+            (false, true) => CandidateValidity::NearLimit,
         }
     }
 
@@ -98,11 +98,9 @@ impl Claimant {
     #[inline(always)]
     pub(crate) fn covers(&self, other: &Self, least: Codes) -> bool {
         const MARGIN: u16 = 2 * ROUNDING + 1;
-        let needs = self.needs.iter().zip(&other.needs).zip(&least);
-        // Where the other may hold, the limit is at least its need less the rounding; then this one surely holds.
-        needs.fold(true, |all, ((need, other), least)| {
-            all & (need.saturating_add(MARGIN) <= *other.max(least))
-        })
+        let mut pairs = self.required.iter().zip(&other.required).zip(&least);
+        // Where the other may be valid, the limit is at least what it requires less the rounding; then this one surely is.
+        pairs.all(|((required, other), least)| required.saturating_add(MARGIN) <= *other.max(least))
     }
 }
 
@@ -123,25 +121,29 @@ mod tests {
 
     #[test]
     fn a_claimant_that_covers_another_surely_holds_wherever_the_other_may() {
-        let claimant =
-            |needs| Claimant { verdict: Verdict::without_witness(Rule::Tie), needs, place: 0, is_sure: true };
+        let candidate = |required| ListedCandidate {
+            verdict: Verdict::without_witness(Rule::Tie),
+            required,
+            other_order: 0,
+            is_sure: true,
+        };
         let least = [40, 40, 40];
-        for need in 30..60 {
+        for required in 30..60 {
             for other_need in 30..60 {
-                let (one, other) = (claimant([need, 0, 0]), claimant([other_need, 0, 0]));
+                let (one, other) = (candidate([required, 0, 0]), candidate([other_need, 0, 0]));
                 if !one.covers(&other, least) {
                     continue;
                 }
                 for limit in 40..70 {
                     let limits = [limit, 100, 100];
                     assert!(
-                        other.holds(limits) == CandidateValidity::No
-                            || one.holds(limits) == CandidateValidity::Yes
+                        other.validity(limits) == CandidateValidity::Invalid
+                            || one.validity(limits) == CandidateValidity::Valid
                     );
                 }
             }
         }
-        assert!(claimant([36, 0, 0]).covers(&claimant([0, 0, 0]), least));
-        assert!(!claimant([40, 0, 0]).covers(&claimant([0, 0, 0]), least));
+        assert!(candidate([36, 0, 0]).covers(&candidate([0, 0, 0]), least));
+        assert!(!candidate([40, 0, 0]).covers(&candidate([0, 0, 0]), least));
     }
 }

@@ -1,42 +1,43 @@
-//! The docket of a frame: for every sample those of other cameras that may stand for it, found once for a range of tolerances.
+//! The candidate lists of a frame: for every sample those of other cameras that may be its witness, found once for a range of
+//! tolerances.
 //!
 //! Where a sample lies in the other cameras' pictures, how far it is from the surface found there, how much normals and colors
-//! differ: no tolerance touches any of that. Whoever turns a threshold prunes the same frame again and again; from the docket
-//! that is a walk over lists instead of a search in every picture. What differs from [`crate::preprocess::pruning`]: nothing in the verdicts.
+//! differ: no tolerance changes any of that. Pruning the same frame again with another threshold then goes over the lists
+//! instead of searching every picture, with the same verdicts as [`crate::preprocess::pruning`].
 //!
 //! ```text
-//! sample ─▶ claimants, best first: (verdict if it stands, the tolerances from which on it does)
+//! sample ─▶ candidates, best first: (verdict if it is the witness, the tolerances from which on it shows the point)
 //! ```
 //!
-//! A list leaves out whom a better claimant covers: one that holds whenever the other does, and that nothing is better than,
-//! so that it is surely kept. Nearly always one is left.
+//! Dominated candidates are dropped: a better one is valid at every tolerance at which this one is, and is certainly kept.
+//! Nearly always one is left.
 
-use super::candidate::{Claimant, Tolerances, tolerances};
+use super::candidate::{ListedCandidate, Tolerances, tolerances};
 use crate::preprocess::registration::LANES;
 use crate::settings::{PruningSettings, Settings};
 
-/// How far a tolerance may be turned, either way, before the lists have to be made anew.
+/// The factor by which a tolerance may change, either way, before the lists have to be built again.
 const RANGE: f32 = 4.0;
 
-/// The claimants of every sample of a frame.
+/// The candidates of every sample of a frame.
 #[derive(Debug)]
 pub(crate) struct CandidateLists {
-    pub(crate) reach: ToleranceRange,
+    pub(crate) range: ToleranceRange,
     /// Per camera, per band of rows.
-    pub(crate) lists: Vec<Vec<Lists>>,
+    pub(crate) bands: Vec<Vec<BandCandidates>>,
 }
 
 impl CandidateLists {
-    /// Bytes that it takes in memory.
+    /// Bytes that the lists take in memory.
     pub(crate) fn bytes(&self) -> usize {
-        let of_lists = |lists: &Lists| {
-            size_of_val(&*lists.first) + size_of_val(&*lists.counts) + size_of_val(&*lists.claimants)
+        let of_band = |band: &BandCandidates| {
+            size_of_val(&*band.first) + size_of_val(&*band.counts) + size_of_val(&*band.candidates)
         };
-        self.lists.iter().flatten().map(of_lists).sum()
+        self.bands.iter().flatten().map(of_band).sum()
     }
 }
 
-/// Which settings a docket serves.
+/// The settings that candidate lists serve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ToleranceRange {
     pub(crate) least: Tolerances,
@@ -54,7 +55,7 @@ impl ToleranceRange {
         }
     }
 
-    /// Whether a docket that reaches so far serves `settings`.
+    /// Whether lists of this range serve `settings`.
     pub(crate) fn serves(&self, settings: &PruningSettings) -> bool {
         let wanted = tolerances(settings);
         let within = (0..3).all(|i| self.least[i] <= wanted[i] && wanted[i] <= self.most[i]);
@@ -70,36 +71,36 @@ fn scaled(settings: &PruningSettings, factor: f32) -> PruningSettings {
     scaled
 }
 
-/// The most tolerant settings that a docket around `settings` serves.
+/// The most tolerant settings that lists around `settings` serve.
 pub(crate) fn most_tolerant(settings: &Settings) -> Settings {
     Settings { pruning: scaled(&settings.pruning, RANGE), ..settings.clone() }
 }
 
-/// The claimants of the samples of some rows of one camera.
+/// The candidates of the samples of some rows of one camera.
 #[derive(Debug, Default)]
-pub(crate) struct Lists {
-    /// Where those of each sixteen pixels of a row begin, row by row.
+pub(crate) struct BandCandidates {
+    /// Where the candidates of each sixteen pixels of a row begin, row by row.
     pub(crate) first: Vec<u32>,
-    /// Per pixel, how many claimants it has, with flags.
+    /// Per pixel, how many candidates it has, with flags.
     pub(crate) counts: Vec<u16>,
-    pub(crate) claimants: Vec<Claimant>,
+    pub(crate) candidates: Vec<ListedCandidate>,
 }
 
 /// Set in a count where the two rate models may name different winners.
 pub(crate) const DISPUTABLE: u16 = 1 << 15;
 /// Set in a count where the sample's own color is mixed.
 pub(crate) const IS_MIXED: u16 = 1 << 14;
-/// The rest of a count.
+/// The bits of the count itself.
 pub(crate) const COUNT: u16 = IS_MIXED - 1;
 
-impl Lists {
-    /// The claimants of a pixel, by its place in the band, of a picture of `width` columns.
-    pub(crate) fn of(&self, place: usize, width: usize) -> &[Claimant] {
+impl BandCandidates {
+    /// The candidates of the pixel at `index` of the band, in a picture of `width` columns.
+    pub(crate) fn of(&self, index: usize, width: usize) -> &[ListedCandidate] {
         let columns = width.div_ceil(LANES);
-        let (row, x) = (place / width, place % width);
-        let before = &self.counts[place - x % LANES..place];
+        let (row, x) = (index / width, index % width);
+        let before = &self.counts[index - x % LANES..index];
         let skipped: usize = before.iter().map(|count| usize::from(count & COUNT)).sum();
         let first = self.first[row * columns + x / LANES] as usize + skipped;
-        &self.claimants[first..first + usize::from(self.counts[place] & COUNT)]
+        &self.candidates[first..first + usize::from(self.counts[index] & COUNT)]
     }
 }

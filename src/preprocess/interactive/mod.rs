@@ -1,4 +1,8 @@
-//! Pruning one frame again and again while a threshold is turned.
+//! Pruning one frame again and again while a threshold changes.
+//!
+//! ```text
+//! prepared frame (layers of all levels) ─▶ build lists: candidates of every sample ─▶ replay per setting ─▶ verdicts
+//! ```
 
 mod build_lists;
 mod candidate;
@@ -6,4 +10,4 @@ mod candidate_lists;
 mod prepared_frame;
 mod replay;
 
-pub use prepared_frame::{CameraPlanes, FrameLayers, FrameVerdicts};
+pub(crate) use prepared_frame::{CameraPlanes, FrameLayers, FrameVerdicts};

@@ -1,11 +1,11 @@
-//! Completes layers: normals where none are given, then footprints, ranks, facets and looks.
+//! Completes layers: normals where none are given, then footprints, ranks, packed geometry and packed color.
 
 use glam::Vec3;
 use rayon::prelude::*;
 
 use super::layer::CameraLayer;
 use super::mixed_pixels::MixedTest;
-use super::packed_sample::{Facet, Look, MIXED, Ranks, UNSURE};
+use super::packed_sample::{MIXED, PackedColor, PackedGeometry, Ranks, UNKNOWN_NORMAL};
 use super::sampling_rate::{Rate, ViewingRays, footprint, rank};
 use crate::capture::Camera;
 use crate::preprocess::normals::{DepthView, MIN_CONFIDENCE, estimate_at};
@@ -15,7 +15,7 @@ use crate::settings::{MixedPixels, NormalSource, PruningMethod, Settings};
 const MIN_PIXELS: usize = 1024;
 
 /// What is needed to complete layers, decided once per capture and settings.
-pub struct LayerBuilder<'a> {
+pub(crate) struct LayerBuilder<'a> {
     settings: &'a Settings,
     rate: Rate,
     antialiased: bool,
@@ -23,13 +23,12 @@ pub struct LayerBuilder<'a> {
 
 impl<'a> LayerBuilder<'a> {
     /// For a capture with these cameras, whose color is filtered across silhouettes if `antialiased`.
-    #[must_use]
-    pub fn new(settings: &'a Settings, cameras: &[Camera], antialiased: bool) -> Self {
+    pub(crate) fn new(settings: &'a Settings, cameras: &[Camera], antialiased: bool) -> Self {
         Self { settings, rate: Rate::resolve(settings.pruning.rate, cameras), antialiased }
     }
 
     /// Estimates the normals of the samples at `pixels`, where they are not given or not wanted as given.
-    pub fn estimate_normals(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
+    pub(crate) fn estimate_normals(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
         let rotation = camera.world_from_camera.matrix3.as_mat3();
         let view = DepthView::new(&layer.inverse_depth, camera, &self.settings.normals);
         let estimated = self.settings.normals.source == NormalSource::Estimated;
@@ -52,8 +51,8 @@ impl<'a> LayerBuilder<'a> {
         }
     }
 
-    /// Fills in footprints, ranks, facets and looks of the samples at `pixels`, from colors, depths and normals.
-    pub fn rate(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
+    /// Fills in footprints, ranks, packed geometry and packed color of the samples at `pixels`, from colors, depths and normals.
+    pub(crate) fn rate(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
         let width = layer.width.max(1);
         let rays = ViewingRays::new(camera);
         let camera_from_world = camera.camera_from_world().matrix3.as_mat3();
@@ -77,22 +76,27 @@ impl<'a> LayerBuilder<'a> {
             let mixed = mixed.as_ref().is_some_and(|mixed| mixed.is_mixed(x, y));
             let ranks = [own, of(self.rate.other())].map(|footprint| {
                 let unsure = normal == Vec3::ZERO && inverse_depth > 0.0;
-                let unsure = if unsure { UNSURE } else { 0 };
+                let unsure = if unsure { UNKNOWN_NORMAL } else { 0 };
                 let rank = if is_first_camera { 0 } else { rank(footprint) | unsure };
                 if mixed { rank | MIXED } else { rank }
             });
             let normal_in_camera = camera_from_world * normal;
             let ranks = Ranks { rank: ranks[0], other_rank: ranks[1] };
-            let facet = Facet::new(inverse_depth, normal_in_camera);
-            (own, ranks, facet, Look::new(layer.level[pixel], layer.color[pixel], normal != Vec3::ZERO))
+            let facet = PackedGeometry::new(inverse_depth, normal_in_camera);
+            (
+                own,
+                ranks,
+                facet,
+                PackedColor::new(layer.level[pixel], layer.color[pixel], normal != Vec3::ZERO),
+            )
         };
-        let rated: Vec<(f32, Ranks, Facet, Look)> =
+        let rated: Vec<(f32, Ranks, PackedGeometry, PackedColor)> =
             pixels.par_iter().with_min_len(MIN_PIXELS).map(rated).collect();
         for (&pixel, (footprint, ranks, facet, look)) in pixels.iter().zip(rated) {
             layer.footprint[pixel as usize] = footprint;
             layer.ranks[pixel as usize] = ranks;
-            layer.facets[pixel as usize] = facet;
-            layer.looks[pixel as usize] = look;
+            layer.geometry[pixel as usize] = facet;
+            layer.packed_colors[pixel as usize] = look;
         }
     }
 }

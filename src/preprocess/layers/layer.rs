@@ -3,44 +3,43 @@
 use glam::Vec3;
 use half::f16;
 
-use super::packed_sample::{Facet, Look, Ranks};
+use super::packed_sample::{PackedColor, PackedGeometry, Ranks};
 use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
 use crate::preprocess::noise::CameraNoise;
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel, SpanSamples};
 
 /// The samples of one camera, row-major planes of the camera's size.
 #[derive(Clone, Debug)]
-pub struct CameraLayer {
+pub(crate) struct CameraLayer {
     /// Columns.
-    pub width: usize,
+    pub(crate) width: usize,
     /// Linear color.
-    pub color: Vec<[f16; 3]>,
+    pub(crate) color: Vec<[f16; 3]>,
     /// 1/z; 0 at infinity, negative where there is no sample.
-    pub inverse_depth: Vec<f32>,
+    pub(crate) inverse_depth: Vec<f32>,
     /// Unit world-space normals; zero where unknown.
-    pub normal: Vec<Vec3>,
+    pub(crate) normal: Vec<Vec3>,
     /// See [`footprint`](super::sampling_rate::footprint); infinite where there is no sample.
-    pub footprint: Vec<f32>,
-    /// How well each was sampled: the first that other cameras ask, …
-    pub ranks: Vec<Ranks>,
-    /// … where it lies, …
-    pub facets: Vec<Facet>,
-    /// … and how it looks.
-    pub looks: Vec<Look>,
+    pub(crate) footprint: Vec<f32>,
+    /// How well each was sampled; read first when cameras are compared.
+    pub(crate) ranks: Vec<Ranks>,
+    /// Where each lies; read second.
+    pub(crate) geometry: Vec<PackedGeometry>,
+    /// How each looks; read last.
+    pub(crate) packed_colors: Vec<PackedColor>,
     /// The level of each pixel's sample; [`NO_SAMPLE`] where there is none.
-    pub level: Vec<SpanLevel>,
+    pub(crate) level: Vec<SpanLevel>,
     /// Noise of a single frame. Samples of one frame carry it.
-    pub noise: CameraNoise,
+    pub(crate) noise: CameraNoise,
     /// How much of [`CameraLayer::noise`] is left in the samples of each level, 0 to 1; 0 for levels beyond the last.
-    pub noise_share: Vec<f32>,
+    pub(crate) noise_share: Vec<f32>,
     /// Relative quantization step of depth.
-    pub depth_step_relative: f32,
+    pub(crate) depth_step_relative: f32,
 }
 
 impl CameraLayer {
     /// A layer of `width × height` pixels without any sample.
-    #[must_use]
-    pub fn empty(width: usize, height: usize) -> Self {
+    pub(crate) fn empty(width: usize, height: usize) -> Self {
         let pixels = width * height;
         Self {
             width,
@@ -49,8 +48,8 @@ impl CameraLayer {
             normal: vec![Vec3::ZERO; pixels],
             footprint: vec![f32::INFINITY; pixels],
             ranks: vec![Ranks::ABSENT; pixels],
-            facets: vec![Facet::ABSENT; pixels],
-            looks: vec![Look::ABSENT; pixels],
+            geometry: vec![PackedGeometry::ABSENT; pixels],
+            packed_colors: vec![PackedColor::ABSENT; pixels],
             level: vec![NO_SAMPLE; pixels],
             noise: CameraNoise::default(),
             noise_share: Vec::new(),
@@ -59,7 +58,7 @@ impl CameraLayer {
     }
 
     /// Puts samples into the layer; they need normals and rates yet.
-    pub fn put(&mut self, level: SpanLevel, samples: &SpanSamples) {
+    pub(crate) fn put(&mut self, level: SpanLevel, samples: &SpanSamples) {
         for (index, &pixel) in samples.pixels.iter().enumerate() {
             let pixel = pixel as usize;
             self.level[pixel] = level;
@@ -70,7 +69,7 @@ impl CameraLayer {
     }
 
     /// Puts the frame's samples wherever the layer has none; they need normals and rates yet. Gives their pixels.
-    pub fn put_frame(&mut self, level: SpanLevel, frame: &Frame) -> Vec<u32> {
+    pub(crate) fn put_frame(&mut self, level: SpanLevel, frame: &Frame) -> Vec<u32> {
         let mut pixels = Vec::new();
         for (pixel, &inverse_depth) in frame.inverse_depth.as_slice().iter().enumerate() {
             if self.level[pixel] != NO_SAMPLE || inverse_depth < 0.0 {
@@ -88,39 +87,35 @@ impl CameraLayer {
     }
 
     /// Takes the sample at `pixel` away.
-    pub fn clear(&mut self, pixel: usize) {
+    pub(crate) fn clear(&mut self, pixel: usize) {
         self.color[pixel] = [f16::ZERO; 3];
         self.inverse_depth[pixel] = INVALID_INVERSE_DEPTH;
         self.normal[pixel] = Vec3::ZERO;
         self.footprint[pixel] = f32::INFINITY;
         self.ranks[pixel] = Ranks::ABSENT;
-        self.facets[pixel] = Facet::ABSENT;
-        self.looks[pixel] = Look::ABSENT;
+        self.geometry[pixel] = PackedGeometry::ABSENT;
+        self.packed_colors[pixel] = PackedColor::ABSENT;
         self.level[pixel] = NO_SAMPLE;
     }
 
     /// Rows.
-    #[must_use]
-    pub fn height(&self) -> usize {
+    pub(crate) fn height(&self) -> usize {
         self.inverse_depth.len().checked_div(self.width).unwrap_or(0)
     }
 
     /// Whether any sample may hold color noise.
-    #[must_use]
-    pub fn has_color_noise(&self) -> bool {
+    pub(crate) fn has_color_noise(&self) -> bool {
         self.noise_share.iter().any(|share| *share > 0.0)
             && self.noise.color_steps.iter().any(|steps| *steps > 0.0)
     }
 
     /// Whether any sample may hold depth noise.
-    #[must_use]
-    pub fn has_depth_noise(&self) -> bool {
+    pub(crate) fn has_depth_noise(&self) -> bool {
         self.noise_share.iter().any(|share| *share > 0.0) && self.noise.depth_relative > 0.0
     }
 
     /// Relative standard deviation of the depth noise left in the sample at `pixel`.
-    #[must_use]
-    pub fn depth_noise(&self, pixel: usize) -> f32 {
+    pub(crate) fn depth_noise(&self, pixel: usize) -> f32 {
         self.noise_share_at(pixel) * self.noise.depth_relative
     }
 
@@ -130,8 +125,7 @@ impl CameraLayer {
     }
 
     /// Standard deviation of the color noise left in the sample at `pixel`, 8-bit sRGB steps.
-    #[must_use]
-    pub fn color_noise(&self, pixel: usize, steps: f32) -> f32 {
+    pub(crate) fn color_noise(&self, pixel: usize, steps: f32) -> f32 {
         let share = self.noise_share_at(pixel);
         if share == 0.0 { 0.0 } else { share * self.noise.color_at(steps) }
     }

@@ -30,14 +30,12 @@ pub(super) struct MixedTest<'a> {
 
 impl<'a> MixedTest<'a> {
     /// For a layer of `camera`. A step in depth of more than `edge_footprints` parts two surfaces.
-    #[must_use]
     pub(super) fn new(layer: &'a CameraLayer, camera: &Camera, edge_footprints: f32) -> Self {
         let k = camera.intrinsics;
         Self { layer, edge_relative: edge_footprints / ((k.fx * k.fy).sqrt() as f32) }
     }
 
     /// Whether pixel `(x, y)` is blended with one of its neighbors.
-    #[must_use]
     pub(super) fn is_mixed(&self, x: usize, y: usize) -> bool {
         DIRECTIONS.iter().any(|&toward| self.is_blended(x, y, toward))
     }

@@ -6,7 +6,9 @@ mod mixed_pixels;
 mod packed_sample;
 mod sampling_rate;
 
-pub use builder::LayerBuilder;
-pub use layer::CameraLayer;
-pub use packed_sample::{COLOR_STEPS, Facet, Look, MIXED, Ranks, UNSURE};
-pub use sampling_rate::{Rate, ViewingRays, footprint};
+pub(crate) use builder::LayerBuilder;
+pub(crate) use layer::CameraLayer;
+pub(crate) use packed_sample::{
+    COLOR_STEPS, PackedColor, PackedGeometry, Ranks, has_unknown_normal, is_mixed,
+};
+pub(crate) use sampling_rate::{Rate, ViewingRays, footprint};

@@ -1,8 +1,8 @@
-//! One sample as other cameras test it, cut into what they ask first, second and last.
+//! One sample as it is compared with those of other cameras, cut into what is read first, second and last.
 //!
-//! Asking whether another camera shows the same point reads one sample at a place known only then, sixteen such places at a
+//! Testing whether another camera shows the same point reads one sample at a place known only then, sixteen such places at a
 //! time. Such reads cost more than what is done with them: first come the ranks, as nearly always one camera's sample is the
-//! best by far and the others' need no second look; then where the surface lies; and last how it looks.
+//! best by far and the others need no further reads; then where the surface lies; and last how it looks.
 
 use glam::Vec3;
 use half::f16;
@@ -11,14 +11,26 @@ use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::color;
 use crate::preprocess::temporal::SpanLevel;
 
-/// Steps of the colors in a [`Look`] per 8-bit sRGB step.
-pub const COLOR_STEPS: f32 = 32.0;
+/// Steps of the colors in a [`PackedColor`] per 8-bit sRGB step.
+pub(crate) const COLOR_STEPS: f32 = 32.0;
 
-/// Set in the rank of a mixed sample that yields: it loses against every clean one.
-pub const MIXED: u32 = 1 << 31;
+/// Set in the rank of a sample whose color is blended across a silhouette, where such samples yield to all others.
+pub(super) const MIXED: u32 = 1 << 31;
 
-/// Set in the rank of a sample on a surface whose normal is not known: it loses against all whose normal is.
-pub const UNSURE: u32 = 1 << 30;
+/// Set in the rank of a sample on a surface whose normal is not known: it yields to all whose normal is.
+pub(super) const UNKNOWN_NORMAL: u32 = 1 << 30;
+
+/// Whether a rank is that of a sample whose color is blended across a silhouette, and which yields to all others.
+#[inline(always)]
+pub(crate) fn is_mixed(rank: u32) -> bool {
+    rank & MIXED != 0
+}
+
+/// Whether a rank is that of a sample on a surface whose normal is not known.
+#[inline(always)]
+pub(crate) fn has_unknown_normal(rank: u32) -> bool {
+    rank & UNKNOWN_NORMAL != 0
+}
 
 /// Set where the normal is known.
 const NORMAL_KNOWN: u32 = 1 << 31;
@@ -27,37 +39,41 @@ const NORMAL_KNOWN: u32 = 1 << 31;
 const LEVEL_SHIFT: u32 = 16;
 
 /// How well a sample was sampled: smaller wins.
+///
+/// ```text
+/// [ blended color: 1 bit | unknown normal: 1 bit | footprint: 30 bits ]     u32::MAX where there is no sample
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(8))]
-pub struct Ranks {
-    /// By the rate model that decides; see [`MIXED`] and [`UNSURE`].
-    pub rank: u32,
+pub(crate) struct Ranks {
+    /// By the rate model that decides.
+    pub(crate) rank: u32,
     /// By the rate model that does not decide, to see where the two disagree.
-    pub other_rank: u32,
+    pub(crate) other_rank: u32,
 }
 
 impl Ranks {
     /// No sample.
-    pub const ABSENT: Self = Self { rank: u32::MAX, other_rank: u32::MAX };
+    pub(crate) const ABSENT: Self = Self { rank: u32::MAX, other_rank: u32::MAX };
 }
 
 /// Where a sample's surface is and which way it faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(16))]
-pub struct Facet {
+pub(crate) struct PackedGeometry {
     /// 1/z; 0 at infinity, negative where there is no sample.
-    pub inverse_depth: f32,
+    pub(crate) inverse_depth: f32,
     /// Unit, in the space of its own camera; `(0, 0, 1)` where it is unknown, so that distances count along the depth.
-    pub normal_in_camera: [f32; 3],
+    pub(crate) normal_in_camera: [f32; 3],
 }
 
-impl Facet {
+impl PackedGeometry {
     /// No sample.
-    pub const ABSENT: Self = Self { inverse_depth: INVALID_INVERSE_DEPTH, normal_in_camera: [0.0, 0.0, 1.0] };
+    pub(crate) const ABSENT: Self =
+        Self { inverse_depth: INVALID_INVERSE_DEPTH, normal_in_camera: [0.0, 0.0, 1.0] };
 
     /// A sample on a surface; a zero normal is unknown.
-    #[must_use]
-    pub fn new(inverse_depth: f32, normal_in_camera: Vec3) -> Self {
+    pub(crate) fn new(inverse_depth: f32, normal_in_camera: Vec3) -> Self {
         let normal = if normal_in_camera == Vec3::ZERO { Vec3::Z } else { normal_in_camera };
         Self { inverse_depth, normal_in_camera: normal.to_array() }
     }
@@ -66,18 +82,17 @@ impl Facet {
 /// How a sample looks, whether its normal is known, and its level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(8))]
-pub struct Look {
+pub(crate) struct PackedColor {
     red_green: u32,
     blue_level_known: u32,
 }
 
-impl Look {
+impl PackedColor {
     /// No sample.
-    pub const ABSENT: Self = Self { red_green: 0, blue_level_known: 0 };
+    pub(crate) const ABSENT: Self = Self { red_green: 0, blue_level_known: 0 };
 
     /// A sample of a level and of linear `color`.
-    #[must_use]
-    pub fn new(level: SpanLevel, color: [f16; 3], has_normal: bool) -> Self {
+    pub(crate) fn new(level: SpanLevel, color: [f16; 3], has_normal: bool) -> Self {
         let [red, green, blue] = color.map(|channel| {
             // 2048 steps are 150 times white; what is brighter than that counts as equally bright.
             (color::steps_from_linear(channel) * COLOR_STEPS + 0.5).min(65535.0) as u32
@@ -91,8 +106,7 @@ impl Look {
 
     /// Color in [`COLOR_STEPS`].
     #[inline(always)]
-    #[must_use]
-    pub fn color(&self) -> [i32; 3] {
+    pub(crate) fn color(self) -> [i32; 3] {
         [
             (self.red_green & 0xffff) as i32,
             (self.red_green >> 16) as i32,
@@ -102,15 +116,13 @@ impl Look {
 
     /// The level of the sample.
     #[inline(always)]
-    #[must_use]
-    pub fn level(&self) -> u32 {
+    pub(crate) fn level(self) -> u32 {
         self.blue_level_known >> LEVEL_SHIFT & 0xff
     }
 
     /// Whether the normal is known.
     #[inline(always)]
-    #[must_use]
-    pub fn has_normal(&self) -> bool {
+    pub(crate) fn has_normal(self) -> bool {
         self.blue_level_known & NORMAL_KNOWN != 0
     }
 }
@@ -121,18 +133,18 @@ mod tests {
 
     #[test]
     fn a_sample_keeps_its_color_to_a_fraction_of_a_step_and_four_share_a_cache_line() {
-        assert_eq!((size_of::<Ranks>(), size_of::<Facet>(), size_of::<Look>()), (8, 16, 8));
+        assert_eq!((size_of::<Ranks>(), size_of::<PackedGeometry>(), size_of::<PackedColor>()), (8, 16, 8));
         for linear in [0.0, 0.003, 0.2, 0.99, 3.0, 100.0] {
             let linear = f16::from_f32(linear);
-            let look = Look::new(3, [linear, f16::ZERO, linear], true);
+            let look = PackedColor::new(3, [linear, f16::ZERO, linear], true);
             let steps = color::steps_from_linear(linear);
             let [red, green, blue] = look.color();
             assert!((red as f32 / COLOR_STEPS - steps).abs() <= 0.5 / COLOR_STEPS);
             assert_eq!((red, green), (blue, 0));
             assert!(look.has_normal() && look.level() == 3);
         }
-        assert!(!Look::new(3, [f16::ONE; 3], false).has_normal());
-        assert_eq!(Look::new(3, [f16::MAX; 3], true).color(), [65535; 3]);
-        assert_eq!(Facet::new(0.5, Vec3::ZERO).normal_in_camera, [0.0, 0.0, 1.0]);
+        assert!(!PackedColor::new(3, [f16::ONE; 3], false).has_normal());
+        assert_eq!(PackedColor::new(3, [f16::MAX; 3], true).color(), [65535; 3]);
+        assert_eq!(PackedGeometry::new(0.5, Vec3::ZERO).normal_in_camera, [0.0, 0.0, 1.0]);
     }
 }

@@ -15,14 +15,14 @@
 //! every capture tried, the longest side keeps fewer samples than the area and comes closer to the truth
 //! (`overlook sweep`, RESULTS.md). Where cameras are alike it orders samples as the paper does, but for α.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use crate::capture::Camera;
 use crate::settings::{PruningSettings, RateModel};
 
 /// How footprints are measured, once decided for a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rate {
+pub(crate) enum Rate {
     /// `z / cos θ`, capture units.
     Paper,
     /// `z² cos α / (fx fy cos θ)`, capture units squared.
@@ -36,8 +36,7 @@ const ALIKE: f64 = 1e-3;
 
 impl Rate {
     /// What `model` means for these cameras.
-    #[must_use]
-    pub fn resolve(model: RateModel, cameras: &[Camera]) -> Self {
+    pub(crate) fn resolve(model: RateModel, cameras: &[Camera]) -> Self {
         let alike = |a: &Camera, b: &Camera| {
             let (a, b) = (a.intrinsics, b.intrinsics);
             (a.fx / b.fx - 1.0).abs() < ALIKE && (a.fy / b.fy - 1.0).abs() < ALIKE
@@ -51,8 +50,7 @@ impl Rate {
     }
 
     /// The model that this is compared with.
-    #[must_use]
-    pub fn other(self) -> Self {
+    pub(crate) fn other(self) -> Self {
         match self {
             Self::Paper => Self::Footprint,
             Self::Footprint | Self::Stretch => Self::Paper,
@@ -60,28 +58,26 @@ impl Rate {
     }
 
     /// This one where it knows focal length and resolution, else the area of a pixel: what the paper's `r` is shown beside.
-    #[must_use]
-    pub fn with_focal_length(self) -> Self {
+    pub(crate) fn with_focal_length(self) -> Self {
         if self == Self::Paper { Self::Footprint } else { self }
     }
 }
 
 /// The viewing rays of a camera: camera position plus `ray(x, y) · z` is the world point of a pixel at planar depth `z`.
 #[derive(Clone, Copy, Debug)]
-pub struct ViewingRays {
+pub(crate) struct ViewingRays {
     origin: Vec3,
     per_column: Vec3,
     per_row: Vec3,
     /// `1 / (fx fy)`: solid angle of a pixel on the optical axis.
-    pub pixel_area: f32,
+    pub(crate) pixel_area: f32,
     /// `1 / min(fx, fy)²`: the square of a pixel's longer side at depth 1; the area where pixels are square.
     longer_side_squared: f32,
 }
 
 impl ViewingRays {
     /// The rays of `camera`, in world orientation.
-    #[must_use]
-    pub fn new(camera: &Camera) -> Self {
+    pub(crate) fn new(camera: &Camera) -> Self {
         let k = camera.intrinsics;
         let rotation = camera.world_from_camera.matrix3;
         Self {
@@ -94,8 +90,7 @@ impl ViewingRays {
     }
 
     /// The ray through the center of pixel `(x, y)`, scaled to planar depth 1, in world orientation.
-    #[must_use]
-    pub fn at(&self, x: usize, y: usize) -> Vec3 {
+    pub(crate) fn at(&self, x: usize, y: usize) -> Vec3 {
         self.origin + self.per_column * x as f32 + self.per_row * y as f32
     }
 }
@@ -103,16 +98,14 @@ impl ViewingRays {
 /// The cosine of incidence θ between a ray and a surface normal, both in world orientation, no less than `floor`.
 /// An unknown (zero) normal counts as the floor. That it loses to every known one is up to the sample's
 /// [`Ranks`](super::packed_sample::Ranks).
-#[must_use]
-pub(super) fn cosine_of_incidence(ray: Vec3, normal: Vec3, floor: f32) -> f32 {
+fn cosine_of_incidence(ray: Vec3, normal: Vec3, floor: f32) -> f32 {
     (-normal.dot(ray) / ray.length()).max(floor)
 }
 
 /// The footprint of a sample: smaller is sampled more densely; the ratio of two is the paper's `r`.
 ///
 /// `ray` comes from [`ViewingRays::at`]; samples at infinity (`inverse_depth` 0) are compared by the size of their pixel alone.
-#[must_use]
-pub fn footprint(
+pub(crate) fn footprint(
     rate: Rate,
     rays: &ViewingRays,
     ray: Vec3,
@@ -142,25 +135,15 @@ pub fn footprint(
 const RANK_SHIFT: u32 = 13;
 
 /// The order in which samples win: smaller wins. Monotone in the footprint (positive, finite).
-#[must_use]
 pub(super) fn rank(footprint: f32) -> u32 {
     footprint.to_bits() >> RANK_SHIFT
-}
-
-/// The paper's `r` for one point seen by two cameras, as printed: view vectors `v`, look vectors `d` (unit, world space),
-/// distances along the view vector, and the normal at the point. For reference and tests.
-#[must_use]
-pub(super) fn paper_r(view: [Vec3; 2], look: [Vec3; 2], distance: Vec2, normal: Vec3) -> f32 {
-    let numerator = (view[0] * distance.x).dot(look[0]) * normal.dot(-view[1]);
-    let denominator = (view[1] * distance.y).dot(look[1]) * normal.dot(-view[0]);
-    numerator / denominator
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::capture::Intrinsics;
-    use glam::{DVec2, DVec3};
+    use glam::{DVec2, DVec3, Vec2};
 
     fn camera(eye: DVec3, target: DVec3, width: u32) -> Camera {
         Camera::look_at("c", Intrinsics::from_horizontal_angle(width, width, 0.9), eye, target, DVec3::Z)
@@ -197,6 +180,14 @@ mod tests {
         let r = footprint_at(Rate::Paper, &side, DVec3::ZERO, Vec3::Z)
             / footprint_at(Rate::Paper, &front, DVec3::ZERO, Vec3::Z);
         assert!((r - 2.0).abs() < 1e-4, "{r}");
+    }
+
+    /// The paper's `r` for one point seen by two cameras, as printed: view vectors `v`, look vectors `d` (unit, world space),
+    /// distances along the view vector, and the normal at the point.
+    fn paper_r(view: [Vec3; 2], look: [Vec3; 2], distance: Vec2, normal: Vec3) -> f32 {
+        let numerator = (view[0] * distance.x).dot(look[0]) * normal.dot(-view[1]);
+        let denominator = (view[1] * distance.y).dot(look[1]) * normal.dot(-view[0]);
+        numerator / denominator
     }
 
     #[test]

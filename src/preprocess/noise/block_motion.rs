@@ -5,7 +5,7 @@
 //! most of its change is that of the picture before it, displaced: by so many whole pixels, or along its slope by a part of one.
 //!
 //! Source: block matching by sums of absolute differences; for parts of a pixel Lucas and Kanade, *An Iterative Image
-//! Registration Technique*, IJCAI 1981, without iterations. What differs: where a block went to is not asked.
+//! Registration Technique*, IJCAI 1981, without iterations. What differs: where a block went to does not matter.
 
 use crate::capture::Frame;
 use crate::color;
@@ -105,7 +105,7 @@ fn slides(block: &MotionBlock, around: &Around) -> bool {
     let explained = if determinant > 1e-3 * xx * yy {
         (yy * xc * xc - 2.0 * xy * xc * yc + xx * yc * yc) / determinant
     } else {
-        // A pattern that runs one way tells nothing of how it moves along itself.
+        // A pattern that runs one way does not show how it moves along itself.
         let along = |slope: f32, change: f32| if slope > 0.0 { change * change / slope } else { 0.0 };
         along(xx, xc).max(along(yy, yc))
     };

@@ -8,7 +8,7 @@
 //! Light that moves changes many pixels, but neighbors alike; noise does not. Of the relative changes of color `d` in a row
 //! of pixels, only `d(i−2) − 2d(i) + d(i+2)` counts, which is √6 times as wide as that of `d(i)` where they are independent
 //! and 0 where they grow evenly, whatever pattern the surface has. Of relative changes of depth the same: a surface that comes
-//! nearer changes evenly. Patterns that move are told apart in `moving_patterns.rs`.
+//! nearer changes evenly. Patterns that move are detected in `block_motion.rs`.
 //!
 //! Source: the median absolute deviation (Hampel 1974) of first differences; second differences in space are those of
 //! Immerkær, *Fast Noise Variance Estimation*, CVIU 1996.
@@ -18,6 +18,7 @@ use half::f16;
 use serde::{Deserialize, Serialize};
 
 use super::block_motion::{is_same_surface, patterns_move};
+use super::rank::bin_of_rank;
 use crate::capture::Frame;
 use crate::color;
 
@@ -172,22 +173,15 @@ impl NoiseMeter {
     /// The standard deviations that the counted differences speak for.
     fn noise(&self) -> CameraNoise {
         let mut overall = vec![0; COLOR_BINS];
-        for class in self.color.chunks_exact(COLOR_BINS) {
-            overall.iter_mut().zip(class).for_each(|(sum, count)| *sum += count);
-        }
+        self.color.iter().zip((0..COLOR_BINS).cycle()).for_each(|(count, bin)| overall[bin] += count);
         let is_motion = self.redrawn * FEWEST_REDRAWN < self.looked_at;
         let color_sigma = |bins: &[u64]| {
             if is_motion {
                 return 0.0;
             }
             // Bin 0 means "no difference that matters", so that noise-free input measures exactly 0.
-            median_bin(bins).map_or(0.0, |bin| {
-                if bin < 1.0 {
-                    0.0
-                } else {
-                    (bin * COLOR_BIN_STEPS / MEDIAN_DIFFERENCE_PER_SIGMA).min(MAX_COLOR_STEPS)
-                }
-            })
+            let steps = |bin: f32| (bin * COLOR_BIN_STEPS / MEDIAN_DIFFERENCE_PER_SIGMA).min(MAX_COLOR_STEPS);
+            median_bin(bins).filter(|bin| *bin >= 1.0).map_or(0.0, steps)
         };
         let color_steps_overall = color_sigma(&overall);
         let mut color_steps = [color_steps_overall; BRIGHTNESS_BINS];
@@ -196,14 +190,11 @@ impl NoiseMeter {
                 *sigma = color_sigma(class);
             }
         }
-        let depth_relative = median_bin(&self.depth).map_or(0.0, |bin| {
-            if bin < 1.0 {
-                0.0
-            } else {
-                let difference = ((bin - 1.0) / DEPTH_BINS_PER_OCTAVE - DEPTH_OCTAVES).exp2();
-                (difference / MEDIAN_DIFFERENCE_PER_SIGMA).min(MAX_DEPTH_RELATIVE)
-            }
-        });
+        let depth = |bin: f32| {
+            let difference = ((bin - 1.0) / DEPTH_BINS_PER_OCTAVE - DEPTH_OCTAVES).exp2();
+            (difference / MEDIAN_DIFFERENCE_PER_SIGMA).min(MAX_DEPTH_RELATIVE)
+        };
+        let depth_relative = median_bin(&self.depth).filter(|bin| *bin >= 1.0).map_or(0.0, depth);
         CameraNoise { color_steps, color_steps_overall, depth_relative }
     }
 }
@@ -256,8 +247,8 @@ fn finite_depths<'a>(
 /// The noise of a camera from some pairs of successive frames.
 ///
 /// Differences of color count where the surface is the same in both frames and the color is not. A renderer that draws the
-/// same random numbers for every frame gives a pixel that nothing moving shines on the very same color again, which says
-/// nothing about its noise; how the others differ does.
+/// same random numbers for every frame gives a pixel that nothing moving shines on the very same color again, which shows
+/// nothing of its noise; the differences of the others do.
 #[must_use]
 pub fn measure_pairs(pairs: &[[&Frame; 2]]) -> CameraNoise {
     let mut meter = NoiseMeter::default();
@@ -280,15 +271,9 @@ fn median_bin(bins: &[u64]) -> Option<f32> {
         return None;
     }
     let half = total as f64 / 2.0;
-    let mut below = 0.0;
-    for (bin, &count) in bins.iter().enumerate() {
-        let count = count as f64;
-        if below + count >= half {
-            return Some(bin as f32 + ((half - below) / count) as f32);
-        }
-        below += count;
-    }
-    None
+    let bin = bin_of_rank(bins.iter().copied(), half.ceil() as u64)?;
+    let below: u64 = bins[..bin].iter().sum();
+    Some(bin as f32 + ((half - below as f64) / bins[bin] as f64) as f32)
 }
 
 #[cfg(test)]

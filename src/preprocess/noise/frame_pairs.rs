@@ -1,7 +1,7 @@
 //! Which frames noise is measured on: pairs of successive ones from the beginning, the middle and the end.
 //!
 //! Pictures may be repeated, as where an animation is drawn on twos or its first and last pictures are held. Two frames that are
-//! the same bit for bit tell nothing of noise. Where a pair is such a repeat, the picture's next change stands in for it: from the
+//! the same bit for bit show no noise. Where a pair is such a repeat, the picture's next change takes its place: from the
 //! beginning and the middle onward, from the end backward. It is looked for ever farther away and then closer by halves, so that
 //! a picture that is held for a thousand frames costs some twenty of them.
 
@@ -115,7 +115,7 @@ mod tests {
     use super::*;
     use crate::grid::Grid;
 
-    /// The pairs of frames that show these pictures, and how many frames were asked for.
+    /// The pairs of frames that show these pictures, and how many frames were loaded.
     fn pairs(pictures: &[usize]) -> (Vec<[usize; 2]>, usize) {
         let asked = AtomicUsize::new(0);
         let load = |frame: usize| {

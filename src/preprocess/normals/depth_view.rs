@@ -7,18 +7,18 @@ use crate::settings::NormalSettings;
 
 /// One estimated normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub(crate) struct Estimate {
     /// Unit, in camera space, toward the camera; zero where nothing can be said.
-    pub normal_in_camera: Vec3,
+    pub(crate) normal_in_camera: Vec3,
     /// 0 (a guess) to 1 (all neighbors agree).
-    pub confidence: f32,
+    pub(crate) confidence: f32,
 }
 
 /// Where nothing can be said.
 pub(crate) const NOTHING: Estimate = Estimate { normal_in_camera: Vec3::ZERO, confidence: 0.0 };
 
 /// Depth seen by a pinhole camera, with what an estimator needs to know about it.
-pub struct DepthView<'a> {
+pub(crate) struct DepthView<'a> {
     pub(crate) inverse_depth: &'a [f32],
     pub(crate) width: i32,
     pub(crate) height: i32,
@@ -30,8 +30,7 @@ pub struct DepthView<'a> {
 
 impl<'a> DepthView<'a> {
     /// Inverse depth of `camera`, row-major, with the edge threshold of `settings`.
-    #[must_use]
-    pub fn new(inverse_depth: &'a [f32], camera: &Camera, settings: &NormalSettings) -> Self {
+    pub(crate) fn new(inverse_depth: &'a [f32], camera: &Camera, settings: &NormalSettings) -> Self {
         let k = camera.intrinsics;
         let focal = [k.fx as f32, k.fy as f32];
         Self {

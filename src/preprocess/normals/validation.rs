@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::depth_view::DepthView;
-use super::{MIN_CONFIDENCE, estimate_all};
+use super::estimate::{MIN_CONFIDENCE, estimate_all};
 use crate::capture::{Camera, Frame};
 use crate::settings::{NormalEstimator, NormalSettings};
 
@@ -23,23 +23,21 @@ pub struct NormalErrors {
 }
 
 /// Normals of another space than the poses are off by more, those of bumps and smooth shading by far less, degrees.
-const DOUBTFUL_DEGREES: f32 = 30.0;
+const WRONG_SPACE_DEGREES: f32 = 30.0;
 
-/// Where fewer estimates are trusted, they accuse nobody.
+/// Where fewer
 const MIN_TRUSTED: f32 = 0.1;
 
 /// How far given normals are off those of the depth, degrees, by the estimator that they fit best; `None` where they may well be
 /// what the depth shows.
-#[must_use]
-pub fn contradiction(errors: &[NormalErrors]) -> Option<f32> {
+pub(crate) fn contradiction(errors: &[NormalErrors]) -> Option<f32> {
     let trusted = errors.iter().filter(|errors| errors.trusted >= MIN_TRUSTED);
     let best = trusted.map(|errors| errors.median_degrees).min_by(f32::total_cmp);
-    best.filter(|degrees| *degrees > DOUBTFUL_DEGREES)
+    best.filter(|degrees| *degrees > WRONG_SPACE_DEGREES)
 }
 
-/// What to say of cameras whose normals contradict their depth, each a name and how far, degrees; nothing where there are none.
-#[must_use]
-pub fn doubt(cameras: &[(&str, f32)]) -> Option<String> {
+/// The warning about cameras whose normals contradict their depth, each a name and how far, degrees; `None` without any.
+pub(crate) fn normal_space_warning(cameras: &[(&str, f32)]) -> Option<String> {
     const NAMED: usize = 3;
     let least = cameras.iter().map(|(_, degrees)| *degrees).min_by(f32::total_cmp)?;
     let names: Vec<String> = cameras.iter().take(NAMED).map(|(name, _)| format!("'{name}'")).collect();
@@ -55,8 +53,11 @@ pub fn doubt(cameras: &[(&str, f32)]) -> Option<String> {
 }
 
 /// Compares every estimator with the normals that `frame` of `camera` gives; empty where it gives none.
-#[must_use]
-pub fn compare_with_given(frame: &Frame, camera: &Camera, settings: &NormalSettings) -> Vec<NormalErrors> {
+pub(crate) fn compare_with_given(
+    frame: &Frame,
+    camera: &Camera,
+    settings: &NormalSettings,
+) -> Vec<NormalErrors> {
     let Some(given) = &frame.normal_in_world else { return Vec::new() };
     let view = DepthView::new(frame.inverse_depth.as_slice(), camera, settings);
     let rotation = camera.world_from_camera.matrix3.as_mat3();

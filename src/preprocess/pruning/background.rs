@@ -1,13 +1,12 @@
 //! The background: every camera's static pixels, pruned against each other once for all frames.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
 use super::decision::Decided;
+use super::pass::{Statuses, no_statuses};
 use super::search;
-use super::status::{ABSENT, no_statuses};
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
@@ -17,59 +16,34 @@ use crate::preprocess::temporal::{ROOT, TemporalScan, all_frames};
 use crate::settings::Settings;
 
 /// Static pixels of all cameras with their verdicts.
-#[derive(Clone, Debug)]
-pub struct PrunedBackground {
+pub(crate) struct PrunedBackground {
     /// Per camera; pixels that are not static hold no sample.
-    pub layers: Vec<CameraLayer>,
-    /// Per camera and pixel: as [`Statuses`](super::status::Statuses).
-    pub statuses: Vec<Vec<u8>>,
+    pub(crate) layers: Vec<CameraLayer>,
+    pub(crate) statuses: Statuses,
     /// The verdicts.
-    pub decided: Vec<Decided>,
+    pub(crate) decided: Vec<Decided>,
 }
 
 impl PrunedBackground {
     /// A background without any sample: every pixel will count as foreground.
-    #[must_use]
-    pub fn none(capture: &Capture) -> Self {
-        let layers = capture
-            .cameras
-            .iter()
-            .map(|camera| {
-                let (width, height) = camera.intrinsics.size();
-                CameraLayer::empty(width, height)
-            })
-            .collect();
-        Self::undecided(layers)
+    pub(crate) fn none(capture: &Capture) -> Self {
+        let sizes = capture.cameras.iter().map(|camera| camera.intrinsics.size());
+        Self::undecided(sizes.map(|(width, height)| CameraLayer::empty(width, height)).collect())
     }
 
     /// Layers on which nothing was decided.
-    #[must_use]
-    pub fn undecided(layers: Vec<CameraLayer>) -> Self {
-        Self {
-            statuses: layers.iter().map(|layer| vec![ABSENT; layer.level.len()]).collect(),
-            decided: layers.iter().map(|_| Decided::default()).collect(),
-            layers,
-        }
+    pub(crate) fn undecided(layers: Vec<CameraLayer>) -> Self {
+        let decided = layers.iter().map(|_| Decided::default()).collect();
+        Self { statuses: no_statuses(&layers), decided, layers }
     }
 
-    /// The pruned background under `settings`, which `scan` serves.
-    ///
-    /// # Errors
-    /// `Cancelled`, and `Io` where a temporary file cannot be read.
-    pub fn of(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &Job) -> Result<Self> {
-        Self::prune(capture, static_layers(capture, scan, settings, job)?, settings, job)
-    }
-
-    /// Prunes static layers, which need their rates yet, against each other.
-    fn prune(capture: &Capture, layers: Vec<StaticLayer>, settings: &Settings, job: &Job) -> Result<Self> {
-        let layers = rated(capture, layers, settings, job)?;
-        let rig = CameraPairs::new(&capture.cameras);
+    /// The background under `settings`, which `scan` serves: static layers pruned against each other.
+    pub(crate) fn of(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &Job) -> Result<Self> {
+        let layers = rated(capture, static_layers(capture, scan, settings, job)?, settings, job)?;
+        let pairs = CameraPairs::new(&capture.cameras);
         let statuses = no_statuses(&layers);
-        let decided = search::prune(&rig, &layers, &statuses, ROOT, settings, job)?;
-        let statuses = statuses
-            .iter()
-            .map(|camera| camera.iter().map(|status| status.load(Ordering::Relaxed)).collect());
-        Ok(Self { statuses: statuses.collect(), decided, layers })
+        let decided = search::prune(&pairs, &layers, &statuses, ROOT, settings, job)?;
+        Ok(Self { layers, statuses, decided })
     }
 }
 

@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-use super::pass::{Candidate, Pass};
+use super::decision::{Candidate, is_better};
+use super::pass::PruningPass;
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::preprocess::layers::{CameraLayer, Ranks};
 use crate::preprocess::registration::{
-    CameraPairs, Carried, IN_VIEW, LANES, PixelRun, Registration, SameSurface, lanes_of,
+    CameraPairs, IN_VIEW, LANES, PixelRun, Registration, ReprojectedRun, SameSurface, lanes_of,
 };
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
 use crate::simd;
@@ -18,15 +19,15 @@ pub(crate) struct OtherCamera<'a> {
     pub(crate) limits: SameSurface,
     /// For each sixteen columns of the band.
     pub(crate) may_see: Vec<bool>,
-    /// Samples of the band that it knew more about than those asked before. Who does so is asked early: then the others need
-    /// not be heard. No result depends on the order.
-    pub(crate) told: u32,
+    /// How often this camera gave the best candidate so far. Cameras are tried in descending order of it, which affects
+    /// speed only.
+    pub(crate) improved: u32,
 }
 
 /// The other cameras that may see something of a camera's rows, of whose sixteen columns each some `lanes` take part.
 #[inline(always)]
-pub(crate) fn rivals<'a>(
-    rig: &'a CameraPairs<'_>,
+pub(crate) fn other_cameras<'a>(
+    pairs: &'a CameraPairs<'_>,
     layers: &[CameraLayer],
     (camera, rows): (usize, Range<usize>),
     lanes: &[u32],
@@ -46,14 +47,14 @@ pub(crate) fn rivals<'a>(
         .flatten()
         .fold([f32::INFINITY, 0.0_f32], |all, block| [all[0].min(block[0]), all[1].max(block[1])]);
     (0..layers.len())
-        .filter(|&other| other != camera && !layers[other].facets.is_empty())
+        .filter(|&other| other != camera && !layers[other].geometry.is_empty())
         .filter_map(|other| {
-            let registration = rig.registration(camera, other);
+            let registration = pairs.registration(camera, other);
             registration.may_see([0, layer.width - 1], ends, whole).then(|| OtherCamera {
                 camera: other,
                 registration,
                 limits: limits(other),
-                told: 0,
+                improved: 0,
                 may_see: bounds
                     .iter()
                     .enumerate()
@@ -67,13 +68,17 @@ pub(crate) fn rivals<'a>(
         .collect()
 }
 
-/// Those of sixteen pixels from `place` on whose samples' level is asked for.
+/// Which of sixteen pixels from `position`, column and row, on have a sample of a wanted level.
 #[inline(always)]
-pub(crate) fn lanes_at(layer: &CameraLayer, place: (usize, usize), holds: impl Fn(SpanLevel) -> bool) -> u32 {
-    let levels = lanes_of::<_, LANES>(&layer.level, layer.width, place, NO_SAMPLE);
+pub(crate) fn lanes_at(
+    layer: &CameraLayer,
+    position: (usize, usize),
+    is_wanted: impl Fn(SpanLevel) -> bool,
+) -> u32 {
+    let levels = lanes_of::<_, LANES>(&layer.level, layer.width, position, NO_SAMPLE);
     let mut lanes = 0;
     for lane in 0..LANES {
-        lanes |= u32::from(holds(levels[lane])) << lane;
+        lanes |= u32::from(is_wanted(levels[lane])) << lane;
     }
     lanes
 }
@@ -95,51 +100,53 @@ fn depth_bounds(layer: &CameraLayer, column: usize, rows: Range<usize>) -> [f32;
     [smallest.iter().copied().fold(f32::INFINITY, f32::min), largest.iter().copied().fold(0.0, f32::max)]
 }
 
-/// A block with something to decide: its place in the row, its lanes and samples, and how its contest stands.
-pub(crate) struct PendingRun {
-    pub(crate) at: usize,
+/// Sixteen pixels of a row with samples to decide, and the best candidates found so far.
+pub(crate) struct UndecidedRun {
+    /// Which sixteen columns these are.
+    pub(crate) nth: usize,
+    /// Which of them hold a sample to decide.
     pub(crate) lanes: u32,
     pub(crate) block: PixelRun,
-    pub(crate) contest: BestCandidates,
+    pub(crate) best: BestCandidates,
 }
 
-/// Where the samples of a block lie in a rival's picture, and which of them are to be compared with what it saw.
-pub(crate) struct Way {
-    carried: Carried,
-    wanted: [u32; LANES],
+/// Where the samples of a run lie in another camera's picture, and for which of them what that camera saw matters.
+pub(crate) struct ComparedRun {
+    reprojected: ReprojectedRun,
+    relevant: [u32; LANES],
 }
 
-impl Way {
-    pub(crate) const NOWHERE: Self = Self { carried: Carried::NOWHERE, wanted: [0; LANES] };
+impl ComparedRun {
+    pub(crate) const NOWHERE: Self = Self { reprojected: ReprojectedRun::NOWHERE, relevant: [0; LANES] };
 }
 
-/// Holds a row of blocks of `camera` against a rival. `ways` are scratch, one for each block. The whole row is carried before
-/// any of it is compared: so many fetches from memory are under way at once.
+/// Compares the samples of a row of `camera` with those of another camera. `compared` is scratch, one for each run. The whole
+/// row is reprojected before any of it is compared, so that many fetches from memory are under way at once.
 #[inline(always)]
-pub(crate) fn hold_row(
-    pass: &Pass<'_>,
+pub(crate) fn compare_row(
+    pass: &PruningPass<'_>,
     camera: usize,
-    entries: &mut [PendingRun],
-    rival: &mut OtherCamera<'_>,
-    ways: &mut [Way],
+    undecided: &mut [UndecidedRun],
+    other: &mut OtherCamera<'_>,
+    compared: &mut [ComparedRun],
 ) {
-    let target = &pass.layers[rival.camera];
-    for (entry, way) in entries.iter().zip(&mut *ways) {
-        way.carried.bits = [0; LANES];
-        if rival.may_see[entry.at] {
-            way.carried = rival.registration.carry(&entry.block, target.width);
-            way.carried.prefetch_ranks(target);
+    let target = &pass.layers[other.camera];
+    for (run, compared) in undecided.iter().zip(&mut *compared) {
+        compared.reprojected.bits = [0; LANES];
+        if other.may_see[run.nth] {
+            compared.reprojected = other.registration.reproject(&run.block, target.width);
+            compared.reprojected.prefetch_ranks(target);
         }
     }
-    for (entry, way) in entries.iter().zip(&mut *ways) {
-        way.wanted = entry.contest.wanted(target, rival.camera, &way.carried);
-        if any(&way.wanted) {
-            way.carried.prefetch(target);
+    for (run, compared) in undecided.iter().zip(&mut *compared) {
+        compared.relevant = run.best.relevant(target, other.camera, &compared.reprojected);
+        if any(&compared.relevant) {
+            compared.reprojected.prefetch(target);
         }
     }
-    for (entry, way) in entries.iter_mut().zip(&*ways) {
-        if any(&way.wanted) {
-            rival.told += entry.contest.hold(pass, camera, &entry.block, rival, &way.carried, way.wanted);
+    for (run, compared) in undecided.iter_mut().zip(&*compared) {
+        if any(&compared.relevant) {
+            other.improved += run.best.compare(pass, camera, &run.block, other, compared);
         }
     }
 }
@@ -149,7 +156,7 @@ fn any(lanes: &[u32; LANES]) -> bool {
     simd::joined(lanes) != 0
 }
 
-/// How the contest went for each sample of a block: the best sample so far, at first its own, by both rate models.
+/// The best sample of each sample's point so far, at first its own, by both rate models.
 pub(crate) struct BestCandidates {
     own_camera: u32,
     rank: [u32; LANES],
@@ -158,14 +165,15 @@ pub(crate) struct BestCandidates {
     pixel: [u32; LANES],
     other_rank: [u32; LANES],
     other_camera: [u32; LANES],
-    seen: [u32; LANES],
-    /// Whether somebody has a better sample of the point that may not stand for it.
-    passed_over: [u32; LANES],
-    own_rank: [u32; LANES],
+    /// Whether any other camera shows the point with a sample that may be a witness.
+    pub(super) seen: [u32; LANES],
+    /// Whether there is a better sample of the point that may not be a witness.
+    pub(super) passed_over: [u32; LANES],
+    pub(super) own_rank: [u32; LANES],
 }
 
 impl BestCandidates {
-    /// Before any other camera than the block's own was asked.
+    /// Before any other camera was compared.
     #[inline(always)]
     pub(crate) fn new(block: &PixelRun, camera: usize) -> Self {
         Self {
@@ -182,75 +190,77 @@ impl BestCandidates {
         }
     }
 
-    /// For which samples it matters what the target saw: where nobody else saw the point yet, or its sample would be the best
-    /// by either model.
+    /// For which samples it matters what the target saw: where no other camera saw the point yet, or the target's sample would
+    /// be the best by either model.
     #[inline(always)]
-    fn wanted(&self, target: &CameraLayer, rival: usize, carried: &Carried) -> [u32; LANES] {
-        if !any(&carried.bits) {
+    fn relevant(&self, target: &CameraLayer, camera: usize, reprojected: &ReprojectedRun) -> [u32; LANES] {
+        if !any(&reprojected.bits) {
             return [0; LANES];
         }
         let mut ranks = [Ranks::ABSENT; LANES];
         for i in 0..LANES {
-            ranks[i] = target.ranks[carried.pixel[i] as usize];
+            ranks[i] = target.ranks[reprojected.pixel[i] as usize];
         }
-        let rival = rival as u32;
-        let mut wanted = [0; LANES];
+        let camera = camera as u32;
+        let mut relevant = [0; LANES];
         for i in 0..LANES {
-            let better = wins(ranks[i].rank, rival, self.rank[i], self.camera[i]);
-            let otherwise = wins(ranks[i].other_rank, rival, self.other_rank[i], self.other_camera[i]);
-            let in_view = carried.bits[i] & IN_VIEW != 0;
-            wanted[i] = u32::from(in_view & (better | otherwise | (self.seen[i] == 0)));
+            let better = is_better(ranks[i].rank, camera, self.rank[i], self.camera[i]);
+            let otherwise = is_better(ranks[i].other_rank, camera, self.other_rank[i], self.other_camera[i]);
+            let in_view = reprojected.bits[i] & IN_VIEW != 0;
+            relevant[i] = u32::from(in_view & (better | otherwise | (self.seen[i] == 0)));
         }
-        wanted
+        relevant
     }
 
-    /// Holds the samples of a block of `camera`, carried to a rival, against the rival's. Gives how many are known better now.
+    /// Compares the samples of a block of `camera` with those of another camera. Gives for how many that camera's is the best
+    /// so far.
     #[inline(always)]
-    fn hold(
+    fn compare(
         &mut self,
-        pass: &Pass<'_>,
+        pass: &PruningPass<'_>,
         camera: usize,
         block: &PixelRun,
-        rival: &OtherCamera<'_>,
-        carried: &Carried,
-        wanted: [u32; LANES],
+        other: &OtherCamera<'_>,
+        ComparedRun { reprojected, relevant }: &ComparedRun,
     ) -> u32 {
-        let (source, target) = (&pass.layers[camera], &pass.layers[rival.camera]);
-        let answers = rival.limits.compare(rival.registration, (source, block), (target, carried), wanted);
-        let mut stands = wanted;
-        if !pass.all_stand[rival.camera] {
+        let (source, target) = (&pass.layers[camera], &pass.layers[other.camera]);
+        let matches =
+            other.limits.compare(other.registration, (source, block), (target, reprojected), *relevant);
+        let mut may_be_witness = *relevant;
+        if !pass.all_may_be_witnesses[other.camera] {
             for lane in 0..LANES {
-                stands[lane] &= u32::from(pass.may_stand(rival.camera, answers.pixel[lane]));
+                may_be_witness[lane] &= u32::from(pass.may_be_witness(other.camera, matches.pixel[lane]));
             }
         }
         let mut ranks = [Ranks::ABSENT; LANES];
         for i in 0..LANES {
-            ranks[i] = target.ranks[carried.pixel[i] as usize];
+            ranks[i] = target.ranks[reprojected.pixel[i] as usize];
         }
-        let name = rival.camera as u32;
-        let mut told = 0;
+        let name = other.camera as u32;
+        let mut improved = 0;
         for i in 0..LANES {
-            let shows = answers.is_same(i);
-            let same = shows & (stands[i] != 0);
-            let beats_own = wins(ranks[i].rank, name, self.own_rank[i], self.own_camera);
+            let shows = matches.is_same(i);
+            let same = shows & (may_be_witness[i] != 0);
+            let beats_own = is_better(ranks[i].rank, name, self.own_rank[i], self.own_camera);
             self.passed_over[i] |= u32::from(shows & !same & beats_own);
-            let better = same & wins(ranks[i].rank, name, self.rank[i], self.camera[i]);
-            let otherwise = same & wins(ranks[i].other_rank, name, self.other_rank[i], self.other_camera[i]);
-            told += u32::from(better | (same & (self.seen[i] == 0)));
+            let better = same & is_better(ranks[i].rank, name, self.rank[i], self.camera[i]);
+            let otherwise =
+                same & is_better(ranks[i].other_rank, name, self.other_rank[i], self.other_camera[i]);
+            improved += u32::from(better | (same & (self.seen[i] == 0)));
             self.seen[i] |= u32::from(same);
             self.rank[i] = if better { ranks[i].rank } else { self.rank[i] };
             self.camera[i] = if better { name } else { self.camera[i] };
-            self.level[i] = if better { answers.level[i] } else { self.level[i] };
-            self.pixel[i] = if better { answers.pixel[i] } else { self.pixel[i] };
+            self.level[i] = if better { matches.level[i] } else { self.level[i] };
+            self.pixel[i] = if better { matches.pixel[i] } else { self.pixel[i] };
             self.other_rank[i] = if otherwise { ranks[i].other_rank } else { self.other_rank[i] };
             self.other_camera[i] = if otherwise { name } else { self.other_camera[i] };
         }
-        told
+        improved
     }
 
     /// The best sample of the point in `lane` where another camera has a better one than the block's own.
     #[inline(always)]
-    pub(crate) fn best(&self, lane: usize) -> Option<Candidate> {
+    pub(crate) fn candidate(&self, lane: usize) -> Option<Candidate> {
         (self.camera[lane] != self.own_camera).then(|| Candidate {
             rank: self.rank[lane],
             camera: self.camera[lane] as u16,
@@ -259,35 +269,11 @@ impl BestCandidates {
         })
     }
 
-    /// The rank of the block's own sample in `lane`.
-    #[inline(always)]
-    pub(crate) fn own_rank(&self, lane: usize) -> u32 {
-        self.own_rank[lane]
-    }
-
-    /// Whether some better sample of the point in `lane` may not stand for it.
-    #[inline(always)]
-    pub(crate) fn passed_over_a_better(&self, lane: usize) -> bool {
-        self.passed_over[lane] != 0
-    }
-
-    /// Whether any other camera shows the point in `lane`.
-    #[inline(always)]
-    pub(crate) fn is_seen(&self, lane: usize) -> bool {
-        self.seen[lane] != 0
-    }
-
     /// The camera that has the best sample of the point in `lane` by the model in use, and by the other one.
     #[inline(always)]
     pub(crate) fn winners(&self, lane: usize) -> [u16; 2] {
         [self.camera[lane] as u16, self.other_camera[lane] as u16]
     }
-}
-
-/// Whether a sample of `rank` beats one of `other_rank`: of equals the earlier camera's wins.
-#[inline(always)]
-fn wins(rank: u32, camera: u32, other_rank: u32, other_camera: u32) -> bool {
-    (rank < other_rank) | ((rank == other_rank) & (camera < other_camera))
 }
 
 #[cfg(test)]

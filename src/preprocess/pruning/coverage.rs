@@ -1,16 +1,15 @@
-//! Deciding samples once those they wait for are decided: dropped where a candidate is kept, kept where none is.
+//! The coverage guarantee: a sample is dropped once a candidate is known to be kept, and kept once all are known to be dropped.
 
-use super::decision::{Rule, Verdict};
-use super::pass::{Candidate, Pass, SearchBand, Waiting};
-use super::status::{DROPPED, KEPT, UNDECIDED};
+use super::decision::{Candidate, Rule, Verdict, may_be_witness};
+use super::pass::{DROPPED, KEPT, PendingSample, PruningPass, SearchBand, UNDECIDED};
 use crate::preprocess::registration::Outcome;
 use crate::simd::{self, VectorLoop};
 
 /// Statuses of witnesses are fetched so many samples ahead.
 const AHEAD: usize = 24;
 
-/// Decides every sample of the band whose best candidate is decided; the others wait.
-pub(crate) fn settle(pass: &Pass<'_>, band: &mut SearchBand<'_>) {
+/// Decides every sample of the band whose best candidate is decided; the others become pending.
+pub(crate) fn resolve(pass: &PruningPass<'_>, band: &mut SearchBand<'_>) {
     for index in 0..band.pixels.len() {
         if let Some(ahead) = band.verdicts.get(index + AHEAD) {
             let statuses = pass.statuses.get(ahead.witness_camera as usize);
@@ -23,13 +22,13 @@ pub(crate) fn settle(pass: &Pass<'_>, band: &mut SearchBand<'_>) {
         if pass.status(verdict.witness_camera as usize, verdict.witness_pixel) == KEPT {
             pass.set_status(band.camera, band.pixels[index], DROPPED);
         } else {
-            band.waiting.push(Waiting { index: index as u32, others: None });
+            band.pending.push(PendingSample { index: index as u32, others: None });
         }
     }
 }
 
 #[inline(always)]
-fn still_waits(pass: &Pass<'_>, band: &mut SearchBand<'_>, sample: &mut Waiting) -> bool {
+fn is_still_pending(pass: &PruningPass<'_>, band: &mut SearchBand<'_>, sample: &mut PendingSample) -> bool {
     let pixel = band.pixels[sample.index as usize];
     let verdict = &mut band.verdicts[sample.index as usize];
     loop {
@@ -47,30 +46,32 @@ fn still_waits(pass: &Pass<'_>, band: &mut SearchBand<'_>, sample: &mut Waiting)
             pass.set_status(band.camera, pixel, KEPT);
             return false;
         };
-        *verdict = pass.dropped_for(pass.layers[band.camera].ranks[pixel as usize].rank, next);
+        let rank = pass.layers[band.camera].ranks[pixel as usize].rank;
+        *verdict = Verdict::dropped_for(pass.settings.pruning.method, rank, next);
     }
 }
 
 /// All candidates of a sample but the best, worst first.
 #[inline(always)]
-fn all_but_the_best(pass: &Pass<'_>, camera: usize, pixel: u32) -> Vec<Candidate> {
+fn all_but_the_best(pass: &PruningPass<'_>, camera: usize, pixel: u32) -> Vec<Candidate> {
     let layer = &pass.layers[camera];
     let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
-    let rank = layer.ranks[pixel as usize].rank;
+    let sample = Candidate::new(layer, camera, pixel);
     let mut candidates = Vec::new();
     for other in (0..pass.layers.len()).filter(|other| *other != camera) {
         let target = &pass.layers[other];
-        if target.facets.is_empty() {
+        if target.geometry.is_empty() {
             continue;
         }
-        let registration = pass.rig.registration(camera, other);
+        let registration = pass.pairs.registration(camera, other);
         let Outcome::Same(found) = pass.limits.test(registration, (layer, x, y), target) else { continue };
-        let found_rank = target.ranks[found as usize].rank;
-        let own_level = target.level[found as usize] == pass.decide;
-        // What is dropped by now is still a candidate; it will be passed over.
-        if (own_level || pass.may_stand(other, found)) && (found_rank, other) < (rank, camera) {
-            let level = target.level[found as usize];
-            candidates.push(Candidate { rank: found_rank, camera: other as u16, pixel: found, level });
+        let candidate = Candidate::new(target, other, found);
+        // Samples of this level that are dropped by now are candidates still; they will be passed over.
+        let (is_own_level, is_kept) = (candidate.level == pass.level, pass.status(other, found) == KEPT);
+        if may_be_witness(is_own_level, is_kept, pass.settings.pruning.across_spans)
+            && candidate.is_better_than(&sample)
+        {
+            candidates.push(candidate);
         }
     }
     candidates.sort_unstable_by(|a, b| b.cmp(a));
@@ -78,19 +79,19 @@ fn all_but_the_best(pass: &Pass<'_>, camera: usize, pixel: u32) -> Vec<Candidate
     candidates
 }
 
-/// Decides what can be decided of the samples that wait.
-pub(crate) struct SettleWaiting<'a, 'b> {
-    pub(crate) pass: &'a Pass<'a>,
+/// Decides what can be decided of the pending samples of a band.
+pub(crate) struct ResolvePending<'a, 'b> {
+    pub(crate) pass: &'a PruningPass<'a>,
     pub(crate) band: &'a mut SearchBand<'b>,
 }
 
-impl VectorLoop for SettleWaiting<'_, '_> {
+impl VectorLoop for ResolvePending<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let mut waiting = std::mem::take(&mut self.band.waiting);
-        waiting.retain_mut(|sample| still_waits(self.pass, self.band, sample));
-        self.band.waiting = waiting;
+        let mut pending = std::mem::take(&mut self.band.pending);
+        pending.retain_mut(|sample| is_still_pending(self.pass, self.band, sample));
+        self.band.pending = pending;
     }
 }

@@ -1,36 +1,145 @@
-//! What pruning decides: the rules, the verdict on a sample, and the verdicts of one level.
+//! The decision on a sample: the eleven rules that keep or drop it, and the conditions that they are made of.
+//!
+//! ```text
+//! no depth ─▶ NoSample    blended, and all such are dropped ─▶ MixedDropped    pruning is off ─▶ PruningOff
+//! else, of the samples of other cameras that show the same surface point and may be its witness:
+//!     the best of those that are better and kept ─▶ LowerRate, Tie, LaterCamera, MixedYields, UnsureYields
+//!     none ─▶ Coverage, BestRate, OnlyWitness
+//! ```
+//!
+//! [`decide`] states the whole decision on one sample. The search over pictures and the replay of candidate lists reach it
+//! for many samples at once and in stages; all three are made of the predicates below, and a test compares their verdicts.
+//! Whether two samples show the same surface point is decided in [`crate::preprocess::registration`].
 
-use crate::preprocess::layers::{CameraLayer, MIXED};
+use crate::preprocess::layers::{CameraLayer, has_unknown_normal, is_mixed};
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
+use crate::settings::{MixedPixels, PruningMethod, PruningSettings};
 
-/// Why a sample was kept or dropped.
+/// Why a sample was kept or dropped. A *candidate* is a sample of another camera that shows the same surface point, may be a
+/// witness and is better; the *witness* is the best candidate that is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Rule {
     /// Not a sample: the pixel has no depth.
     NoSample,
-    /// Kept: no other camera sees this surface point.
+    /// Kept: no other camera has a sample of the point that may be a witness.
     OnlyWitness,
-    /// Kept: every other camera that sees the point samples it less densely (or equally, and comes later), or its sample is
-    /// blended or its normal unknown, and this one's is not.
+    /// Kept: others have, but none of them is better.
     BestRate,
-    /// Kept: a better sample exists but was itself dropped for one that does not see this point (coverage guarantee), or is
-    /// one of a longer span where those may not stand.
+    /// Kept: a better sample of the point exists, but it was dropped itself or may not be a witness.
     Coverage,
     /// Kept: pruning is off.
     PruningOff,
     /// Dropped: the witness samples the point at a higher rate.
     LowerRate,
-    /// Dropped: equal rates, and the witness belongs to an earlier camera.
+    /// Dropped: the rates are equal, and the witness belongs to an earlier camera.
     Tie,
-    /// Dropped: an earlier camera shows the point (first-camera-wins).
+    /// Dropped: the first camera wins, and the witness belongs to an earlier one.
     LaterCamera,
-    /// Dropped: blended across a silhouette, and the witness is clean.
+    /// Dropped: the color is blended across a silhouette, and the witness's is not.
     MixedYields,
     /// Dropped: the normal is unknown, so that the rate is a guess, and the witness's is known.
     UnsureYields,
-    /// Dropped: blended across a silhouette, and the settings drop all such samples. There is no witness.
+    /// Dropped: the color is blended across a silhouette, and the settings drop all such samples. There is no witness.
     MixedDropped,
+}
+
+/// Whether a sample of `rank` and `camera` is better than another: the smaller rank wins, of equals the earlier camera.
+#[inline(always)]
+pub(crate) fn is_better(rank: u32, camera: u32, other_rank: u32, other_camera: u32) -> bool {
+    (rank < other_rank) | ((rank == other_rank) & (camera < other_camera))
+}
+
+/// Whether a sample may be the witness of others: one of the level that is decided and not dropped beforehand, or, where the
+/// settings allow it, a kept one of a longer span.
+#[inline(always)]
+pub(crate) fn may_be_witness(is_own_level: bool, is_kept: bool, across_spans: bool) -> bool {
+    is_own_level | (is_kept & across_spans)
+}
+
+/// Whether a sample is dropped before anything is compared, because its color is blended.
+#[inline(always)]
+pub(crate) fn is_dropped_as_mixed(mixed_pixels: MixedPixels, rank: u32) -> bool {
+    mixed_pixels == MixedPixels::Drop && is_mixed(rank)
+}
+
+/// By which rule a sample of `rank` is dropped for a witness of `witness_rank`, which is better.
+#[inline(always)]
+pub(crate) fn rule_of_dropped(method: PruningMethod, rank: u32, witness_rank: u32) -> Rule {
+    if method == PruningMethod::FirstCamera {
+        Rule::LaterCamera
+    } else if is_mixed(rank) && !is_mixed(witness_rank) {
+        Rule::MixedYields
+    } else if has_unknown_normal(rank) && !has_unknown_normal(witness_rank) {
+        Rule::UnsureYields
+    } else if witness_rank == rank {
+        Rule::Tie
+    } else {
+        Rule::LowerRate
+    }
+}
+
+/// By which rule a sample without a witness is kept: whether any sample of its point is better, and whether any may be a
+/// witness.
+#[inline(always)]
+pub(crate) fn rule_of_kept(has_better: bool, is_seen: bool) -> Rule {
+    match (has_better, is_seen) {
+        (true, _) => Rule::Coverage,
+        (false, true) => Rule::BestRate,
+        (false, false) => Rule::OnlyWitness,
+    }
+}
+
+/// A sample that may win against another, in the order in which samples win.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Candidate {
+    pub(crate) rank: u32,
+    pub(crate) camera: u16,
+    pub(crate) pixel: u32,
+    pub(crate) level: SpanLevel,
+}
+
+impl Candidate {
+    /// The sample of `camera` at `pixel` of its layer.
+    pub(crate) fn new(layer: &CameraLayer, camera: usize, pixel: u32) -> Self {
+        let index = pixel as usize;
+        Self { rank: layer.ranks[index].rank, camera: camera as u16, pixel, level: layer.level[index] }
+    }
+
+    /// See [`is_better`].
+    pub(crate) fn is_better_than(&self, other: &Self) -> bool {
+        is_better(self.rank, u32::from(self.camera), other.rank, u32::from(other.camera))
+    }
+}
+
+/// The verdict on `sample`, given every sample of another camera that shows its surface point, and for each whether it is
+/// kept.
+pub(crate) fn decide(
+    sample: &Candidate,
+    others: &[(Candidate, bool)],
+    settings: &PruningSettings,
+) -> Verdict {
+    if sample.level == NO_SAMPLE {
+        return Verdict::without_witness(Rule::NoSample);
+    }
+    if is_dropped_as_mixed(settings.mixed_pixels, sample.rank) {
+        return Verdict::without_witness(Rule::MixedDropped);
+    }
+    if settings.method == PruningMethod::Off {
+        return Verdict::without_witness(Rule::PruningOff);
+    }
+    let may_be_witness = |(other, is_kept): &&(Candidate, bool)| {
+        let dropped_before = is_dropped_as_mixed(settings.mixed_pixels, other.rank);
+        let is_own_level = other.level == sample.level && !dropped_before;
+        may_be_witness(is_own_level, *is_kept, settings.across_spans)
+    };
+    let better = || others.iter().filter(|(other, _)| other.is_better_than(sample));
+    let kept = better().filter(may_be_witness).filter(|(_, is_kept)| *is_kept);
+    if let Some((witness, _)) = kept.min_by_key(|(other, _)| *other) {
+        return Verdict::dropped_for(settings.method, sample.rank, *witness);
+    }
+    let is_seen = others.iter().any(|other| may_be_witness(&other));
+    Verdict::without_witness(rule_of_kept(better().next().is_some(), is_seen))
 }
 
 impl Rule {
@@ -114,9 +223,19 @@ impl Verdict {
     pub const NO_CAMERA: u16 = u16::MAX;
 
     /// A verdict without a witness.
-    #[must_use]
-    pub fn without_witness(rule: Rule) -> Self {
+    pub(crate) fn without_witness(rule: Rule) -> Self {
         Self { rule, witness_level: NO_SAMPLE, witness_camera: Self::NO_CAMERA, witness_pixel: 0 }
+    }
+
+    /// The verdict on a sample of `rank` if `witness` is kept.
+    #[inline(always)]
+    pub(crate) fn dropped_for(method: PruningMethod, rank: u32, witness: Candidate) -> Self {
+        Self {
+            rule: rule_of_dropped(method, rank, witness.rank),
+            witness_level: witness.level,
+            witness_camera: witness.camera,
+            witness_pixel: witness.pixel,
+        }
     }
 
     /// Whether the sample stays.
@@ -128,20 +247,20 @@ impl Verdict {
 
 /// The verdicts on one camera's samples of one level.
 #[derive(Clone, Debug, Default)]
-pub struct Decided {
+pub(crate) struct Decided {
     /// Pixels that were decided, `y * width + x`, ascending.
-    pub pixels: Vec<u32>,
+    pub(crate) pixels: Vec<u32>,
     /// One verdict per pixel.
-    pub verdicts: Vec<Verdict>,
-    /// Where the other rate model would have named another camera, by pixel.
-    pub disputes: Vec<Dispute>,
+    pub(crate) verdicts: Vec<Verdict>,
+    /// Where the other rate model names another camera as the best-sampled, by pixel.
+    pub(crate) disputes: Vec<Dispute>,
     /// Samples whose color was found to be blended across a silhouette.
-    pub mixed: u64,
+    pub(crate) mixed: u64,
     /// How many of them are kept.
-    pub mixed_kept: u64,
+    pub(crate) mixed_kept: u64,
 }
 
-/// A sample of whose point the two rate models name different cameras as the best-sampled.
+/// A sample for which the two rate models name different cameras as the one that samples its point best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dispute {
     /// The pixel, `y * width + x`.
@@ -165,7 +284,7 @@ impl Decided {
 
     pub(crate) fn count_mixed(&mut self, layer: &CameraLayer) {
         for (pixel, verdict) in self.pixels.iter().zip(&self.verdicts) {
-            let is_mixed = layer.ranks[*pixel as usize].rank & MIXED != 0;
+            let is_mixed = is_mixed(layer.ranks[*pixel as usize].rank);
             self.mixed += u64::from(is_mixed);
             self.mixed_kept += u64::from(is_mixed & verdict.is_kept());
         }

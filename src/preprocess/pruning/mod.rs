@@ -1,4 +1,8 @@
-//! Pruning (the paper, §3.2): of all samples of one surface point the best-sampled one stays.
+//! Pruning (the paper, §3.2): of all samples of one surface point the best-sampled one stays. The rules are in `decision.rs`.
+//!
+//! ```text
+//! background (static layers, once) ─▶ span stack (ever shorter spans) ─▶ search: best candidate ─▶ coverage ─▶ pack
+//! ```
 
 mod background;
 mod best_candidate;
@@ -8,15 +12,16 @@ mod pack;
 mod pass;
 mod search;
 mod span_stack;
-mod status;
 
-pub use background::PrunedBackground;
+pub(crate) use background::PrunedBackground;
 pub(crate) use background::{StaticLayer, rated, static_layers};
-pub(crate) use best_candidate::{OtherCamera, lanes_at, rivals};
-pub use decision::{Decided, Dispute, Rule, Verdict};
-pub use pack::{Masks, pack};
-pub(crate) use pass::{BAND_ROWS, rule_between};
-pub use search::prune;
-pub use span_stack::{FRAME, SpanStack, load_frame};
-pub(crate) use status::UNDECIDED;
-pub use status::{DROPPED, KEPT, Statuses, no_statuses};
+pub(crate) use best_candidate::{OtherCamera, lanes_at, other_cameras};
+pub(crate) use decision::Decided;
+pub(crate) use decision::{
+    Candidate, decide, is_better, is_dropped_as_mixed, may_be_witness, rule_of_dropped, rule_of_kept,
+};
+pub use decision::{Dispute, Rule, Verdict};
+pub(crate) use pack::{Masks, pack};
+pub(crate) use pass::{BAND_ROWS, DROPPED, KEPT, Statuses, UNDECIDED, no_statuses};
+pub(crate) use search::prune;
+pub(crate) use span_stack::{FRAME, SpanStack, load_frame};

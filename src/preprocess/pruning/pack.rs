@@ -3,14 +3,14 @@
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::decision::Decided;
-use super::status::KEPT;
+use super::pass::KEPT;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::temporal::SpanLevel;
 use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, Span, TILE};
 
 /// Which pixels of a picture are kept: for each tile, a mask of columns per row.
 #[derive(Clone, Debug)]
-pub struct Masks {
+pub(crate) struct Masks {
     tiles_across: usize,
     rows: Vec<[u16; TILE]>,
 }
@@ -22,8 +22,7 @@ impl Masks {
     }
 
     /// The samples of `layer` that were decided to be kept.
-    #[must_use]
-    pub fn decided(layer: &CameraLayer, decided: &Decided) -> Self {
+    pub(crate) fn decided(layer: &CameraLayer, decided: &Decided) -> Self {
         let mut masks = Self::none(layer);
         for (&pixel, verdict) in decided.pixels.iter().zip(&decided.verdicts) {
             if verdict.is_kept() {
@@ -35,8 +34,7 @@ impl Masks {
     }
 
     /// The samples of one level of `layer` whose status is that they are kept.
-    #[must_use]
-    pub fn at_level(layer: &CameraLayer, level: SpanLevel, statuses: &[AtomicU8]) -> Self {
+    pub(crate) fn at_level(layer: &CameraLayer, level: SpanLevel, statuses: &[AtomicU8]) -> Self {
         let mut masks = Self::none(layer);
         for (y, rows) in
             layer.level.chunks(layer.width.max(1)).zip(statuses.chunks(layer.width.max(1))).enumerate()
@@ -62,8 +60,7 @@ impl Masks {
 }
 
 /// The kept samples of one camera over one span; `None` where nothing was kept.
-#[must_use]
-pub fn pack(
+pub(crate) fn pack(
     camera: usize,
     span: Span,
     layer: &CameraLayer,

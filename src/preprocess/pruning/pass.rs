@@ -1,33 +1,50 @@
-//! One pass of pruning: what is decided together, and what is known of it meanwhile.
+//! One pruning pass: what is decided together, and what is known of it meanwhile.
 
 use std::ops::Range;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicU8, Ordering};
 
-use super::decision::{Dispute, Rule, Verdict};
-use super::status::{KEPT, Statuses, UNDECIDED};
-use crate::preprocess::layers::{CameraLayer, MIXED, UNSURE};
+use super::decision::{Candidate, Dispute, Verdict, may_be_witness};
+use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::registration::{CameraPairs, SameSurface};
 use crate::preprocess::temporal::SpanLevel;
-use crate::settings::{PruningMethod, Settings};
+use crate::settings::Settings;
+
+/// No sample at the pixel that could be a witness.
+pub(super) const ABSENT: u8 = 0;
+/// Waiting for better samples to be decided.
+pub(crate) const UNDECIDED: u8 = 1;
+/// Stays.
+pub(crate) const KEPT: u8 = 2;
+/// Was dropped.
+pub(crate) const DROPPED: u8 = 3;
+
+/// Whether each pixel of each camera holds a kept sample: [`ABSENT`], [`KEPT`] or [`DROPPED`].
+pub(crate) type Statuses = Vec<Vec<AtomicU8>>;
+
+/// Statuses in which nothing is decided yet.
+pub(crate) fn no_statuses(layers: &[CameraLayer]) -> Statuses {
+    layers.iter().map(|layer| layer.level.iter().map(|_| AtomicU8::new(ABSENT)).collect()).collect()
+}
 
 /// Rows that one task works on.
 pub(crate) const BAND_ROWS: usize = 16;
 
-/// What all bands share.
-pub(crate) struct Pass<'a> {
-    pub(crate) rig: &'a CameraPairs<'a>,
+/// What all bands share while the samples of one level are decided.
+pub(crate) struct PruningPass<'a> {
+    pub(crate) pairs: &'a CameraPairs<'a>,
     pub(crate) layers: &'a [CameraLayer],
     pub(crate) statuses: &'a Statuses,
-    pub(crate) decide: SpanLevel,
+    /// The level that is decided.
+    pub(crate) level: SpanLevel,
     pub(crate) settings: &'a Settings,
     pub(crate) limits: SameSurface,
-    /// Per camera, whether every sample may stand for others, so that nobody needs to ask.
-    pub(crate) all_stand: Vec<bool>,
+    /// Per camera, whether every sample that counts may be a witness, so that single statuses need no look.
+    pub(crate) all_may_be_witnesses: Vec<bool>,
     /// Per camera, whether it holds samples of deeper levels than the one that is decided.
     pub(crate) has_deeper: Vec<bool>,
 }
 
-/// Some rows of one camera: the samples to decide and what is known of each. Until it is settled, a verdict names the
+/// Some rows of one camera: the samples to decide and what is known of each. Until it is resolved, a verdict names the
 /// sample's best candidate as if that one were kept.
 pub(crate) struct SearchBand<'a> {
     pub(crate) camera: usize,
@@ -35,27 +52,19 @@ pub(crate) struct SearchBand<'a> {
     pub(crate) pixels: &'a mut [u32],
     pub(crate) verdicts: &'a mut [Verdict],
     pub(crate) disputes: Vec<Dispute>,
-    pub(crate) waiting: Vec<Waiting>,
+    pub(crate) pending: Vec<PendingSample>,
 }
 
 /// A sample whose candidate is undecided yet.
-pub(crate) struct Waiting {
+pub(crate) struct PendingSample {
     /// Index into the band's pixels.
     pub(crate) index: u32,
-    /// All candidates, worst first; found only where the best was dropped. The verdict names the one that is waited for.
+    /// All candidates but the best, worst first; found only where the best was dropped. The verdict names the one that is
+    /// waited for.
     pub(crate) others: Option<Vec<Candidate>>,
 }
 
-/// A better sample of a point, in the order in which they win.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Candidate {
-    pub(crate) rank: u32,
-    pub(crate) camera: u16,
-    pub(crate) pixel: u32,
-    pub(crate) level: SpanLevel,
-}
-
-impl Pass<'_> {
+impl PruningPass<'_> {
     pub(crate) fn status(&self, camera: usize, pixel: u32) -> u8 {
         self.statuses[camera][pixel as usize].load(Ordering::Relaxed)
     }
@@ -64,37 +73,12 @@ impl Pass<'_> {
         self.statuses[camera][pixel as usize].store(status, Ordering::Relaxed);
     }
 
-    /// Whether a sample may stand for others, as far as is known before anything of this level is decided.
+    /// See [`may_be_witness`], as far as is known before anything of this level is decided.
     #[inline(always)]
-    pub(crate) fn may_stand(&self, camera: usize, pixel: u32) -> bool {
+    pub(crate) fn may_be_witness(&self, camera: usize, pixel: u32) -> bool {
         let status = self.status(camera, pixel);
-        let foreign = self.layers[camera].level[pixel as usize] != self.decide;
-        (status == UNDECIDED || status == KEPT) && (self.settings.pruning.across_spans || !foreign)
-    }
-
-    #[inline(always)]
-    pub(crate) fn dropped_for(&self, rank: u32, witness: Candidate) -> Verdict {
-        Verdict {
-            rule: rule_between(self.settings.pruning.method, rank, witness.rank),
-            witness_level: witness.level,
-            witness_camera: witness.camera,
-            witness_pixel: witness.pixel,
-        }
-    }
-}
-
-/// By which rule a sample of `rank` is dropped for one of `witness_rank`.
-#[inline(always)]
-pub(crate) fn rule_between(method: PruningMethod, rank: u32, witness_rank: u32) -> Rule {
-    if method == PruningMethod::FirstCamera {
-        Rule::LaterCamera
-    } else if rank & MIXED != 0 && witness_rank & MIXED == 0 {
-        Rule::MixedYields
-    } else if rank & UNSURE != 0 && witness_rank & UNSURE == 0 {
-        Rule::UnsureYields
-    } else if witness_rank == rank {
-        Rule::Tie
-    } else {
-        Rule::LowerRate
+        let is_own_level = self.layers[camera].level[pixel as usize] == self.level;
+        let across_spans = self.settings.pruning.across_spans;
+        may_be_witness(is_own_level & (status != DROPPED), status == KEPT, across_spans)
     }
 }

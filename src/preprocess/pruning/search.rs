@@ -2,7 +2,7 @@
 //!
 //! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.2, "keeping those pixels that have
 //! the highest sampling rate". What differs: **coverage is guaranteed**. A sample is dropped only if a sample that is
-//! *kept* stands for it. Pairwise comparison alone does not give that: A may be dropped for B, and B for C, where C does
+//! *kept* represents it. Pairwise comparison alone does not give that: A may be dropped for B, and B for C, where C does
 //! not see A's point. Here every sample waits until all better samples of its point are decided; it is dropped if one of
 //! them was kept, and kept otherwise. "Better" is a total order (rank, then camera index), so the waiting has no cycles
 //! and the answer is the same whatever order or thread it is worked out in.
@@ -12,68 +12,64 @@
 //! p is dropped  ⇔  some candidate is kept
 //! ```
 //!
-//! Nearly always the best candidate is kept, so only that one is looked for at first, for sixteen samples at a time; where it
-//! turns out dropped, all candidates are found and tried in their order. Rectangles of samples that a camera cannot see are
-//! not held against it.
+//! Nearly always the best candidate is kept, so that only this one is looked for at first, for sixteen samples at a time. Where
+//! it turns out dropped, all candidates are found and tried in their order. Samples are not compared with a camera that cannot
+//! see the rectangle in which they lie. The conditions of the rules are in `decision.rs`.
 
 use std::cmp::Reverse;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::best_candidate::{BestCandidates, OtherCamera, PendingRun, Way, hold_row, lanes_at, rivals};
-use super::coverage::{SettleWaiting, settle};
-use super::decision::{Decided, Dispute, Rule, Verdict};
-use super::pass::{BAND_ROWS, Pass, SearchBand};
-use super::status::{DROPPED, KEPT, Statuses, UNDECIDED};
+use super::best_candidate::{
+    BestCandidates, ComparedRun, OtherCamera, UndecidedRun, compare_row, lanes_at, other_cameras,
+};
+use super::coverage::{ResolvePending, resolve};
+use super::decision::{Decided, Dispute, Rule, Verdict, is_dropped_as_mixed, may_be_witness, rule_of_kept};
+use super::pass::{BAND_ROWS, DROPPED, KEPT, PruningPass, SearchBand, Statuses, UNDECIDED};
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::layers::{CameraLayer, MIXED};
+use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::registration::{CameraPairs, LANES, PixelRun, SameSurface};
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
 use crate::settings::{MixedPixels, PruningMethod, Settings};
 use crate::simd::{self, VectorLoop};
 
-/// Decides every sample of level `decide`; samples of other levels take part as `statuses` says and stay as they are.
+/// Decides every sample of `level`; samples of other levels take part as `statuses` says and stay as they are.
 ///
 /// Levels are decided in ascending order, from the span of all frames down to the frame.
 ///
 /// # Errors
 /// `Cancelled`.
-pub fn prune(
-    rig: &CameraPairs<'_>,
+pub(crate) fn prune(
+    pairs: &CameraPairs<'_>,
     layers: &[CameraLayer],
     statuses: &Statuses,
-    decide: SpanLevel,
+    level: SpanLevel,
     settings: &Settings,
     job: &Job,
 ) -> Result<Vec<Decided>> {
-    let counts: Vec<Vec<usize>> = layers
-        .par_iter()
-        .zip(statuses)
-        .map(|(layer, statuses)| open(layer, statuses, decide, settings.pruning.mixed_pixels))
-        .collect();
+    let each = || layers.par_iter().zip(statuses);
+    let mark = |(layer, statuses): (&CameraLayer, &Vec<AtomicU8>)| {
+        mark_undecided(layer, statuses, level, settings.pruning.mixed_pixels)
+    };
+    let counts: Vec<Vec<usize>> = each().map(mark).collect();
     let mut decided: Vec<Decided> =
         counts.iter().map(|counts| Decided::of_size(counts.iter().sum())).collect();
-    let (samples, pixels) = (
-        decided.iter().map(|decided| decided.pixels.len()).sum::<usize>(),
-        layers.iter().map(|layer| layer.level.len()).sum::<usize>(),
-    );
-    let pass = Pass {
-        rig,
+    let samples: usize = decided.iter().map(|decided| decided.pixels.len()).sum();
+    let is_dense = samples > layers.iter().map(|layer| layer.level.len()).sum::<usize>() / DENSE_SHARE;
+    let all_may_be_witnesses = each().map(|(layer, statuses)| {
+        is_dense && all_may_be_witnesses(layer, statuses, level, settings.pruning.across_spans)
+    });
+    let pass = PruningPass {
+        pairs,
         layers,
         statuses,
-        decide,
+        level,
         settings,
-        limits: SameSurface::new(settings).at_level(decide),
-        all_stand: layers
-            .par_iter()
-            .zip(statuses)
-            .map(|(layer, statuses)| {
-                samples > pixels / FEW && all_stand(layer, statuses, decide, settings.pruning.across_spans)
-            })
-            .collect(),
-        has_deeper: layers.par_iter().map(|layer| has_deeper(layer, decide)).collect(),
+        limits: SameSurface::new(settings).at_level(level),
+        all_may_be_witnesses: all_may_be_witnesses.collect(),
+        has_deeper: layers.par_iter().map(|layer| has_deeper(layer, level)).collect(),
     };
     let mut bands = bands(layers, &counts, &mut decided);
     bands.par_iter_mut().try_for_each(|band| {
@@ -81,10 +77,10 @@ pub fn prune(
         simd::run(FindBest { pass: &pass, band });
         Ok(())
     })?;
-    bands.par_iter_mut().for_each(|band| settle(&pass, band));
-    while bands.iter().any(|band| !band.waiting.is_empty()) {
+    bands.par_iter_mut().for_each(|band| resolve(&pass, band));
+    while bands.iter().any(|band| !band.pending.is_empty()) {
         job.check()?;
-        bands.par_iter_mut().for_each(|band| simd::run(SettleWaiting { pass: &pass, band }));
+        bands.par_iter_mut().for_each(|band| simd::run(ResolvePending { pass: &pass, band }));
     }
     let disputes: Vec<_> = bands.into_iter().map(|band| (band.camera, band.disputes)).collect();
     for (camera, disputes) in disputes {
@@ -99,15 +95,15 @@ pub fn prune(
 /// Pixels that are passed over at once.
 const RUN: usize = 64;
 
-/// Where fewer than one in so many pixels are to be decided, looking whether all others stand does not pay.
-const FEW: usize = 8;
+/// Where fewer than one in so many pixels are to be decided, testing whether all samples may be witnesses does not pay.
+const DENSE_SHARE: usize = 8;
 
-/// Marks the samples of level `decide` as undecided, mixed ones as dropped where they are to be. Gives how many there are in
-/// each band of rows.
-fn open(
+/// Marks the samples of `level` as undecided, mixed ones as dropped where they are to be. Gives how many there are in each band
+/// of rows.
+fn mark_undecided(
     layer: &CameraLayer,
     statuses: &[AtomicU8],
-    decide: SpanLevel,
+    level: SpanLevel,
     mixed_pixels: MixedPixels,
 ) -> Vec<usize> {
     let band = (BAND_ROWS * layer.width).max(1);
@@ -116,13 +112,13 @@ fn open(
         let mut count = 0;
         let runs = levels.chunks(RUN).zip(statuses.chunks(RUN)).enumerate();
         // Most levels have few samples: runs without any are passed over sixteen or more bytes at a time.
-        for (run, (levels, statuses)) in runs.filter(|(_, (levels, _))| levels.contains(&decide)) {
+        for (run, (levels, statuses)) in runs.filter(|(_, (levels, _))| levels.contains(&level)) {
             let first = band_of * band + run * RUN;
-            for (i, (&level, status)) in levels.iter().zip(statuses).enumerate() {
-                if level == decide {
+            for (i, (&found, status)) in levels.iter().zip(statuses).enumerate() {
+                if found == level {
                     count += 1;
-                    let drop = mixed_pixels == MixedPixels::Drop && layer.ranks[first + i].rank & MIXED != 0;
-                    status.store(if drop { DROPPED } else { UNDECIDED }, Ordering::Relaxed);
+                    let is_dropped = is_dropped_as_mixed(mixed_pixels, layer.ranks[first + i].rank);
+                    status.store(if is_dropped { DROPPED } else { UNDECIDED }, Ordering::Relaxed);
                 }
             }
         }
@@ -131,21 +127,26 @@ fn open(
     counts
 }
 
-/// Whether every sample of the layer may stand for others, so that nobody needs to ask.
-fn all_stand(layer: &CameraLayer, statuses: &[AtomicU8], decide: SpanLevel, across_spans: bool) -> bool {
-    let mut stand = true;
-    for (&level, status) in layer.level.iter().zip(statuses) {
+/// Whether every sample of `level` and of the levels above may be a witness.
+fn all_may_be_witnesses(
+    layer: &CameraLayer,
+    statuses: &[AtomicU8],
+    level: SpanLevel,
+    across_spans: bool,
+) -> bool {
+    let mut all = true;
+    for (&found, status) in layer.level.iter().zip(statuses) {
         let status = status.load(Ordering::Relaxed);
-        let stands = (status == UNDECIDED) | (status == KEPT);
-        stand &= (level > decide) | (stands & ((level == decide) | across_spans));
+        let is_own_level = (found == level) & (status != DROPPED);
+        all &= (found > level) | may_be_witness(is_own_level, status == KEPT, across_spans);
     }
-    stand
+    all
 }
 
-fn has_deeper(layer: &CameraLayer, decide: SpanLevel) -> bool {
+fn has_deeper(layer: &CameraLayer, level: SpanLevel) -> bool {
     let mut deeper = false;
-    for &level in &layer.level {
-        deeper |= (level > decide) & (level != NO_SAMPLE);
+    for &found in &layer.level {
+        deeper |= (found > level) & (found != NO_SAMPLE);
     }
     deeper
 }
@@ -171,7 +172,7 @@ fn bands<'a>(
                 pixels: own_pixels,
                 verdicts: own_verdicts,
                 disputes: Vec::new(),
-                waiting: Vec::new(),
+                pending: Vec::new(),
             });
         }
     }
@@ -180,7 +181,7 @@ fn bands<'a>(
 
 /// Finds the best candidate of every sample of a band.
 struct FindBest<'a, 'b> {
-    pass: &'a Pass<'a>,
+    pass: &'a PruningPass<'a>,
     band: &'a mut SearchBand<'b>,
 }
 
@@ -191,33 +192,30 @@ impl VectorLoop for FindBest<'_, '_> {
     fn run(self) {
         let Self { pass, band } = self;
         let layer = &pass.layers[band.camera];
+        let columns = layer.width.div_ceil(LANES);
         let pruning = pass.settings.pruning.method != PruningMethod::Off;
-        let lanes = lanes_of_band(band, layer, pass.decide);
-        let mut rivals = if pruning { rivals_of(pass, band, &lanes) } else { Vec::new() };
-        let mut entries = Vec::new();
-        let mut ways: Vec<Way> = (0..layer.width.div_ceil(LANES)).map(|_| Way::NOWHERE).collect();
+        let lanes = lanes_of_band(band, layer, pass.level);
+        let mut others = if pruning { others_of_band(pass, band, &lanes) } else { Vec::new() };
+        let mut undecided = Vec::new();
+        let mut compared: Vec<ComparedRun> = (0..columns).map(|_| ComparedRun::NOWHERE).collect();
         let mut next = 0;
-        for (row, lanes) in band.rows.clone().zip(lanes.chunks_exact(layer.width.div_ceil(LANES))) {
-            entries.clear();
-            for (at, &lanes) in lanes.iter().enumerate().filter(|(_, lanes)| **lanes != 0) {
-                let block = PixelRun::new(layer, at * LANES, row, lanes);
-                entries.push(PendingRun {
-                    at,
-                    lanes,
-                    contest: BestCandidates::new(&block, band.camera),
-                    block,
-                });
+        for (row, lanes) in band.rows.clone().zip(lanes.chunks_exact(columns)) {
+            undecided.clear();
+            for (nth, &lanes) in lanes.iter().enumerate().filter(|(_, lanes)| **lanes != 0) {
+                let block = PixelRun::new(layer, nth * LANES, row, lanes);
+                let best = BestCandidates::new(&block, band.camera);
+                undecided.push(UndecidedRun { nth, lanes, block, best });
             }
-            // One rival after the other, so that its picture is read along its rows.
-            for rival in &mut rivals {
-                hold_row(pass, band.camera, &mut entries, rival, &mut ways);
+            // One camera after the other, so that its picture is read along its rows.
+            for other in &mut others {
+                compare_row(pass, band.camera, &mut undecided, other, &mut compared);
             }
-            rivals.sort_by_key(|rival| Reverse(rival.told));
-            for PendingRun { at, lanes, contest, .. } in &entries {
+            others.sort_by_key(|other| Reverse(other.improved));
+            for UndecidedRun { nth, lanes, best, .. } in &undecided {
                 for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-                    let pixel = row * layer.width + at * LANES + lane;
+                    let pixel = row * layer.width + nth * LANES + lane;
                     let verdict = if pruning {
-                        first_verdict(pass, band.camera, pixel, contest, lane, &mut band.disputes)
+                        first_verdict(pass, band.camera, pixel, best, lane, &mut band.disputes)
                     } else {
                         verdict_without_pruning(pass, band.camera, pixel)
                     };
@@ -244,15 +242,15 @@ fn lanes_of_band(band: &SearchBand<'_>, layer: &CameraLayer, level: SpanLevel) -
 
 /// The other cameras that may see something of the band.
 #[inline(always)]
-fn rivals_of<'a>(pass: &Pass<'a>, band: &SearchBand<'_>, lanes: &[u32]) -> Vec<OtherCamera<'a>> {
-    rivals(pass.rig, pass.layers, (band.camera, band.rows.clone()), lanes, |other| {
+fn others_of_band<'a>(pass: &PruningPass<'a>, band: &SearchBand<'_>, lanes: &[u32]) -> Vec<OtherCamera<'a>> {
+    other_cameras(pass.pairs, pass.layers, (band.camera, band.rows.clone()), lanes, |other| {
         pass.limits
             .between(&pass.layers[band.camera], &pass.layers[other])
             .with_deeper(pass.has_deeper[other])
     })
 }
 
-fn verdict_without_pruning(pass: &Pass<'_>, camera: usize, pixel: usize) -> Verdict {
+fn verdict_without_pruning(pass: &PruningPass<'_>, camera: usize, pixel: usize) -> Verdict {
     if pass.status(camera, pixel as u32) == DROPPED {
         return Verdict::without_witness(Rule::MixedDropped);
     }
@@ -263,27 +261,23 @@ fn verdict_without_pruning(pass: &Pass<'_>, camera: usize, pixel: usize) -> Verd
 /// The verdict on a sample if its best candidate is kept. Keeps the sample where there is none.
 #[inline(always)]
 fn first_verdict(
-    pass: &Pass<'_>,
+    pass: &PruningPass<'_>,
     camera: usize,
     pixel: usize,
-    contest: &BestCandidates,
+    best: &BestCandidates,
     lane: usize,
     disputes: &mut Vec<Dispute>,
 ) -> Verdict {
     if pass.status(camera, pixel as u32) == DROPPED {
         return Verdict::without_witness(Rule::MixedDropped);
     }
-    let winners = contest.winners(lane);
+    let winners = best.winners(lane);
     if winners[0] != winners[1] {
         disputes.push(Dispute { pixel: pixel as u32, camera: winners[0], other_camera: winners[1] });
     }
-    if let Some(best) = contest.best(lane) {
-        return pass.dropped_for(contest.own_rank(lane), best);
+    if let Some(candidate) = best.candidate(lane) {
+        return Verdict::dropped_for(pass.settings.pruning.method, best.own_rank[lane], candidate);
     }
     pass.set_status(camera, pixel as u32, KEPT);
-    Verdict::without_witness(match (contest.passed_over_a_better(lane), contest.is_seen(lane)) {
-        (true, _) => Rule::Coverage,
-        (false, true) => Rule::BestRate,
-        (false, false) => Rule::OnlyWitness,
-    })
+    Verdict::without_witness(rule_of_kept(best.passed_over[lane] != 0, best.seen[lane] != 0))
 }

@@ -1,17 +1,17 @@
-//! The way down: from the background to one frame, the samples of ever shorter spans are put where longer ones left room, and
-//! decided against each other and against all that is decided above.
+//! The span stack: from the background to one frame, the samples of ever shorter spans are put where longer ones left room,
+//! and decided against each other and against all that is decided above.
 //!
 //! Layers are changed in place and changed back, so that going down to a frame costs what its short-lived samples cost.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
 use super::background::PrunedBackground;
 use super::decision::Decided;
+use super::pass::{ABSENT, Statuses};
 use super::search;
-use super::status::{ABSENT, Statuses};
 use crate::capture::{Capture, Frame};
 use crate::error::Result;
 use crate::job::Job;
@@ -22,50 +22,51 @@ use crate::samples::Span;
 use crate::settings::{Settings, SpanLevels};
 
 /// The level of samples of one frame where nothing is known of other frames.
-pub const FRAME: SpanLevel = 1;
+pub(crate) const FRAME: SpanLevel = 1;
 
-/// All cameras on the way down.
-pub struct SpanStack<'a> {
+/// The samples of all cameras in the spans from all frames to the one entered last.
+pub(crate) struct SpanStack<'a> {
     capture: &'a Capture,
     scan: Option<&'a TemporalScan>,
-    rig: &'a CameraPairs<'a>,
+    pairs: &'a CameraPairs<'a>,
     settings: &'a Settings,
     builder: LayerBuilder<'a>,
     /// Per camera, every sample that was put so far.
-    pub layers: Vec<CameraLayer>,
+    pub(crate) layers: Vec<CameraLayer>,
     statuses: Statuses,
 }
 
 /// What was put and decided at a step down, per camera.
-pub struct StackStep {
+pub(crate) struct StackStep {
     /// The samples, ascending.
-    pub pixels: Vec<Vec<u32>>,
+    pub(crate) pixels: Vec<Vec<u32>>,
     /// The verdicts on them.
-    pub decided: Vec<Decided>,
+    pub(crate) decided: Vec<Decided>,
 }
 
 impl<'a> SpanStack<'a> {
     /// Begins at `background`. Without a `scan` every pixel is one of its frame alone.
-    #[must_use]
-    pub fn new(
+    pub(crate) fn new(
         capture: &'a Capture,
         scan: Option<&'a TemporalScan>,
-        rig: &'a CameraPairs<'a>,
+        pairs: &'a CameraPairs<'a>,
         settings: &'a Settings,
         background: PrunedBackground,
     ) -> Self {
-        let statuses = background
-            .statuses
-            .into_par_iter()
-            .map(|camera| camera.into_iter().map(AtomicU8::new).collect())
-            .collect();
         let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
-        Self { capture, scan, rig, settings, builder, layers: background.layers, statuses }
+        Self {
+            capture,
+            scan,
+            pairs,
+            settings,
+            builder,
+            layers: background.layers,
+            statuses: background.statuses,
+        }
     }
 
     /// The spans there are.
-    #[must_use]
-    pub fn tree(&self) -> SpanTree {
+    pub(crate) fn tree(&self) -> SpanTree {
         let frames = self.capture.frame_count();
         match self.scan {
             Some(scan) => scan.tree(&self.settings.spans),
@@ -77,17 +78,14 @@ impl<'a> SpanStack<'a> {
     ///
     /// # Errors
     /// Whatever the capture gives (naming file and frame), `Io` where the temporary file cannot be read, and `Cancelled`.
-    pub fn enter(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<StackStep> {
+    pub(crate) fn enter(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<StackStep> {
         let pixels = self.put_span(span, level, job)?;
-        let decided = search::prune(self.rig, &self.layers, &self.statuses, level, self.settings, job)?;
+        let decided = search::prune(self.pairs, &self.layers, &self.statuses, level, self.settings, job)?;
         Ok(StackStep { pixels, decided })
     }
 
     /// Puts and completes the samples of `span`, undecided. Gives their pixels, per camera.
-    ///
-    /// # Errors
-    /// As [`SpanStack::enter`].
-    pub fn put_span(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<Vec<Vec<u32>>> {
+    pub(crate) fn put_span(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<Vec<Vec<u32>>> {
         let (capture, scan, builder) = (self.capture, self.scan, &self.builder);
         let of_camera = |(camera, layer): (usize, &mut CameraLayer)| {
             job.check()?;
@@ -112,7 +110,7 @@ impl<'a> SpanStack<'a> {
     }
 
     /// Takes the samples of a step away again; later steps must be taken away before.
-    pub fn leave(&mut self, step: &StackStep) {
+    pub(crate) fn leave(&mut self, step: &StackStep) {
         let cameras = self.layers.par_iter_mut().zip(&self.statuses).zip(&step.pixels);
         cameras.for_each(|((layer, statuses), pixels)| {
             for &pixel in pixels {
@@ -127,7 +125,7 @@ impl<'a> SpanStack<'a> {
 ///
 /// # Errors
 /// Whatever the capture gives, and `Cancelled`.
-pub fn load_frame(capture: &Capture, frame: usize, job: &Job) -> Result<Vec<Arc<Frame>>> {
+pub(crate) fn load_frame(capture: &Capture, frame: usize, job: &Job) -> Result<Vec<Arc<Frame>>> {
     let load = |camera| {
         job.check()?;
         capture.frame(camera, frame)

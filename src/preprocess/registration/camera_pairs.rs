@@ -1,10 +1,10 @@
-//! All cameras and the ways between them.
+//! All cameras and the registrations between them.
 
 use super::reproject::Registration;
 use crate::capture::Camera;
 
-/// All cameras and every way between two of them.
-pub struct CameraPairs<'a> {
+/// All cameras and the registration of each pair.
+pub(crate) struct CameraPairs<'a> {
     cameras: &'a [Camera],
     /// `[source * cameras + target]`.
     registrations: Vec<Registration>,
@@ -12,8 +12,7 @@ pub struct CameraPairs<'a> {
 
 impl<'a> CameraPairs<'a> {
     /// All pairs of `cameras`.
-    #[must_use]
-    pub fn new(cameras: &'a [Camera]) -> Self {
+    pub(crate) fn new(cameras: &'a [Camera]) -> Self {
         let registrations = cameras
             .iter()
             .flat_map(|source| cameras.iter().map(move |target| Registration::new(source, target)))
@@ -22,14 +21,12 @@ impl<'a> CameraPairs<'a> {
     }
 
     /// From camera `source` to camera `target`.
-    #[must_use]
-    pub fn registration(&self, source: usize, target: usize) -> &Registration {
+    pub(crate) fn registration(&self, source: usize, target: usize) -> &Registration {
         &self.registrations[source * self.cameras.len() + target]
     }
 
     /// The cameras.
-    #[must_use]
-    pub fn cameras(&self) -> &'a [Camera] {
+    pub(crate) fn cameras(&self) -> &'a [Camera] {
         self.cameras
     }
 }

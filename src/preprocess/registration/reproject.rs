@@ -4,18 +4,18 @@
 //! time frame to every other image in that time frame". What differs: sixteen pixels of a row are carried at once, and pairs
 //! that cannot see each other are found by rectangles of pixels between two depths. All of it is linear in `(ray, w)`, where
 //! `w = 1/z`: `q = R·ray + t·w` is the point in the target camera times `w`, for points at infinity as well. Whether what the
-//! target saw there is the same surface point is asked in [`super::same_surface`].
+//! target saw there is the same surface point is decided in [`super::same_surface`].
 
 use glam::{DVec2, Vec3};
 
-use super::answers::{IN_FRONT, IN_VIEW, LANES};
+use super::matches::{IN_FRONT, IN_VIEW, LANES};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
-use crate::preprocess::layers::{CameraLayer, Facet, Look, Ranks};
+use crate::preprocess::layers::{CameraLayer, PackedColor, PackedGeometry, Ranks};
 use crate::simd::{self, whole};
 
 /// Carries samples of one camera into another.
 #[derive(Clone, Copy, Debug)]
-pub struct Registration {
+pub(crate) struct Registration {
     /// The ray of the source's first pixel, at depth 1, in the target's orientation, …
     first_ray: Vec3,
     /// … its growth from one column to the next, …
@@ -54,7 +54,7 @@ impl Lens {
 
 /// Pixels of a row, some of which hold samples to be carried.
 #[derive(Clone, Copy, Debug)]
-pub struct PixelRun<const N: usize = LANES> {
+pub(crate) struct PixelRun<const N: usize = LANES> {
     pub(crate) column: usize,
     pub(crate) row: usize,
     pub(crate) inverse_depth: [f32; N],
@@ -62,9 +62,9 @@ pub struct PixelRun<const N: usize = LANES> {
     pub(crate) color: [[i32; N]; 3],
     pub(crate) known: [u32; N],
     /// Ranks of the samples.
-    pub rank: [u32; N],
+    pub(crate) rank: [u32; N],
     /// Ranks by the other rate model.
-    pub other_rank: [u32; N],
+    pub(crate) other_rank: [u32; N],
 }
 
 /// Pixels of a row from `(column, row)` on; `nothing` beyond its end.
@@ -84,7 +84,7 @@ pub(crate) fn lanes_of<T: Copy, const N: usize>(
     lanes
 }
 
-impl<const N: usize> Carried<N> {
+impl<const N: usize> ReprojectedRun<N> {
     /// Nothing was carried.
     pub(crate) const NOWHERE: Self = Self {
         point: [[0.0; N]; 3],
@@ -110,11 +110,11 @@ impl<const N: usize> Carried<N> {
             let pixel = self.pixel[lane] as usize;
             let below = self.off_center[1][lane] > 0.0;
             let beside = if below { pixel + target.width } else { pixel.wrapping_sub(target.width) };
-            simd::prefetch(&target.facets, pixel);
-            simd::prefetch(&target.facets, beside);
+            simd::prefetch(&target.geometry, pixel);
+            simd::prefetch(&target.geometry, beside);
         }
         for lane in (0..N).step_by(8) {
-            simd::prefetch(&target.looks, self.pixel[lane] as usize);
+            simd::prefetch(&target.packed_colors, self.pixel[lane] as usize);
         }
     }
 }
@@ -122,10 +122,10 @@ impl<const N: usize> Carried<N> {
 impl<const N: usize> PixelRun<N> {
     /// The samples of `layer` from `(column, row)` on for whose bit of `lanes` is set.
     #[inline(always)]
-    #[must_use]
-    pub fn new(layer: &CameraLayer, column: usize, row: usize, lanes: u32) -> Self {
-        let facets = lanes_of::<_, N>(&layer.facets, layer.width, (column, row), Facet::ABSENT);
-        let looks = lanes_of::<_, N>(&layer.looks, layer.width, (column, row), Look::ABSENT);
+    pub(crate) fn new(layer: &CameraLayer, column: usize, row: usize, lanes: u32) -> Self {
+        let geometry = lanes_of::<_, N>(&layer.geometry, layer.width, (column, row), PackedGeometry::ABSENT);
+        let packed_colors =
+            lanes_of::<_, N>(&layer.packed_colors, layer.width, (column, row), PackedColor::ABSENT);
         let ranks = lanes_of::<_, N>(&layer.ranks, layer.width, (column, row), Ranks::ABSENT);
         let mut block = Self {
             column,
@@ -138,14 +138,14 @@ impl<const N: usize> PixelRun<N> {
             other_rank: [0; N],
         };
         for i in 0..N {
-            let wanted = lanes >> i & 1 == 1;
-            block.inverse_depth[i] = if wanted { facets[i].inverse_depth } else { INVALID_INVERSE_DEPTH };
-            let color = looks[i].color();
+            let relevant = lanes >> i & 1 == 1;
+            block.inverse_depth[i] = if relevant { geometry[i].inverse_depth } else { INVALID_INVERSE_DEPTH };
+            let color = packed_colors[i].color();
             for axis in 0..3 {
-                block.normal[axis][i] = facets[i].normal_in_camera[axis];
+                block.normal[axis][i] = geometry[i].normal_in_camera[axis];
                 block.color[axis][i] = color[axis];
             }
-            block.known[i] = u32::from(looks[i].has_normal());
+            block.known[i] = u32::from(packed_colors[i].has_normal());
             block.rank[i] = ranks[i].rank;
             block.other_rank[i] = ranks[i].other_rank;
         }
@@ -154,7 +154,7 @@ impl<const N: usize> PixelRun<N> {
 }
 
 /// Where the samples of a block lie in the target.
-pub(crate) struct Carried<const N: usize = LANES> {
+pub(crate) struct ReprojectedRun<const N: usize = LANES> {
     /// Points in target camera space, times the source's inverse depth.
     pub(crate) point: [[f32; N]; 3],
     /// Whole pixels.
@@ -167,8 +167,7 @@ pub(crate) struct Carried<const N: usize = LANES> {
 
 impl Registration {
     /// Carries samples of `source` into `target`.
-    #[must_use]
-    pub fn new(source: &Camera, target: &Camera) -> Self {
+    pub(crate) fn new(source: &Camera, target: &Camera) -> Self {
         let k = source.intrinsics;
         let target_from_source = target.camera_from_world() * source.world_from_camera;
         let axes = target_from_source.matrix3;
@@ -184,11 +183,10 @@ impl Registration {
     }
 
     /// Whether the target may see anything of what lies between two inverse depths (from 0) behind a rectangle of source
-    /// pixels, given by its first and last columns and rows. Never wrongly says no.
-    #[must_use]
-    pub fn may_see(&self, columns: [usize; 2], rows: [usize; 2], inverse_depths: [f32; 2]) -> bool {
+    /// pixels, given by its first and last columns and rows. It may wrongly be true, never wrongly false.
+    pub(crate) fn may_see(&self, columns: [usize; 2], rows: [usize; 2], inverse_depths: [f32; 2]) -> bool {
         let lens = &self.target;
-        // A point is out of view where one of these is negative; they are linear, so it is enough to look at corners.
+        // A point is out of view where one of these is negative; they are linear, so it is enough to test the corners.
         let mut largest = [f32::NEG_INFINITY; 5];
         let mut depth = 0.0_f32;
         for corner in 0..8 {
@@ -216,8 +214,12 @@ impl Registration {
 
     /// Carries the samples of a block.
     #[inline(always)]
-    pub(crate) fn carry<const N: usize>(&self, block: &PixelRun<N>, target_width: usize) -> Carried<N> {
-        let mut carried = Carried::NOWHERE;
+    pub(crate) fn reproject<const N: usize>(
+        &self,
+        block: &PixelRun<N>,
+        target_width: usize,
+    ) -> ReprojectedRun<N> {
+        let mut carried = ReprojectedRun::NOWHERE;
         let (column, t, lens) = (block.column as f32, self.translation, &self.target);
         let row = self.first_ray + self.per_row * block.row as f32;
         let width = target_width as u32;

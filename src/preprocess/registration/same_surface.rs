@@ -12,32 +12,48 @@
 //!
 //! `step` is what depths are rounded by. Where depth is noisy, so many standard deviations of both samples' noise come to it.
 
-use super::answers::{
-    COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, Needs, ON_SURFACE, Outcome, SAME,
-    SURROUNDED, SurfaceMatches,
+use super::matches::{
+    COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, ON_SURFACE, Outcome,
+    RequiredTolerances, SAME, SURROUNDED, SurfaceMatches,
 };
-use super::noisy_colors::{allow_noise, tell_noise};
-use super::noisy_depths::{granted_around, granted_to_noise};
-use super::reproject::{Carried, Lens, PixelRun, Registration};
+use super::noise_tolerance::{grant_color_noise, granted_depth_noise, granted_depth_noise_around};
+use super::reproject::{Lens, PixelRun, Registration, ReprojectedRun};
 use crate::capture::INVALID_INVERSE_DEPTH;
-use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, Facet, Look, MIXED};
+use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
 use crate::simd::whole;
 
-/// Thresholds of the same-surface test, converted once.
+/// The same-surface test: its tolerances, and which samples of the target it sees.
 #[derive(Clone, Copy, Debug)]
-pub struct SameSurface {
+pub(crate) struct SameSurface {
+    tolerances: SurfaceTolerances,
+    visible: VisibleLevels,
+}
+
+/// Tolerances of the same-surface test, converted once.
+#[derive(Clone, Copy, Debug)]
+struct SurfaceTolerances {
     depth_footprints: f32,
     normal_cosine: f32,
-    pub(crate) color_steps: f32,
-    pub(crate) noise_sigmas: f32,
+    color_steps: f32,
+    /// Standard deviations of noise that are granted beside the tolerances.
+    color_sigmas: f32,
     depth_sigmas: f32,
+    /// Whether the target has to show the surface all around the point.
     overlap: bool,
-    /// Samples of deeper levels do not take part.
+}
+
+/// Samples of deeper levels are invisible.
+#[derive(Clone, Copy, Debug)]
+struct VisibleLevels {
     deepest: u32,
-    /// Whether the target may have any.
-    has_deeper: bool,
+    /// Whether the target may have samples of deeper levels.
+    hides_any: bool,
+}
+
+impl VisibleLevels {
+    const ALL: Self = Self { deepest: SpanLevel::MAX as u32, hides_any: true };
 }
 
 /// Two noisy colors of one surface, and two noisy depths, differ by less than this many standard deviations of their difference.
@@ -47,89 +63,82 @@ const SIGMAS: f32 = 3.0;
 const CENTERED: f32 = 1.0 / 16.0;
 
 impl SameSurface {
-    /// The thresholds of `settings`.
-    #[must_use]
-    pub fn new(settings: &Settings) -> Self {
-        Self {
-            depth_footprints: settings.pruning.depth_tolerance,
-            normal_cosine: settings.pruning.normal_tolerance.to_radians().cos(),
-            color_steps: settings.pruning.color_tolerance,
-            noise_sigmas: settings.spans.noise * SIGMAS,
+    /// With the tolerances of `settings`; every sample is visible.
+    pub(crate) fn new(settings: &Settings) -> Self {
+        let pruning = &settings.pruning;
+        let tolerances = SurfaceTolerances {
+            depth_footprints: pruning.depth_tolerance,
+            normal_cosine: pruning.normal_tolerance.to_radians().cos(),
+            color_steps: pruning.color_tolerance,
+            color_sigmas: settings.spans.noise * SIGMAS,
             depth_sigmas: settings.spans.noise * SIGMAS,
-            overlap: settings.pruning.overlap,
-            deepest: u32::from(SpanLevel::MAX),
-            has_deeper: true,
-        }
+            overlap: pruning.overlap,
+        };
+        Self { tolerances, visible: VisibleLevels::ALL }
     }
 
-    /// Thresholds by which surfaces are the same up to a distance in footprints, however they face and look.
-    #[must_use]
-    pub fn geometry_within(footprints: f32) -> Self {
-        Self {
+    /// Surfaces are the same up to a distance in footprints, whatever their normals and colors are.
+    pub(crate) fn geometry_within(footprints: f32) -> Self {
+        let tolerances = SurfaceTolerances {
             depth_footprints: footprints,
             normal_cosine: f32::NEG_INFINITY,
             color_steps: f32::from(u16::MAX),
-            noise_sigmas: 0.0,
+            color_sigmas: 0.0,
             depth_sigmas: 0.0,
             overlap: false,
-            deepest: u32::from(SpanLevel::MAX),
-            has_deeper: true,
+        };
+        Self { tolerances, visible: VisibleLevels::ALL }
+    }
+
+    /// This test for samples of `level`, which do not see those of deeper levels.
+    pub(crate) fn at_level(self, level: SpanLevel) -> Self {
+        Self { visible: VisibleLevels { deepest: u32::from(level), ..self.visible }, ..self }
+    }
+
+    /// This test for one pair of layers: where neither is noisy, nothing has to be granted to noise.
+    pub(crate) fn between(mut self, source: &CameraLayer, target: &CameraLayer) -> Self {
+        if !(source.has_color_noise() || target.has_color_noise()) {
+            self.tolerances.color_sigmas = 0.0;
         }
-    }
-
-    /// These thresholds for samples of `level`, to which those of deeper levels do not exist yet.
-    #[must_use]
-    pub fn at_level(self, level: SpanLevel) -> Self {
-        Self { deepest: u32::from(level), ..self }
-    }
-
-    /// These thresholds for one pair of layers: where neither is noisy, nothing has to be allowed for noise.
-    #[must_use]
-    pub fn between(self, source: &CameraLayer, target: &CameraLayer) -> Self {
-        let noisy = source.has_color_noise() || target.has_color_noise();
-        let noisy_depth = source.has_depth_noise() || target.has_depth_noise();
-        Self {
-            noise_sigmas: if noisy { self.noise_sigmas } else { 0.0 },
-            depth_sigmas: if noisy_depth { self.depth_sigmas } else { 0.0 },
-            ..self
+        if !(source.has_depth_noise() || target.has_depth_noise()) {
+            self.tolerances.depth_sigmas = 0.0;
         }
+        self
     }
 
-    /// These thresholds for a target of which is known whether it has samples of deeper levels.
-    #[must_use]
-    pub fn with_deeper(self, has_deeper: bool) -> Self {
-        Self { has_deeper, ..self }
+    /// This test for a target of which is known whether it has samples of deeper levels.
+    pub(crate) fn with_deeper(self, has_deeper: bool) -> Self {
+        Self { visible: VisibleLevels { hides_any: has_deeper, ..self.visible }, ..self }
     }
 
-    /// What the target camera says about the sample of `source` at pixel `(x, y)`.
+    /// What the target camera shows of the sample of `source` at pixel `(x, y)`.
     #[inline(always)]
-    #[must_use]
-    pub fn test(
+    pub(crate) fn test(
         &self,
         registration: &Registration,
         (source, x, y): (&CameraLayer, usize, usize),
         target: &CameraLayer,
     ) -> Outcome {
         let block = PixelRun::<1>::new(source, x, y, 1);
-        let carried = registration.carry(&block, target.width);
-        if carried.bits[0] & IN_VIEW == 0 {
-            return if carried.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
+        let reprojected = registration.reproject(&block, target.width);
+        if reprojected.bits[0] & IN_VIEW == 0 {
+            return if reprojected.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
         }
-        self.compare(registration, (source, &block), (target, &carried), [1]).outcome(0)
+        self.compare(registration, (source, &block), (target, &reprojected), [1]).outcome(0)
     }
 
-    /// As [`SameSurface::test`], for the eye: where the target has samples that do not count because their spans are shorter, what
-    /// they would say.
-    #[must_use]
-    pub fn explain(
+    /// As [`SameSurface::test`], for display: where the target has samples that do not count because their spans are shorter, what
+    /// they would give.
+    pub(crate) fn explain(
         &self,
         registration: &Registration,
         source: (&CameraLayer, usize, usize),
         target: &CameraLayer,
     ) -> Outcome {
         let outcome = self.test(registration, source, target);
-        let hides_some = self.deepest < u32::from(SpanLevel::MAX);
-        if !hides_some || !matches!(outcome, Outcome::NoDepth | Outcome::Seam) {
+        if self.visible.deepest == u32::from(SpanLevel::MAX)
+            || !matches!(outcome, Outcome::NoDepth | Outcome::Seam)
+        {
             return outcome;
         }
         match self.at_level(SpanLevel::MAX).test(registration, source, target) {
@@ -139,48 +148,55 @@ impl SameSurface {
         }
     }
 
-    /// Compares the samples of a block with what the target saw where they lie. Of samples that are not `wanted` it tells no
-    /// more than is needed for the others.
+    /// Compares the samples of a block with what the target saw where they lie. Bits of samples that are not
+    /// `relevant` may be incomplete.
     #[inline(always)]
     pub(crate) fn compare<const N: usize>(
         &self,
         registration: &Registration,
         source: (&CameraLayer, &PixelRun<N>),
-        target: (&CameraLayer, &Carried<N>),
-        wanted: [u32; N],
+        target: (&CameraLayer, &ReprojectedRun<N>),
+        relevant: [u32; N],
     ) -> SurfaceMatches<N> {
-        self.compare_telling::<N, false>(registration, source, target, wanted, &mut Needs::new(0.0))
+        self.compare_measuring::<N, false>(
+            registration,
+            source,
+            target,
+            relevant,
+            &mut RequiredTolerances::new(0.0),
+        )
     }
 
-    /// [`SameSurface::compare`]; where `TELLING`, with what each sample needs to be the same, if anything within these thresholds
+    /// [`SameSurface::compare`]; where `MEASURING`, with what each sample needs to be the same, if anything within these thresholds
     /// does.
     #[inline(always)]
-    pub(crate) fn compare_telling<const N: usize, const TELLING: bool>(
+    pub(crate) fn compare_measuring<const N: usize, const MEASURING: bool>(
         &self,
         registration: &Registration,
         (source, block): (&CameraLayer, &PixelRun<N>),
-        (target, carried): (&CameraLayer, &Carried<N>),
-        wanted: [u32; N],
-        needs: &mut Needs<N>,
+        (target, reprojected): (&CameraLayer, &ReprojectedRun<N>),
+        relevant: [u32; N],
+        required: &mut RequiredTolerances<N>,
     ) -> SurfaceMatches<N> {
-        let limits = self;
-        let mut found = [Facet::ABSENT; N];
+        let limits = &self.tolerances;
+        let mut found = [PackedGeometry::ABSENT; N];
         for i in 0..N {
-            found[i] = target.facets[carried.pixel[i] as usize];
+            found[i] = target.geometry[reprojected.pixel[i] as usize];
         }
         let mut granted = [0.0; N];
         if limits.depth_sigmas > 0.0 {
-            granted = granted_to_noise((source, block), (target, carried, &found), limits.depth_sigmas);
+            granted =
+                granted_depth_noise((source, block), (target, reprojected, &found), limits.depth_sigmas);
         }
-        let mut answers = SurfaceMatches { bits: carried.bits, pixel: carried.pixel, level: [0; N] };
+        let mut matches = SurfaceMatches { bits: reprojected.bits, pixel: reprojected.pixel, level: [0; N] };
         let lens = &registration.target;
         let [ax, ay, az] = registration.axes;
         for i in 0..N {
             let facet = &found[i];
             let (w, there) = (block.inverse_depth[i], facet.inverse_depth);
-            let x = (carried.cell[0][i] + 0.5 - lens.center[0]) * (1.0 / lens.focal[0]);
-            let y = (carried.cell[1][i] + 0.5 - lens.center[1]) * (1.0 / lens.focal[1]);
-            let [qx, qy, qz] = [carried.point[0][i], carried.point[1][i], carried.point[2][i]];
+            let x = (reprojected.cell[0][i] + 0.5 - lens.center[0]) * (1.0 / lens.focal[0]);
+            let y = (reprojected.cell[1][i] + 0.5 - lens.center[1]) * (1.0 / lens.focal[1]);
+            let [qx, qy, qz] = [reprojected.point[0][i], reprojected.point[1][i], reprojected.point[2][i]];
             let [nx, ny, nz] = facet.normal_in_camera;
             let distance = nx * (qx * there - x * w) + ny * (qy * there - y * w) + nz * (qz * there - w);
             let footprint = (registration.source_side * there).max(lens.side * w);
@@ -193,82 +209,77 @@ impl SameSurface {
                 + (ax.y * mx + ay.y * my + az.y * mz) * ny
                 + (ax.z * mx + ay.z * my + az.z * mz) * nz;
             let facing = (block.known[i] == 0) | (cosine >= limits.normal_cosine);
-            if TELLING {
-                needs.depth[i] = needed(distance.abs() - step, footprint);
-                needs.turn[i] = if block.known[i] == 0 { 0.0 } else { 1.0 - cosine };
+            if MEASURING {
+                required.depth[i] = needed(distance.abs() - step, footprint);
+                required.turn[i] = if block.known[i] == 0 { 0.0 } else { 1.0 - cosine };
             }
-            answers.bits[i] |= if there >= 0.0 { HAS_DEPTH } else { 0 }
+            matches.bits[i] |= if there >= 0.0 { HAS_DEPTH } else { 0 }
                 | if on_surface { ON_SURFACE } else { 0 }
                 | if there * qz > w { NEARER } else { 0 }
                 | if facing { NORMAL_AGREES } else { 0 };
         }
-        let mut looks = [Look::ABSENT; N];
+        let mut packed_colors = [PackedColor::ABSENT; N];
         for i in 0..N {
-            looks[i] = target.looks[carried.pixel[i] as usize];
+            packed_colors[i] = target.packed_colors[reprojected.pixel[i] as usize];
         }
-        let mut yields = [0_u32; N];
-        if block.rank.iter().fold(0, |all, rank| all | rank) & MIXED != 0 {
-            for i in 0..N {
-                // A mixed sample's color belongs to no surface: it may not speak against a clean witness.
-                let is_mixed = |rank: u32| rank & MIXED != 0;
-                let clean = !is_mixed(target.ranks[carried.pixel[i] as usize].rank);
-                yields[i] = u32::from(is_mixed(block.rank[i]) & clean);
-            }
-        }
+        let yields = yields(block, target, reprojected);
         let color_limit = (limits.color_steps * COLOR_STEPS) as i32;
         for i in 0..N {
-            let color = looks[i].color();
+            let color = packed_colors[i].color();
             let furthest = (block.color[0][i] - color[0])
                 .abs()
                 .max((block.color[1][i] - color[1]).abs())
                 .max((block.color[2][i] - color[2]).abs());
-            let level = looks[i].level();
-            answers.bits[i] &= if level <= limits.deepest { u32::MAX } else { !HAS_DEPTH };
-            answers.bits[i] |= if looks[i].has_normal() { 0 } else { NORMAL_AGREES }
+            let level = packed_colors[i].level();
+            matches.bits[i] &= if level <= self.visible.deepest { u32::MAX } else { !HAS_DEPTH };
+            matches.bits[i] |= if packed_colors[i].has_normal() { 0 } else { NORMAL_AGREES }
                 | if (yields[i] != 0) | (furthest <= color_limit) { COLOR_AGREES } else { 0 };
-            answers.level[i] = level;
-            if TELLING {
-                needs.turn[i] = if looks[i].has_normal() { needs.turn[i] } else { 0.0 };
-                needs.color[i] = if yields[i] != 0 { 0.0 } else { furthest as f32 * (1.0 / COLOR_STEPS) };
+            matches.level[i] = level;
+            if MEASURING {
+                required.turn[i] = if packed_colors[i].has_normal() { required.turn[i] } else { 0.0 };
+                required.color[i] = if yields[i] != 0 { 0.0 } else { furthest as f32 * (1.0 / COLOR_STEPS) };
             }
         }
-        if limits.noise_sigmas > 0.0 {
-            if TELLING {
-                tell_noise((source, block), (target, &looks), &answers, limits.noise_sigmas, needs);
-            }
-            let thresholds = (limits.color_steps, limits.noise_sigmas);
-            allow_noise((source, block), (target, &looks), &mut answers, thresholds, wanted);
+        if limits.color_sigmas > 0.0 {
+            grant_color_noise::<N, MEASURING>(
+                (source, block),
+                (target, &packed_colors),
+                (limits.color_steps, limits.color_sigmas),
+                relevant,
+                &mut matches,
+                required,
+            );
         }
-        self.surround::<N, TELLING>(
+        self.surround::<N, MEASURING>(
             &registration.target,
-            (target, carried, &found),
-            &mut answers,
-            wanted,
-            needs,
+            (target, reprojected, &found),
+            &mut matches,
+            relevant,
+            required,
         );
-        answers
+        matches
     }
 
     /// Whether the target shows the surface on all four pixels around each position, so that it can be interpolated there.
     #[inline(always)]
-    fn surround<const N: usize, const TELLING: bool>(
+    fn surround<const N: usize, const MEASURING: bool>(
         &self,
         lens: &Lens,
-        (target, carried, found): (&CameraLayer, &Carried<N>, &[Facet; N]),
-        answers: &mut SurfaceMatches<N>,
-        mut wanted: [u32; N],
-        needs: &mut Needs<N>,
+        (target, reprojected, found): (&CameraLayer, &ReprojectedRun<N>, &[PackedGeometry; N]),
+        matches: &mut SurfaceMatches<N>,
+        mut relevant: [u32; N],
+        required: &mut RequiredTolerances<N>,
     ) {
         const BUT_SURROUNDED: u32 = SAME & !SURROUNDED;
         let mut candidates = 0;
         for i in 0..N {
-            let so_far = answers.bits[i] & BUT_SURROUNDED == BUT_SURROUNDED;
-            wanted[i] &= u32::from(so_far);
-            candidates |= wanted[i];
+            let so_far = matches.bits[i] & BUT_SURROUNDED == BUT_SURROUNDED;
+            relevant[i] &= u32::from(so_far);
+            candidates |= relevant[i];
         }
-        let limits = self;
+        let limits = &self.tolerances;
         if candidates == 0 || !limits.overlap {
-            answers.bits.iter_mut().for_each(|bits| *bits |= SURROUNDED);
+            matches.bits.iter_mut().for_each(|bits| *bits |= SURROUNDED);
             return;
         }
         let width = target.width as u32;
@@ -277,18 +288,18 @@ impl SameSurface {
         let mut beside = [[0_u32; N]; 3];
         let mut inside = [0_u32; N];
         for i in 0..N {
-            let mut within = wanted[i] != 0;
+            let mut within = relevant[i] != 0;
             for axis in 0..2 {
-                let off = carried.off_center[axis][i];
+                let off = reprojected.off_center[axis][i];
                 let side = if off > CENTERED { 1.0 } else { 0.0 } - if off < -CENTERED { 1.0 } else { 0.0 };
-                let cell = carried.cell[axis][i] + side;
+                let cell = reprojected.cell[axis][i] + side;
                 within &= (cell >= 0.0) & (cell < lens.size[axis]);
                 toward[axis][i] = side;
             }
-            let right = if within { carried.cell[0][i] + toward[0][i] } else { 0.0 };
-            let below = if within { carried.cell[1][i] + toward[1][i] } else { 0.0 };
-            let left = if within { carried.cell[0][i] } else { 0.0 };
-            let above = if within { carried.cell[1][i] } else { 0.0 };
+            let right = if within { reprojected.cell[0][i] + toward[0][i] } else { 0.0 };
+            let below = if within { reprojected.cell[1][i] + toward[1][i] } else { 0.0 };
+            let left = if within { reprojected.cell[0][i] } else { 0.0 };
+            let above = if within { reprojected.cell[1][i] } else { 0.0 };
             beside[0][i] = whole(above) * width + whole(right);
             beside[1][i] = whole(below) * width + whole(left);
             beside[2][i] = whole(below) * width + whole(right);
@@ -297,26 +308,27 @@ impl SameSurface {
         let mut depths = [[0.0_f32; N]; 3];
         for corner in 0..3 {
             for i in 0..N {
-                depths[corner][i] = target.facets[beside[corner][i] as usize].inverse_depth;
+                depths[corner][i] = target.geometry[beside[corner][i] as usize].inverse_depth;
             }
         }
-        if limits.has_deeper {
+        if self.visible.hides_any {
             for corner in 0..3 {
                 for i in 0..N {
-                    let takes_part = u32::from(target.level[beside[corner][i] as usize]) <= limits.deepest;
+                    let takes_part =
+                        u32::from(target.level[beside[corner][i] as usize]) <= self.visible.deepest;
                     depths[corner][i] = if takes_part { depths[corner][i] } else { INVALID_INVERSE_DEPTH };
                 }
             }
         }
         let mut granted = [[0.0; N]; 3];
         if limits.depth_sigmas > 0.0 {
-            granted = granted_around(target, carried, found, &depths, limits.depth_sigmas);
+            granted = granted_depth_noise_around(target, reprojected, found, &depths, limits.depth_sigmas);
         }
         for i in 0..N {
             let facet = &found[i];
             let here = facet.inverse_depth;
-            let x = (carried.cell[0][i] + 0.5 - lens.center[0]) * (1.0 / lens.focal[0]);
-            let y = (carried.cell[1][i] + 0.5 - lens.center[1]) * (1.0 / lens.focal[1]);
+            let x = (reprojected.cell[0][i] + 0.5 - lens.center[0]) * (1.0 / lens.focal[0]);
+            let y = (reprojected.cell[1][i] + 0.5 - lens.center[1]) * (1.0 / lens.focal[1]);
             let [nx, ny, nz] = facet.normal_in_camera;
             let across = nx * toward[0][i] * (1.0 / lens.focal[0]);
             let down = ny * toward[1][i] * (1.0 / lens.focal[1]);
@@ -329,15 +341,32 @@ impl SameSurface {
                 // Both are rounded, and both are noisy.
                 let step = target.depth_step_relative * (here + there) + granted[corner][i];
                 let limit = limits.depth_footprints * footprint + step;
-                if TELLING {
-                    needs.depth[i] = needs.depth[i].max(needed(distance.abs() - step, footprint));
+                if MEASURING {
+                    required.depth[i] = required.depth[i].max(needed(distance.abs() - step, footprint));
                 }
                 let both_or_neither_finite = (here == 0.0) == (there == 0.0);
                 all &= (there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite;
             }
-            answers.bits[i] |= if all { SURROUNDED } else { 0 };
+            matches.bits[i] |= if all { SURROUNDED } else { 0 };
         }
     }
+}
+
+/// For which samples color counts as equal: a mixed one's belongs to no surface, so that a clean witness need not agree with it.
+#[inline(always)]
+fn yields<const N: usize>(
+    block: &PixelRun<N>,
+    target: &CameraLayer,
+    reprojected: &ReprojectedRun<N>,
+) -> [u32; N] {
+    let mut yields = [0_u32; N];
+    if is_mixed(block.rank.iter().fold(0, |all, rank| all | rank)) {
+        for i in 0..N {
+            let is_clean = !is_mixed(target.ranks[reprojected.pixel[i] as usize].rank);
+            yields[i] = u32::from(is_mixed(block.rank[i]) & is_clean);
+        }
+    }
+    yields
 }
 
 /// The tolerance at which a distance is granted, where `footprint` is granted for each footprint of tolerance.

@@ -34,7 +34,7 @@ struct BatchNode {
     /// Frames of the batch, from one up to another.
     start: usize,
     end: usize,
-    /// Where the halves stand; none where the span is one frame.
+    /// Indices of the halves; none where the span is one frame.
     halves: Option<[usize; 2]>,
 }
 
@@ -136,7 +136,7 @@ impl ShortSpans {
     pub(crate) fn descend(&mut self, batch: &Batch<'_>, runs: &[FrameRun<'_>], first: usize) {
         let count = std::mem::take(&mut self.waiting_count);
         if count > 0 {
-            // What is missing is a pixel that is there already, and not asked for.
+            // What is missing is a pixel that is there already, and not looked at.
             let pixel = self.waiting[0];
             self.waiting[count..].fill(pixel);
             simd::run(Descend {
@@ -171,7 +171,7 @@ impl VectorLoop for Descend<'_> {
             first,
             asked,
         } = self;
-        // Halves stand behind what they are halves of: from the back, each range is that of two known ones.
+        // Halves come after what they are halves of: from the back, each range is that of two known ones.
         for (index, node) in nodes.iter().enumerate().skip(1).rev() {
             ranges[index] = match node.halves {
                 None => BatchRanges::of(&runs[node.start], pixels),

@@ -42,7 +42,6 @@ pub(super) struct SpanSums {
 
 impl SpanSums {
     /// The sums over the first `pixels` pixels of some frames, of which there is at least one.
-    #[must_use]
     pub(super) fn of(frames: &[FrameRun<'_>], pixels: usize) -> Self {
         let normals = frames.first().map_or(0, |frame| frame.normal.len().min(3 * pixels));
         let mut sums = Self {
@@ -61,27 +60,23 @@ impl SpanSums {
     }
 
     /// Pixels.
-    #[must_use]
     pub(super) fn pixels(&self) -> usize {
         self.inverse_depth.len()
     }
 
     /// Whether any pixel has no depth in some frame.
-    #[must_use]
     pub(super) fn lacks_depth(&self) -> bool {
         self.min_inverse_depth.iter().fold(false, |lacks, w| lacks | (*w < 0.0))
     }
 
     /// Whether the pixel is open and stays within the tolerance.
     #[inline(always)]
-    #[must_use]
     pub(super) fn is_static(&self, pixel: usize, test: &StaticTest) -> bool {
         self.is_static_with(self, pixel, test)
     }
 
     /// Whether the pixel is open in both and stays within the tolerance over both together.
     #[inline(always)]
-    #[must_use]
     pub(super) fn is_static_with(&self, later: &Self, pixel: usize, test: &StaticTest) -> bool {
         if !(self.is_open[pixel] & later.is_open[pixel]) {
             return false;
@@ -109,20 +104,13 @@ impl SpanSums {
         self.is_open[pixel] = false;
     }
 
-    /// Whether no pixel was taken out.
-    #[must_use]
-    pub(super) fn is_all_open(&self) -> bool {
-        self.is_open.iter().fold(true, |all, open| all & open)
-    }
-
     /// Whether the pixel was not taken out, here or in a part of the span.
-    #[must_use]
     pub(super) fn is_open(&self, pixel: usize) -> bool {
         self.is_open[pixel]
     }
 }
 
-/// A range of inverse depth as a share of its maximum; infinite where the smallest says that there is none.
+/// A range of inverse depth as a share of its maximum; infinite where the smallest is negative: there is a frame without depth.
 #[inline(always)]
 pub(crate) fn relative_range(farthest: f32, nearest: f32) -> f32 {
     if farthest < 0.0 {
@@ -136,7 +124,6 @@ pub(crate) fn relative_range(farthest: f32, nearest: f32) -> f32 {
 
 /// A component of a unit normal as a multiple of 2⁻⁴⁰: sums of up to 8192 of them are exact, whatever their order.
 #[inline(always)]
-#[must_use]
 pub(crate) fn summand(component: f32) -> f64 {
     /// So large that what is added to it is rounded to multiples of 2⁻⁴⁰.
     const ROUNDING: f64 = 6144.0;
@@ -144,7 +131,6 @@ pub(crate) fn summand(component: f32) -> f64 {
 }
 
 /// The direction of a sum of normals.
-#[must_use]
 pub(crate) fn direction(sum: [f64; 3]) -> Vec3 {
     Vec3::from(sum.map(|component| component as f32)).normalize_or_zero()
 }
@@ -160,7 +146,7 @@ pub(crate) fn larger(a: f32, b: f32) -> f32 {
 }
 
 /// Pixels whose sums are held in registers while frame after frame is added.
-pub(crate) const HELD: usize = 16;
+pub(crate) const REGISTER_PIXELS: usize = 16;
 
 /// Frames are fetched so many pixels ahead.
 const AHEAD: usize = 96;
@@ -183,8 +169,8 @@ impl VectorLoop for Add<'_> {
     fn run(self) {
         let Self { sums, frames } = self;
         let pixels = sums.pixels();
-        for first in (0..pixels).step_by(HELD) {
-            let count = HELD.min(pixels - first);
+        for first in (0..pixels).step_by(REGISTER_PIXELS) {
+            let count = REGISTER_PIXELS.min(pixels - first);
             let mut held = PixelSums::NOTHING;
             for frame in frames {
                 // So many frames at once are more than the processor follows by itself.
@@ -196,7 +182,7 @@ impl VectorLoop for Add<'_> {
                 {
                     held.add(color, w);
                 } else {
-                    let (mut color, mut w) = ([0; 3 * HELD], [0.0; HELD]);
+                    let (mut color, mut w) = ([0; 3 * REGISTER_PIXELS], [0.0; REGISTER_PIXELS]);
                     color[..3 * count].copy_from_slice(&frame.color[3 * first..][..3 * count]);
                     w[..count].copy_from_slice(&frame.inverse_depth[first..][..count]);
                     held.add(&color, &w);
@@ -211,13 +197,13 @@ impl VectorLoop for Add<'_> {
 /// Writes the sums of [`summand`] over all frames; of a frame without normals nothing is added.
 #[inline(always)]
 fn add_normals(sums: &mut [f64], frames: &[FrameRun<'_>]) {
-    for (first, sums) in (0..).step_by(3 * HELD).zip(sums.chunks_mut(3 * HELD)) {
-        let mut held = [0.0; 3 * HELD];
+    for (first, sums) in (0..).step_by(3 * REGISTER_PIXELS).zip(sums.chunks_mut(3 * REGISTER_PIXELS)) {
+        let mut held = [0.0; 3 * REGISTER_PIXELS];
         for frame in frames {
             (0..3).for_each(|line| simd::prefetch(frame.normal, first + 3 * AHEAD + line * LINE_NORMALS));
             let normal = frame.normal.get(first..).unwrap_or_default();
-            if let Some(normal) = normal.first_chunk::<{ 3 * HELD }>() {
-                for i in 0..3 * HELD {
+            if let Some(normal) = normal.first_chunk::<{ 3 * REGISTER_PIXELS }>() {
+                for i in 0..3 * REGISTER_PIXELS {
                     held[i] += summand(normal[i]);
                 }
             } else {
@@ -230,41 +216,41 @@ fn add_normals(sums: &mut [f64], frames: &[FrameRun<'_>]) {
 
 /// The sums of some pixels, and their ranges.
 struct PixelSums {
-    min_color: [i16; 3 * HELD],
-    max_color: [i16; 3 * HELD],
+    min_color: [i16; 3 * REGISTER_PIXELS],
+    max_color: [i16; 3 * REGISTER_PIXELS],
     /// Sums of [`widened_small`].
-    color: [f32; 3 * HELD],
-    min_inverse_depth: [f32; HELD],
-    max_inverse_depth: [f32; HELD],
-    inverse_depth: [f64; HELD],
+    color: [f32; 3 * REGISTER_PIXELS],
+    min_inverse_depth: [f32; REGISTER_PIXELS],
+    max_inverse_depth: [f32; REGISTER_PIXELS],
+    inverse_depth: [f64; REGISTER_PIXELS],
 }
 
 impl PixelSums {
     const NOTHING: Self = Self {
-        min_color: [i16::MAX; 3 * HELD],
-        max_color: [0; 3 * HELD],
-        color: [0.0; 3 * HELD],
-        min_inverse_depth: [f32::INFINITY; HELD],
-        max_inverse_depth: [INVALID_INVERSE_DEPTH; HELD],
-        inverse_depth: [0.0; HELD],
+        min_color: [i16::MAX; 3 * REGISTER_PIXELS],
+        max_color: [0; 3 * REGISTER_PIXELS],
+        color: [0.0; 3 * REGISTER_PIXELS],
+        min_inverse_depth: [f32::INFINITY; REGISTER_PIXELS],
+        max_inverse_depth: [INVALID_INVERSE_DEPTH; REGISTER_PIXELS],
+        inverse_depth: [0.0; REGISTER_PIXELS],
     };
 
     #[inline(always)]
-    fn add(&mut self, color: &[i16; 3 * HELD], inverse_depth: &[f32; HELD]) {
-        for i in 0..3 * HELD {
+    fn add(&mut self, color: &[i16; 3 * REGISTER_PIXELS], inverse_depth: &[f32; REGISTER_PIXELS]) {
+        for i in 0..3 * REGISTER_PIXELS {
             self.min_color[i] = self.min_color[i].min(color[i].max(0));
         }
-        for i in 0..3 * HELD {
+        for i in 0..3 * REGISTER_PIXELS {
             self.max_color[i] = self.max_color[i].max(color[i]);
         }
-        for i in 0..3 * HELD {
+        for i in 0..3 * REGISTER_PIXELS {
             self.color[i] += widened_small(color[i]);
         }
-        for i in 0..HELD {
+        for i in 0..REGISTER_PIXELS {
             self.min_inverse_depth[i] = smaller(self.min_inverse_depth[i], inverse_depth[i]);
             self.max_inverse_depth[i] = larger(self.max_inverse_depth[i], inverse_depth[i]);
         }
-        for i in 0..HELD {
+        for i in 0..REGISTER_PIXELS {
             self.inverse_depth[i] += f64::from(inverse_depth[i]);
         }
     }

@@ -1,21 +1,21 @@
 //! Which pixels may not be static over two spans together: sixteen at a time, by the bits of their ranges alone. Nearly all are
-//! static beyond doubt, and need no look of their own.
+//! certainly static, and need no exact test.
 
-use super::pixel_stats::{HELD, SpanSums, larger, smaller};
+use super::pixel_stats::{REGISTER_PIXELS, SpanSums, larger, smaller};
 use super::staticness::{CHANNELS, StaticTest};
 use crate::simd::{self, VectorLoop};
 
-/// Lists the pixels, ascending, whose ranges over both spans are in doubt: all that are not static there, and some that are.
+/// Lists the pixels, ascending, whose ranges over both spans need an exact test: all that are not static there, and some that are.
 /// Pixels that are closed in both are left out.
-pub(crate) fn list_doubtful(sums: [&SpanSums; 2], test: &StaticTest, doubtful: &mut Vec<u16>) {
-    doubtful.clear();
-    simd::run(StaticnessPrefilter { sums, test, doubtful });
+pub(crate) fn list_uncertain(sums: [&SpanSums; 2], test: &StaticTest, uncertain: &mut Vec<u16>) {
+    uncertain.clear();
+    simd::run(StaticnessPrefilter { sums, test, uncertain });
 }
 
 struct StaticnessPrefilter<'a> {
     sums: [&'a SpanSums; 2],
     test: &'a StaticTest,
-    doubtful: &'a mut Vec<u16>,
+    uncertain: &'a mut Vec<u16>,
 }
 
 impl VectorLoop for StaticnessPrefilter<'_> {
@@ -23,20 +23,20 @@ impl VectorLoop for StaticnessPrefilter<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { sums, test, doubtful } = self;
+        let Self { sums, test, uncertain } = self;
         let pixels = sums[0].pixels();
-        for first in (0..pixels).step_by(HELD) {
-            let all = u32::MAX >> (32 - HELD.min(pixels - first));
+        for first in (0..pixels).step_by(REGISTER_PIXELS) {
+            let all = u32::MAX >> (32 - REGISTER_PIXELS.min(pixels - first));
             let mut which = doubts(sums, test, first).unwrap_or(all);
             while which != 0 {
-                doubtful.push((first as u32 + which.trailing_zeros()) as u16);
+                uncertain.push((first as u32 + which.trailing_zeros()) as u16);
                 which &= which - 1;
             }
         }
     }
 }
 
-/// The doubtful ones of the pixels from `first` on, one bit each; nothing where there are fewer than are looked at together.
+/// The uncertain ones of the pixels from `first` on, one bit each; nothing where there are fewer than are looked at together.
 #[inline(always)]
 fn doubts([sums, later]: [&SpanSums; 2], test: &StaticTest, first: usize) -> Option<u32> {
     let (mut low, mut high) = (
@@ -51,19 +51,19 @@ fn doubts([sums, later]: [&SpanSums; 2], test: &StaticTest, first: usize) -> Opt
         low[i] = low[i].min(later_low[i]);
         high[i] = high[i].max(later_high[i]);
     }
-    let doubtful_color = test.doubtful_colors(&low, &high);
-    let farthest: [&[f32; HELD]; 2] =
+    let doubtful_color = test.uncertain_colors(&low, &high);
+    let farthest: [&[f32; REGISTER_PIXELS]; 2] =
         [at(&sums.min_inverse_depth, first)?, at(&later.min_inverse_depth, first)?];
-    let nearest: [&[f32; HELD]; 2] =
+    let nearest: [&[f32; REGISTER_PIXELS]; 2] =
         [at(&sums.max_inverse_depth, first)?, at(&later.max_inverse_depth, first)?];
     let doubtful_depth = simd::mask(|i| {
         let farthest = smaller(farthest[0][i], farthest[1][i]);
         let nearest = larger(nearest[0][i], nearest[1][i]);
-        // What `relative_range` says, without its branches.
+        // As `relative_range`, without its branches.
         let is_static = (farthest == nearest) | ((nearest - farthest) / nearest <= test.granted_depth());
         !((farthest >= 0.0) & is_static)
     });
-    let open: [&[bool; HELD]; 2] = [at(&sums.is_open, first)?, at(&later.is_open, first)?];
+    let open: [&[bool; REGISTER_PIXELS]; 2] = [at(&sums.is_open, first)?, at(&later.is_open, first)?];
     let (is_open, later_is_open) = (simd::mask(|i| open[0][i]), simd::mask(|i| open[1][i]));
     // What is open in one of them alone becomes its sample.
     Some((doubtful_color | doubtful_depth | is_open ^ later_is_open) & (is_open | later_is_open))
@@ -123,7 +123,7 @@ mod tests {
         let (left, right) = (sums(1, pixels, &test), sums(2, pixels, &test));
         let (mut listed, mut doubts) = (Vec::new(), 0);
         for (a, b) in [(&left, &right), (&right, &left), (&left, &left)] {
-            list_doubtful([a, b], &test, &mut listed);
+            list_uncertain([a, b], &test, &mut listed);
             assert!(listed.is_sorted_by(|a, b| a < b));
             let is_listed = |pixel: usize| listed.binary_search(&(pixel as u16)).is_ok();
             for pixel in 0..pixels {

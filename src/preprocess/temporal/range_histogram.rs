@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::staticness::StaticTest;
+use crate::preprocess::noise::{bin_of_rank, rank_of_share};
 use crate::simd::{self, VectorLoop};
 
 /// Bins per octave of the histograms of ranges.
@@ -20,23 +21,21 @@ pub(super) const PERCENTILES: [f32; 5] = [50.0, 75.0, 90.0, 95.0, 99.0];
 
 /// Counts pixels by their ranges.
 #[derive(Clone, Debug)]
-pub struct RangeShares {
+pub struct RangeHistogram {
     color: Vec<u64>,
     depth: Vec<u64>,
     pixels: u64,
-    with_depth: u64,
     within_color: u64,
     within_noisy_color: u64,
     within_depth: u64,
 }
 
-impl Default for RangeShares {
+impl Default for RangeHistogram {
     fn default() -> Self {
         Self {
             color: vec![0; COLOR_BINS],
             depth: vec![0; DEPTH_BINS],
             pixels: 0,
-            with_depth: 0,
             within_color: 0,
             within_noisy_color: 0,
             within_depth: 0,
@@ -62,7 +61,7 @@ pub struct RangeFacts {
     pub within_depth_granted: f32,
 }
 
-impl RangeShares {
+impl RangeHistogram {
     /// Counts pixels over all frames: their ranges of color (8-bit sRGB steps) and of depth (relative, infinite where there is a
     /// frame without depth), and the ranges of color that are granted to them.
     pub fn count(&mut self, color: &[f32], depth: &[f32], granted: &[f32], test: &StaticTest) {
@@ -74,7 +73,6 @@ impl RangeShares {
         let pairs = self.color.iter_mut().zip(&other.color).chain(self.depth.iter_mut().zip(&other.depth));
         pairs.for_each(|(all, more)| *all += more);
         self.pixels += other.pixels;
-        self.with_depth += other.with_depth;
         self.within_color += other.within_color;
         self.within_noisy_color += other.within_noisy_color;
         self.within_depth += other.within_depth;
@@ -82,18 +80,17 @@ impl RangeShares {
 
     /// Ranges of color (8-bit sRGB steps) from a lower end to an upper one, and how many pixels have such a range. What has
     /// no range at all comes first, from 0 to 0.
-    pub fn color_bins(&self) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
+    pub(crate) fn color_bins(&self) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
         ends(&self.color, COLOR_OCTAVES)
     }
 
     /// The same for relative ranges of depth.
-    pub fn depth_bins(&self) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
+    pub(crate) fn depth_bins(&self) -> impl Iterator<Item = ([f32; 2], u64)> + '_ {
         ends(&self.depth, DEPTH_OCTAVES)
     }
 
     /// What the counts tell.
-    #[must_use]
-    pub fn facts(&self, test: &StaticTest) -> RangeFacts {
+    pub(crate) fn facts(&self, test: &StaticTest) -> RangeFacts {
         let share = |count: u64| count as f32 / self.pixels.max(1) as f32;
         RangeFacts {
             color_percentiles_steps: percentiles(&self.color, COLOR_OCTAVES),
@@ -110,7 +107,7 @@ impl RangeShares {
 const LANES: usize = 16;
 
 struct Count<'a> {
-    shares: &'a mut RangeShares,
+    shares: &'a mut RangeHistogram,
     color: &'a [f32],
     depth: &'a [f32],
     granted: &'a [f32],
@@ -136,7 +133,7 @@ impl VectorLoop for Count<'_> {
     }
 }
 
-impl RangeShares {
+impl RangeHistogram {
     #[inline(always)]
     fn count_lanes(
         &mut self,
@@ -157,7 +154,6 @@ impl RangeShares {
             within[3][i] = u32::from(has_depth & (depth[i] <= test.granted_depth()));
         }
         let sum = |of: &[u32; LANES]| u64::from(of.iter().sum::<u32>());
-        self.with_depth += sum(&within[0]);
         self.within_color += sum(&within[1]);
         self.within_noisy_color += sum(&within[2]);
         self.within_depth += sum(&within[3]);
@@ -202,13 +198,8 @@ fn percentiles(bins: &[u64], octaves: f32) -> Vec<f32> {
     PERCENTILES
         .iter()
         .map(|percent| {
-            let rank = (f64::from(*percent) / 100.0 * total as f64).ceil() as u64;
-            let mut below = 0;
-            let found = bins.iter().position(|count| {
-                below += count;
-                below >= rank
-            });
-            match found.unwrap_or(0) {
+            let rank = rank_of_share(total, f64::from(*percent) / 100.0);
+            match bin_of_rank(bins.iter().copied(), rank).unwrap_or(0) {
                 0 => 0.0,
                 bin => (bin as f32 / BINS_PER_OCTAVE - octaves).exp2(),
             }
@@ -239,7 +230,7 @@ mod tests {
     fn percentiles_and_shares_tell_where_the_tolerance_lies() {
         let settings = SpanSettings::default();
         let test = StaticTest::new(&settings, &CameraNoise::default(), 0.0, 10);
-        let mut shares = RangeShares::default();
+        let mut shares = RangeHistogram::default();
         for i in 0..1000 {
             shares.count(&[i as f32 / 100.0], &[0.0], &[test.granted_color()], &test);
         }

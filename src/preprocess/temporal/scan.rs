@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::batch::BATCH;
-use super::range_histogram::RangeShares;
+use super::range_histogram::RangeHistogram;
 use super::span_store::SpanStore;
 use super::span_tree::SpanTree;
 use super::staticness::StaticTest;
@@ -28,13 +28,13 @@ use crate::preprocess::normals::{NormalErrors, compare_with_given};
 use crate::samples::samples_in_memory;
 use crate::settings::{Settings, SpanLevels, SpanSettings};
 
-/// What a pass over all frames told of one camera.
+/// What a pass over all frames found out about one camera.
 #[derive(Debug)]
 pub struct CameraScan {
     /// Range and mean of every pixel over all frames; for the paper's two lengths only.
     pub ranges: Option<SequenceRanges>,
     /// How far the ranges of all pixels reach; for the tree of spans only.
-    pub shares: Option<RangeShares>,
+    pub shares: Option<RangeHistogram>,
     /// Pixels without depth, over all frames.
     pub invalid: u64,
     /// The coarsest quantization step of depth met in any frame, relative; where a tree of spans was built, in those that were
@@ -46,7 +46,7 @@ pub struct CameraScan {
     pub normal_errors: Vec<NormalErrors>,
 }
 
-/// What a pass over all frames told.
+/// What a pass over all frames found out.
 #[derive(Debug)]
 pub struct TemporalScan {
     /// Frames that were scanned.
@@ -71,8 +71,7 @@ impl TemporalScan {
     }
 
     /// The settings closest to `settings` that the scan serves.
-    #[must_use]
-    pub fn served(&self, settings: &SpanSettings) -> SpanSettings {
+    pub(crate) fn served(&self, settings: &SpanSettings) -> SpanSettings {
         if self.serves(settings) { settings.clone() } else { self.made_with.clone() }
     }
 
@@ -83,8 +82,7 @@ impl TemporalScan {
     }
 
     /// When a pixel of `camera` counts as static under `settings`.
-    #[must_use]
-    pub fn static_test(&self, camera: usize, settings: &SpanSettings) -> StaticTest {
+    pub(crate) fn static_test(&self, camera: usize, settings: &SpanSettings) -> StaticTest {
         let scan = &self.cameras[camera];
         StaticTest::new(settings, &scan.noise, scan.depth_step_relative, self.frames)
     }
@@ -119,7 +117,7 @@ fn scan_cameras(
     let indices: Vec<usize> = (0..capture.cameras.len()).collect();
     for indices in indices.chunks(SIDE_BY_SIDE) {
         let scanned: Vec<Result<CameraScan>> = indices.par_iter().map(|&camera| scan(camera)).collect();
-        // One after the other, so that of two errors the first camera's is told.
+        // One after the other, so that of two errors the first camera's is reported.
         for scan in scanned {
             cameras.push(scan?);
         }
@@ -165,8 +163,13 @@ impl Preview {
         })
     }
 
-    /// With what the pass over the frames told.
-    fn with(self, ranges: Option<SequenceRanges>, shares: Option<RangeShares>, invalid: u64) -> CameraScan {
+    /// With what the pass over the frames found.
+    fn with(
+        self,
+        ranges: Option<SequenceRanges>,
+        shares: Option<RangeHistogram>,
+        invalid: u64,
+    ) -> CameraScan {
         let Self { noise, depth_step_relative, normal_errors, held: _ } = self;
         CameraScan { ranges, shares, invalid, depth_step_relative, noise, normal_errors }
     }

@@ -19,7 +19,7 @@ pub(crate) fn color_ranges_steps(sums: &SpanSums) -> Vec<f32> {
 /// Range of color that is granted to every pixel, 8-bit sRGB steps.
 pub(crate) fn granted_color_steps(sums: &SpanSums, test: &StaticTest) -> Vec<f32> {
     let (lows, highs) = (sums.min_color.as_chunks::<3>().0, sums.max_color.as_chunks::<3>().0);
-    lows.iter().zip(highs).map(|(low, high)| test.granted_within(low, high)).collect()
+    lows.iter().zip(highs).map(|(low, high)| test.granted_within(*low, *high)).collect()
 }
 
 /// Range of inverse depth of every pixel as a share of its maximum, 0 to 1; infinite where some frame has no depth.

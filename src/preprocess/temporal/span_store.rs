@@ -41,8 +41,7 @@ impl SpanSamples {
     }
 
     /// No samples, and room for so many (normals aside).
-    #[must_use]
-    pub fn with_capacity(count: usize) -> Self {
+    pub(crate) fn with_capacity(count: usize) -> Self {
         Self {
             pixels: Vec::with_capacity(count),
             color: Vec::with_capacity(count),
@@ -60,7 +59,7 @@ impl SpanSamples {
     }
 
     /// Makes room for so many more (normals aside).
-    pub fn reserve(&mut self, count: usize) {
+    pub(crate) fn reserve(&mut self, count: usize) {
         self.pixels.reserve_exact(count);
         self.color.reserve_exact(count);
         self.inverse_depth.reserve_exact(count);
@@ -115,14 +114,13 @@ impl Record for SpanSamples {
 #[derive(Debug)]
 pub struct SpanStore {
     places: BTreeMap<(usize, Span), RecordPlace<SpanSamples>>,
-    overflow: SpillFile,
+    spill: SpillFile,
 }
 
 impl SpanStore {
     /// An empty store that holds at most `bound` bytes in memory.
-    #[must_use]
-    pub fn new(bound: usize) -> Self {
-        Self { places: BTreeMap::new(), overflow: SpillFile::new(bound) }
+    pub(crate) fn new(bound: usize) -> Self {
+        Self { places: BTreeMap::new(), spill: SpillFile::new(bound) }
     }
 
     /// Takes the samples of `camera` over `span`.
@@ -131,7 +129,7 @@ impl SpanStore {
     /// `Io` where the temporary file cannot be written.
     pub fn insert(&mut self, camera: usize, span: Span, samples: SpanSamples) -> Result<()> {
         if !samples.is_empty() {
-            self.places.insert((camera, span), self.overflow.put(samples)?);
+            self.places.insert((camera, span), self.spill.put(samples)?);
         }
         Ok(())
     }
@@ -141,16 +139,7 @@ impl SpanStore {
     /// # Errors
     /// `Io` where the temporary file cannot be read.
     pub fn get(&self, camera: usize, span: Span) -> Result<Option<Arc<SpanSamples>>> {
-        self.places.get(&(camera, span)).map(|place| self.overflow.get(place)).transpose()
-    }
-
-    /// How many samples each span of `camera` has, in no order of length; spans without any are left out.
-    pub fn counts(&self, camera: usize) -> impl Iterator<Item = (Span, usize)> + '_ {
-        let of_camera = (camera, Span { start: 0, end: 0 })..(camera + 1, Span { start: 0, end: 0 });
-        self.places.range(of_camera).map(|((_, span), place)| match place {
-            RecordPlace::Memory(samples) => (*span, samples.len()),
-            RecordPlace::File(_, (samples, _)) => (*span, *samples),
-        })
+        self.places.get(&(camera, span)).map(|place| self.spill.get(place)).transpose()
     }
 }
 
@@ -181,7 +170,6 @@ mod tests {
                 assert_eq!(*read, samples(n, n % 3 == 0));
             }
             assert_eq!(store.get(1, span(0)).unwrap(), None);
-            assert_eq!(store.counts(0).map(|(span, count)| span.start as usize + count).sum::<usize>(), 126);
         }
     }
 }

@@ -70,7 +70,6 @@ impl SpanTree {
 }
 
 /// The halves of a span, the left one a power of two long and no shorter than the right; `None` for a single frame.
-#[must_use]
 pub(super) fn halves(span: Span) -> Option<[Span; 2]> {
     let length = span.end - span.start;
     let middle = span.start + 1_u32.checked_shl(length.checked_sub(1)?.checked_ilog2()?)?;
@@ -84,7 +83,6 @@ pub fn all_frames(frames: usize) -> Span {
 }
 
 /// The span of one frame.
-#[must_use]
 pub(super) fn one_frame(frame: usize) -> Span {
     Span { start: frame as u32, end: frame as u32 + 1 }
 }

@@ -47,7 +47,7 @@ const COLOR_BITS: [u32; CHANNELS] = {
     bits
 };
 
-/// [`StaticTest::doubtful_colors`] tells halves of octaves apart: what is darker than 2⁻⁹ counts as the first, what is brighter
+/// [`StaticTest::uncertain_colors`] distinguishes halves of octaves: what is darker than 2⁻⁹ counts as the first, what is brighter
 /// than 1.5 as the last.
 const MARGIN_STEPS: usize = 20;
 const DARKEST: usize = 6 << 10;
@@ -90,33 +90,30 @@ impl StaticTest {
     /// Whether a color channel whose half floats have these smallest and largest bits, neither below 0, stays within the
     /// tolerance by a margin that needs no exact look. Where all channels do, the color is static.
     #[inline(always)]
-    #[must_use]
-    pub fn is_clearly_static(&self, low: i16, high: i16) -> bool {
+    pub(crate) fn is_clearly_static(&self, low: i16, high: i16) -> bool {
         (high - low) as u16 <= self.margins[high as usize & (POSITIVE_HALVES - 1)]
     }
 
     /// Which of sixteen colors are not clearly static, one bit each, by [`StaticTest::is_clearly_static`] of their channels,
     /// three to a color; of dark and very bright ones by a narrower margin.
     #[inline(always)]
-    #[must_use]
-    pub(crate) fn doubtful_colors(&self, low: &[i16; CHANNELS], high: &[i16; CHANNELS]) -> u32 {
+    pub(crate) fn uncertain_colors(&self, low: &[i16; CHANNELS], high: &[i16; CHANNELS]) -> u32 {
         let mut margin = [0; CHANNELS];
         for &(from, least) in &self.margin_steps {
             for i in 0..CHANNELS {
                 margin[i] = if high[i] >= from { least } else { margin[i] };
             }
         }
-        let mut doubtful = [0; CHANNELS];
+        let mut uncertain = [0; CHANNELS];
         for i in 0..CHANNELS {
-            doubtful[i] = if high[i] - low[i] > margin[i] { COLOR_BITS[i] } else { 0 };
+            uncertain[i] = if high[i] - low[i] > margin[i] { COLOR_BITS[i] } else { 0 };
         }
-        simd::joined(&doubtful)
+        simd::joined(&uncertain)
     }
 
     /// Whether a color whose half floats have these smallest and largest bits, none below 0, is static.
     #[inline(always)]
-    #[must_use]
-    pub fn is_color_static(&self, low: [i16; 3], high: [i16; 3]) -> bool {
+    pub(crate) fn is_color_static(&self, low: [i16; 3], high: [i16; 3]) -> bool {
         let is_clear = |channel: usize| self.is_clearly_static(low[channel], high[channel]);
         (is_clear(0) & is_clear(1) & is_clear(2)) || self.is_within_granted(low, high)
     }
@@ -124,14 +121,13 @@ impl StaticTest {
     #[cold]
     fn is_within_granted(&self, low: [i16; 3], high: [i16; 3]) -> bool {
         let range = color_range_steps(color::steps_table(), &low, &high);
-        range <= self.granted_within(&low, &high)
+        range <= self.granted_within(low, high)
     }
 
     /// Color range that is granted to a pixel whose half floats have these smallest and largest bits, none below 0: that of the
     /// noisiest channel, 8-bit sRGB steps.
     #[inline(always)]
-    #[must_use]
-    pub fn granted_within(&self, low: &[i16; 3], high: &[i16; 3]) -> f32 {
+    pub(crate) fn granted_within(&self, low: [i16; 3], high: [i16; 3]) -> f32 {
         let table = color::steps_table();
         let class =
             |bits: i16| brightness_bin(table[bits as usize & (POSITIVE_HALVES - 1)]) % BRIGHTNESS_BINS;
@@ -140,14 +136,12 @@ impl StaticTest {
     }
 
     /// Color range that is granted to every pixel, whatever the noise, 8-bit sRGB steps.
-    #[must_use]
-    pub fn granted_color(&self) -> f32 {
+    pub(crate) fn granted_color(&self) -> f32 {
         self.color_steps
     }
 
     /// Depth range that is granted, relative.
-    #[must_use]
-    pub fn granted_depth(&self) -> f32 {
+    pub(crate) fn granted_depth(&self) -> f32 {
         self.depth_relative
     }
 }
@@ -211,8 +205,8 @@ mod tests {
         for (low, high, is_clear) in channels(&test) {
             assert_eq!(is_clear, test.is_within_granted([low; 3], [high; 3]), "{low} to {high}");
             clear += usize::from(is_clear);
-            let doubtful = test.doubtful_colors(&[low; CHANNELS], &[high; CHANNELS]);
-            assert!(is_clear || doubtful == 0xffff, "{low} to {high}");
+            let uncertain = test.uncertain_colors(&[low; CHANNELS], &[high; CHANNELS]);
+            assert!(is_clear || uncertain == 0xffff, "{low} to {high}");
         }
         assert!(clear > 10_000, "{clear}");
     }

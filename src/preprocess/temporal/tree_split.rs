@@ -18,17 +18,17 @@
 
 use std::sync::Arc;
 
+use half::f16;
 use rayon::prelude::*;
 
 use super::batch::Batch;
 use super::batch_split::ShortSpans;
 use super::pixel_stats::{FrameRun, SpanSums};
-use super::prefilter::list_doubtful;
-use super::range_histogram::RangeShares;
-use super::root_buffer::{RootBand, RootSamples};
+use super::prefilter::list_uncertain;
+use super::range_histogram::RangeHistogram;
 use super::span_means::{
     color_ranges_steps, depth_ranges_relative, granted_color_steps, mean_color, mean_inverse_depth,
-    mean_normal,
+    mean_normal, write_means,
 };
 use super::span_store::SpanSamples;
 use super::span_tree::SpanTree;
@@ -65,11 +65,11 @@ struct SplitBand {
     /// `[chunk][open span]`
     chunks: Vec<Vec<SpanSums>>,
     invalid: u64,
-    shares: RangeShares,
+    shares: RangeHistogram,
 }
 
 /// Samples of some spans, in no order of spans.
-pub type Given = Vec<(Span, SpanSamples)>;
+pub type FinishedSpans = Vec<(Span, SpanSamples)>;
 
 impl Split {
     /// A split of `pixels` pixels over `frames` frames.
@@ -82,7 +82,7 @@ impl Split {
                 pixels: count,
                 chunks: vec![Vec::new(); count.div_ceil(CHUNK)],
                 invalid: 0,
-                shares: RangeShares::default(),
+                shares: RangeHistogram::default(),
             }
         });
         Self {
@@ -95,8 +95,8 @@ impl Split {
     }
 
     /// Adds the frames that follow: [`BATCH`](super::batch::BATCH) of them, or a smaller power of two each time; at the end, what is left. Gives
-    /// the samples of the spans that are settled now.
-    pub fn add(&mut self, frames: &[Arc<Frame>]) -> Given {
+    /// the samples of the spans that are finished now.
+    pub fn add(&mut self, frames: &[Arc<Frame>]) -> FinishedSpans {
         let span = Span { start: self.added, end: self.added + frames.len() as u32 };
         self.added = span.end;
         let carry = self.carry(span);
@@ -107,27 +107,15 @@ impl Split {
             carry: &carry,
             is_last: span.end == self.tree.root().end,
         };
-        let pixels = self.bands.iter().map(|band| band.pixels).sum();
-        let normals = frames.first().is_some_and(|frame| frame.normal_in_world.is_some());
-        let mut root = RootSamples::of(if batch.is_last { pixels } else { 0 }, normals);
-        let mut roots: Vec<Option<RootBand<'_>>> = root.bands(BAND).into_iter().map(Some).collect();
-        roots.resize_with(self.bands.len(), || None);
-        let bands = self.bands.par_iter_mut().zip(&mut roots).with_max_len(JOB_BANDS);
+        let bands = self.bands.par_iter_mut().with_max_len(JOB_BANDS);
         let found = bands.fold(
             || SplitSamples::new(&batch),
-            |mut found, (band, root)| {
-                band.add(&batch, root.as_mut(), &mut found);
+            |mut found, band| {
+                band.add(&batch, &mut found);
                 found
             },
         );
-        let found: Vec<SplitSamples> = found.collect();
-        let counts: Vec<usize> = roots.iter().flatten().map(RootBand::count).collect();
-        let mut joined = join(found, &batch);
-        let root = root.joined(&counts, BAND);
-        if !root.is_empty() {
-            joined.push((self.tree.root(), root));
-        }
-        joined
+        join(found.collect(), &batch, self.tree.root())
     }
 
     /// Pixels without depth, over all frames added.
@@ -138,8 +126,8 @@ impl Split {
 
     /// How far the ranges of all pixels reach, once all frames are added.
     #[must_use]
-    pub fn shares(&self) -> RangeShares {
-        let mut all = RangeShares::default();
+    pub fn shares(&self) -> RangeHistogram {
+        let mut all = RangeHistogram::default();
         self.bands.iter().for_each(|band| all.join(&band.shares));
         all
     }
@@ -167,8 +155,10 @@ struct SplitSamples {
     short: ShortSpans,
     /// For each pair of spans in [`Batch::carry`].
     long: Vec<[SpanSamples; 2]>,
+    /// Of the span of all frames: found with the last frames.
+    root: SpanSamples,
     /// Pixels of a chunk that need a look of their own.
-    doubtful: Vec<u16>,
+    uncertain: Vec<u16>,
 }
 
 impl SplitSamples {
@@ -177,22 +167,23 @@ impl SplitSamples {
         Self {
             short: ShortSpans::new(batch, ROOM),
             long: batch.carry.iter().map(|_| [room(), room()]).collect(),
-            doubtful: Vec::with_capacity(CHUNK),
+            root: SpanSamples::default(),
+            uncertain: Vec::with_capacity(CHUNK),
         }
     }
 
-    fn given(self, batch: &Batch<'_>) -> Given {
-        let long =
-            batch.carry.iter().zip(self.long).flat_map(|(spans, given)| spans.iter().copied().zip(given));
-        self.short.given.into_iter().chain(long).collect()
+    fn into_spans(self, batch: &Batch<'_>, root: Span) -> FinishedSpans {
+        let pairs = batch.carry.iter().zip(self.long);
+        let long = pairs.flat_map(|(spans, samples)| spans.iter().copied().zip(samples));
+        self.short.given.into_iter().chain(long).chain([(root, self.root)]).collect()
     }
 }
 
 /// The samples of all bands, those of a span together.
-fn join(found: Vec<SplitSamples>, batch: &Batch<'_>) -> Given {
-    let mut parts = found.into_iter().map(|found| found.given(batch));
-    let Some(mut joined) = parts.next() else { return Given::new() };
-    let later: Vec<Given> = parts.collect();
+fn join(found: Vec<SplitSamples>, batch: &Batch<'_>, root: Span) -> FinishedSpans {
+    let mut parts = found.into_iter().map(|found| found.into_spans(batch, root));
+    let Some(mut joined) = parts.next() else { return FinishedSpans::new() };
+    let later: Vec<FinishedSpans> = parts.collect();
     joined.par_iter_mut().enumerate().for_each(|(nth, (_, samples))| {
         let later = || later.iter().map(|given| &given[nth].1);
         samples.reserve(later().map(SpanSamples::len).sum());
@@ -203,9 +194,8 @@ fn join(found: Vec<SplitSamples>, batch: &Batch<'_>) -> Given {
 }
 
 impl SplitBand {
-    /// `root` is there with the last frames.
-    fn add(&mut self, batch: &Batch<'_>, mut root: Option<&mut RootBand<'_>>, found: &mut SplitSamples) {
-        let SplitSamples { short, long, doubtful } = found;
+    fn add(&mut self, batch: &Batch<'_>, found: &mut SplitSamples) {
+        let SplitSamples { short, long, root, uncertain } = found;
         for (index, open) in self.chunks.iter_mut().enumerate() {
             let first = self.first + index * CHUNK;
             let pixels = CHUNK.min(self.first + self.pixels - first);
@@ -213,8 +203,8 @@ impl SplitBand {
             let count_invalid =
                 |run: &FrameRun<'_>| run.inverse_depth[..pixels].iter().filter(|w| **w < 0.0).count();
             let mut sums = SpanSums::of(&runs, pixels);
-            list_doubtful([&sums, &sums], batch.test, doubtful);
-            for &pixel in doubtful.iter() {
+            list_uncertain([&sums, &sums], batch.test, uncertain);
+            for &pixel in uncertain.iter() {
                 let pixel = pixel as usize;
                 if !sums.is_static(pixel, batch.test) {
                     short.push(batch, &runs, first, pixel);
@@ -227,14 +217,13 @@ impl SplitBand {
             }
             for given in &mut *long {
                 let Some(left) = open.pop() else { break };
-                list_doubtful([&left, &sums], batch.test, doubtful);
-                sums = union(left, &sums, batch.test, (first, doubtful), given);
+                list_uncertain([&left, &sums], batch.test, uncertain);
+                sums = union(left, &sums, batch.test, (first, uncertain), given);
             }
-            if let Some(root) = &mut root {
+            if batch.is_last {
                 let (color, depth) = (color_ranges_steps(&sums), depth_ranges_relative(&sums));
                 self.shares.count(&color, &depth, &granted_color_steps(&sums, batch.test), batch.test);
-                root.write(first, &sums);
-                root.take(&sums);
+                take_open(root, first, &sums);
             } else {
                 open.push(sums);
             }
@@ -252,16 +241,16 @@ fn run_of(frame: &Frame, first: usize) -> FrameRun<'_> {
     }
 }
 
-/// The sums over two spans together. Where they are not static, which is asked of the `doubtful` pixels, the static ones of the two
+/// The sums over two spans together. Where they are not static, which is tested for the `uncertain` pixels, the static ones of the two
 /// become samples.
 fn union(
     mut left: SpanSums,
     right: &SpanSums,
     test: &StaticTest,
-    (first, doubtful): (usize, &[u16]),
+    (first, uncertain): (usize, &[u16]),
     given: &mut [SpanSamples; 2],
 ) -> SpanSums {
-    for pixel in doubtful.iter().map(|pixel| *pixel as usize) {
+    for pixel in uncertain.iter().map(|pixel| *pixel as usize) {
         if left.is_static_with(right, pixel, test) {
             continue;
         }
@@ -276,13 +265,24 @@ fn union(
     left
 }
 
+/// Adds the samples of all open pixels of `sums`, the first of which is `first`. Of the span of all frames these are most.
+fn take_open(samples: &mut SpanSamples, first: usize, sums: &SpanSums) {
+    let mut color = vec![[f16::ZERO; 3]; sums.pixels()];
+    let mut inverse_depth = vec![0.0; sums.pixels()];
+    write_means(sums, &mut color, &mut inverse_depth);
+    for pixel in (0..sums.pixels()).filter(|pixel| sums.is_open(*pixel)) {
+        samples.pixels.push((first + pixel) as u32);
+        samples.color.push(color[pixel]);
+        samples.inverse_depth.push(inverse_depth[pixel]);
+        samples.normal.extend(mean_normal(sums, pixel));
+    }
+}
+
 fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums) {
     samples.pixels.push((first + pixel) as u32);
     samples.color.push(mean_color(sums, pixel));
     samples.inverse_depth.push(mean_inverse_depth(sums, pixel));
-    if let Some(normal) = mean_normal(sums, pixel) {
-        samples.normal.push(normal);
-    }
+    samples.normal.extend(mean_normal(sums, pixel));
 }
 
 #[cfg(test)]
@@ -303,7 +303,7 @@ mod tests {
         let test = StaticTest::new(&SpanSettings::default(), &noise, 0.0, frames.len());
         let found = simd::at_every_level(|| {
             let mut split = Split::new(75 * 50, frames.len(), test.clone());
-            let given: Vec<Given> = frames.chunks(BATCH).map(|frames| split.add(frames)).collect();
+            let given: Vec<FinishedSpans> = frames.chunks(BATCH).map(|frames| split.add(frames)).collect();
             (given, split.shares().facts(&test))
         });
         let short = found[0].0.iter().flatten().filter(|(span, _)| span.len() < 40);

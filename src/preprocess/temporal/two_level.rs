@@ -1,7 +1,7 @@
 //! The paper's two lengths of spans, all frames and one: range and mean of every pixel over all frames.
 //!
-//! Purpose: where a sample lives over all frames or in a single one, a pass over the frames that depends on no threshold tells
-//! which; the split is then a comparison per pixel. (What moves is not kept by this pass, since nobody knows before its end
+//! Purpose: where a sample lives over all frames or in a single one, a pass over the frames that depends on no threshold finds
+//! which; the split is then a comparison per pixel. (What moves is not kept by this pass, since it is not known before its end
 //! what does; it is read again, frame by frame.)
 //!
 //! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.2: a pixel that remains constant
@@ -13,7 +13,7 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::pixel_stats::{direction, summand};
-use super::range_histogram::RangeShares;
+use super::range_histogram::RangeHistogram;
 use super::span_store::SpanSamples;
 use super::staticness::{StaticTest, color_range_steps};
 use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
@@ -42,8 +42,7 @@ pub struct SequenceRanges {
 
 impl SequenceRanges {
     /// Which pixels are background under `settings`, row-major.
-    #[must_use]
-    pub fn static_pixels(&self, settings: &SpanSettings, test: &StaticTest) -> Vec<bool> {
+    pub(crate) fn static_pixels(&self, settings: &SpanSettings, test: &StaticTest) -> Vec<bool> {
         if settings.levels == SpanLevels::Off {
             return vec![false; self.mean_color.len()];
         }
@@ -56,8 +55,7 @@ impl SequenceRanges {
     }
 
     /// Range of color over time of every pixel, the widest of the three channels, 8-bit sRGB steps.
-    #[must_use]
-    pub fn color_steps(&self) -> impl ExactSizeIterator<Item = f32> {
+    pub(crate) fn color_steps(&self) -> impl ExactSizeIterator<Item = f32> {
         let table = color::steps_table();
         let colors = self.low_color.as_slice().iter().zip(self.high_color.as_slice());
         colors.map(|(low, high)| color_range_steps(table, low, high))
@@ -80,10 +78,10 @@ impl SequenceRanges {
 
     /// How far the ranges of all pixels reach.
     #[must_use]
-    pub fn shares(&self, test: &StaticTest) -> RangeShares {
-        let mut shares = RangeShares::default();
+    pub fn shares(&self, test: &StaticTest) -> RangeHistogram {
+        let mut shares = RangeHistogram::default();
         let colors = self.low_color.as_slice().iter().zip(self.high_color.as_slice());
-        let granted: Vec<f32> = colors.map(|(low, high)| test.granted_within(low, high)).collect();
+        let granted: Vec<f32> = colors.map(|(low, high)| test.granted_within(*low, *high)).collect();
         let color: Vec<f32> = self.color_steps().collect();
         shares.count(&color, self.depth_relative.as_slice(), &granted, test);
         shares

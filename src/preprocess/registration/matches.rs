@@ -1,9 +1,9 @@
-//! What one camera says about the samples of another: bits of an answer for each lane of a block, and the same in words.
+//! What one camera shows of the samples of another: the conditions that each lane of a block meets, as bits, and the outcome.
 
 /// Pixels that are carried at once.
-pub const LANES: usize = 16;
+pub(crate) const LANES: usize = 16;
 
-/// What another camera says about a sample.
+/// What another camera shows where a sample's point lies in its picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Outcome {
     /// The point lies behind the camera.
@@ -12,8 +12,8 @@ pub enum Outcome {
     OutsideView,
     /// The camera recorded no depth at that pixel.
     NoDepth,
-    /// The camera saw the same surface point, but for a shorter span only: its sample is decided later, and stands for no longer
-    /// one.
+    /// The camera saw the same surface point, but for a shorter span only: its sample is decided later, and is no
+    /// witness of longer ones.
     ShorterSpan,
     /// The camera sees something nearer at that pixel.
     Occluded,
@@ -29,14 +29,14 @@ pub enum Outcome {
     Same(u32),
 }
 
-/// What the target says about the samples of a block: for each a set of bits, and where in the target it was looked for.
+/// What the target shows of the samples of a block: for each a set of bits, and where in the target its point lies.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceMatches<const N: usize = LANES> {
     pub(crate) bits: [u32; N],
     /// Pixels of the target, `y * width + x`; 0 where the point lies outside.
-    pub pixel: [u32; N],
+    pub(crate) pixel: [u32; N],
     /// Levels of the samples found.
-    pub level: [u32; N],
+    pub(crate) level: [u32; N],
 }
 
 pub(crate) const IN_FRONT: u32 = 1;
@@ -47,39 +47,37 @@ pub(crate) const NORMAL_AGREES: u32 = 1 << 4;
 pub(crate) const COLOR_AGREES: u32 = 1 << 5;
 pub(crate) const SURROUNDED: u32 = 1 << 6;
 pub(crate) const SAME: u32 = (1 << 7) - 1;
-/// Not a condition: the target sees something nearer than the point.
+/// The target sees something nearer than the point: no condition, but part of the outcome.
 pub(crate) const NEARER: u32 = 1 << 7;
 
 /// For the samples of a block, the smallest tolerances at which each shows the same surface point as the target does, up to
 /// rounding; anything where no tolerance makes it so.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Needs<const N: usize = LANES> {
-    /// In footprints, of the point itself and where it is asked for of the pixels around it.
+pub(crate) struct RequiredTolerances<const N: usize = LANES> {
+    /// In footprints, of the point itself and, where overlap is tested, of the pixels around it.
     pub(crate) depth: [f32; N],
     /// One less the cosine between the normals.
     pub(crate) turn: [f32; N],
-    /// In 8-bit sRGB steps; where they are fewer than [`Needs::few_steps`], noise is not counted.
+    /// In 8-bit sRGB steps; where they are fewer than [`RequiredTolerances::negligible_steps`], noise is not counted.
     pub(crate) color: [f32; N],
-    /// Colors that differ by no more than this agree at any tolerance that will ever be asked about.
-    pub(crate) few_steps: f32,
+    /// Colors that differ by no more than this agree at every tolerance in question.
+    pub(crate) negligible_steps: f32,
 }
 
-impl<const N: usize> Needs<N> {
-    pub(crate) fn new(few_steps: f32) -> Self {
-        Self { depth: [0.0; N], turn: [0.0; N], color: [0.0; N], few_steps }
+impl<const N: usize> RequiredTolerances<N> {
+    pub(crate) fn new(negligible_steps: f32) -> Self {
+        Self { depth: [0.0; N], turn: [0.0; N], color: [0.0; N], negligible_steps }
     }
 }
 
 impl<const N: usize> SurfaceMatches<N> {
     /// Whether the target shows the same surface point as the sample in `lane`.
     #[inline(always)]
-    #[must_use]
     pub(crate) fn is_same(&self, lane: usize) -> bool {
         self.bits[lane] & SAME == SAME
     }
 
-    /// In words.
-    #[must_use]
+    /// The first condition that is not met.
     pub(crate) fn outcome(&self, lane: usize) -> Outcome {
         let bits = self.bits[lane];
         let first_missing = (!bits & SAME).trailing_zeros();

@@ -1,0 +1,98 @@
+//! Colors and depths that differ by more than the tolerance, but by no more than the noise of both cameras explains.
+
+use super::matches::{COLOR_AGREES, RequiredTolerances, SAME, SURROUNDED, SurfaceMatches};
+use super::reproject::{PixelRun, ReprojectedRun};
+use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry};
+
+/// All conditions that come before color matters.
+const BEFORE_COLOR: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
+
+/// Grants what the measured noise of both explains to colors that differ by more than `color_steps`, and, where `MEASURING`, to
+/// the tolerance that each sample requires.
+#[cold]
+#[inline(never)]
+pub(crate) fn grant_color_noise<const N: usize, const MEASURING: bool>(
+    source: (&CameraLayer, &PixelRun<N>),
+    (target, packed_colors): (&CameraLayer, &[PackedColor; N]),
+    (color_steps, sigmas): (f32, f32),
+    relevant: [u32; N],
+    matches: &mut SurfaceMatches<N>,
+    required: &mut RequiredTolerances<N>,
+) {
+    for (lane, packed) in packed_colors.iter().enumerate() {
+        let bits = matches.bits[lane];
+        let may_matter = bits & BEFORE_COLOR == BEFORE_COLOR;
+        let is_open = may_matter && relevant[lane] != 0 && bits & COLOR_AGREES == 0;
+        let is_measured = MEASURING && may_matter && required.color[lane] > required.negligible_steps;
+        if !(is_open || is_measured) {
+            continue;
+        }
+        let beyond = beyond_noise(source, lane, (target, matches.pixel[lane], packed), sigmas);
+        if is_measured {
+            required.color[lane] = required.color[lane].min(beyond);
+        }
+        if is_open && beyond <= color_steps {
+            matches.bits[lane] |= COLOR_AGREES;
+        }
+    }
+}
+
+/// By how many 8-bit steps the color of a block's sample differs from one of the target beyond what the noise of both explains: of
+/// the channel where that is most.
+#[inline(always)]
+fn beyond_noise<const N: usize>(
+    (source, block): (&CameraLayer, &PixelRun<N>),
+    lane: usize,
+    (target, found, packed): (&CameraLayer, u32, &PackedColor),
+    sigmas: f32,
+) -> f32 {
+    let pixel = block.row * source.width + block.column + lane;
+    let found_color = packed.color();
+    let of_channel = |channel: usize| {
+        let [a, b] =
+            [block.color[channel][lane], found_color[channel]].map(|color| color as f32 / COLOR_STEPS);
+        let noise = source.color_noise(pixel, a).hypot(target.color_noise(found as usize, b));
+        (a - b).abs() - sigmas * noise
+    };
+    of_channel(0).max(of_channel(1)).max(of_channel(2))
+}
+
+/// By how much the noise of both cameras may move the points of a block off the surfaces that the target found: for each its
+/// distance along the ray, times both inverse depths as in the [comparison](super::same_surface).
+#[cold]
+#[inline(never)]
+pub(crate) fn granted_depth_noise<const N: usize>(
+    (source, block): (&CameraLayer, &PixelRun<N>),
+    (target, carried, found): (&CameraLayer, &ReprojectedRun<N>, &[PackedGeometry; N]),
+    sigmas: f32,
+) -> [f32; N] {
+    let mut granted = [0.0; N];
+    for (lane, granted) in granted.iter_mut().enumerate() {
+        let (w, there) = (block.inverse_depth[lane], found[lane].inverse_depth);
+        if w > 0.0 && there > 0.0 {
+            let pixel = block.row * source.width + block.column + lane;
+            let own = source.depth_noise(pixel) * there;
+            *granted = sigmas * own.hypot(target.depth_noise(carried.pixel[lane] as usize) * w);
+        }
+    }
+    granted
+}
+
+/// The same for the samples that the target found and three of their neighbors each, which are as noisy: by corner.
+#[cold]
+#[inline(never)]
+pub(crate) fn granted_depth_noise_around<const N: usize>(
+    target: &CameraLayer,
+    carried: &ReprojectedRun<N>,
+    found: &[PackedGeometry; N],
+    neighbors: &[[f32; N]; 3],
+    sigmas: f32,
+) -> [[f32; N]; 3] {
+    let noise = carried.pixel.map(|pixel| sigmas * target.depth_noise(pixel as usize));
+    neighbors.map(|depths| {
+        std::array::from_fn(|lane| {
+            let (here, there) = (found[lane].inverse_depth, depths[lane]);
+            noise[lane] * (here * here + there * there).sqrt()
+        })
+    })
+}
