@@ -25,7 +25,7 @@ const LAYERS: [&[&str]; 9] = [
 const STRANGERS: [(&str, &str); 1] = [("render", "preprocess")];
 
 /// Folders of a module from the first to the last in the order in which data flows: a folder may use those before it.
-const STAGES: [(&str, &[&str]); 5] = [
+const STAGES: [(&str, &[&str]); 6] = [
     (
         "preprocess",
         &[
@@ -43,6 +43,7 @@ const STAGES: [(&str, &[&str]); 5] = [
     ("render", &["input", "geometry", "splat", "gather", "resolve", "fill", "output", "gpu", "film"]),
     ("app", &["model", "work", "control", "views", "panels"]),
     ("store", &["container", "codec", "image", "file", "playback"]),
+    ("evaluate", &["metrics", "scoring", "truth", "trial", "sweep", "stress", "tune", "chart", "bench"]),
     ("cli", &["output", "input", "commands"]),
 ];
 

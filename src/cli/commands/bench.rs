@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use clap::Args;
 
-use super::render::choice;
-use crate::cli::{CommandError, output};
+use crate::cli::input::choice;
+use crate::cli::output::{self, CommandError};
 use crate::evaluate::bench::{self, Limit, LimitKind, Machine, Options, SpeedReport, StageSpeed};
 use crate::settings::{Backend, Instructions};
 

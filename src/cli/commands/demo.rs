@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::capture::transforms::{MANIFEST_NAME, open_views, picture_name, write_capture};
 use crate::capture::{Camera, TruthView};
-use crate::cli::{CommandError, output};
+use crate::cli::output::{self, CommandError};
 use crate::demo::{Demo, DemoSpec, MAX_CAMERAS, SCENES};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;

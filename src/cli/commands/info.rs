@@ -7,8 +7,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::capture::{Camera, transforms};
-use crate::cli::CommandError;
-use crate::cli::output::{self, Sizes};
+use crate::cli::output::{self, CommandError, Sizes};
 use crate::preprocess::diagnostics::Report;
 use crate::settings::{CaptureSettings, Settings};
 use crate::store::file::{Provenance, Store};

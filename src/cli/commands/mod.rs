@@ -3,7 +3,7 @@
 mod bench;
 mod demo;
 mod evaluate;
-pub mod export;
+mod export;
 mod info;
 mod preprocess;
 mod render;
@@ -16,6 +16,7 @@ mod verify;
 pub(crate) use bench::BenchArgs;
 pub(crate) use demo::DemoArgs;
 pub(crate) use evaluate::EvaluateArgs;
+pub(crate) use export::ExportArgs;
 pub(crate) use info::InfoArgs;
 pub(crate) use preprocess::PreprocessArgs;
 pub(crate) use render::RenderArgs;

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::capture::{Capture, transforms};
-use crate::cli::input::{self, HoldOutArgs};
-use crate::cli::{CommandError, SettingsArgs, output};
+use crate::cli::input::{self, HoldOutArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError};
 use crate::error::{Error, Result};
 use crate::evaluate::truth;
 use crate::job::Job;

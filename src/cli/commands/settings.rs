@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use clap::Args;
 
-use crate::cli::{CommandError, SettingsArgs, output};
+use crate::cli::input::SettingsArgs;
+use crate::cli::output::{self, CommandError};
 use crate::settings::{Field, Settings, ValueKind};
 
 /// Arguments of `overlook settings`.

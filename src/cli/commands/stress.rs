@@ -7,8 +7,8 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use serde::Serialize;
 
-use crate::cli::input::TruthArgs;
-use crate::cli::{CommandError, SettingsArgs, output};
+use crate::cli::input::{self, SettingsArgs, TruthArgs};
+use crate::cli::output::{self, CommandError};
 use crate::evaluate::stress::{self, BreakingPoint as PointOfFailure, Disturbance, StressPlan, StressPoint};
 use crate::evaluate::truth::Truth;
 use crate::settings::Settings;
@@ -45,7 +45,7 @@ impl StressArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
         output::folder(&self.out)?;
-        let capture = crate::cli::open_capture(&self.capture, &settings.capture)?;
+        let capture = input::open_capture(&self.capture, &settings.capture)?;
         let truth: Truth = self.truth.truth(&self.capture, &capture)?;
         let mut plan = StressPlan { frames: self.truth.frames, ..StressPlan::standard(&settings) };
         if !self.only.is_empty() {

@@ -5,9 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::render::PaintingArgs;
-use crate::cli::input::TruthArgs;
-use crate::cli::{CommandError, SettingsArgs, output};
+use crate::cli::input::{self, PaintingArgs, SettingsArgs, TruthArgs};
+use crate::cli::output::{self, CommandError};
 use crate::evaluate::sweep::{self, Point, SweepPlan};
 use crate::settings::Settings;
 
@@ -49,7 +48,7 @@ impl SweepArgs {
         let mut settings = self.settings.over(Settings::default())?;
         self.painting.apply(&mut settings.render);
         output::folder(&self.out)?;
-        let opened = crate::cli::open_capture(&self.capture, &settings.capture)?;
+        let opened = input::open_capture(&self.capture, &settings.capture)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         let mut plan = self.plan(&settings, &capture)?;
         let fingerprint = self.truth.fingerprint(&self.capture, &opened, &truth)?;

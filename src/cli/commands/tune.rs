@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::input::TruthArgs;
-use crate::cli::{CommandError, SettingsArgs, output};
+use crate::cli::input::{self, SettingsArgs, TruthArgs};
+use crate::cli::output::{self, CommandError};
 use crate::evaluate::tune::{self, TuneBudget, TunePlan};
 use crate::settings::Settings;
 use crate::whole_file;
@@ -49,7 +49,7 @@ impl TuneArgs {
         if let Some(journal) = &self.journal {
             output::folder(journal)?;
         }
-        let opened = crate::cli::open_capture(&self.capture, &settings.capture)?;
+        let opened = input::open_capture(&self.capture, &settings.capture)?;
         output::apart_from_capture(&self.capture, self.truth.views.as_deref(), &self.out)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         let journal = match &self.journal {

@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use crate::cli::{CommandError, output};
+use crate::cli::output::{self, CommandError};
 use crate::error::Error;
 use crate::job::Job;
 use crate::render::{CpuRenderer, Vantage};

@@ -7,7 +7,7 @@ use clap::builder::RangedU64ValueParser;
 
 use super::fingerprint;
 use crate::capture::{Capture, transforms};
-use crate::cli::{CommandError, output};
+use crate::cli::output::{self, CommandError};
 use crate::evaluate::truth::{self, Truth};
 
 /// Raised where the same input, truth and settings would be measured otherwise than before.

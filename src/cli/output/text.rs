@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Write};
 use indicatif::{DecimalBytes, HumanCount};
 use serde::Serialize;
 
-use crate::cli::CommandError;
+use super::command_error::CommandError;
 use crate::error::Error;
 use crate::preprocess::diagnostics::Report;
 

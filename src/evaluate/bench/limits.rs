@@ -14,10 +14,10 @@ use std::collections::BTreeMap;
 use std::hint::black_box;
 
 use rayon::prelude::*;
-use serde::Serialize;
 
-use super::Bench;
+use super::case::Bench;
 use super::measure::{Times, repeat};
+use super::report::Limit;
 use crate::demo::tracer::mix;
 use crate::error::Result;
 use crate::render::gpu::{AdapterChoice, GpuCopy};
@@ -33,19 +33,6 @@ const COPY_BYTES_QUICK: u64 = 4 << 20;
 const READ_SHARE: usize = 1 << 16;
 /// Sums that run side by side, so that no addition waits for the one before.
 const LANES: usize = 16;
-
-/// What the machine can do at most with some number of threads.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Limit {
-    /// Threads.
-    pub threads: usize,
-    /// Reading memory in sequence, 10⁹ bytes a second.
-    pub read_gb_per_s: f64,
-    /// Scattering random points into a picture of the size of the scene's cameras, million points a second.
-    pub scatter_mpts_per_s: f64,
-    /// Copying in the graphics adapter's memory, 10⁹ bytes a second; `None` where no adapter was measured.
-    pub gpu_copy_gb_per_s: Option<f64>,
-}
 
 /// Measures limits, as often as asked; all measurements count together.
 pub(crate) struct LimitMeter {

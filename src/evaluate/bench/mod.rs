@@ -9,6 +9,7 @@
 //! Every stage is measured with one thread and with all. The limits are measured before the stages and again after them, and
 //! all their repeats count together, so that a machine that grows slower or faster meanwhile tilts no share.
 
+mod case;
 mod limits;
 mod machine;
 mod measure;
@@ -17,9 +18,8 @@ mod render_stages;
 mod report;
 mod scene;
 
-pub use limits::Limit;
 pub use machine::Machine;
-pub use report::{LimitKind, PaintingStage, SpeedReport, StageSpeed};
+pub use report::{Limit, LimitKind, PaintingStage, SpeedReport, StageSpeed};
 
 use rayon::ThreadPool;
 
@@ -27,9 +27,9 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::render::gpu::{AdapterChoice, GpuRenderer};
 use crate::settings::{Backend, Instructions};
+use case::{Bench, Case};
 use limits::LimitMeter;
 use measure::RepeatLimits;
-use report::MeasuredStage;
 use scene::BenchScene;
 
 /// What is measured, and how thoroughly.
@@ -74,23 +74,6 @@ impl Options {
     fn wants(&self, name: &str) -> bool {
         self.only.is_empty() || self.only.iter().any(|part| name.contains(part.as_str()))
     }
-}
-
-/// What every measurement needs.
-#[derive(Clone, Copy)]
-struct Bench<'a> {
-    scene: &'a BenchScene,
-    budget: RepeatLimits,
-    job: &'a Job,
-}
-
-/// Does a piece of work over and over, with the threads of the current pool.
-type Measure<T> = Box<dyn Fn(&Bench<'_>) -> Result<T> + Send + Sync>;
-
-/// Something to measure, with the threads of the current pool; its stages are measured together.
-struct Case {
-    names: Vec<String>,
-    measure: Measure<Vec<MeasuredStage>>,
 }
 
 /// Measures the stages and the machine's limits.

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::case::{Bench, Case, Measure};
 use super::measure::{Times, repeat};
 use super::report::MeasuredStage;
-use super::{Bench, Case, Measure};
 use crate::capture::Frame;
 use crate::error::{Error, Result};
 use crate::job::Job;

@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
+use super::case::{Bench, Case};
 use super::measure::repeat;
 use super::report::{MeasuredStage, PaintingStage};
 use super::scene::{BenchScene, FRAMES};
-use super::{Bench, Case};
 use crate::error::{Error, Result};
 use crate::render::{Renderer, Vantage};
 use crate::samples::SampleSet;

@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use super::limits::Limit;
 use super::machine::Machine;
 use super::measure::Times;
 use crate::settings::{Backend, Kernel};
@@ -57,6 +56,19 @@ pub struct StageSpeed {
     /// For stages that paint.
     #[serde(flatten)]
     pub painting: Option<PaintingStage>,
+}
+
+/// What the machine can do at most with some number of threads.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Limit {
+    /// Threads.
+    pub threads: usize,
+    /// Reading memory in sequence, 10⁹ bytes a second.
+    pub read_gb_per_s: f64,
+    /// Scattering random points into a picture of the size of the scene's cameras, million points a second.
+    pub scatter_mpts_per_s: f64,
+    /// Copying in the graphics adapter's memory, 10⁹ bytes a second; `None` where no adapter was measured.
+    pub gpu_copy_gb_per_s: Option<f64>,
 }
 
 /// What a stage is held against.

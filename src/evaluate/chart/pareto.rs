@@ -1,8 +1,8 @@
 //! A sweep: accuracy against bytes, and against time, with the Pareto front of each.
 
-use super::Chart;
 use super::axis::{ChartAxis, Scale, short};
-use super::svg::{Anchor, Marker, Svg, color};
+use super::color;
+use super::svg::{Anchor, Chart, Marker, Svg};
 use crate::evaluate::sweep::{Point, Series, mark_pareto};
 use crate::settings::Kernel;
 

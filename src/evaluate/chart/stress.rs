@@ -1,8 +1,8 @@
 //! A stress test: one panel a disturbance, accuracy above and the share of samples kept below, against the dial.
 
-use super::Chart;
 use super::axis::{ChartAxis, Scale, short};
-use super::svg::{Anchor, Marker, Svg, color};
+use super::color;
+use super::svg::{Anchor, Chart, Marker, Svg};
 use crate::evaluate::stress::{LOST_DB, StressPoint, failures};
 
 const COLUMNS: usize = 5;

@@ -1,19 +1,44 @@
-//! An SVG picture that is put together shape by shape.
+//! A chart as SVG, put together shape by shape, and as PNG.
 
 use std::fmt::Write;
+use std::sync::Arc;
 
-/// Colors of charts: ink, grid lines, and series that the color-blind can tell apart (Masataka Okabe and Kei Ito, *Color
-/// Universal Design*, 2008).
-pub(super) mod color {
-    pub(in crate::evaluate::chart) const INK: &str = "#22262b";
-    pub(in crate::evaluate::chart) const FAINT: &str = "#6b7480";
-    pub(in crate::evaluate::chart) const GRID: &str = "#e4e7eb";
-    pub(in crate::evaluate::chart) const PAPER: &str = "#ffffff";
-    pub(in crate::evaluate::chart) const BLUE: &str = "#0072b2";
-    pub(in crate::evaluate::chart) const ORANGE: &str = "#e69f00";
-    pub(in crate::evaluate::chart) const GREEN: &str = "#009e73";
-    pub(in crate::evaluate::chart) const PINK: &str = "#cc79a7";
-    pub(in crate::evaluate::chart) const RED: &str = "#d55e00";
+use resvg::{tiny_skia, usvg};
+
+use super::color;
+use crate::error::{Error, Result};
+
+/// A chart, drawn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Chart {
+    svg: String,
+}
+
+const FAMILY: &str = "Ubuntu";
+
+impl Chart {
+    /// The chart as a scalable picture; its text wants the typeface Ubuntu.
+    #[must_use]
+    pub fn svg(&self) -> &str {
+        &self.svg
+    }
+
+    /// The chart as PNG.
+    ///
+    /// # Errors
+    /// `Unsupported` where the picture cannot be drawn.
+    pub fn png(&self) -> Result<Vec<u8>> {
+        let fail = |what: String| Error::unsupported("chart", what);
+        let mut options = usvg::Options { font_family: FAMILY.to_owned(), ..usvg::Options::default() };
+        let fonts = Arc::make_mut(&mut options.fontdb);
+        fonts.load_font_data(epaint_default_fonts::UBUNTU_LIGHT.to_vec());
+        let tree = usvg::Tree::from_str(&self.svg, &options).map_err(|error| fail(error.to_string()))?;
+        let size = tree.size().to_int_size();
+        let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height())
+            .ok_or_else(|| fail("is too large to be drawn".to_owned()))?;
+        resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixels.as_mut());
+        pixels.encode_png().map_err(|error| fail(error.to_string()))
+    }
 }
 
 /// Where text stands relative to its place.
@@ -51,16 +76,16 @@ impl Svg {
             svg.text,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" font-family=\"{}\">\n<rect width=\"100%\" height=\"100%\" fill=\"{}\"/>\n",
-            super::FAMILY,
+            FAMILY,
             color::PAPER
         );
         svg
     }
 
     /// The finished picture.
-    pub(super) fn finish(mut self) -> super::Chart {
+    pub(super) fn finish(mut self) -> Chart {
         self.text.push_str("</svg>\n");
-        super::Chart { svg: self.text }
+        Chart { svg: self.text }
     }
 
     pub(super) fn text(

@@ -5,7 +5,7 @@
 //! true motion cancels, and a picture without error, or with a constant one, scores 0. Noise in the truth counts as well,
 //! alike for every method.
 
-use super::Pair;
+use super::pair::Pair;
 use crate::capture::Camera;
 
 /// Sums up the change of error over consecutive views of one vantage.

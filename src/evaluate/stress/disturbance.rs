@@ -51,11 +51,6 @@ pub enum Disturbance {
     MovingLight,
 }
 
-/// Frames of the same picture are told apart by this, so that noise is the same in every run.
-pub(crate) fn seed(camera: usize, frame: usize) -> u64 {
-    mix(mix(camera as u64) ^ frame as u64)
-}
-
 impl Disturbance {
     /// All of them.
     pub const ALL: [Self; 17] = [

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use half::f16;
 
-use super::disturbance::seed;
 use super::light::{Lighting, lit};
 use super::shapes::Inserted;
 use crate::capture::{Capture, Frame, FrameSource, INVALID_INVERSE_DEPTH};
@@ -103,6 +102,11 @@ impl FrameSource for Edited {
     fn place(&self, camera: usize, frame: usize) -> String {
         self.capture.place(camera, frame)
     }
+}
+
+/// Frames of the same picture are told apart by this, so that noise is the same in every run.
+fn seed(camera: usize, frame: usize) -> u64 {
+    mix(mix(camera as u64) ^ frame as u64)
 }
 
 /// Random numbers that depend on camera, frame and pixel alone.

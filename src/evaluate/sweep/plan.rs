@@ -1,75 +1,12 @@
 //! Which settings a sweep tries.
 
-use serde::{Deserialize, Serialize};
-
-use super::Point;
+use super::point::{Point, Series};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::evaluate::trial::{Thinning, Trial};
 use crate::settings::{
     Fill, Kernel, MixedPixels, Precision, PruningMethod, RateModel, Settings, SpanLevels, ValueKind,
 };
-
-/// What a point is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Series {
-    /// The settings the sweep started from.
-    Reference,
-    /// Settings that differ from these.
-    Variation,
-    /// No pruning.
-    NoPruning,
-    /// The first camera that saw a point keeps it: a layered depth image.
-    FirstCamera,
-    /// The same with its tolerance lowered until as many samples stay as under the reference.
-    FirstCameraAtCount,
-    /// As many samples as under the reference, chosen at random.
-    Random,
-    /// As many samples as under the reference, from a grid of cubes.
-    VoxelGrid,
-    /// The best camera alone.
-    SingleCamera,
-    /// The paper's settings.
-    Paper,
-}
-
-impl Series {
-    /// Every series, the reference first.
-    pub const ALL: [Self; 9] = [
-        Self::Reference,
-        Self::Variation,
-        Self::NoPruning,
-        Self::FirstCamera,
-        Self::FirstCameraAtCount,
-        Self::Random,
-        Self::VoxelGrid,
-        Self::SingleCamera,
-        Self::Paper,
-    ];
-
-    /// Name for legends.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Reference => "default settings",
-            Self::Variation => "other settings",
-            Self::NoPruning => "no pruning",
-            Self::FirstCamera => "first camera wins",
-            Self::FirstCameraAtCount => "first camera wins, as many samples",
-            Self::Random => "random, as many samples",
-            Self::VoxelGrid => "voxel grid, as many samples",
-            Self::SingleCamera => "one camera alone",
-            Self::Paper => "the paper's settings",
-        }
-    }
-
-    /// Whether this is what others do.
-    #[must_use]
-    pub fn is_baseline(self) -> bool {
-        !matches!(self, Self::Reference | Self::Variation)
-    }
-}
 
 /// One trial of a plan.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,11 +1,13 @@
 //! One setting, tried: preprocessed, stored, painted, scored.
 
 mod baselines;
+mod compare;
 mod eta;
 mod standard_error;
 mod trial;
 
+pub use compare::{MethodComparison, MethodScore, compare};
 pub(crate) use eta::Pace;
 pub use standard_error::MeanEstimate;
-pub(crate) use trial::{FoldSamples, stored};
+pub(crate) use trial::stored;
 pub use trial::{Thinning, Trial, TrialResult, Workbench, kernel_cost};

@@ -16,11 +16,12 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::baselines;
+use super::standard_error::MeanEstimate;
 use crate::capture::TruthView;
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::Scores;
+use crate::evaluate::scoring::{Evaluation, Scoreboard, ViewScore, render_view};
 use crate::evaluate::truth::{Fold, Recorded, Truth};
-use crate::evaluate::{Evaluation, Scoreboard, ViewScore, render_view};
 use crate::job::Job;
 use crate::preprocess::diagnostics::Report;
 use crate::preprocess::{self, PreparedScan};
@@ -30,8 +31,6 @@ use crate::settings::{
     Backend, CaptureSettings, Fill, Kernel, NormalSettings, PruningMethod, RenderSettings, Settings,
     SpanSettings,
 };
-
-use super::standard_error::MeanEstimate;
 
 /// What is done to the samples after pruning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use super::hold_out;
 use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, TruthView};
 use crate::error::{Error, Result};
-use crate::evaluate::{says_nothing, vantage_order, with_truth};
+use crate::evaluate::scoring::{no_known_pixel, vantage_order, with_truth};
 use crate::job::Job;
 
 /// Where the truth comes from.
@@ -121,7 +121,7 @@ impl Truth {
                 })
                 .collect::<Result<_>>()?;
             let (known, unseen): (Vec<_>, Vec<_>) = masked.into_iter().partition(|(_, has_truth)| *has_truth);
-            dropped.extend(unseen.iter().map(|(view, _)| says_nothing(view)));
+            dropped.extend(unseen.iter().map(|(view, _)| no_known_pixel(view)));
             let views: Vec<TruthView> = known.into_iter().map(|(view, _)| view).collect();
             Ok(Fold { held_out, capture: fold.capture, views: ordered(&views) })
         };

@@ -4,12 +4,12 @@
 //! frames are the truth, all of each: what no other camera saw counts against dropping it. Those that keep the fewest
 //! samples are tried first, so that of two alike the one goes whose samples were pruned for the other's.
 
-use super::CameraCost;
+use super::plan::CameraCost;
 use super::search::Search;
 use crate::capture::Capture;
 use crate::error::Result;
-use crate::evaluate::evaluate;
 use crate::evaluate::metrics::{MAX_PSNR_DB, Scores};
+use crate::evaluate::scoring::evaluate;
 use crate::evaluate::sweep::Point;
 use crate::evaluate::trial::{MeanEstimate, Trial, stored};
 use crate::evaluate::truth::{self, Truth};

@@ -1,7 +1,7 @@
 //! The search for a setting: variations one by one, then those together that save bytes.
 
+use super::plan::{TuneBudget, TunePlan};
 use super::whole::WholeStores;
-use super::{TuneBudget, TunePlan};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::evaluate::sweep::{Point, Series, variations};

@@ -6,9 +6,8 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::path::{self, Stops};
-use crate::cli::commands::render::PaintingArgs;
-use crate::cli::output::{self, PicturePaths};
-use crate::cli::{CommandError, SettingsArgs};
+use crate::cli::input::{self, PaintingArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError, PicturePaths};
 use crate::error::Result;
 use crate::job::Job;
 use crate::render::film::{self, Reel};
@@ -43,7 +42,7 @@ impl FilmArgs {
     pub(crate) fn plan(&self) -> Result<(Arc<Playback>, Stops, RenderSettings), CommandError> {
         self.settings.only("render")?;
         output::can_be_read_again(&self.path)?;
-        let playback = super::open(&self.store)?;
+        let playback = input::open_store(&self.store)?;
         let info = playback.store().info();
         let mut settings: Settings = self.settings.over(info.settings.clone())?;
         self.painting.apply(&mut settings.render);

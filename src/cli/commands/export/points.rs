@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::ply;
-use crate::cli::{CommandError, output};
+use crate::cli::input;
+use crate::cli::output::{self, CommandError};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::store::playback::Playback;
@@ -35,7 +36,7 @@ impl PointsArgs {
         } else {
             output::folder(&self.out)?;
         }
-        let playback = super::open(&self.store)?;
+        let playback = input::open_store(&self.store)?;
         let (files, points) = output::watched(|job| self.write(&playback, job))?;
         output::warn(&playback.store().damage());
         output::print(&format!(

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::{CommandError, SettingsArgs, output};
+use crate::cli::input::SettingsArgs;
+use crate::cli::output::{self, CommandError};
 use crate::store;
 use crate::store::file::Store;
 

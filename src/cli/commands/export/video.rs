@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::pictures::{FilmArgs, paint};
-use crate::cli::{CommandError, output};
+use crate::cli::output::{self, CommandError};
 use crate::error::Error;
 use crate::render::film::FilmEncoder;
 

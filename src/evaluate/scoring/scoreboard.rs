@@ -1,0 +1,159 @@
+//! Many views, painted in an order that shows flicker.
+
+use std::sync::Arc;
+
+use super::evaluation::{Evaluation, MeanScore, ViewScore};
+use super::painted_view::{PaintedView, painted, render_view};
+use crate::capture::{Camera, TruthView};
+use crate::error::{Error, Result};
+use crate::evaluate::metrics::{FlickerMeter, Scores};
+use crate::job::Job;
+use crate::render::Renderer;
+use crate::samples::SampleSet;
+use crate::settings::RenderSettings;
+
+/// Gathers views as they are painted.
+#[derive(Debug, Default)]
+pub struct Scoreboard {
+    views: Vec<ViewScore>,
+    flicker: FlickerMeter,
+    notice: Option<String>,
+}
+
+impl Scoreboard {
+    /// Adds what was painted of `view`. Views of one vantage must follow each other for flicker to be seen; see
+    /// [`vantage_order`].
+    pub fn add(&mut self, view: &TruthView, painted: PaintedView) {
+        if let Some(pair) = &painted.pair {
+            self.flicker.add(&view.camera, pair);
+        }
+        self.views.push(painted.score);
+        self.notice = self.notice.take().or(painted.notice);
+    }
+
+    /// Scores and means of what was painted, and the first notice.
+    #[must_use]
+    pub fn finish(self) -> Evaluation {
+        let views = self.views;
+        let mean_score = |value: &dyn Fn(&Scores) -> Option<f64>| {
+            mean(views.iter().filter_map(|view| value(view.scores.as_ref()?)))
+        };
+        let mean = MeanScore {
+            psnr_db: mean_score(&|scores| Some(scores.psnr_db)),
+            psnr_all_db: mean_score(&|scores| Some(scores.psnr_all_db)),
+            ssim: mean_score(&|scores| Some(scores.ssim)),
+            ms_ssim: mean_score(&|scores| Some(scores.ms_ssim)),
+            flip: mean_score(&|scores| Some(scores.flip)),
+            silhouette_steps: mean_score(&|scores| scores.silhouette_steps),
+            flicker_steps: self.flicker.steps(),
+            coverage: mean_score(&|scores| Some(scores.coverage)),
+            milliseconds: mean(views.iter().map(|view| view.milliseconds)).unwrap_or_default(),
+            samples: mean(views.iter().map(|view| view.samples as f64)).unwrap_or_default(),
+        };
+        Evaluation { views, mean, notice: self.notice }
+    }
+}
+
+/// Indices of the views such that those of one vantage follow each other, each by frame; vantages in the order in which they
+/// first come. So flicker is seen with one picture kept, however many vantages there are.
+#[must_use]
+pub fn vantage_order(views: &[&TruthView]) -> Vec<usize> {
+    let mut vantages: Vec<&Camera> = Vec::new();
+    let mut order: Vec<(usize, i64, usize)> = Vec::with_capacity(views.len());
+    for (index, view) in views.iter().enumerate() {
+        let known = vantages.iter().position(|camera| **camera == view.camera);
+        let vantage = known.unwrap_or_else(|| {
+            vantages.push(&view.camera);
+            vantages.len() - 1
+        });
+        order.push((vantage, view.frame_number, index));
+    }
+    order.sort_unstable();
+    order.into_iter().map(|(.., index)| index).collect()
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (count, sum) = values.fold((0_u32, 0.0), |(count, sum), value| (count + 1, sum + value));
+    (count > 0).then(|| sum / f64::from(count))
+}
+
+/// The views whose true picture is there; that others are passed over is told.
+pub(crate) fn with_truth<'a>(views: &'a [TruthView], job: &Job) -> Vec<&'a TruthView> {
+    let (known, others): (Vec<_>, Vec<_>) = views.iter().partition(|view| view.truth.is_some());
+    if let Some(first) = others.first() {
+        job.warn(format!(
+            "{} of {} views are passed over, '{}' first: their true pictures are missing; put them where the manifest \
+             of the views names them",
+            others.len(),
+            views.len(),
+            first.file_path
+        ));
+    }
+    known
+}
+
+/// Scores the views whose truth is known.
+///
+/// # Errors
+/// As [`render_view`]; `Invalid` where no view has truth; `Gpu` where the settings ask for a GPU and there is none.
+pub fn evaluate(
+    samples: &Arc<SampleSet>,
+    views: &[TruthView],
+    settings: &RenderSettings,
+    job: &Job,
+) -> Result<Evaluation> {
+    evaluate_with(&mut Renderer::strict(settings.backend)?, samples, views, settings, job)
+}
+
+pub(crate) fn evaluate_with(
+    renderer: &mut Renderer,
+    samples: &Arc<SampleSet>,
+    views: &[TruthView],
+    settings: &RenderSettings,
+    job: &Job,
+) -> Result<Evaluation> {
+    let views = with_truth(views, job);
+    if views.is_empty() {
+        return Err(Error::invalid(
+            &samples.name,
+            "no view has a true picture to be compared with; name others with --views or hold out a camera",
+        ));
+    }
+    job.start("Scoring views", views.len());
+    let mut scores = Scoreboard::default();
+    let order = vantage_order(&views);
+    // What is set up once is not the first picture's to pay for.
+    painted(renderer, samples, views[order[0]], settings, job)?;
+    for &index in &order {
+        job.check()?;
+        scores.add(views[index], render_view(renderer, samples, views[index], settings, job)?);
+        job.advance(1);
+    }
+    Ok(scores.finish().given_back(&order))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{Demo, DemoSpec};
+    use crate::settings::{Backend, CaptureSettings, Settings};
+
+    #[test]
+    fn flicker_is_seen_whatever_the_order_of_the_views_and_they_keep_theirs() {
+        let spec = DemoSpec::new("orrery").cameras(2).frames(3).size((32, 24));
+        let demo = Demo::new(&spec).unwrap();
+        let (capture, settings) = (demo.capture(&CaptureSettings::default()), Settings::default());
+        let samples = crate::preprocess::preprocess(&capture, &settings, &Job::new()).unwrap().samples;
+        let render = RenderSettings { backend: Backend::Cpu, ..settings.render };
+        let by_vantage = demo.truth_views();
+        let mut by_frame = by_vantage.clone();
+        by_frame.sort_by_key(|view| view.frame_number);
+        let of = |views: &[TruthView]| evaluate(&samples, views, &render, &Job::new()).unwrap();
+        let scored = of(&by_frame);
+        assert!(scored.mean.flicker_steps.is_some());
+        assert_eq!(scored.mean.flicker_steps, of(&by_vantage).mean.flicker_steps);
+        for (view, score) in by_frame.iter().zip(&scored.views) {
+            assert_eq!(score.file_path, view.file_path);
+        }
+    }
+}
