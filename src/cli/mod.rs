@@ -56,29 +56,29 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum CliCommand {
     /// Write a built-in scene as a capture: EXR, transforms.json, and truth vantages in DIR/novel.
-    Demo(commands::DemoArgs),
+    Demo(commands::demo::DemoArgs),
     /// Say what a capture or a store holds.
-    Info(commands::InfoArgs),
+    Info(commands::info::InfoArgs),
     /// Drop what is redundant in a capture and write the rest as a store.
-    Preprocess(commands::PreprocessArgs),
+    Preprocess(commands::preprocess::PreprocessArgs),
     /// Paint a store from any vantages, and score the pictures where the truth is known.
-    Render(commands::RenderArgs),
+    Render(commands::render::RenderArgs),
     /// Score settings: accuracy, speed and size, against no pruning and against first camera wins.
-    Evaluate(commands::EvaluateArgs),
+    Evaluate(commands::evaluate::EvaluateArgs),
     /// Try many settings and all baselines: accuracy against time and bytes, with the Pareto front.
-    Sweep(commands::SweepArgs),
+    Sweep(commands::sweep::SweepArgs),
     /// Disturb a capture more and more: where does each method fail, with and without its defenses?
-    Stress(commands::StressArgs),
+    Stress(commands::stress::StressArgs),
     /// Find the simplest settings, and the fewest cameras, that are as accurate as the best.
-    Tune(commands::TuneArgs),
+    Tune(commands::tune::TuneArgs),
     /// Write what a store holds in forms that other programs read: points, pictures, a film.
-    Export(commands::ExportArgs),
+    Export(commands::export::ExportArgs),
     /// Read everything in a store and say what is damaged.
-    Verify(commands::VerifyArgs),
+    Verify(commands::verify::VerifyArgs),
     /// Measure how fast each stage is, beside the limits of this machine.
-    Bench(commands::BenchArgs),
+    Bench(commands::bench::BenchArgs),
     /// Print every setting with its meaning, unit, range and value, as TOML.
-    Settings(commands::SettingsCommandArgs),
+    Settings(commands::settings::SettingsCommandArgs),
 }
 
 /// Opens the window on a capture or store, or on the built-in scene.

@@ -11,6 +11,7 @@
 pub mod bench;
 pub mod chart;
 pub mod metrics;
+mod sample_filter;
 mod scoring;
 pub mod stress;
 pub mod sweep;

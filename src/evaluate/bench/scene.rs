@@ -14,10 +14,11 @@ use rayon::prelude::*;
 use crate::capture::{Camera, Capture, Intrinsics};
 use crate::demo::{Demo, DemoSpec};
 use crate::error::Result;
+use crate::evaluate::sample_filter::samples_where;
 use crate::job::Job;
 use crate::preprocess::inspect_frame;
 use crate::render::{CpuRenderer, Vantage};
-use crate::samples::{DepthPlane, Sample, SampleImage, SampleSet, SampleTile, Span, TILE};
+use crate::samples::{Sample, SampleImage, SampleSet, SampleTile, Span, TILE};
 use crate::settings::{CaptureSettings, PruningMethod, RenderSettings, Settings};
 
 /// The built-in scene that is measured.
@@ -114,7 +115,6 @@ impl BenchScene {
 
     /// A place between the cameras from which the scene fills the picture, as a picture of `size` at `frame`; and one so
     /// close beside it that it shows the same.
-    #[must_use]
     pub(crate) fn vantages(&self, size: (u32, u32), frame: usize) -> [Vantage; 2] {
         let home = self.home.intrinsics;
         let angle_x_rad = 2.0 * (f64::from(home.width) / (2.0 * home.fx)).atan();
@@ -189,36 +189,6 @@ fn split(set: &SampleSet, object: &Ball) -> SampleSet {
     };
     let images = of_span(ALL_FRAMES).chain(frames.flat_map(of_span));
     SampleSet { images: images.filter(|image| !image.is_empty()).collect(), ..set.clone() }
-}
-
-/// The image's samples for which, and for whose inverse depth, `keep` holds, as an image of `span`.
-fn samples_where(image: &SampleImage, span: Span, keep: impl Fn(&Sample, f32) -> bool) -> SampleImage {
-    let mut part = SampleImage {
-        camera: image.camera,
-        span,
-        tiles: Vec::new(),
-        color: Vec::new(),
-        depth: DepthPlane::default(),
-        normal: image.normal.as_ref().map(|_| Vec::new()),
-    };
-    let inverse_depths = image.inverse_depths();
-    let mut kept_depths = Vec::new();
-    for sample in image.samples().filter(|sample| keep(sample, inverse_depths[sample.index])) {
-        let (tile_x, tile_y) = ((sample.x / TILE) as u16, (sample.y / TILE) as u16);
-        if part.tiles.last().is_none_or(|tile| (tile.tile_x, tile.tile_y) != (tile_x, tile_y)) {
-            part.tiles.push(SampleTile { tile_x, tile_y, first: kept_depths.len() as u32, rows: [0; TILE] });
-        }
-        if let Some(tile) = part.tiles.last_mut() {
-            tile.rows[sample.y % TILE] |= 1 << (sample.x % TILE);
-        }
-        part.color.push(image.color[sample.index]);
-        kept_depths.push(inverse_depths[sample.index]);
-        if let (Some(part), Some(normals)) = (&mut part.normal, &image.normal) {
-            part.push(normals[sample.index]);
-        }
-    }
-    part.depth = DepthPlane::pack(&part.tiles, &kept_depths);
-    part
 }
 
 #[cfg(test)]

@@ -121,9 +121,9 @@ impl Inserted {
     }
 
     /// The frame with the shapes in it.
-    pub(super) fn put_into(&self, camera: &Camera, mut frame: Frame) -> Frame {
+    pub(super) fn put_into(&self, camera: &Camera, frame: &mut Frame) {
         let width = frame.size().0;
-        let hits = self.hits(camera, &frame);
+        let hits = self.hits(camera, frame);
         for (pixel, hit) in hits.into_iter().enumerate() {
             let Some(hit) = hit else { continue };
             let at = (pixel % width, pixel / width);
@@ -133,13 +133,12 @@ impl Inserted {
                 normals[at] = hit.normal.as_vec3().to_array();
             }
         }
-        frame
     }
 
     /// The frame, which has the shapes in it, with all pixels far from them unknown.
-    pub(super) fn only_near(&self, camera: &Camera, mut frame: Frame) -> Frame {
+    pub(super) fn only_near(&self, camera: &Camera, frame: &mut Frame) {
         let (width, height) = frame.size();
-        let hits = self.hits(camera, &frame);
+        let hits = self.hits(camera, frame);
         let is_near = |x: usize, y: usize| {
             (y.saturating_sub(NEAR_PX)..(y + NEAR_PX + 1).min(height)).any(|row| {
                 let columns = x.saturating_sub(NEAR_PX)..(x + NEAR_PX + 1).min(width);
@@ -153,7 +152,6 @@ impl Inserted {
                 }
             }
         }
-        frame
     }
 
     fn hits(&self, camera: &Camera, frame: &Frame) -> Vec<Option<ShapeHit>> {

@@ -13,16 +13,15 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::demo::tracer::mix;
-use crate::samples::{DepthPlane, SampleImage, SampleSet, SampleTile, Span, TILE};
+use crate::evaluate::sample_filter::samples_where;
+use crate::samples::{SampleImage, SampleSet, Span};
 
 /// Keeps `count` samples chosen at random, each with the same chance; all where there are no more.
-#[must_use]
 pub(super) fn random(set: &SampleSet, count: u64) -> SampleSet {
     thinned(set, count, &|_, _| 0)
 }
 
 /// Keeps one sample of each cube, of cubes just small enough that at least `count` stay, and of these `count` at random.
-#[must_use]
 pub(super) fn voxel_grid(set: &SampleSet, count: u64) -> SampleSet {
     if set.sample_count() <= count {
         return set.clone();
@@ -103,32 +102,12 @@ fn thinned(set: &SampleSet, count: u64, rank: &dyn Fn(usize, usize) -> u64) -> S
     for (_, _, image, sample) in &keys[..count] {
         keep[*image as usize][*sample as usize] = true;
     }
-    let images = set.images.par_iter().zip(&keep).filter_map(|(image, keep)| only(image, keep).map(Arc::new));
-    SampleSet { images: images.collect(), ..set.clone() }
-}
-
-/// The samples of an image for which `keep` holds; `None` where there are none.
-fn only(image: &SampleImage, keep: &[bool]) -> Option<SampleImage> {
-    let depths = image.inverse_depths();
-    let mut tiles: Vec<SampleTile> = Vec::new();
-    let (mut color, mut inverse_depth) = (Vec::new(), Vec::new());
-    let mut normal = image.normal.as_ref().map(|_| Vec::new());
-    for sample in image.samples().filter(|sample| keep[sample.index]) {
-        let (tile_x, tile_y) = ((sample.x / TILE) as u16, (sample.y / TILE) as u16);
-        if tiles.last().is_none_or(|tile| (tile.tile_x, tile.tile_y) != (tile_x, tile_y)) {
-            tiles.push(SampleTile { tile_x, tile_y, first: color.len() as u32, rows: [0; TILE] });
-        }
-        if let Some(tile) = tiles.last_mut() {
-            tile.rows[sample.y % TILE] |= 1 << (sample.x % TILE);
-        }
-        color.push(image.color[sample.index]);
-        inverse_depth.push(depths[sample.index]);
-        if let (Some(normal), Some(all)) = (&mut normal, &image.normal) {
-            normal.push(all[sample.index]);
-        }
-    }
-    let depth = DepthPlane::pack(&tiles, &inverse_depth);
-    (!color.is_empty()).then(|| SampleImage { tiles, color, depth, normal, ..image.clone() })
+    let images = set
+        .images
+        .par_iter()
+        .zip(&keep)
+        .map(|(image, keep)| Arc::new(samples_where(image, image.span, |sample, _| keep[sample.index])));
+    SampleSet { images: images.filter(|image| !image.is_empty()).collect(), ..set.clone() }
 }
 
 /// Where a sample lies.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::hold_out::evenly_spaced;
 use super::truth::Truth;
 use crate::capture::{Capture, CaptureParts, Frame, FrameSource, TruthView};
 use crate::error::{Error, Result};
@@ -70,7 +71,8 @@ pub fn choose(capture: &Capture, truth: &Truth, count: usize) -> Result<Vec<usiz
     };
     with_truth.sort_unstable();
     with_truth.dedup();
-    let mut frames: Vec<usize> = spread(with_truth.len(), count).map(|index| with_truth[index]).collect();
+    let mut frames: Vec<usize> =
+        evenly_spaced(with_truth.len(), count).map(|index| with_truth[index]).collect();
     // What is left of the count goes where the widest gaps are.
     while frames.len() < count {
         let farthest =
@@ -104,12 +106,6 @@ pub fn truth_at(capture: &Capture, truth: Truth, frames: &[usize]) -> Truth {
         Truth::Views(views) => Truth::Views(views.into_iter().filter(is_chosen).collect()),
         Truth::HoldOut => Truth::HoldOut,
     }
-}
-
-/// At most `count` of `total` indices, evenly spread, the first among them.
-fn spread(total: usize, count: usize) -> impl Iterator<Item = usize> {
-    let count = count.min(total);
-    (0..count).map(move |step| step * total / count.max(1))
 }
 
 #[cfg(test)]

@@ -55,7 +55,7 @@ pub struct Recorded {
 }
 
 /// Changes a true picture, given where it was taken from and the number of its frame.
-pub type TruthEdit = Arc<dyn Fn(&Camera, i64, Frame) -> Frame + Send + Sync>;
+pub type TruthEdit = Arc<dyn Fn(&Camera, i64, &mut Frame) + Send + Sync>;
 
 impl Recorded {
     /// A capture as it is.
@@ -158,7 +158,7 @@ fn masked(recorded: &Recorded, view: TruthView) -> Result<(TruthView, bool)> {
     // Asked before the edit, which may put surfaces of its own into a picture that has none.
     let has_depth = truth.inverse_depth.as_slice().iter().any(|inverse_depth| *inverse_depth > 0.0);
     if let Some(edit) = &recorded.edit_truth {
-        truth = edit(&view.camera, view.frame_number, truth);
+        edit(&view.camera, view.frame_number, &mut truth);
     }
     if has_depth {
         let sights = (0..recorded.capture.cameras.len())
