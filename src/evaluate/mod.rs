@@ -8,8 +8,8 @@
 //!
 //! [`chart`] draws sweeps and stress tests. [`bench`] measures the speed of each stage, beside the machine's own limits.
 
-pub mod bench;
-pub mod chart;
+pub(crate) mod bench;
+pub(crate) mod chart;
 pub mod metrics;
 mod sample_filter;
 mod scoring;

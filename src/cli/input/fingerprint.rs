@@ -41,9 +41,6 @@ pub(crate) fn state(path: &Path, capture: &Capture, views: Option<&Path>) -> Res
 }
 
 /// Reads every file of a capture once more and sums them up; `None` where it does not come from files.
-///
-/// # Errors
-/// `Io`, `Cancelled`.
 pub(crate) fn input_files(capture: &Capture, job: &Job) -> Result<Option<InputFiles>> {
     let files = capture.files();
     job.start("Summing the input up", files.len());

@@ -11,9 +11,6 @@ use crate::store::file::Store;
 use crate::whole_file;
 
 /// Refuses a file that cannot be written where it is named; `example` says how one is called.
-///
-/// # Errors
-/// `Invalid` where its folder does not exist or takes no file, and where it is a folder itself, a pipe or a device; `Io`.
 pub(crate) fn file(out: &Path, example: &str) -> Result<()> {
     let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
@@ -37,9 +34,6 @@ pub(crate) fn file(out: &Path, example: &str) -> Result<()> {
 }
 
 /// Refuses a folder that cannot be made, since a file stands there or above.
-///
-/// # Errors
-/// `Invalid` naming the file.
 pub(crate) fn folder(out: &Path) -> Result<()> {
     match out.ancestors().find(|place| place.is_file()) {
         None => Ok(()),
@@ -51,9 +45,6 @@ pub(crate) fn folder(out: &Path) -> Result<()> {
 
 /// Refuses pictures below `out` that would lie where those of the manifest are looked for, or those of a capture in `out`: a
 /// recorded picture must not be painted over.
-///
-/// # Errors
-/// `Invalid` naming the first; whatever the manifest gives.
 pub(crate) fn apart_from_pictures_of(manifest: &Path, out: &Path, targets: &[PicturePaths]) -> Result<()> {
     apart_from_places(manifest, &picture_places(manifest)?, targets)?;
     // The manifest of another capture was not named: it may be missing or broken.
@@ -77,9 +68,6 @@ fn apart_from_places(manifest: &Path, places: &[PathBuf], targets: &[PicturePath
 }
 
 /// Refuses views that can be read but once: where their pictures lie is asked again.
-///
-/// # Errors
-/// `Invalid` where they are neither a file nor a folder, but something.
 pub(crate) fn can_be_read_again(views: &Path) -> Result<()> {
     match views.metadata() {
         Ok(facts) if !facts.is_file() && !facts.is_dir() => Err(Error::invalid(
@@ -91,9 +79,6 @@ pub(crate) fn can_be_read_again(views: &Path) -> Result<()> {
 }
 
 /// Refuses a file that a capture or the truth beside it is read from: a manifest, or a picture that one names.
-///
-/// # Errors
-/// `Invalid` where it is one; whatever the capture's manifest gives, and that of `views` where they are named.
 pub(crate) fn apart_from_capture(capture: &Path, views: Option<&Path>, out: &Path) -> Result<()> {
     let beside = truth_beside(capture);
     if let Some(beside) = &beside {
@@ -107,9 +92,6 @@ pub(crate) fn apart_from_capture(capture: &Path, views: Option<&Path>, out: &Pat
 }
 
 /// Refuses a file that views are read from: their manifest, or a picture that it names.
-///
-/// # Errors
-/// `Invalid` where it is one; whatever the manifest gives.
 pub(crate) fn apart_from_views(manifest: &Path, out: &Path) -> Result<()> {
     apart_from(&manifest_path(manifest), out)?;
     apart_from_any(&picture_places(manifest)?, out)
@@ -124,9 +106,6 @@ fn apart_from_any(inputs: &[PathBuf], out: &Path) -> Result<()> {
 }
 
 /// Refuses to write what is no store over a store.
-///
-/// # Errors
-/// `Invalid` where `out` is one; `Io` where it cannot be read.
 pub(crate) fn apart_from_stores(out: &Path) -> Result<()> {
     if !out.is_file() || !Store::is_store(out)? {
         return Ok(());
@@ -138,9 +117,6 @@ pub(crate) fn apart_from_stores(out: &Path) -> Result<()> {
 }
 
 /// Refuses to write over the file that is read.
-///
-/// # Errors
-/// `Invalid` where it is the same.
 pub(crate) fn apart_from(input: &Path, out: &Path) -> Result<()> {
     if resolved(input) != resolved(out) {
         return Ok(());

@@ -15,8 +15,7 @@ pub(crate) struct PicturePaths {
 }
 
 impl PicturePaths {
-    /// # Errors
-    /// `Invalid` where `file_path` would leave `folder`.
+    /// Refuses a `file_path` that would leave `folder`.
     pub(crate) fn below(folder: &Path, file_path: &str) -> Result<Self> {
         let relative = Path::new(file_path);
         let stays_below =
@@ -42,9 +41,6 @@ impl PicturePaths {
 
     /// Writes the picture twice: EXR with linear `R G B A Z`, and PNG as a display shows it. Alpha is 0 where nothing was
     /// sampled: in EXR in filled holes too, while PNG, made to be looked at, shows those.
-    ///
-    /// # Errors
-    /// `Io`.
     pub(crate) fn write(&self, picture: &Picture) -> Result<()> {
         if let Some(folder) = self.exr.parent() {
             std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;

@@ -28,9 +28,6 @@ pub(crate) struct Journal {
 
 impl Journal {
     /// Opens `DIR/NAME.journal`, and starts a new one where it was measured on something else: that is kept beside it.
-    ///
-    /// # Errors
-    /// `Io`; `Invalid` where another run has it open.
     pub(crate) fn open(folder: &Path, name: &str, fingerprint: &str) -> Result<Self> {
         fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
         let path = folder.join(format!("{name}.journal"));

@@ -57,9 +57,6 @@ impl LimitMeter {
     }
 
     /// Measures the memory of the graphics adapter too.
-    ///
-    /// # Errors
-    /// `Gpu` where there is none.
     pub(crate) fn include_gpu(&mut self, quick: bool) -> Result<()> {
         let bytes = if quick { COPY_BYTES_QUICK } else { COPY_BYTES };
         self.gpu_copy = Some(GpuCopy::new(AdapterChoice::Any, bytes)?);
@@ -67,9 +64,6 @@ impl LimitMeter {
     }
 
     /// Measures every limit with the threads of the current pool.
-    ///
-    /// # Errors
-    /// `Cancelled`.
     pub(crate) fn measure(&mut self, bench: &Bench<'_>) -> Result<()> {
         let measured = [
             repeat(bench.budget, bench.job, || Ok(sum(black_box(&self.numbers))))?,

@@ -6,25 +6,24 @@ use crate::settings::Instructions;
 
 /// The machine and the build, as far as they say so themselves.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Machine {
+pub(crate) struct Machine {
     /// The processor's own name, where the system tells.
-    pub cpu: Option<String>,
+    pub(crate) cpu: Option<String>,
     /// Architecture the program was built for, as `x86_64`.
-    pub arch: &'static str,
+    pub(crate) arch: &'static str,
     /// Operating system the program was built for, as `linux`.
-    pub os: &'static str,
+    pub(crate) os: &'static str,
     /// Threads that the system runs at once for this process.
-    pub threads_available: usize,
+    pub(crate) threads_available: usize,
     /// The vector instructions that the stages were measured with.
-    pub instructions: Instructions,
+    pub(crate) instructions: Instructions,
     /// Whether this is a release build. Times of any other build say nothing about the program.
-    pub optimized: bool,
+    pub(crate) optimized: bool,
 }
 
 impl Machine {
     /// This machine.
-    #[must_use]
-    pub fn this() -> Self {
+    pub(crate) fn this() -> Self {
         Self {
             cpu: cpu_name(),
             arch: std::env::consts::ARCH,

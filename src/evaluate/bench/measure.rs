@@ -103,9 +103,6 @@ impl Times {
 }
 
 /// Repeats `work` within the budget. What it gives is kept from being optimized away, and dropped outside the clock.
-///
-/// # Errors
-/// Whatever `work` gives, and `Cancelled` between two repeats.
 pub(crate) fn repeat<T>(
     budget: RepeatLimits,
     job: &Job,

@@ -18,8 +18,8 @@ mod render_stages;
 mod report;
 mod scene;
 
-pub use machine::Machine;
-pub use report::{Limit, LimitKind, PaintingStage, SpeedReport, StageSpeed};
+pub(crate) use machine::Machine;
+pub(crate) use report::{Limit, LimitKind, SpeedReport, StageSpeed};
 
 use rayon::ThreadPool;
 
@@ -34,18 +34,18 @@ use scene::BenchScene;
 
 /// What is measured, and how thoroughly.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Options {
+pub(crate) struct Options {
     /// What *all threads* means; at least 1.
-    pub threads: usize,
+    pub(crate) threads: usize,
     /// Few repeats on a small scene: to see that everything works.
-    pub quick: bool,
+    pub(crate) quick: bool,
     /// What paints. The CPU always does; besides, the adapter that is asked for by name, or with `auto` a graphics card where
     /// there is one.
-    pub backend: Backend,
+    pub(crate) backend: Backend,
     /// The widest vector instructions that the stages may use.
-    pub instructions: Instructions,
+    pub(crate) instructions: Instructions,
     /// Parts of the names of the stages that are measured; all stages where empty.
-    pub only: Vec<String>,
+    pub(crate) only: Vec<String>,
 }
 
 impl Options {
@@ -81,7 +81,7 @@ impl Options {
 /// # Errors
 /// `Invalid` where no stage has the wanted name; `Unsupported` where the processor lacks the instructions; `Gpu` where an
 /// adapter is asked for by name and there is none; `Cancelled`; whatever a stage gives.
-pub fn measure(options: &Options, job: &Job) -> Result<SpeedReport> {
+pub(crate) fn measure(options: &Options, job: &Job) -> Result<SpeedReport> {
     crate::simd::limited(options.instructions, || measure_all(options, job))
 }
 

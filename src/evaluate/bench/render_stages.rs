@@ -76,9 +76,6 @@ impl PaintCase {
     }
 
     /// Measures with the threads of the current pool.
-    ///
-    /// # Errors
-    /// `Cancelled`, and what painting gives.
     fn measure(&self, bench: &Bench<'_>) -> Result<Vec<MeasuredStage>> {
         let rounds = self.rounds(bench.scene);
         let mut stages = rounds.map(|round| self.paint(bench, &round)).collect::<Result<Vec<_>>>()?;

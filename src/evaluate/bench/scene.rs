@@ -51,9 +51,6 @@ pub(crate) struct BenchScene {
 
 impl BenchScene {
     /// Records the scene with cameras of `size` and prunes it.
-    ///
-    /// # Errors
-    /// `Cancelled`, and what recording and pruning give.
     pub(crate) fn new(size: (u32, u32), job: &Job) -> Result<Self> {
         let (demo, capture) = recorded(size, job)?;
         let mut settings = Settings::default();

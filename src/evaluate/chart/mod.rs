@@ -12,6 +12,6 @@ mod pareto;
 mod stress;
 mod svg;
 
-pub use pareto::pareto;
-pub use stress::stress;
-pub use svg::Chart;
+pub(crate) use pareto::pareto;
+pub(crate) use stress::stress;
+pub(crate) use svg::Chart;

@@ -48,8 +48,7 @@ fn bar_db(point: &Point) -> [f64; 2] {
 }
 
 /// Draws a sweep of a capture.
-#[must_use]
-pub fn pareto(capture: &str, points: &[Point]) -> Chart {
+pub(crate) fn pareto(capture: &str, points: &[Point]) -> Chart {
     let mut svg = Svg::new(WIDTH, HEIGHT);
     svg.text(
         (40.0, 50.0),
@@ -224,7 +223,7 @@ mod tests {
             ..Point::new(&Trial::new("t", Settings::default()), Series::Variation, &measured)
         };
         let chart = pareto("scene", &[point(30.0, 4.0), point(30.5, 0.1)]);
-        let bars: Vec<&str> = chart.svg().lines().filter(|line| line.contains(BAR)).collect();
+        let bars: Vec<&str> = chart.svg.lines().filter(|line| line.contains(BAR)).collect();
         assert_eq!(bars.len(), 4, "two points in two panels");
         for bar in bars {
             let path = bar.split('"').nth(1).unwrap().replace(['M', 'L'], " ");

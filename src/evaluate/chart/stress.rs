@@ -11,8 +11,7 @@ const HEAD: f64 = 130.0;
 const COLORS: [&str; 5] = [color::BLUE, color::ORANGE, color::RED, color::GREEN, color::PINK];
 
 /// Draws a stress test of a capture.
-#[must_use]
-pub fn stress(capture: &str, points: &[StressPoint]) -> Chart {
+pub(crate) fn stress(capture: &str, points: &[StressPoint]) -> Chart {
     let disturbances = distinct(points.iter().map(|point| point.disturbance.as_str()));
     let methods = distinct(points.iter().map(|point| point.method.as_str()));
     let rows = disturbances.len().div_ceil(COLUMNS).max(1);

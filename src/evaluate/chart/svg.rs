@@ -10,24 +10,16 @@ use crate::error::{Error, Result};
 
 /// A chart, drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Chart {
-    svg: String,
+pub(crate) struct Chart {
+    /// The picture as SVG; its text is set in Ubuntu.
+    pub(super) svg: String,
 }
 
 const FAMILY: &str = "Ubuntu";
 
 impl Chart {
-    /// The chart as a scalable picture; its text wants the typeface Ubuntu.
-    #[must_use]
-    pub fn svg(&self) -> &str {
-        &self.svg
-    }
-
     /// The chart as PNG.
-    ///
-    /// # Errors
-    /// `Unsupported` where the picture cannot be drawn.
-    pub fn png(&self) -> Result<Vec<u8>> {
+    pub(crate) fn png(&self) -> Result<Vec<u8>> {
         let fail = |what: String| Error::unsupported("chart", what);
         let mut options = usvg::Options { font_family: FAMILY.to_owned(), ..usvg::Options::default() };
         let fonts = Arc::make_mut(&mut options.fontdb);

@@ -53,9 +53,6 @@ impl FilmArgs {
 
 /// Paints every stop in order and hands the pictures on, with their place in the film; says why something else painted than was
 /// asked for.
-///
-/// # Errors
-/// Whatever painting and `take` give, and `Cancelled`.
 pub(crate) fn paint(
     playback: &Arc<Playback>,
     stops: &Stops,

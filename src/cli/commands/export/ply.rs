@@ -19,9 +19,6 @@ use crate::whole_file;
 const POINT_BYTES: usize = 7 * 4 + 3;
 
 /// Writes the samples of some images. Samples at infinity have no position and are left out; gives how many points there are.
-///
-/// # Errors
-/// `Io`. A file that is not whole is removed.
 pub(crate) fn write<'a>(
     path: &Path,
     set: &SampleSet,
