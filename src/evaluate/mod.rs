@@ -19,7 +19,6 @@ pub mod trial;
 pub mod truth;
 pub mod tune;
 
-pub use scoring::{
-    Evaluation, MeanScore, PaintedView, Scoreboard, ViewScore, evaluate, frame_of, render_view, vantage_order,
-};
+pub use scoring::{Evaluation, MeanScore, ViewScore, evaluate, vantage_order};
+pub(crate) use scoring::{Scoreboard, frame_of, render_view};
 pub use trial::{MethodComparison, MethodScore, compare};

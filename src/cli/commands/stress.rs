@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::cli::input::{self, SettingsArgs, TruthArgs};
 use crate::cli::output::{self, CommandError};
+use crate::evaluate::chart;
 use crate::evaluate::stress::{self, BreakingPoint as PointOfFailure, Disturbance, StressPlan, StressPoint};
 use crate::evaluate::truth::Truth;
 use crate::settings::Settings;
@@ -64,12 +65,8 @@ impl StressArgs {
             points: &points,
             failures: &failures,
         };
-        output::write_json(&self.out.join("stress.json"), &document)?;
-        output::write_csv(&self.out.join("stress.csv"), &points)?;
-        output::write_chart(
-            &self.out.join("stress.png"),
-            &crate::evaluate::chart::stress(&capture.name, &points),
-        )?;
+        let chart = chart::stress(&capture.name, &points);
+        output::write_results(&self.out, "stress", &document, &points, ("stress.png", &chart))?;
         if self.json { output::print_json(&document) } else { output::print(&table(&points, &failures)) }
     }
 }

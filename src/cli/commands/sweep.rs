@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::cli::input::{self, PaintingArgs, SettingsArgs, TruthArgs};
 use crate::cli::output::{self, CommandError};
+use crate::evaluate::chart;
 use crate::evaluate::sweep::{self, Point, SweepPlan};
 use crate::settings::Settings;
 
@@ -62,12 +63,8 @@ impl SweepArgs {
             truth: self.truth.words(&capture, &truth),
             points: &points,
         };
-        output::write_json(&self.out.join("sweep.json"), &document)?;
-        output::write_csv(&self.out.join("sweep.csv"), &points)?;
-        output::write_chart(
-            &self.out.join("pareto.png"),
-            &crate::evaluate::chart::pareto(&capture.name, &points),
-        )?;
+        let chart = chart::pareto(&capture.name, &points);
+        output::write_results(&self.out, "sweep", &document, &points, ("pareto.png", &chart))?;
         if self.json { output::print_json(&document) } else { output::print(&output::table(&points)) }
     }
 

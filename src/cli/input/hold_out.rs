@@ -1,5 +1,7 @@
 //! Cameras that are left out: what `preprocess` and `evaluate` are told of them.
 
+use std::collections::HashSet;
+
 use clap::Args;
 
 /// Which cameras are left out.
@@ -13,12 +15,9 @@ pub(crate) struct HoldOutArgs {
 impl HoldOutArgs {
     /// Their names in the order given, each once.
     pub(crate) fn names(&self) -> Vec<String> {
-        let mut names: Vec<String> = Vec::new();
-        for name in &self.hold_out {
-            if !names.contains(name) {
-                names.push(name.clone());
-            }
-        }
+        let mut names = self.hold_out.clone();
+        let mut seen = HashSet::new();
+        names.retain(|name| seen.insert(name.clone()));
         names
     }
 }

@@ -18,7 +18,7 @@ pub(crate) use output_guard::{
 pub(crate) use picture::PicturePaths;
 pub(crate) use process::peak_rss_bytes;
 pub(crate) use progress::{STOPPED, watched};
-pub(crate) use results::{Journal, recorded, table, write_chart, write_csv, write_json};
+pub(crate) use results::{Journal, recorded, table, write_results};
 pub(crate) use score_table::{comparison_table, painter_line, view_table};
 pub(crate) use size_table::Sizes;
 pub(crate) use text::{bytes, count, number, percent, print, print_json, tell, warn, without_depth};

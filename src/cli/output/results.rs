@@ -129,20 +129,28 @@ pub(crate) fn recorded<P: Serialize, T>(
 }
 
 /// Writes one JSON document.
-pub(crate) fn write_json(path: &Path, document: &impl Serialize) -> Result<()> {
+fn write_json(path: &Path, document: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(document)
         .map_err(|error| Error::invalid(path.display(), error.to_string()))?;
     whole_file::write_all(path, text + "\n")
 }
 
-/// Writes a chart as PNG.
-pub(crate) fn write_chart(path: &Path, chart: &Chart) -> Result<()> {
-    whole_file::write_all(path, chart.png()?)
+/// Writes `NAME.json` and `NAME.csv` into a folder, and the chart as PNG under a name of its own.
+pub(crate) fn write_results(
+    folder: &Path,
+    name: &str,
+    document: &impl Serialize,
+    rows: &[impl Serialize],
+    (picture, chart): (&str, &Chart),
+) -> Result<()> {
+    write_json(&folder.join(format!("{name}.json")), document)?;
+    write_csv(&folder.join(format!("{name}.csv")), rows)?;
+    whole_file::write_all(&folder.join(picture), chart.png()?)
 }
 
 /// Writes documents as CSV (RFC 4180): one a row, a column for every number, text or truth value, nested ones by the path to
 /// them. Lists have no column.
-pub(crate) fn write_csv(path: &Path, rows: &[impl Serialize]) -> Result<()> {
+fn write_csv(path: &Path, rows: &[impl Serialize]) -> Result<()> {
     let mut head: Vec<String> = Vec::new();
     let mut table = Vec::new();
     for row in rows {

@@ -115,19 +115,27 @@ fn estimate_normals(bench: &Bench<'_>, estimator: NormalEstimator) -> Result<Sta
     Ok((times, bench.scene.unpruned.sample_count(), bench.scene.unpruned.sample_count() * DEPTH_BYTES))
 }
 
+/// Repeats with default settings but a new color tolerance each time, so that nothing is taken from an earlier repeat.
+fn repeat_with_new_tolerance<T>(bench: &Bench<'_>, work: impl Fn(&Settings) -> Result<T>) -> Result<Times> {
+    let mut settings = Settings::default();
+    let tolerance = settings.pruning.color_tolerance;
+    let mut turn = 0_u8;
+    repeat(bench.budget, bench.job, || {
+        turn = turn.wrapping_add(1);
+        settings.pruning.color_tolerance = tolerance + 0.01 * f32::from(turn);
+        work(&settings)
+    })
+}
+
 fn prune_layers(bench: &Bench<'_>) -> Result<StageResult> {
     let capture = &bench.scene.capture;
-    let mut settings = Settings::default();
+    let settings = Settings::default();
     let rig = CameraPairs::new(&capture.cameras);
     let complete = FrameLayers::unscanned(capture, &rig, &settings, 0, bench.job)?;
     let layers = &complete.layers;
-    let tolerance = settings.pruning.color_tolerance;
-    let mut turn = 0_u8;
-    let times = repeat(bench.budget, bench.job, || {
-        turn = turn.wrapping_add(1);
-        settings.pruning.color_tolerance = tolerance + 0.01 * f32::from(turn);
+    let times = repeat_with_new_tolerance(bench, |settings| {
         let statuses = no_statuses(layers);
-        prune(&rig, layers, &statuses, FRAME, &settings, bench.job)
+        prune(&rig, layers, &statuses, FRAME, settings, bench.job)
     })?;
     Ok(of_one_frame(bench, times))
 }
@@ -149,18 +157,13 @@ fn prepare(bench: &Bench<'_>) -> Result<StageResult> {
 
 fn reprune(bench: &Bench<'_>, prepared: bool) -> Result<StageResult> {
     let capture = &bench.scene.capture;
-    let mut settings = Settings::default();
+    let settings = Settings::default();
     let scanned = scan(capture, &settings, bench.job)?;
     if prepared {
         prepare_frame(capture, &scanned, &settings, 1, bench.job)?;
     }
-    let tolerance = settings.pruning.color_tolerance;
-    let mut turn = 0_u8;
-    let times = repeat(bench.budget, bench.job, || {
-        // Another value each time, so that nothing is taken from an earlier run.
-        turn = turn.wrapping_add(1);
-        settings.pruning.color_tolerance = tolerance + 0.01 * f32::from(turn);
-        inspect_frame(capture, Some(&scanned), &settings, 1, bench.job)
+    let times = repeat_with_new_tolerance(bench, |settings| {
+        inspect_frame(capture, Some(&scanned), settings, 1, bench.job)
     })?;
     Ok(of_one_frame(bench, times))
 }

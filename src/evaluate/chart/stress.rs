@@ -37,14 +37,14 @@ pub(crate) fn stress(capture: &str, points: &[StressPoint]) -> Chart {
     svg.finish()
 }
 
-fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut distinct: Vec<&str> = Vec::new();
-    for name in names {
-        if !distinct.contains(&name) {
-            distinct.push(name);
+/// The values without repetitions, in the order in which they first come.
+fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+    values.fold(Vec::new(), |mut distinct, value| {
+        if !distinct.contains(&value) {
+            distinct.push(value);
         }
-    }
-    distinct
+        distinct
+    })
 }
 
 fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods: &[&str]) {
@@ -53,15 +53,7 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
     let (accuracy_bottom, kept_top, bottom) = (top + 175.0, top + 190.0, top + 235.0);
     let title = format!("{}, {}", first.disturbance, first.unit);
     svg.text((plot_left, top + 16.0), Anchor::Start, (17.0, color::INK), &title);
-    let dials = {
-        let mut dials: Vec<f64> = Vec::new();
-        for point in points {
-            if !dials.contains(&point.dial) {
-                dials.push(point.dial);
-            }
-        }
-        dials
-    };
+    let dials = distinct(points.iter().map(|point| point.dial));
     // The values of a dial stand at equal distances: they were chosen to be equally far from each other to the eye.
     let x =
         ChartAxis::around(Scale::Linear, (0..dials.len()).map(|index| index as f64), (plot_left, plot_right));

@@ -14,9 +14,10 @@ mod psnr;
 mod silhouette;
 mod ssim;
 
-pub use flicker::FlickerMeter;
+pub(crate) use flicker::FlickerMeter;
 pub use flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
 pub use ms_ssim::ms_ssim;
-pub use pair::{Pair, Scores, display_values, luma, score};
+pub(crate) use pair::Pair;
+pub use pair::{Scores, luma, score};
 pub use psnr::{MAX_PSNR_DB, psnr_db};
 pub use ssim::ssim;

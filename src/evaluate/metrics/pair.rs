@@ -40,7 +40,7 @@ pub struct Scores {
 
 /// A picture beside its truth, as a display shows both.
 #[derive(Clone, Debug)]
-pub struct Pair {
+pub(crate) struct Pair {
     painted_linear: Grid<[f32; 3]>,
     true_linear: Grid<[f32; 3]>,
     painted: Vec<[f32; 3]>,
@@ -54,10 +54,7 @@ pub struct Pair {
 
 impl Pair {
     /// Puts a picture beside its truth.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] where the two differ in size.
-    pub fn new(picture: &Picture, truth: &Frame) -> Result<Self> {
+    pub(crate) fn new(picture: &Picture, truth: &Frame) -> Result<Self> {
         let (width, height) = picture.color.size();
         if (width, height) != truth.size() {
             let (true_width, true_height) = truth.size();
@@ -88,14 +85,12 @@ impl Pair {
     }
 
     /// Whether the truth knows any pixel. Where it knows none, scores say nothing of the picture.
-    #[must_use]
-    pub fn has_truth(&self) -> bool {
+    pub(crate) fn has_truth(&self) -> bool {
         self.is_true.contains(&true)
     }
 
     /// All metrics of a single picture.
-    #[must_use]
-    pub fn scores(&self) -> Scores {
+    pub(crate) fn scores(&self) -> Scores {
         let is_reached = self.is_reached.as_slice();
         let all = || (0..self.painted.len()).filter(|&pixel| self.is_true[pixel]);
         let reached = || (0..self.painted.len()).filter(|&pixel| is_reached[pixel]);
@@ -103,7 +98,7 @@ impl Pair {
         let psnr_all_db = psnr_db(&self.painted, &self.truth, all()).unwrap_or(MAX_PSNR_DB);
         let (painted_luma, true_luma) = (self.luma_of(&self.painted), self.luma_of(&self.truth));
         let (reached_count, true_count) = (reached().count(), all().count());
-        let flip = self.flip();
+        let flip = flip(&self.painted_linear, &self.true_linear, DEFAULT_PIXELS_PER_DEGREE);
         let flip_sum: f64 = reached().map(|pixel| f64::from(flip.as_slice()[pixel])).sum();
         Scores {
             psnr_db: psnr_db(&self.painted, &self.truth, reached()).unwrap_or(psnr_all_db),
@@ -115,10 +110,6 @@ impl Pair {
                 .map(|error| 255.0 * error.sqrt()),
             coverage: if true_count == 0 { 1.0 } else { reached_count as f64 / true_count as f64 },
         }
-    }
-
-    fn flip(&self) -> Grid<f32> {
-        flip(&self.painted_linear, &self.true_linear, DEFAULT_PIXELS_PER_DEGREE)
     }
 
     /// Difference of what is shown from the truth, 0 to 1 and negative; `None` where no sample or no truth is.
@@ -140,14 +131,13 @@ impl Pair {
 /// Compares a picture with the truth.
 ///
 /// # Errors
-/// As [`Pair::new`].
+/// [`Error::Invalid`] where the two differ in size.
 pub fn score(picture: &Picture, truth: &Frame) -> Result<Scores> {
     Ok(Pair::new(picture, truth)?.scores())
 }
 
 /// Linear Rec.709 as a display shows it: sRGB-encoded and clipped to 0 to 1.
-#[must_use]
-pub fn display_values(linear: &[[f32; 3]]) -> Vec<[f32; 3]> {
+fn display_values(linear: &[[f32; 3]]) -> Vec<[f32; 3]> {
     linear.par_iter().map(|color| color.map(|value| srgb_from_linear(value).clamp(0.0, 1.0))).collect()
 }
 

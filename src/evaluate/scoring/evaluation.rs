@@ -43,7 +43,7 @@ pub struct MeanScore {
     /// See [`Scores::silhouette_steps`]; over the views that have silhouettes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub silhouette_steps: Option<f64>,
-    /// See [`FlickerMeter::steps`]; `None` where no vantage is seen at two frames.
+    /// Root mean square change of error from frame to frame, 8-bit steps; `None` where no vantage is seen at two frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flicker_steps: Option<f64>,
     /// See [`Scores::coverage`].
@@ -69,8 +69,7 @@ pub struct Evaluation {
 
 impl Evaluation {
     /// The same with views where `order`, that in which they were painted, found them.
-    #[must_use]
-    pub fn given_back(self, order: &[usize]) -> Self {
+    pub(crate) fn given_back(self, order: &[usize]) -> Self {
         let mut views: Vec<(usize, ViewScore)> = order.iter().copied().zip(self.views).collect();
         views.sort_unstable_by_key(|(index, _)| *index);
         Self { views: views.into_iter().map(|(_, score)| score).collect(), ..self }

@@ -9,7 +9,6 @@ mod painted_view;
 mod scoreboard;
 
 pub use evaluation::{Evaluation, MeanScore, ViewScore};
-pub(crate) use painted_view::no_known_pixel;
-pub use painted_view::{PaintedView, frame_of, render_view};
-pub use scoreboard::{Scoreboard, evaluate, vantage_order};
-pub(crate) use scoreboard::{evaluate_with, with_truth};
+pub(crate) use painted_view::{frame_of, no_known_pixel, render_view};
+pub(crate) use scoreboard::{Scoreboard, evaluate_with, nothing_to_compare, with_truth};
+pub use scoreboard::{evaluate, vantage_order};

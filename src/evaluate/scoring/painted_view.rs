@@ -13,24 +13,21 @@ use crate::settings::RenderSettings;
 
 /// A painted view.
 #[derive(Debug)]
-pub struct PaintedView {
+pub(crate) struct PaintedView {
     /// What was painted.
-    pub picture: Arc<Picture>,
+    pub(crate) picture: Arc<Picture>,
     /// What it cost, and how close to the truth it came.
-    pub score: ViewScore,
+    pub(crate) score: ViewScore,
     /// The picture beside its truth, where that is known.
-    pub pair: Option<Pair>,
+    pub(crate) pair: Option<Pair>,
     /// The part of [`ViewScore::milliseconds`] that filling holes took.
-    pub fill_ms: f64,
+    pub(crate) fill_ms: f64,
     /// Why something else painted it than was asked for.
-    pub notice: Option<String>,
+    pub(crate) notice: Option<String>,
 }
 
 /// Where the frame of a view is among `frame_numbers`, those of what is called `name`.
-///
-/// # Errors
-/// `Invalid` naming the view where it is not.
-pub fn frame_of(view: &TruthView, name: &str, frame_numbers: &[i64]) -> Result<usize> {
+pub(crate) fn frame_of(view: &TruthView, name: &str, frame_numbers: &[i64]) -> Result<usize> {
     frame_numbers.binary_search(&view.frame_number).map_err(|_| {
         let frames = match frame_numbers {
             [] => "none".to_owned(),
@@ -54,11 +51,7 @@ pub(crate) fn no_known_pixel(view: &TruthView) -> String {
 
 /// Paints one view and, where its truth is known, scores it. Nothing is kept from one view to the next, so that neither
 /// milliseconds nor samples depend on the view before; save for the samples themselves, which a GPU is sent once.
-///
-/// # Errors
-/// `Invalid` naming the view where the set has no such frame or the truth has another size; whatever the truth's
-/// file gives; `Cancelled`.
-pub fn render_view(
+pub(crate) fn render_view(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,
     view: &TruthView,

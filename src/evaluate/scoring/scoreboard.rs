@@ -14,7 +14,7 @@ use crate::settings::RenderSettings;
 
 /// Gathers views as they are painted.
 #[derive(Debug, Default)]
-pub struct Scoreboard {
+pub(crate) struct Scoreboard {
     views: Vec<ViewScore>,
     flicker: FlickerMeter,
     notice: Option<String>,
@@ -23,7 +23,7 @@ pub struct Scoreboard {
 impl Scoreboard {
     /// Adds what was painted of `view`. Views of one vantage must follow each other for flicker to be seen; see
     /// [`vantage_order`].
-    pub fn add(&mut self, view: &TruthView, painted: PaintedView) {
+    pub(crate) fn add(&mut self, view: &TruthView, painted: PaintedView) {
         if let Some(pair) = &painted.pair {
             self.flicker.add(&view.camera, pair);
         }
@@ -32,8 +32,7 @@ impl Scoreboard {
     }
 
     /// Scores and means of what was painted, and the first notice.
-    #[must_use]
-    pub fn finish(self) -> Evaluation {
+    pub(crate) fn finish(self) -> Evaluation {
         let views = self.views;
         let mean_score = |value: &dyn Fn(&Scores) -> Option<f64>| {
             mean(views.iter().filter_map(|view| value(view.scores.as_ref()?)))
@@ -92,6 +91,14 @@ pub(crate) fn with_truth<'a>(views: &'a [TruthView], job: &Job) -> Vec<&'a Truth
     known
 }
 
+/// That nothing can be measured on what is called `name`.
+pub(crate) fn nothing_to_compare(name: &str) -> Error {
+    Error::invalid(
+        name,
+        "no view has a true picture to be compared with; name others with --views, or leave cameras out",
+    )
+}
+
 /// Scores the views whose truth is known.
 ///
 /// # Errors
@@ -114,10 +121,7 @@ pub(crate) fn evaluate_with(
 ) -> Result<Evaluation> {
     let views = with_truth(views, job);
     if views.is_empty() {
-        return Err(Error::invalid(
-            &samples.name,
-            "no view has a true picture to be compared with; name others with --views or hold out a camera",
-        ));
+        return Err(nothing_to_compare(&samples.name));
     }
     job.start("Scoring views", views.len());
     let mut scores = Scoreboard::default();

@@ -20,15 +20,14 @@ use std::collections::HashSet;
 
 use serde::{Deserialize, Serialize};
 
+use super::scoring::nothing_to_compare;
 use super::sweep::{self, Point, Series};
 use super::trial::{MeanEstimate, Pace, Trial, TrialResult, Workbench};
-use super::truth::{self, Truth};
+use super::truth::{self, Recorded, Truth};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::settings::Settings;
-
-use super::truth::Recorded;
 
 /// A method that is put under stress.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,33 +159,28 @@ pub fn run(
     for step in steps {
         let mut disturbed = None;
         for method in &plan.methods {
-            let known = plan.known(step, method).cloned();
-            let is_new = known.is_none();
-            let point = if let Some(known) = known {
-                known
-            } else {
-                pace.next(job, (points.len() + 1, total), open - pace.measured());
-                if disturbed.is_none() {
-                    disturbed = Disturbed::new(capture, plan, truth, step, job)?;
-                }
-                let Some(disturbed) = &mut disturbed else {
-                    // The pace counts one point as begun.
-                    (total, open) = (total - open_at(step), open + 1 - open_at(step));
-                    passed_over.push(step);
-                    break;
-                };
-                disturbed.measure(method, job)?
-            };
-            let point = point.with_loss(&points);
-            if is_new {
-                on_point(&point, (points.len() + 1, total));
+            if let Some(known) = plan.known(step, method) {
+                points.push(known.clone().with_loss(&points));
+                continue;
             }
+            pace.next(job, (points.len() + 1, total), open - pace.measured());
+            if disturbed.is_none() {
+                disturbed = Disturbed::new(capture, plan, truth, step, job)?;
+            }
+            let Some(disturbed) = &mut disturbed else {
+                // The pace counts one point as begun.
+                (total, open) = (total - open_at(step), open + 1 - open_at(step));
+                passed_over.push(step);
+                break;
+            };
+            let point = disturbed.measure(method, job)?.with_loss(&points);
+            on_point(&point, (points.len() + 1, total));
             points.push(point);
         }
     }
     job.set_context("");
     if points.is_empty() && !passed_over.is_empty() {
-        return Err(truth::nothing_to_compare(&capture.name));
+        return Err(nothing_to_compare(&capture.name));
     }
     for step in passed_over {
         job.warn(leaves_nothing(step));
@@ -236,10 +230,14 @@ fn leaves_nothing((disturbance, dial): StressStep) -> String {
 }
 
 impl StressPoint {
+    /// Whether the other is of the same disturbance and method.
+    fn is_like(&self, other: &Self) -> bool {
+        other.disturbance == self.disturbance && other.method == self.method
+    }
+
     /// The same with its loss since the first of these `points` that has its disturbance and method.
     fn with_loss(self, points: &[Self]) -> Self {
-        let is_alike = |other: &&Self| other.disturbance == self.disturbance && other.method == self.method;
-        let first = points.iter().find(is_alike);
+        let first = points.iter().find(|other| other.is_like(&self));
         let loss =
             first.and_then(|first| Some(first.accuracy_at(&self.views)? - self.accuracy_at(&first.views)?));
         Self { loss_db: loss.unwrap_or_default(), ..self }
@@ -332,37 +330,28 @@ fn view_by_view(measured: &TrialResult) -> Vec<ViewAccuracy> {
 /// Where each method fails under each disturbance, in the order of the points.
 #[must_use]
 pub fn failures(points: &[StressPoint]) -> Vec<BreakingPoint> {
-    let mut failures: Vec<BreakingPoint> = Vec::new();
-    let mut previous: Option<&StressPoint> = None;
-    let mut by_method: Vec<&StressPoint> = points.iter().collect();
-    let order = |point: &StressPoint| {
-        points.iter().position(|other| other.disturbance == point.disturbance && other.method == point.method)
-    };
-    by_method.sort_by_key(|point| order(point));
-    for point in by_method {
-        let same = previous
-            .filter(|previous| previous.disturbance == point.disturbance && previous.method == point.method);
-        if same.is_none() {
-            failures.push(BreakingPoint {
-                disturbance: point.disturbance.clone(),
-                unit: point.unit.clone(),
-                method: point.method.clone(),
-                dial: None,
-                worst_loss_db: point.loss_db,
-                last_dial: point.dial,
-            });
+    let mut dials: Vec<Vec<&StressPoint>> = Vec::new();
+    for point in points {
+        match dials.iter_mut().find(|dial| dial[0].is_like(point)) {
+            Some(dial) => dial.push(point),
+            None => dials.push(vec![point]),
         }
-        if let Some(failure) = failures.last_mut() {
-            failure.worst_loss_db = failure.worst_loss_db.max(point.loss_db);
-            failure.last_dial = point.dial;
-            if let (None, Some(before)) = (failure.dial, same)
-                && point.loss_db >= LOST_DB
-            {
-                let share = (LOST_DB - before.loss_db) / (point.loss_db - before.loss_db);
-                failure.dial = Some(before.dial + share * (point.dial - before.dial));
-            }
-        }
-        previous = Some(point);
     }
-    failures
+    let failure = |dial: Vec<&StressPoint>| {
+        let (first, last) = (dial[0], dial[dial.len() - 1]);
+        let lost_at = dial.windows(2).find(|pair| pair[1].loss_db >= LOST_DB).map(|pair| {
+            let (before, after) = (pair[0], pair[1]);
+            let share = (LOST_DB - before.loss_db) / (after.loss_db - before.loss_db);
+            before.dial + share * (after.dial - before.dial)
+        });
+        BreakingPoint {
+            disturbance: first.disturbance.clone(),
+            unit: first.unit.clone(),
+            method: first.method.clone(),
+            dial: lost_at,
+            worst_loss_db: dial.iter().map(|point| point.loss_db).fold(first.loss_db, f64::max),
+            last_dial: last.dial,
+        }
+    };
+    dials.into_iter().map(failure).collect()
 }

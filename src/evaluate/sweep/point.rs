@@ -98,7 +98,7 @@ pub struct Point {
     pub flip_se: f64,
     /// See [`Scores::silhouette_steps`].
     pub silhouette_steps: Option<f64>,
-    /// See [`crate::evaluate::metrics::FlickerMeter`].
+    /// Root mean square change of error from frame to frame at a still vantage, 8-bit steps.
     pub flicker_steps: Option<f64>,
     /// See [`Scores::coverage`].
     pub coverage: f64,

@@ -174,8 +174,7 @@ impl Workbench {
     }
 
     /// Whether some fold that has views has a camera left for the trial.
-    #[must_use]
-    pub fn can_measure(&self, trial: &Trial) -> bool {
+    pub(crate) fn can_measure(&self, trial: &Trial) -> bool {
         self.folds.iter().any(|fold| fold.has_cameras(trial))
     }
 
@@ -389,8 +388,7 @@ pub(crate) fn stored(samples: &SampleSet, report: &Report, job: &Job) -> Result<
 }
 
 /// How much work a kernel does per sample, as a rule that is the same on every machine: ranks of the measured times.
-#[must_use]
-pub fn kernel_cost(kernel: Kernel) -> f64 {
+pub(crate) fn kernel_cost(kernel: Kernel) -> f64 {
     match kernel {
         Kernel::Point => 1.0,
         Kernel::Block => 4.0,

@@ -10,10 +10,7 @@ use crate::error::{Error, Result};
 const MAX_FRAMES: usize = 5;
 
 /// The capture without the cameras named, and views with truth from their places.
-///
-/// # Errors
-/// [`Error::Invalid`] where a camera does not exist, or where none would be left.
-pub fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, Vec<TruthView>)> {
+pub(crate) fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, Vec<TruthView>)> {
     let is_held_out = |name: &str| held_out.iter().any(|held_out| held_out == name);
     if let Some(unknown) =
         held_out.iter().find(|name| !capture.cameras.iter().any(|camera| camera.name == **name))

@@ -42,20 +42,14 @@ pub(crate) fn parts_of(capture: &Capture, source: Arc<dyn FrameSource>) -> Captu
 }
 
 /// The capture with `count` of its frames alone, and the truth at those; see [`choose`].
-///
-/// # Errors
-/// As [`choose`].
-pub fn frames(capture: &Capture, truth: Truth, count: usize) -> Result<(Capture, Truth)> {
+pub(crate) fn frames(capture: &Capture, truth: Truth, count: usize) -> Result<(Capture, Truth)> {
     let chosen = choose(capture, &truth, count)?;
     Ok((only(capture, &chosen), truth_at(capture, truth, &chosen)))
 }
 
 /// `count` frames of a capture, spread evenly: frames with truth come first, and where there are more of them than `count`,
 /// they are thinned as well. All frames where there are no more.
-///
-/// # Errors
-/// `Invalid` for a count of 0.
-pub fn choose(capture: &Capture, truth: &Truth, count: usize) -> Result<Vec<usize>> {
+pub(crate) fn choose(capture: &Capture, truth: &Truth, count: usize) -> Result<Vec<usize>> {
     if count == 0 {
         return Err(Error::invalid("frames", "there must be at least one"));
     }
@@ -86,8 +80,7 @@ pub fn choose(capture: &Capture, truth: &Truth, count: usize) -> Result<Vec<usiz
 }
 
 /// The capture with some of its frames alone, given by ascending index.
-#[must_use]
-pub fn only(capture: &Capture, frames: &[usize]) -> Capture {
+pub(crate) fn only(capture: &Capture, frames: &[usize]) -> Capture {
     if frames.len() == capture.frame_count() {
         return capture.clone();
     }
@@ -97,8 +90,7 @@ pub fn only(capture: &Capture, frames: &[usize]) -> Capture {
 }
 
 /// The truth at some frames of the capture alone, given by ascending index.
-#[must_use]
-pub fn truth_at(capture: &Capture, truth: Truth, frames: &[usize]) -> Truth {
+pub(crate) fn truth_at(capture: &Capture, truth: Truth, frames: &[usize]) -> Truth {
     let is_chosen = |view: &TruthView| {
         capture.frame_index(view.frame_number).is_some_and(|frame| frames.binary_search(&frame).is_ok())
     };

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use super::hold_out;
 use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, TruthView};
 use crate::error::{Error, Result};
-use crate::evaluate::scoring::{no_known_pixel, vantage_order, with_truth};
+use crate::evaluate::scoring::{no_known_pixel, nothing_to_compare, vantage_order, with_truth};
 use crate::job::Job;
 
 /// Where the truth comes from.
@@ -129,14 +129,6 @@ impl Truth {
         folds.retain(|fold| !fold.views.is_empty());
         Ok((folds, dropped))
     }
-}
-
-/// That nothing can be measured on what is called `name`.
-pub(crate) fn nothing_to_compare(name: &str) -> Error {
-    Error::invalid(
-        name,
-        "no view has a true picture to be compared with; name others with --views, or leave cameras out",
-    )
 }
 
 /// Views of one vantage after each other, each by frame; vantages in the order in which they first come.

@@ -66,9 +66,8 @@ impl<'a> Search<'a> {
         if let Some(point) = self.points.iter().find(is_same) {
             return Ok(point.clone());
         }
-        let known = self.plan.done.iter().find(is_same).cloned();
-        let point = if let Some(point) = known {
-            point
+        let point = if let Some(known) = self.plan.done.iter().find(is_same) {
+            known.clone()
         } else {
             let done = self.points.len();
             let expected = self.expected.max(done + 1);
