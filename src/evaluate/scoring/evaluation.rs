@@ -68,7 +68,7 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// The same with views where `order`, that in which they were painted, found them.
+    /// The same with the views in their given order, where `order` is that in which they were rendered.
     pub(crate) fn given_back(self, order: &[usize]) -> Self {
         let mut views: Vec<(usize, ViewScore)> = order.iter().copied().zip(self.views).collect();
         views.sort_unstable_by_key(|(index, _)| *index);

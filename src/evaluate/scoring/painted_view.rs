@@ -26,7 +26,7 @@ pub(crate) struct PaintedView {
     pub(crate) notice: Option<String>,
 }
 
-/// Where the frame of a view is among `frame_numbers`, those of what is called `name`.
+/// Index of the frame of a view among `frame_numbers`, which belong to the capture or store `name`.
 pub(crate) fn frame_of(view: &TruthView, name: &str, frame_numbers: &[i64]) -> Result<usize> {
     frame_numbers.binary_search(&view.frame_number).map_err(|_| {
         let frames = match frame_numbers {
@@ -41,7 +41,7 @@ pub(crate) fn frame_of(view: &TruthView, name: &str, frame_numbers: &[i64]) -> R
     })
 }
 
-/// That a view takes no part in the scores.
+/// The warning that a view is not scored.
 pub(crate) fn no_known_pixel(view: &TruthView) -> String {
     format!(
         "view '{}' is left out of the scores: no pixel of its true picture is known, or was seen by a camera",
@@ -49,8 +49,8 @@ pub(crate) fn no_known_pixel(view: &TruthView) -> String {
     )
 }
 
-/// Paints one view and, where its truth is known, scores it. Nothing is kept from one view to the next, so that neither
-/// milliseconds nor samples depend on the view before; save for the samples themselves, which a GPU is sent once.
+/// Renders one view and, where its truth is known, scores it. No background is kept from the view before, so milliseconds and
+/// samples do not depend on it; only the samples stay on a GPU.
 pub(crate) fn render_view(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,

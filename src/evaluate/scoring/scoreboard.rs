@@ -21,8 +21,7 @@ pub(crate) struct Scoreboard {
 }
 
 impl Scoreboard {
-    /// Adds what was painted of `view`. Views of one vantage must follow each other for flicker to be seen; see
-    /// [`vantage_order`].
+    /// Adds a view. Flicker is measured between consecutive views of one vantage; see [`vantage_order`].
     pub(crate) fn add(&mut self, view: &TruthView, painted: PaintedView) {
         if let Some(pair) = &painted.pair {
             self.flicker.add(&view.camera, pair);
@@ -53,8 +52,8 @@ impl Scoreboard {
     }
 }
 
-/// Indices of the views such that those of one vantage follow each other, each by frame; vantages in the order in which they
-/// first come. So flicker is seen with one picture kept, however many vantages there are.
+/// Indices of the views, those of one vantage together and by frame, so that flicker needs one earlier picture in memory.
+/// Vantages are in the order of their first view.
 #[must_use]
 pub fn vantage_order(views: &[&TruthView]) -> Vec<usize> {
     let mut vantages: Vec<&Camera> = Vec::new();
@@ -76,7 +75,7 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// The views whose true picture is there; that others are passed over is told.
+/// The views with a true picture; a warning names the others.
 pub(crate) fn with_truth<'a>(views: &'a [TruthView], job: &Job) -> Vec<&'a TruthView> {
     let (known, others): (Vec<_>, Vec<_>) = views.iter().partition(|view| view.truth.is_some());
     if let Some(first) = others.first() {
@@ -126,7 +125,7 @@ pub(crate) fn evaluate_with(
     job.start("Scoring views", views.len());
     let mut scores = Scoreboard::default();
     let order = vantage_order(&views);
-    // What is set up once is not the first picture's to pay for.
+    // An uncounted run first: setup is not part of the first time.
     painted(renderer, samples, views[order[0]], settings, job)?;
     for &index in &order {
         job.check()?;

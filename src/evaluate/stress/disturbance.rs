@@ -116,7 +116,7 @@ impl Disturbance {
         }
     }
 
-    /// What there is not in a capture that this cannot change, in words that go on from "there".
+    /// What the capture lacks for this disturbance to change it, as the end of a sentence that begins with "there".
     #[must_use]
     pub fn lacks(self, capture: &Capture) -> Option<&'static str> {
         match self {
@@ -131,7 +131,7 @@ impl Disturbance {
     /// The capture under this disturbance.
     ///
     /// # Errors
-    /// Whatever loading its first frames gives: the size of the scene is taken from them.
+    /// Those of loading its first frames, which give the size of the scene.
     pub fn apply(self, capture: &Capture, dial: f64) -> Result<Recorded> {
         let amount = dial as f32;
         let middle = capture.cameras.len() / 2;

@@ -1,5 +1,4 @@
-//! Other light on a recorded scene, drawn in the picture from depth and normals: no shadows, no light that bounces. The
-//! truth is changed by the same rule, so that it stays the truth.
+//! Relighting of a recorded scene from depth and normals, without shadows or bounces; the truth is relit by the same rule.
 
 use glam::{DVec2, DVec3, Vec3};
 use half::f16;

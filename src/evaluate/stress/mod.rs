@@ -1,13 +1,12 @@
-//! When does it break? Disturbances with a dial, applied to any capture, and what they do to ours and to the paper's plain
-//! settings.
+//! Robustness: disturbances of growing size, applied to any capture, and what they cost our settings and the paper's.
 //!
 //! ```text
 //! capture ─ Disturbance::apply(dial) ─▶ Recorded ─ Workbench ─▶ StressPoint …─ failures ─▶ the dial at which 1 dB is lost
 //! ```
 //!
-//! Every disturbance is applied to frames as they are asked for. Loss is against the same method at the first value of the
-//! dial, where nothing is disturbed, over the views of which some camera sees something at both. A value at which no camera sees
-//! anything of the truth has no points, nor has a disturbance that cannot change the capture.
+//! Frames are disturbed as they are loaded. Loss is relative to the same method at the first value of the dial, which disturbs
+//! nothing, over the views scored at both. There are no points for a value at which no camera sees any true pixel, or for a
+//! disturbance that cannot change the capture.
 
 mod disturbance;
 mod light;
@@ -38,22 +37,22 @@ pub struct Method {
     pub settings: Settings,
 }
 
-/// What is put under which stress, and what of it is known already.
+/// Disturbances, methods, and the points that are known already.
 #[derive(Clone, Debug)]
 pub struct StressPlan {
     /// The disturbances, each at all values of its dial.
     pub disturbances: Vec<Disturbance>,
     /// The methods; the first is ours.
     pub methods: Vec<Method>,
-    /// Frames that are looked at, those with truth first; all where `None`. Frames are disturbed before they are chosen.
+    /// Number of frames to use, those with truth first; all if `None`. Frames are disturbed before they are chosen.
     pub frames: Option<usize>,
     /// Points of an earlier run on the same capture and truth.
     pub done: Vec<StressPoint>,
 }
 
 impl StressPlan {
-    /// Every disturbance; `settings` with their defenses, the same kernel on the paper's plain preprocessing, and the
-    /// paper's settings as they are.
+    /// Every disturbance, for three methods: `settings`, the paper's preprocessing with the rendering of `settings`, and the
+    /// paper's settings.
     #[must_use]
     pub fn standard(settings: &Settings) -> Self {
         let paper = sweep::paper(settings);
@@ -96,8 +95,7 @@ pub struct StressPoint {
     pub method: String,
     /// Samples kept, as a share of all recorded pixels.
     pub kept_share: f64,
-    /// By how much accuracy (`psnr_filled_db`) fell since the first value of the dial, dB, over the views that were scored at both;
-    /// 0 where there is none.
+    /// Drop of `psnr_filled_db` since the first value of the dial, dB, over the views scored at both; 0 if there are none.
     pub loss_db: f64,
     /// What was measured.
     #[serde(flatten)]
@@ -137,13 +135,13 @@ pub struct BreakingPoint {
 /// A method fails where it has lost this much, dB.
 pub const LOST_DB: f64 = 1.0;
 
-/// Measures every disturbance of the plan at every value of its dial with every method; `on_point` is told each that was not
-/// known already, with how many are known then, of how many. A value that leaves nothing of the truth to be compared with is
-/// passed over, and told as a warning; so is a disturbance that cannot change the capture.
+/// Measures every disturbance of the plan at every value of its dial with every method. `on_point` receives each new point, the
+/// number of known points and their total. Disturbances that cannot change the capture, and values that leave no true pixel, are
+/// skipped with a warning.
 ///
 /// # Errors
-/// Whatever preprocessing, painting and truth give; `Invalid` where no value leaves anything to be compared with, and where no
-/// disturbance can change the capture; `Cancelled`, after which the points told so far can be put into [`StressPlan::done`] to go on.
+/// Those of preprocessing, rendering and truth; `Invalid` if nothing can be disturbed or compared; `Cancelled`: put the points
+/// received so far into [`StressPlan::done`] to continue.
 pub fn run(
     capture: &Capture,
     plan: &StressPlan,
@@ -220,7 +218,7 @@ fn steps(capture: &Capture, plan: &StressPlan, truth: &Truth, job: &Job) -> Resu
 /// A disturbance and where its dial stands.
 type StressStep = (Disturbance, f64);
 
-/// That a step has no points.
+/// The warning that a step has no points.
 fn leaves_nothing((disturbance, dial): StressStep) -> String {
     format!(
         "'{}' at {dial} {} is left out: no camera sees anything of the true pictures then",
@@ -235,7 +233,7 @@ impl StressPoint {
         other.disturbance == self.disturbance && other.method == self.method
     }
 
-    /// The same with its loss since the first of these `points` that has its disturbance and method.
+    /// The point with its loss since the first of `points` of its disturbance and method.
     fn with_loss(self, points: &[Self]) -> Self {
         let first = points.iter().find(|other| other.is_like(&self));
         let loss =
@@ -243,7 +241,7 @@ impl StressPoint {
         Self { loss_db: loss.unwrap_or_default(), ..self }
     }
 
-    /// Accuracy over those of its views that are among others.
+    /// Accuracy over the views that are among `others`; `None` if there are none.
     fn accuracy_at(&self, others: &[ViewAccuracy]) -> Option<f64> {
         let names: HashSet<&str> = others.iter().map(|view| view.file_path.as_str()).collect();
         let shared: Vec<&ViewAccuracy> =

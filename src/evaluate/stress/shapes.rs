@@ -1,5 +1,5 @@
-//! Things put into a recorded scene, exactly: every camera's ray is intersected with them, and what is nearer than the
-//! recorded surface replaces it, with its own depth and normal. They stand still, are lit from above, and cast no shadow.
+//! Solids inserted into a recorded scene: rays hit them exactly, and the nearer surface replaces the recorded depth, color and
+//! normal. They stand still, are lit from above and cast no shadow.
 
 use glam::{DVec2, DVec3};
 use half::f16;
@@ -120,7 +120,7 @@ impl Inserted {
         nearest
     }
 
-    /// The frame with the shapes in it.
+    /// Puts the shapes into a frame.
     pub(super) fn put_into(&self, camera: &Camera, frame: &mut Frame) {
         let width = frame.size().0;
         let hits = self.hits(camera, frame);
@@ -135,7 +135,7 @@ impl Inserted {
         }
     }
 
-    /// The frame, which has the shapes in it, with all pixels far from them unknown.
+    /// Marks all pixels far from the shapes, which are in the frame already, as unknown.
     pub(super) fn only_near(&self, camera: &Camera, frame: &mut Frame) {
         let (width, height) = frame.size();
         let hits = self.hits(camera, frame);

@@ -1,7 +1,6 @@
-//! How much accuracy does each setting buy for its time and bytes? Many settings and all baselines on one capture, the
-//! Pareto front among them.
+//! Accuracy against time and bytes: many settings and all baselines on one capture, and the Pareto front among them.
 //!
-//! Points come one by one, so that whoever waits can draw them, keep them, and go on from there another day.
+//! Points are delivered one by one, so that a run can be shown and resumed.
 
 mod plan;
 mod point;
@@ -15,12 +14,11 @@ use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
 
-/// Measures every point of the plan that is not known yet, in the plan's order, but for cameras alone that no view can be
-/// scored for; `on_point` is told each with how many are known then.
+/// Measures every unknown point of the plan, in order; a single camera is skipped if no view can be scored for it. `on_point`
+/// receives each new point and the number of known ones.
 ///
 /// # Errors
-/// Whatever preprocessing, painting and truth give; `Cancelled`, after which the points told so far can be put into
-/// [`SweepPlan::done`] to go on.
+/// Those of preprocessing, rendering and truth; `Cancelled`: put the points received so far into [`SweepPlan::done`] to continue.
 pub fn run(
     capture: &Capture,
     plan: &SweepPlan,
@@ -53,7 +51,7 @@ pub fn run(
     Ok(points)
 }
 
-/// Of all cameras alone, the one that comes closest stands for the idea.
+/// Keeps only the most accurate of the single cameras.
 fn only_the_best_single_camera(points: &mut Vec<Point>) {
     let is_single = |point: &Point| point.series == Series::SingleCamera;
     let best = points

@@ -40,12 +40,11 @@ const NUMBERS: [(&str, &[f64]); 8] = [
     ("store.depth_precision", &[0.25, 1.0]),
 ];
 
-/// Choices and switches that are no variation of the method: other methods are baselines, and normals in a store are for other
-/// programs, as no picture is painted with them.
+/// Not varied: other methods are baselines, and no picture depends on normals in a store.
 const LEFT_OUT: [&str; 2] = ["pruning.method", "store.normals"];
 
-/// The paper's settings, as near as ours come to them: a pixel is background or foreground; the denser of two samples at
-/// one place stays, whatever their normals and colors; no noise is granted, no overlap kept; a sample covers 2×2 pixels.
+/// The paper's settings, as closely as ours express them: two span levels; the denser of two samples at one place stays, whatever
+/// their normals and colors; no noise tolerance, no overlap; a sample covers 2×2 pixels.
 #[must_use]
 pub fn paper(base: &Settings) -> Settings {
     let mut settings = base.clone();
@@ -77,10 +76,10 @@ impl SweepPlan {
         plan
     }
 
-    /// The reference and every combination of the given values: each a setting's path and the texts it is set to.
+    /// The reference and every combination of the given values; an axis is the path of a setting and its values as text.
     ///
     /// # Errors
-    /// `Invalid` where there is no such setting, it does not take a value, or it is given twice: only the last of two would count.
+    /// `Invalid` for an unknown setting, a value it does not take, and a setting given twice, of which only the last would count.
     pub fn grid(reference: &Settings, axes: &[(String, Vec<String>)], capture: &Capture) -> Result<Self> {
         let mut combinations = vec![(Vec::new(), reference.clone())];
         for (index, (path, values)) in axes.iter().enumerate() {
@@ -125,8 +124,8 @@ impl SweepPlan {
         Self { trials: Vec::new(), reference: reference.clone(), done: Vec::new() }
     }
 
-    /// The point that an earlier run measured for this trial. What keeps as many samples as the reference is known where the
-    /// reference is, and keeps as many: settings do not tell which reference it was counted by.
+    /// The point that an earlier run measured for this trial. A baseline with as many samples as the reference is known only if
+    /// the reference is known and has that many: the settings do not say which reference it was.
     #[must_use]
     pub fn known(&self, planned: &Planned) -> Option<Point> {
         let Planned { trial, series } = planned;
@@ -202,9 +201,9 @@ impl SweepPlan {
 /// The kernels of a sweep, the most accurate first.
 const KERNELS: [Kernel; 4] = [Kernel::Gather, Kernel::Surfel, Kernel::Block, Kernel::Point];
 
-/// The reference with one thing changed: every choice and switch of spans, pruning and store but for two, and numbers around their
-/// defaults; that of depth where the reference's store is not lossless, as it says nothing otherwise. Choices and switches that are
-/// added to the program are varied without being named here, numbers are not.
+/// The reference with one setting changed: every choice and switch of spans, pruning and store but two, and numbers around their
+/// defaults. Depth precision is varied only if the reference's store is not lossless, since it has no effect otherwise. New
+/// choices and switches are varied without being named here; new numbers are not.
 #[must_use]
 pub fn variations(reference: &Settings) -> Vec<(String, Settings)> {
     let mut assignments: Vec<String> = Vec::new();

@@ -67,8 +67,7 @@ impl Series {
     }
 }
 
-/// One setting with all that was measured of it. Accuracy is over pixels that some camera saw, of pictures whose holes are
-/// filled; see [`Scores`].
+/// One setting and everything measured of it. Accuracy is over pixels that some camera saw, with holes filled; see [`Scores`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Says in short what is special about it.
@@ -81,8 +80,8 @@ pub struct Point {
     pub psnr_db: f64,
     /// Its standard error over vantages, see [`MeanEstimate::over_vantages`].
     pub psnr_db_se: f64,
-    /// The same over all these pixels, holes filled (`pushpull`) whatever the settings say: the one number that neither
-    /// leaving holes nor being good where it is easy can better. Points are ranked by it.
+    /// The same over all of these pixels, holes filled (`pushpull`) whatever the settings say: neither leaving holes nor being
+    /// good at easy pixels improves it. Points are ranked by it.
     pub psnr_filled_db: f64,
     /// Its standard error.
     pub psnr_filled_db_se: f64,
@@ -120,16 +119,15 @@ pub struct Point {
     pub work: f64,
     /// Seconds of preprocessing.
     pub seconds_preprocess: f64,
-    /// Vantages that it was scored at: fewer than others where it is a camera that is held out itself.
+    /// Vantages it was scored at; a single camera is not scored at its own.
     pub vantages: usize,
-    /// Whether no other point is both more accurate (`psnr_filled_db`) and smaller, see [`mark_pareto`]; under
-    /// stress, no other method's under the same disturbance of the same size.
+    /// Whether no other point is both more accurate (`psnr_filled_db`) and smaller, see [`mark_pareto`]; in a stress test, among
+    /// the methods at the same value of the dial.
     pub pareto: bool,
 }
 
 impl Point {
-    /// Bytes of the store without the record of how it was made: of two stores of the same samples none is smaller because its
-    /// settings have shorter names.
+    /// Bytes of the store without the record of its settings: longer names of settings must not make it larger.
     #[must_use]
     pub fn bytes_of_samples(&self) -> u64 {
         self.bytes - self.bytes_record
@@ -189,10 +187,9 @@ impl Point {
     }
 }
 
-/// Marks the points that no other beats in one thing without losing in another: `cost` is better where smaller, `gain`
-/// where larger, and a store that gives back every bit where the other rounds. So a store that rounds never drives a
-/// lossless one from the front, however well its pictures look. Of equals, all are marked. What was scored at fewer vantages than
-/// others cannot be held against them, and is not marked.
+/// Marks the points that no other beats in one respect without losing in another: lower `cost`, higher `gain`, lossless before
+/// rounded. So a rounded store never displaces a lossless one, however good its pictures. Equal points are all marked. Points
+/// scored at fewer vantages than others are not comparable and not marked.
 pub fn mark_pareto<'a>(
     points: impl IntoIterator<Item = &'a mut Point>,
     cost: impl Fn(&Point) -> f64,

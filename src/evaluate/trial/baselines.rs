@@ -1,10 +1,9 @@
-//! What anybody would try first, so that a claim is held against something: fewer samples, chosen without looking at
-//! sampling rates.
+//! The obvious alternatives, for comparison: fewer samples, chosen without looking at sampling rates.
 //!
-//! Random thinning and the voxel grid start from all samples, nothing pruned, and keep exactly as many as they are told.
-//! Both are deterministic. The voxel grid is the usual one of point clouds: space is cut into cubes, over each span of
-//! frames for itself, and of every cube the sample nearest to its middle stays (a cloud's centroid is no pixel and could
-//! not be stored as one). Samples at infinity are sorted into cubes of directions.
+//! Random thinning and the voxel grid start from all samples, unpruned, and keep a given number. Both are deterministic. The
+//! voxel grid is the usual one of point clouds: space is cut into cubes, separately for each span, and each cube keeps the sample
+//! nearest to its center, since a centroid is no pixel and cannot be stored as one. Samples at infinity are sorted into cubes of
+//! directions.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -54,15 +53,15 @@ pub(super) fn voxel_grid(set: &SampleSet, count: u64) -> SampleSet {
     thinned(set, count, &|image, sample| rank[image][sample])
 }
 
-/// How often the smallest cubes are halved where they still hold too many samples each: down to where `f64` tells no two
-/// places apart, so that samples at one and the same place end it.
+/// Number of times the smallest cubes are halved if they still hold too many samples: down to the resolution of `f64`, so that
+/// the search ends for samples at one position.
 const HALVINGS: usize = 36;
 
-/// The samples farthest out, this share of them, do not say how large the scene is: one stray depth must not.
+/// This share of the farthest samples is ignored for the size of the scene, against outliers of depth.
 const OUTLYING: f64 = 0.05;
 
-/// Places about the median of all that are not at infinity, so that cubes do not depend on where the world's origin lies, and
-/// how far they reach from there along any axis.
+/// Positions relative to the median of the finite ones, so that cubes do not depend on the world's origin, and the largest
+/// distance from it along any axis.
 fn about_their_middle(mut points: Vec<Vec<SamplePosition>>) -> (Vec<Vec<SamplePosition>>, f64) {
     let finite = |points: &[Vec<SamplePosition>], value: &dyn Fn(DVec3) -> f64| -> Vec<f64> {
         let places = points.iter().flatten().filter(|place| !place.at_infinity);
@@ -141,7 +140,7 @@ fn places(set: &SampleSet, image: &SampleImage) -> Vec<SamplePosition> {
     image.samples().map(|sample| place(sample.x, sample.y, depths[sample.index])).collect()
 }
 
-/// Image and sample of what stays in cubes of a size, over every span for itself.
+/// Image and sample index of the sample that each cube keeps, separately for each span.
 fn first_of_cubes(set: &SampleSet, points: &[Vec<SamplePosition>], size: f64) -> Vec<(u32, u32)> {
     let mut groups: Vec<(Span, Vec<usize>)> = Vec::new();
     for (index, image) in set.images.iter().enumerate() {

@@ -27,7 +27,7 @@ pub struct MethodScore {
     pub evaluation: Evaluation,
 }
 
-/// The given settings beside the two ends they must be held against.
+/// The given settings and the two extremes to compare them with.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MethodComparison {
     /// As the settings say.
@@ -38,12 +38,12 @@ pub struct MethodComparison {
     pub first_camera: MethodScore,
 }
 
-/// Scores the given settings, no pruning, and first camera wins. The frames are scanned once. What is painted has been through
-/// the file, so that precision given up there shows in the scores.
+/// Scores the given settings, no pruning, and first camera wins. The frames are scanned once. Samples are read back from a file,
+/// so that its precision shows in the scores.
 ///
 /// # Errors
-/// As [`preprocess::preprocess`], [`crate::store::file::write`] and [`evaluate`]; a view at a frame that the capture lacks is told before
-/// anything is scanned.
+/// Those of preprocessing, the store and [`evaluate`](crate::evaluate::evaluate); a view at a frame that the capture lacks is
+/// refused first.
 pub fn compare(
     capture: &Capture,
     views: &[TruthView],

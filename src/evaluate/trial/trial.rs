@@ -5,9 +5,8 @@
 //!        └─ kept between trials that agree so far ─┘
 //! ```
 //!
-//! What is painted has been through the file, so that precision given up there shows in the pictures. Holes are filled for
-//! every trial alike: a method must not look good because it leaves out what is difficult, nor lose by a gap of one pixel
-//! what it gains everywhere else.
+//! Rendered samples are read back from the file, so that its precision shows in the pictures. Holes are filled for every trial: a
+//! method must neither profit from leaving out difficult pixels nor lose to gaps of one pixel.
 
 use std::collections::BTreeSet;
 use std::collections::hash_map::{Entry, HashMap};
@@ -133,7 +132,7 @@ struct FoldState {
 /// What a scan depends on.
 type ScanKey = (NormalSettings, SpanSettings, Option<Vec<String>>);
 
-/// Scans and models that are kept of each fold: those of the last trials, and the unpruned one that baselines thin.
+/// Scans and models cached per fold: those of the last trials, and the unpruned one that baselines thin.
 const KEPT: usize = 3;
 
 /// Tries settings on one capture, sharing whatever they have in common.
@@ -163,10 +162,10 @@ impl Workbench {
         }
     }
 
-    /// Opens what will paint the trials, so that what is not there is told before anything is measured.
+    /// Opens the renderers of the trials, so that a missing one is reported before anything is measured.
     ///
     /// # Errors
-    /// `Gpu` where one asks for a GPU and there is none.
+    /// `Gpu` if a trial needs a GPU and there is none.
     pub fn open<'a>(&mut self, trials: impl IntoIterator<Item = &'a Trial>) -> Result<()> {
         trials
             .into_iter()
@@ -178,11 +177,11 @@ impl Workbench {
         self.folds.iter().any(|fold| fold.has_cameras(trial))
     }
 
-    /// Tries one setting.
+    /// Measures one setting.
     ///
     /// # Errors
-    /// As [`preprocess::preprocess`], [`crate::store::file::write`] and [`render_view`]; `Invalid` where no fold has a camera left; `Gpu` where
-    /// the GPU is asked for and cannot paint: the CPU's times must not pass for its own.
+    /// Those of preprocessing, the store and rendering; `Invalid` if no fold has a camera left; `Gpu` if the GPU cannot render:
+    /// times of the CPU must not pass for its own.
     pub fn measure(&mut self, trial: &Trial, job: &Job) -> Result<TrialResult> {
         let renderer = opened(&mut self.renderers, trial.settings.render.backend)?;
         let filling = RenderSettings { fill: Fill::PushPull, ..trial.settings.render.clone() };
@@ -387,7 +386,7 @@ pub(crate) fn stored(samples: &SampleSet, report: &Report, job: &Job) -> Result<
     Ok(FoldSamples { bytes, bytes_record, ..FoldSamples::unstored(Arc::new(samples), report, 0.0) })
 }
 
-/// How much work a kernel does per sample, as a rule that is the same on every machine: ranks of the measured times.
+/// Work of a kernel per sample, the same on every machine: ranks of measured times.
 pub(crate) fn kernel_cost(kernel: Kernel) -> f64 {
     match kernel {
         Kernel::Point => 1.0,

@@ -1,4 +1,4 @@
-//! Hold-out evaluation: cameras are left out of the preprocessing, and their own frames are the truth it is scored by.
+//! Hold-out evaluation: preprocessing leaves cameras out, and their own frames are the truth.
 
 use std::sync::Arc;
 

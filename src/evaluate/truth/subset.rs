@@ -1,4 +1,4 @@
-//! Part of a capture, where the whole would take too long: fewer frames.
+//! Fewer frames of a capture, where all would take too long.
 
 use std::sync::Arc;
 
@@ -47,8 +47,7 @@ pub(crate) fn frames(capture: &Capture, truth: Truth, count: usize) -> Result<(C
     Ok((only(capture, &chosen), truth_at(capture, truth, &chosen)))
 }
 
-/// `count` frames of a capture, spread evenly: frames with truth come first, and where there are more of them than `count`,
-/// they are thinned as well. All frames where there are no more.
+/// `count` frames of a capture, spread evenly: frames with truth first, thinned if there are more than `count`.
 pub(crate) fn choose(capture: &Capture, truth: &Truth, count: usize) -> Result<Vec<usize>> {
     if count == 0 {
         return Err(Error::invalid("frames", "there must be at least one"));

@@ -1,4 +1,4 @@
-//! What pictures are held against: vantages whose truth is known, or every camera left out in turn.
+//! What pictures are compared with: views with known truth, or every camera left out in turn.
 //!
 //! ```text
 //! Truth::Views ──────── one fold:  all cameras,       the views that came with the capture
@@ -6,9 +6,9 @@
 //!                                  each truth masked to what the fold's cameras could see
 //! ```
 //!
-//! Whatever no camera of a fold saw cannot be painted by any method: such pixels are taken out of the truth, so that holes
-//! are counted where a method made them, and nowhere else. A true picture that came without any depth says nothing about
-//! where its surfaces lie: it stays whole, and what no camera saw counts against every method alike.
+//! No method can render what no camera of a fold saw: such pixels are removed from the truth, so that a hole counts only where a
+//! method made it. A true picture without any depth does not say where its surfaces are: it stays whole, and unseen pixels count
+//! against every method alike.
 
 use std::sync::Arc;
 
@@ -75,12 +75,10 @@ impl Truth {
         }
     }
 
-    /// Loads and masks the truth of every fold. Views of which no pixel is left are dropped, and folds without views: they say
-    /// nothing of any method.
+    /// Loads and masks the truth of every fold. Views without a known pixel are dropped, and folds without views.
     ///
     /// # Errors
-    /// Whatever loading frames and truth gives; `Invalid` where nothing is left, and where a single camera should be left
-    /// out; `Cancelled`.
+    /// Those of loading frames and truth; `Invalid` if nothing is left, or if a single camera would be left out; `Cancelled`.
     pub fn folds(&self, recorded: &Recorded, job: &Job) -> Result<Vec<Fold>> {
         let (folds, unseen) = self.folds_left(recorded, job)?;
         for view in unseen {
@@ -137,8 +135,7 @@ fn ordered(views: &[TruthView]) -> Vec<TruthView> {
     order.into_iter().map(|index| views[index].clone()).collect()
 }
 
-/// The view with its truth loaded and masked to what the recorded cameras saw, whole where the truth came without depth; and
-/// whether any pixel of it is left.
+/// The view with its truth loaded, masked to what the recorded cameras saw unless it has no depth, and whether any pixel is left.
 fn masked(recorded: &Recorded, view: TruthView) -> Result<(TruthView, bool)> {
     let (Some(load), Some(frame)) = (&view.truth, recorded.capture.frame_index(view.frame_number)) else {
         return Err(Error::invalid(
@@ -147,7 +144,7 @@ fn masked(recorded: &Recorded, view: TruthView) -> Result<(TruthView, bool)> {
         ));
     };
     let mut truth = load()?;
-    // Asked before the edit, which may put surfaces of its own into a picture that has none.
+    // Before the edit, which may insert surfaces into a picture without depth.
     let has_depth = truth.inverse_depth.as_slice().iter().any(|inverse_depth| *inverse_depth > 0.0);
     if let Some(edit) = &recorded.edit_truth {
         edit(&view.camera, view.frame_number, &mut truth);
@@ -186,8 +183,8 @@ struct CameraView {
     recorded: Arc<Frame>,
 }
 
-/// A point was seen where the surface recorded there lies within so many of the camera's pixel widths of it: the widths
-/// of the paper's 4-pixel neighborhood on a surface seen at 75°.
+/// A camera saw a point if its recorded surface is within this many of its pixel widths of the point: the extent of the paper's
+/// 4-pixel neighborhood on a surface seen at 75°.
 const SEEN_WITHIN_PX: f64 = 4.0;
 
 impl CameraView {
