@@ -16,7 +16,6 @@ const BACKENDS: &[(&str, &str)] = &[
     ("gpu", "The processor and the graphics adapter, be it a program that stands in for one."),
 ];
 
-/// Arguments of `overlook bench`.
 #[derive(Debug, Args)]
 pub(crate) struct BenchArgs {
     /// Measure only stages with PART in their name, as in render/point; may be given several times.

@@ -13,7 +13,6 @@ use crate::demo::{Demo, DemoSpec, MAX_CAMERAS, SCENES};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 
-/// Arguments of `overlook demo`.
 #[derive(Debug, Args)]
 pub(crate) struct DemoArgs {
     /// Which scene.

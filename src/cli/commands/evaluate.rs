@@ -12,7 +12,6 @@ use crate::cli::output::{self, CommandError};
 use crate::evaluate::{MethodComparison, MethodScore, compare, truth};
 use crate::settings::Settings;
 
-/// Arguments of `overlook evaluate`.
 #[derive(Debug, Args)]
 pub(crate) struct EvaluateArgs {
     /// The capture: a folder or its transforms.json.

@@ -20,7 +20,6 @@ use crate::preprocess::{Spooled, preprocess_spooled};
 use crate::settings::{CaptureSettings, Settings, SpanLevels};
 use crate::store::file::{Extras, Provenance};
 
-/// Arguments of `overlook preprocess`.
 #[derive(Debug, Args)]
 pub(crate) struct PreprocessArgs {
     /// The capture: a folder or its transforms.json.

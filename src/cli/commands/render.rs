@@ -15,7 +15,6 @@ use crate::render::Renderer;
 use crate::settings::RenderSettings;
 use crate::store::playback::Playback;
 
-/// Arguments of `overlook render`.
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
     /// The store.

@@ -8,7 +8,6 @@ use crate::cli::input::SettingsArgs;
 use crate::cli::output::{self, CommandError};
 use crate::settings::{Field, Settings, ValueKind};
 
-/// Arguments of `overlook settings`.
 #[derive(Debug, Args)]
 pub(crate) struct SettingsCommandArgs {
     #[command(flatten)]

@@ -10,11 +10,10 @@ use serde::Serialize;
 use crate::cli::input::{self, SettingsArgs, TruthArgs};
 use crate::cli::output::{self, CommandError};
 use crate::evaluate::chart;
-use crate::evaluate::stress::{self, BreakingPoint as PointOfFailure, Disturbance, StressPlan, StressPoint};
+use crate::evaluate::stress::{self, BreakingPoint, Disturbance, StressPlan, StressPoint};
 use crate::evaluate::truth::Truth;
 use crate::settings::Settings;
 
-/// Arguments of `overlook stress`.
 #[derive(Debug, Args)]
 pub(crate) struct StressArgs {
     /// The capture: a folder or its transforms.json.
@@ -39,7 +38,7 @@ struct StressOutput<'a> {
     capture: &'a str,
     truth: String,
     points: &'a [StressPoint],
-    failures: &'a [PointOfFailure],
+    failures: &'a [BreakingPoint],
 }
 
 impl StressArgs {
@@ -72,7 +71,7 @@ impl StressArgs {
 }
 
 /// Per disturbance: where each method loses 1 dB, and the least that ours is ahead of the others anywhere on the dial.
-fn table(points: &[StressPoint], failures: &[PointOfFailure]) -> String {
+fn table(points: &[StressPoint], failures: &[BreakingPoint]) -> String {
     let mut methods: Vec<&str> = Vec::new();
     for failure in failures {
         if !methods.contains(&failure.method.as_str()) {

@@ -11,7 +11,6 @@ use crate::evaluate::chart;
 use crate::evaluate::sweep::{self, Point, SweepPlan};
 use crate::settings::Settings;
 
-/// Arguments of `overlook sweep`.
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
     /// The capture: a folder or its transforms.json.

@@ -10,7 +10,6 @@ use crate::evaluate::tune::{self, TuneBudget, TunePlan};
 use crate::settings::Settings;
 use crate::whole_file;
 
-/// Arguments of `overlook tune`.
 #[derive(Debug, Args)]
 pub(crate) struct TuneArgs {
     /// The capture: a folder or its transforms.json.

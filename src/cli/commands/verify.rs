@@ -13,7 +13,6 @@ use crate::render::{CpuRenderer, Vantage};
 use crate::store::file::{Store, Verification};
 use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 
-/// Arguments of `overlook verify`.
 #[derive(Debug, Args)]
 pub(crate) struct VerifyArgs {
     /// The store.

@@ -98,11 +98,7 @@ pub(crate) fn apart_from_views(manifest: &Path, out: &Path) -> Result<()> {
 }
 
 fn apart_from_any(inputs: &[PathBuf], out: &Path) -> Result<()> {
-    let out_resolved = resolved(out);
-    match inputs.iter().find(|input| resolved(input) == out_resolved) {
-        None => Ok(()),
-        Some(input) => apart_from(input, out),
-    }
+    inputs.iter().try_for_each(|input| apart_from(input, out))
 }
 
 /// Refuses to write what is no store over a store.

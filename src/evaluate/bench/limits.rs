@@ -44,23 +44,17 @@ pub(crate) struct LimitMeter {
 }
 
 impl LimitMeter {
-    /// Scatters so many points into a picture of so many pixels.
-    pub(crate) fn new(points: u64, pixels: usize, quick: bool) -> Self {
-        let numbers = if quick { READ_NUMBERS_QUICK } else { READ_NUMBERS };
-        Self {
+    /// Prepares `points` to be scattered into a picture of `pixels`, and a copy on the graphics adapter if it is measured.
+    pub(crate) fn new(points: u64, pixels: usize, with_gpu: bool, quick: bool) -> Result<Self> {
+        let (numbers, bytes) =
+            if quick { (READ_NUMBERS_QUICK, COPY_BYTES_QUICK) } else { (READ_NUMBERS, COPY_BYTES) };
+        Ok(Self {
             // Written, not only reserved: the system backs untouched memory with one page of zeros.
             numbers: (0..numbers as u64).collect(),
             points: ScatterPoints::random(points, pixels),
-            gpu_copy: None,
+            gpu_copy: with_gpu.then(|| GpuCopy::new(AdapterChoice::Any, bytes)).transpose()?,
             times: BTreeMap::new(),
-        }
-    }
-
-    /// Measures the memory of the graphics adapter too.
-    pub(crate) fn include_gpu(&mut self, quick: bool) -> Result<()> {
-        let bytes = if quick { COPY_BYTES_QUICK } else { COPY_BYTES };
-        self.gpu_copy = Some(GpuCopy::new(AdapterChoice::Any, bytes)?);
-        Ok(())
+        })
     }
 
     /// Measures every limit with the threads of the current pool.

@@ -92,10 +92,8 @@ fn measure_all(options: &Options, job: &Job) -> Result<SpeedReport> {
     let bench = Bench { scene: &scene, budget: options.budget(), job };
     let pools = pools(options.threads)?;
     let pixels = scene.capture.cameras[0].intrinsics.pixel_count();
-    let mut limits = LimitMeter::new(scene.unpruned.sample_count(), pixels, options.quick);
-    if backends.contains(&Backend::Gpu) {
-        limits.include_gpu(options.quick)?;
-    }
+    let with_gpu = backends.contains(&Backend::Gpu);
+    let mut limits = LimitMeter::new(scene.unpruned.sample_count(), pixels, with_gpu, options.quick)?;
     measure_limits(&mut limits, &pools, &bench)?;
     let mut measured = Vec::new();
     for (index, case) in cases.iter().enumerate() {

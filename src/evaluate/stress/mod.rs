@@ -314,9 +314,9 @@ impl Disturbed {
 }
 
 fn view_by_view(measured: &TrialResult) -> Vec<ViewAccuracy> {
-    let vantages = measured.views.iter().zip(&measured.scores).enumerate();
-    let views = vantages.flat_map(|(vantage, (names, scores))| {
-        names.iter().zip(scores).map(move |(name, scores)| ViewAccuracy {
+    let vantages = measured.vantages.iter().enumerate();
+    let views = vantages.flat_map(|(vantage, views)| {
+        views.iter().map(move |(name, scores)| ViewAccuracy {
             file_path: name.clone(),
             vantage,
             psnr_filled_db: scores.psnr_all_db,

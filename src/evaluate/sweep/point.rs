@@ -143,16 +143,16 @@ impl Point {
     #[must_use]
     pub fn new(trial: &Trial, series: Series, measured: &TrialResult) -> Self {
         let of = |value: &dyn Fn(&Scores) -> f64| {
-            let vantages = measured.scores.iter();
-            MeanEstimate::over_vantages(
-                &vantages.map(|frames| frames.iter().map(value).collect()).collect::<Vec<_>>(),
-            )
+            let of_vantage =
+                |frames: &Vec<(String, Scores)>| frames.iter().map(|(_, scores)| value(scores)).collect();
+            MeanEstimate::over_vantages(&measured.vantages.iter().map(of_vantage).collect::<Vec<_>>())
         };
         let (psnr, psnr_filled) = (of(&|scores| scores.psnr_db), of(&|scores| scores.psnr_all_db));
         let (ssim, flip) = (of(&|scores| scores.ssim), of(&|scores| scores.flip));
-        let edges =
-            |frames: &Vec<Scores>| frames.iter().filter_map(|scores| scores.silhouette_steps).collect();
-        let edges: Vec<Vec<f64>> = measured.scores.iter().map(edges).collect();
+        let edges_of = |frames: &Vec<(String, Scores)>| {
+            frames.iter().filter_map(|(_, scores)| scores.silhouette_steps).collect()
+        };
+        let edges: Vec<Vec<f64>> = measured.vantages.iter().map(edges_of).collect();
         Self {
             label: trial.label.clone(),
             series,
@@ -181,7 +181,7 @@ impl Point {
             milliseconds: measured.milliseconds,
             work: measured.samples_painted * kernel_cost(trial.settings.render.kernel),
             seconds_preprocess: measured.seconds_preprocess,
-            vantages: measured.scores.len(),
+            vantages: measured.vantages.len(),
             pareto: false,
         }
     }

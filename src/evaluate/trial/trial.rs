@@ -81,10 +81,8 @@ type ModelKey = (Settings, Thinning, Option<Vec<String>>);
 /// What a trial gave.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrialResult {
-    /// Scores of every vantage of every fold, frame by frame.
-    pub scores: Vec<Vec<Scores>>,
-    /// The names of these views.
-    pub views: Vec<Vec<String>>,
+    /// Names and scores of the views of every vantage of every fold, frame by frame.
+    pub vantages: Vec<Vec<(String, Scores)>>,
     /// Flicker, where a vantage is seen at two frames: mean over folds.
     pub flicker_steps: Option<f64>,
     /// Samples kept, mean over folds.
@@ -185,8 +183,7 @@ impl Workbench {
     pub fn measure(&mut self, trial: &Trial, job: &Job) -> Result<TrialResult> {
         let renderer = opened(&mut self.renderers, trial.settings.render.backend)?;
         let filling = RenderSettings { fill: Fill::PushPull, ..trial.settings.render.clone() };
-        let (mut models, mut evaluations) = (Vec::new(), Vec::new());
-        let (mut by_vantage, mut names) = (Vec::new(), Vec::new());
+        let (mut models, mut evaluations, mut vantages) = (Vec::new(), Vec::new(), Vec::new());
         for fold in &mut self.folds {
             if !fold.has_cameras(trial) {
                 continue;
@@ -209,10 +206,7 @@ impl Workbench {
                 job.advance(1);
             }
             let evaluation = scores.finish();
-            for (of_vantage, scores) in scores_by_vantage(&fold.fold.views, &evaluation) {
-                names.push(of_vantage);
-                by_vantage.push(scores);
-            }
+            vantages.extend(scores_by_vantage(&fold.fold.views, &evaluation));
             evaluations.push(evaluation);
             models.push(model);
         }
@@ -228,8 +222,7 @@ impl Workbench {
         let flicker: Vec<f64> =
             evaluations.iter().filter_map(|evaluation| evaluation.mean.flicker_steps).collect();
         Ok(TrialResult {
-            scores: by_vantage,
-            views: names,
+            vantages,
             flicker_steps: (!flicker.is_empty()).then(|| MeanEstimate::of(&flicker).mean),
             samples: mean(&|model| model.samples.sample_count() as f64).round() as u64,
             bytes: mean(&|model| model.bytes as f64).round() as u64,
@@ -246,11 +239,11 @@ impl Workbench {
 }
 
 /// Names and scores of the views of each vantage, which follow each other.
-fn scores_by_vantage(views: &[TruthView], evaluation: &Evaluation) -> Vec<(Vec<String>, Vec<Scores>)> {
+fn scores_by_vantage(views: &[TruthView], evaluation: &Evaluation) -> Vec<Vec<(String, Scores)>> {
     let scored: Vec<_> = views.iter().zip(&evaluation.views).collect();
     let vantages = scored.chunk_by(|(before, _), (after, _)| before.camera == after.camera);
     let scored = |(view, score): &(&TruthView, &ViewScore)| Some((view.file_path.clone(), score.scores?));
-    vantages.map(|vantage| vantage.iter().filter_map(scored).unzip()).collect()
+    vantages.map(|vantage| vantage.iter().filter_map(scored).collect()).collect()
 }
 
 /// The renderer for a backend, opened when it is first asked for.

@@ -12,7 +12,6 @@ use clap::{Args, Subcommand};
 use crate::cli::output::CommandError;
 use crate::error::Result;
 
-/// Arguments of `overlook export`.
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
     #[command(subcommand)]

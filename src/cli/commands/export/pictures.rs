@@ -65,7 +65,6 @@ pub(crate) fn paint(
     Ok(renderer.notice().map(str::to_owned))
 }
 
-/// Arguments of `overlook export pictures`.
 #[derive(Debug, Args)]
 pub(crate) struct PicturesArgs {
     #[command(flatten)]

@@ -7,7 +7,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::capture::Camera;
 use crate::color::srgb8_from_linear;
@@ -50,14 +50,9 @@ fn header(name: &str, points: u64) -> String {
 
 fn write_points(target: &mut impl Write, image: &SampleImage, camera: &Camera) -> std::io::Result<()> {
     let depths = image.inverse_depths();
-    let intrinsics = &camera.intrinsics;
     for sample in image.samples().filter(|sample| depths[sample.index] > 0.0) {
         let z = 1.0 / f64::from(depths[sample.index]);
-        let ray = DVec3::new(
-            (sample.x as f64 + 0.5 - intrinsics.cx) / intrinsics.fx,
-            (sample.y as f64 + 0.5 - intrinsics.cy) / intrinsics.fy,
-            1.0,
-        );
+        let ray = camera.intrinsics.ray_in_camera(DVec2::new(sample.x as f64 + 0.5, sample.y as f64 + 0.5));
         let point = camera.world_from_camera.transform_point3(ray * z);
         let normals = image.normal.as_ref();
         let normal = normals.map_or(glam::Vec3::ZERO, |normals| OctNormal::decode(normals[sample.index]));

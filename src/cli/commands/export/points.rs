@@ -11,7 +11,6 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::store::playback::Playback;
 
-/// Arguments of `overlook export points`.
 #[derive(Debug, Args)]
 pub(crate) struct PointsArgs {
     /// The store.

@@ -9,7 +9,6 @@ use crate::cli::output::{self, CommandError};
 use crate::store;
 use crate::store::file::Store;
 
-/// Arguments of `overlook export store`.
 #[derive(Debug, Args)]
 pub(crate) struct StoreArgs {
     /// The store.

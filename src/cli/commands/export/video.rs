@@ -9,7 +9,6 @@ use crate::cli::output::{self, CommandError};
 use crate::error::Error;
 use crate::render::film::FilmEncoder;
 
-/// Arguments of `overlook export video`.
 #[derive(Debug, Args)]
 pub(crate) struct VideoArgs {
     #[command(flatten)]
