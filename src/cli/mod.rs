@@ -1,7 +1,7 @@
 //! The command line: one file per subcommand over the same library calls as the window.
 //!
-//! Results go to stdout, as text or with `--json` as one document; progress and trouble go to stderr. The exit code is 0
-//! on success, 1 on bad input (with one line that says what, where, and what to do) and 2 on bad usage.
+//! Results go to stdout, as text or with `--json` as one document; progress and errors go to stderr. The exit code is 0 on
+//! success, 1 on bad input (with one line on what, where, and what to do) and 2 on bad usage.
 
 mod commands;
 mod input;

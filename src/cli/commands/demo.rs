@@ -80,8 +80,8 @@ impl DemoArgs {
 }
 
 impl DemoArgs {
-    /// Refuses a folder that holds another capture. One that this scene was recorded into may be recorded anew, with other counts
-    /// and sizes too: none of them moves a camera.
+    /// Refuses a folder that holds another capture. Its own scene may be recorded again with other counts and sizes: none of them
+    /// moves a camera.
     fn check_is_ours(&self, spec: &DemoSpec) -> Result<()> {
         let all = Demo::new(&spec.clone().cameras(MAX_CAMERAS))?;
         let cameras = all.capture(&CaptureSettings::default()).cameras;
@@ -106,7 +106,7 @@ impl DemoArgs {
     }
 }
 
-/// Whether a demo with these cameras writes such a picture.
+/// Whether a demo with these cameras writes this picture.
 fn is_of(cameras: &[Camera], view: &TruthView) -> bool {
     let TruthView { file_path, camera, frame_number, .. } = view;
     *file_path == picture_name(camera, *frame_number)
@@ -116,7 +116,7 @@ fn is_of(cameras: &[Camera], view: &TruthView) -> bool {
         })
 }
 
-/// Far below what tells two cameras apart, far above what writing and reading a pose changes.
+/// Far below the distance of two cameras, far above the error of writing and reading a pose.
 const SAME_POSE: f64 = 1e-6;
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {

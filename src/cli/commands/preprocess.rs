@@ -176,8 +176,8 @@ impl PreprocessArgs {
     }
 }
 
-/// The two cameras that agree least about what is the same over all frames, and by how many footprints 85 % of their samples
-/// are off at most; `None` where no two see the same.
+/// The two cameras that agree least on what never changes, and the footprints that 85 % of their samples differ by at most;
+/// `None` if no two see the same.
 fn farthest_apart(report: &Report) -> Option<(f32, usize, usize)> {
     let pairs = report.residuals.iter().enumerate().flat_map(|(a, row)| {
         let of = move |(b, pair): (usize, &PairResiduals)| Some((pair.lasting?.most_footprints, a, b));
@@ -186,7 +186,7 @@ fn farthest_apart(report: &Report) -> Option<(f32, usize, usize)> {
     pairs.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// What was measured of a camera, and where the tolerances of the spans lie in the distribution of its pixels.
+/// A line on the noise of a camera, and the shares of its pixels within the tolerances of spans.
 fn measured(camera: &CameraReport) -> String {
     let ranges = &camera.ranges;
     let [within, with_noise, depth] =

@@ -70,7 +70,7 @@ impl StressArgs {
     }
 }
 
-/// Per disturbance: where each method loses 1 dB, and the least that ours is ahead of the others anywhere on the dial.
+/// Per disturbance: where each method loses 1 dB, and the smallest lead of ours over each other method.
 fn table(points: &[StressPoint], failures: &[BreakingPoint]) -> String {
     let mut methods: Vec<&str> = Vec::new();
     for failure in failures {
@@ -108,7 +108,7 @@ fn table(points: &[StressPoint], failures: &[BreakingPoint]) -> String {
     text
 }
 
-/// The least by which one method is ahead of another at any value of a disturbance's dial, dB; negative where it is behind.
+/// The smallest lead of one method over another along the dial of a disturbance, dB; negative if it is behind.
 fn least_lead_db(points: &[StressPoint], disturbance: &str, [ahead, behind]: [&str; 2]) -> f64 {
     let of = |method: &str| {
         let of_it = points.iter().filter(move |point| point.disturbance == disturbance);

@@ -67,8 +67,8 @@ impl SweepArgs {
         if self.json { output::print_json(&document) } else { output::print(&output::table(&points)) }
     }
 
-    /// The settings of the files under their names; under their paths where two files have one name. A file that says what another
-    /// row says already is told, as it gets none of its own.
+    /// The settings files under their names, or under their paths if two share a name. A file that equals another row gets none
+    /// of its own, with a warning.
     fn named(&self, reference: &Settings) -> Result<Vec<(String, Settings)>, CommandError> {
         let label = |path: &PathBuf| {
             let of_that_name = self.with.iter().filter(|other| other.file_stem() == path.file_stem()).count();

@@ -65,7 +65,7 @@ impl TuneArgs {
             output::recorded(journal.as_ref(), |job, keep| tune::run(&capture, &plan, &truth, job, keep))?;
         let head = format!("# {}\n\n", tuned.words.join("\n# "));
         let written = whole_file::write_all(&self.out, head + &tuned.settings.to_toml());
-        // What took so long is told even where it cannot be written.
+        // Results of hours of work are printed even if the file cannot be written.
         if self.json {
             output::print_json(&tuned)?;
         } else {

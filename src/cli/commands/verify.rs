@@ -24,8 +24,7 @@ pub(crate) struct VerifyArgs {
 
 #[derive(Serialize)]
 struct VerifyOutput {
-    /// Wall-clock seconds from opening the file to a picture of its first frame, as its first camera stood; none where that cannot
-    /// be painted.
+    /// Seconds from opening the file to a picture of its first frame from its first camera; `None` if that cannot be rendered.
     seconds_to_first_picture: Option<f64>,
     #[serde(flatten)]
     verified: Verification,

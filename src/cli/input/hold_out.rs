@@ -1,4 +1,4 @@
-//! Cameras that are left out: what `preprocess` and `evaluate` are told of them.
+//! The option of `preprocess` and `evaluate` to leave cameras out.
 
 use std::collections::HashSet;
 

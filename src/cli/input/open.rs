@@ -9,7 +9,7 @@ use crate::settings::CaptureSettings;
 use crate::store::file::Store;
 use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 
-/// Opens a capture and says on stderr what is odd about it.
+/// Opens a capture and prints its warnings.
 pub(crate) fn open_capture(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     let capture = transforms::open(path, settings)?;
     output::warn(&capture.warnings);

@@ -37,8 +37,8 @@ impl SettingsArgs {
         self.settings.as_ref().map_or(Ok(()), |settings| output::apart_from(settings, out))
     }
 
-    /// Refuses to --set what is not in the one section that a command uses: it would change nothing. A file of settings may say
-    /// more, as it serves other commands too.
+    /// Refuses --set outside of the one section that a command uses: it would have no effect. A settings file may hold more,
+    /// since it serves other commands too.
     pub(crate) fn only(&self, section: &str) -> Result<(), CommandError> {
         for assignment in &self.set {
             Settings::default()

@@ -1,4 +1,5 @@
-//! Where results go, looked at before the work: long work must end neither in "no such folder" nor in what it was made from.
+//! Checks of output paths before the work starts: hours of work must not end in a missing folder, and no result may overwrite its
+//! input.
 
 use std::collections::HashSet;
 use std::io::ErrorKind;
@@ -10,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::store::file::Store;
 use crate::whole_file;
 
-/// Refuses a file that cannot be written where it is named; `example` says how one is called.
+/// Refuses a file that cannot be written; `example` is a good name for the message.
 pub(crate) fn file(out: &Path, example: &str) -> Result<()> {
     let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
@@ -33,7 +34,7 @@ pub(crate) fn file(out: &Path, example: &str) -> Result<()> {
     }
 }
 
-/// Refuses a folder that cannot be made, since a file stands there or above.
+/// Refuses a folder that cannot be created because a file has its name or that of a parent.
 pub(crate) fn folder(out: &Path) -> Result<()> {
     match out.ancestors().find(|place| place.is_file()) {
         None => Ok(()),
@@ -43,11 +44,10 @@ pub(crate) fn folder(out: &Path) -> Result<()> {
     }
 }
 
-/// Refuses pictures below `out` that would lie where those of the manifest are looked for, or those of a capture in `out`: a
-/// recorded picture must not be painted over.
+/// Refuses pictures below `out` that would overwrite those of the manifest, or those of a capture in `out`.
 pub(crate) fn apart_from_pictures_of(manifest: &Path, out: &Path, targets: &[PicturePaths]) -> Result<()> {
     apart_from_places(manifest, &picture_places(manifest)?, targets)?;
-    // The manifest of another capture was not named: it may be missing or broken.
+    // The user did not name that capture: its manifest may be missing or broken.
     let other = out.join(MANIFEST_NAME);
     apart_from_places(&other, &picture_places(&other).unwrap_or_default(), targets)
 }
@@ -67,7 +67,7 @@ fn apart_from_places(manifest: &Path, places: &[PathBuf], targets: &[PicturePath
     }
 }
 
-/// Refuses views that can be read but once: where their pictures lie is asked again.
+/// Refuses views from a pipe or a device: they are read twice.
 pub(crate) fn can_be_read_again(views: &Path) -> Result<()> {
     match views.metadata() {
         Ok(facts) if !facts.is_file() && !facts.is_dir() => Err(Error::invalid(
@@ -87,7 +87,7 @@ pub(crate) fn apart_from_capture(capture: &Path, views: Option<&Path>, out: &Pat
     for manifest in [Some(capture), views].into_iter().flatten() {
         apart_from_views(manifest, out)?;
     }
-    // Views that nobody named may be broken without a word: the command does not read them.
+    // The command does not read these views: they may be broken.
     apart_from_any(&beside.and_then(|beside| picture_places(&beside).ok()).unwrap_or_default(), out)
 }
 
@@ -101,7 +101,7 @@ fn apart_from_any(inputs: &[PathBuf], out: &Path) -> Result<()> {
     inputs.iter().try_for_each(|input| apart_from(input, out))
 }
 
-/// Refuses to write what is no store over a store.
+/// Refuses to overwrite a store with something else.
 pub(crate) fn apart_from_stores(out: &Path) -> Result<()> {
     if !out.is_file() || !Store::is_store(out)? {
         return Ok(());
@@ -120,7 +120,7 @@ pub(crate) fn apart_from(input: &Path, out: &Path) -> Result<()> {
     Err(Error::invalid(out.display(), "is what is read; name another file with --out"))
 }
 
-/// One name for whatever is the same file, or would be.
+/// One name per file, existing or not.
 fn resolved(path: &Path) -> PathBuf {
     let absolute = || std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     path.canonicalize().unwrap_or_else(|_| match (path.parent(), path.file_name()) {

@@ -13,7 +13,7 @@ use crate::job::Job;
 
 const REDRAW: Duration = Duration::from_millis(100);
 
-/// Sets the flag when the work ends, in whatever way.
+/// Sets the flag when it is dropped, also in a panic.
 struct SetOnDrop<'a>(&'a AtomicBool);
 
 impl Drop for SetOnDrop<'_> {
@@ -22,7 +22,7 @@ impl Drop for SetOnDrop<'_> {
     }
 }
 
-/// What a shell expects of a program that was stopped.
+/// Exit code of a program that was stopped.
 pub(crate) const STOPPED: u8 = 130;
 
 /// The work under way.
@@ -33,8 +33,8 @@ fn set_current(job: Option<Arc<Job>>) -> Option<Arc<Job>> {
     std::mem::replace(&mut *current, job)
 }
 
-/// Lets Ctrl-C (and on Unix SIGTERM and SIGHUP) cancel the work under way, which then cleans up behind it; a second one ends
-/// the program at once.
+/// Makes Ctrl-C (on Unix also SIGTERM and SIGHUP) cancel the current work, which then cleans up; a second one ends the program at
+/// once.
 fn stop_when_told() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -51,7 +51,7 @@ fn stop_when_told() {
     });
 }
 
-/// The work before, current again once this is dropped.
+/// Makes the previous work current again when it is dropped.
 struct Restore(Option<Arc<Job>>);
 
 impl Drop for Restore {
@@ -60,8 +60,7 @@ impl Drop for Restore {
     }
 }
 
-/// Does `work` under a progress bar, where stderr is a terminal that can show one, and tells its warnings. Ctrl-C
-/// cancels its job.
+/// Runs `work` with a progress bar if stderr is a terminal, and prints its warnings. Ctrl-C cancels its job.
 pub(crate) fn watched<T>(work: impl FnOnce(&Job) -> T) -> T {
     stop_when_told();
     let job = Arc::new(Job::new());
@@ -71,7 +70,7 @@ pub(crate) fn watched<T>(work: impl FnOnce(&Job) -> T) -> T {
     result
 }
 
-/// Does `work` while its progress is drawn.
+/// Runs `work` while its progress is drawn.
 fn drawn<T>(job: &Job, work: impl FnOnce(&Job) -> T) -> T {
     let finished = AtomicBool::new(false);
     thread::scope(|scope| {

@@ -16,18 +16,18 @@ use crate::evaluate::sweep::Point;
 use crate::job::Job;
 use crate::whole_file;
 
-/// What a run has measured so far, one JSON document a line below a line that says what it was measured on. It is locked while it is
-/// open: what two runs write must not mix.
+/// The measurements of a run so far: a line that identifies their input, then one JSON document per line. The file is locked
+/// while it is open, so that two runs do not mix.
 pub(crate) struct Journal {
     path: PathBuf,
     file: Mutex<File>,
     lines: Vec<String>,
-    /// A journal that was put aside, locked still for whoever opened it before it got its other name.
+    /// The renamed journal of another input, kept locked against a run that opened it under its old name.
     _aside: Option<File>,
 }
 
 impl Journal {
-    /// Opens `DIR/NAME.journal`, and starts a new one where it was measured on something else: that is kept beside it.
+    /// Opens `DIR/NAME.journal`. A journal of another input is renamed, and a new one is started.
     pub(crate) fn open(folder: &Path, name: &str, fingerprint: &str) -> Result<Self> {
         fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
         let path = folder.join(format!("{name}.journal"));
@@ -58,7 +58,7 @@ impl Journal {
         Ok(Self { file: Mutex::new(file), lines, _aside: before, path })
     }
 
-    /// What is known already; lines that cannot be read are measured again.
+    /// The known points; lines that cannot be read are measured again.
     pub(crate) fn points<T: DeserializeOwned>(&self) -> Vec<T> {
         self.lines.iter().filter_map(|line| serde_json::from_str(line).ok()).collect()
     }
@@ -73,7 +73,7 @@ impl Journal {
     }
 }
 
-/// The file, made where there is none, to be read and added to by nobody else; by others too where the file system knows no locks.
+/// Opens or creates the file with a lock, or without one if the file system has none.
 fn locked(path: &Path) -> Result<File> {
     let options = OpenOptions::new().read(true).append(true).create(true).open(path);
     let file = options.map_err(|error| Error::io(path, error))?;
@@ -86,12 +86,12 @@ fn locked(path: &Path) -> Result<File> {
     }
 }
 
-/// Adds a line in one piece: where nothing is locked, those of two runs stay whole.
+/// Adds a line in one write, so that lines of two runs stay whole even without a lock.
 fn write_line(file: &mut File, line: &str) -> std::io::Result<()> {
     file.write_all(format!("{line}\n").as_bytes())
 }
 
-/// Gives a journal another name, so that what took hours to measure is not lost to a word that changed; says so where it is told.
+/// Renames a journal, so that a changed input does not destroy hours of measurements; with a warning if wanted.
 fn put_aside(path: &Path, is_told: bool) -> Result<PathBuf> {
     let mut aside = path.with_extension("journal.old");
     let mut number = 1;
@@ -111,7 +111,7 @@ fn put_aside(path: &Path, is_told: bool) -> Result<PathBuf> {
     Ok(aside)
 }
 
-/// Does `work` under a progress bar, adding each point it measures to `journal`; stops where that cannot be written.
+/// Runs `work` with a progress bar and adds each point to `journal`; stops if that fails.
 pub(crate) fn recorded<P: Serialize, T>(
     journal: Option<&Journal>,
     work: impl FnOnce(&Job, &mut dyn FnMut(&P)) -> Result<T>,
@@ -148,13 +148,13 @@ pub(crate) fn write_results(
     whole_file::write_all(&folder.join(picture), chart.png()?)
 }
 
-/// Writes documents as CSV (RFC 4180): one a row, a column for every number, text or truth value, nested ones by the path to
-/// them. Lists have no column.
+/// Writes documents as CSV (RFC 4180): one per row, a column per number, text or truth value, named by its path. Lists are left
+/// out.
 fn write_csv(path: &Path, rows: &[impl Serialize]) -> Result<()> {
     let mut head: Vec<String> = Vec::new();
     let mut table = Vec::new();
     for row in rows {
-        // By way of its text, where a single float is as short as it can be.
+        // Through text, where a single float is as short as it can be.
         let value = serde_json::to_string(row).and_then(|text| serde_json::from_str(&text));
         let value: serde_json::Value =
             value.map_err(|error| Error::invalid(path.display(), error.to_string()))?;

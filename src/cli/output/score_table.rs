@@ -7,8 +7,8 @@ use super::text;
 use crate::evaluate::metrics::Scores;
 use crate::evaluate::{Evaluation, MeanScore, MethodComparison};
 
-/// Columns of accuracy, their names and the decimals they are worth. `PSNR dB` counts pixels that got a sample, `all dB`
-/// all pixels; `edge` is the error near silhouettes, 8-bit steps.
+/// Columns of accuracy with their decimals. `PSNR dB` is over pixels that got a sample, `all dB` over all; `edge` is the error
+/// near silhouettes, 8-bit steps.
 const ACCURACY: [(&str, usize); 7] =
     [("PSNR dB", 2), ("all dB", 2), ("SSIM", 4), ("MS-SSIM", 4), ("FLIP", 4), ("edge", 2), ("cover", 3)];
 
@@ -58,13 +58,13 @@ pub(crate) fn view_table(evaluation: &Evaluation) -> String {
     text
 }
 
-/// What painted, where any view was.
+/// The line that names what rendered.
 pub(crate) fn painter_line(evaluation: &Evaluation) -> String {
     let painters: BTreeSet<String> = evaluation.views.iter().map(|view| view.painter.to_string()).collect();
     format!("Painted by {}", painters.into_iter().collect::<Vec<_>>().join(" and "))
 }
 
-/// One line per way to prune.
+/// One line per pruning method.
 pub(crate) fn comparison_table(comparison: &MethodComparison) -> String {
     let mut text = format!(
         "{:<16}{} {:>10} {:>14} {:>12} {:>12}",

@@ -1,5 +1,4 @@
-//! The machine's own limits, measured in the same run as the stages: how fast memory can be read, and how fast points
-//! that are already projected can be put into a picture by depth.
+//! The machine's limits: how fast memory can be read, and projected points put into a picture by depth.
 //!
 //! ```text
 //! read     sum of a buffer that no cache holds                                           ─▶ GB/s
@@ -7,8 +6,8 @@
 //! copy     from one buffer of the graphics adapter to another, where it is measured        ─▶ GB/s
 //! ```
 //!
-//! None does any work of the method. Scattering is what every splatting renderer does at least, without unprojecting,
-//! projecting, colors or merging.
+//! None includes work of the method. Every splatting renderer has to scatter at least, without unprojection, projection, colors
+//! or merging.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
@@ -34,7 +33,7 @@ const READ_SHARE: usize = 1 << 16;
 /// Sums that run side by side, so that no addition waits for the one before.
 const LANES: usize = 16;
 
-/// Measures limits, as often as asked; all measurements count together.
+/// Measures limits; all measurements count together.
 pub(crate) struct LimitMeter {
     numbers: Vec<u64>,
     points: ScatterPoints,

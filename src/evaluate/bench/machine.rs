@@ -4,10 +4,10 @@ use serde::Serialize;
 
 use crate::settings::Instructions;
 
-/// The machine and the build, as far as they say so themselves.
+/// The machine and the build.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Machine {
-    /// The processor's own name, where the system tells.
+    /// The name of the processor, if the system reports it.
     pub(crate) cpu: Option<String>,
     /// Architecture the program was built for, as `x86_64`.
     pub(crate) arch: &'static str,
@@ -17,7 +17,7 @@ pub(crate) struct Machine {
     pub(crate) threads_available: usize,
     /// The vector instructions that the stages were measured with.
     pub(crate) instructions: Instructions,
-    /// Whether this is a release build. Times of any other build say nothing about the program.
+    /// Whether this is a release build; times of others mean nothing.
     pub(crate) optimized: bool,
 }
 

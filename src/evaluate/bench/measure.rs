@@ -1,5 +1,4 @@
-//! Repeating a piece of work and summing its times up: median, and the interquartile range as spread. Both stay calm where
-//! a few repeats are disturbed by other programs, which a mean and a standard deviation do not.
+//! Timing by repetition: median and interquartile range, which are robust against a few repeats disturbed by other programs.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -102,7 +101,7 @@ impl Times {
     }
 }
 
-/// Repeats `work` within the budget. What it gives is kept from being optimized away, and dropped outside the clock.
+/// Repeats `work` within the budget. Its results are kept from the optimizer, and dropped outside of the measured time.
 pub(crate) fn repeat<T>(
     budget: RepeatLimits,
     job: &Job,

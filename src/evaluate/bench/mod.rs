@@ -1,4 +1,4 @@
-//! Speed: how fast each stage is, and how fast this machine could be at most.
+//! Speed of each stage, and the limits of this machine.
 //!
 //! ```text
 //! Scene (seeded) ─┬─ limits ──────────────────────────────────────┐
@@ -6,8 +6,8 @@
 //!                 └─ render_stages ─────┴─ repeat ─▶ Times ─ against ─▶ SpeedReport
 //! ```
 //!
-//! Every stage is measured with one thread and with all. The limits are measured before the stages and again after them, and
-//! all their repeats count together, so that a machine that grows slower or faster meanwhile tilts no share.
+//! Every stage is measured with one thread and with all. The limits are measured before and after the stages, and all repeats
+//! count, so that a machine that changes speed meanwhile distorts no share.
 
 mod case;
 mod limits;
@@ -39,8 +39,7 @@ pub(crate) struct Options {
     pub(crate) threads: usize,
     /// Few repeats on a small scene: to see that everything works.
     pub(crate) quick: bool,
-    /// What paints. The CPU always does; besides, the adapter that is asked for by name, or with `auto` a graphics card where
-    /// there is one.
+    /// The CPU is always measured; besides, the adapter that is named, or with `auto` a graphics card if there is one.
     pub(crate) backend: Backend,
     /// The widest vector instructions that the stages may use.
     pub(crate) instructions: Instructions,
@@ -77,10 +76,8 @@ impl Options {
 }
 
 /// Measures the stages and the machine's limits.
-///
-/// # Errors
-/// `Invalid` where no stage has the wanted name; `Unsupported` where the processor lacks the instructions; `Gpu` where an
-/// adapter is asked for by name and there is none; `Cancelled`; whatever a stage gives.
+/// `Invalid` if no stage has the name; `Unsupported` if the processor lacks the instructions; `Gpu` if an adapter is named and
+/// there is none; `Cancelled`.
 pub(crate) fn measure(options: &Options, job: &Job) -> Result<SpeedReport> {
     crate::simd::limited(options.instructions, || measure_all(options, job))
 }

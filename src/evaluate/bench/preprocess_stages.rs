@@ -205,8 +205,7 @@ fn write_store(bench: &Bench<'_>) -> Result<StageResult> {
     Ok(of_pruned_set(bench, times))
 }
 
-/// Decodes the foreground of a frame, block by block and predicted from nothing but itself: what playback does for every frame, at
-/// its slowest.
+/// Decodes the foreground of a frame without a reference image: the slowest case of playback.
 fn decode_foreground(bench: &Bench<'_>) -> Result<StageResult> {
     let (_folder, path) = stored(&bench.scene.split, bench.job)?;
     let store = store::file::Store::open(&path)?;
@@ -214,7 +213,7 @@ fn decode_foreground(bench: &Bench<'_>) -> Result<StageResult> {
     let is_first = |span: Span| span.start == 0 && span.len() == 1;
     let passing: Vec<usize> =
         images.filter(|(_, image)| is_first(image.span)).map(|(index, _)| index).collect();
-    // What the frame stands for: all its pixels, 8-bit color and 32-bit depth.
+    // The size of a frame: all its pixels, 8-bit color and 32-bit depth.
     let pixels = bench.scene.unpruned.sample_count();
     let times = repeat(bench.budget, bench.job, || {
         passing.par_iter().map(|&index| store.image(index)).collect::<Result<Vec<_>>>()

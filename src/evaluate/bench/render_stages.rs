@@ -1,5 +1,5 @@
-//! Painting: each kernel over each set and size of picture, everything anew; and over a cached background while the vantage
-//! is still (the paper, §3.3).
+//! Rendering: each kernel over each set and picture size, everything anew; and over a cached background from a still vantage (the
+//! paper, §3.3).
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ enum PaintedSet {
     Unpruned,
     /// Every sample of the pruned set, anew each time.
     Pruned,
-    /// The split set at one frame after the other, from a place that moves and from one that does not.
+    /// The split set frame by frame, from a moving and from a still vantage.
     Frames,
 }
 
@@ -87,8 +87,8 @@ impl PaintCase {
         Ok(stages)
     }
 
-    /// First everything anew each time, no two vantages in a row being the same, so that what was cached for one serves no
-    /// other; then, for the split set, one vantage through the frames.
+    /// First everything anew: consecutive vantages differ, so that no cache serves the next. Then, for the split set, one vantage
+    /// through the frames.
     fn rounds<'a>(&self, scene: &'a BenchScene) -> impl Iterator<Item = Round<'a>> + use<'a> {
         let (set, frames) = match self.what {
             PaintedSet::Unpruned => (&scene.unpruned, 1),

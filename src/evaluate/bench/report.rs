@@ -10,7 +10,7 @@ use crate::settings::{Backend, Kernel};
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct SpeedReport {
     pub(crate) version: &'static str,
-    /// Whether few repeats on a small scene were asked for: the figures only show that everything works.
+    /// Whether this was a test run on a small scene.
     pub(crate) quick: bool,
     pub(crate) machine: Machine,
     /// Samples of the unpruned set: every pixel of every camera.
@@ -38,13 +38,13 @@ pub(crate) struct StageSpeed {
     pub(crate) repeats: usize,
     /// Samples a second at the median, millions.
     pub(crate) mpts_per_s: f64,
-    /// What it is held against.
+    /// The limit that it is compared with.
     pub(crate) limit: LimitKind,
     /// That limit at the same thread count: million points a second or 10⁹ bytes a second, see [`LimitKind`].
     pub(crate) limit_value: f64,
-    /// What the stage reached of it; above 1 where the stage's order of work is kinder to memory than the limit's.
+    /// The share of it that the stage reached; above 1 if the stage uses memory in a better order than the limit.
     pub(crate) fraction_of_limit: f64,
-    /// Bytes that were read or written at least once; for stages held against reading.
+    /// Bytes read or written at least once, for stages compared with reading.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) bytes: Option<u64>,
     #[serde(flatten)]
@@ -63,7 +63,7 @@ pub(crate) struct Limit {
     pub(crate) gpu_copy_gb_per_s: Option<f64>,
 }
 
-/// What a stage is held against.
+/// The limit that a stage is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum LimitKind {

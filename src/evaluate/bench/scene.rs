@@ -30,8 +30,7 @@ pub(crate) const FRAMES: usize = 3;
 /// Share of the picture from [`BenchScene::vantages`] that shows foreground in [`BenchScene::split`].
 const FOREGROUND_SHARE: f64 = 0.1;
 
-/// How far the second of two vantages stands beside the first, m: too little to change what is seen, enough for no cache
-/// to serve both.
+/// Distance of the two vantages, m: too small to change the picture, enough that no cache serves both.
 const SIDE_STEP_M: f64 = 1e-6;
 
 /// Seeded input for every stage.
@@ -43,8 +42,8 @@ pub(crate) struct BenchScene {
     pub(crate) unpruned: Arc<SampleSet>,
     /// What default settings keep of it.
     pub(crate) pruned: Arc<SampleSet>,
-    /// The unpruned set with the samples of a part of the scene in spans of one frame; it covers a tenth of the picture from
-    /// [`BenchScene::vantages`], and is seen by about a tenth of the samples.
+    /// The unpruned set with part of the scene in spans of one frame: about a tenth of the picture from [`BenchScene::vantages`]
+    /// and of the samples.
     pub(crate) split: Arc<SampleSet>,
     home: Camera,
 }
@@ -64,8 +63,8 @@ impl BenchScene {
         Ok(Self { split: Arc::new(split), ..whole })
     }
 
-    /// A ball that covers [`FOREGROUND_SHARE`] of the picture, there where it also holds about that share of the samples: what
-    /// more cameras see from nearby has more of them.
+    /// A ball that covers [`FOREGROUND_SHARE`] of the picture and holds about that share of the samples: there are more where
+    /// more cameras are near.
     fn object(&self, size: (u32, u32), job: &Job) -> Result<Ball> {
         // The shape of the larger of the measured pictures.
         let [vantage, _] = self.vantages((size.0, size.0 * 9 / 16), 0);
@@ -110,8 +109,7 @@ impl BenchScene {
         image.tiles.iter().enumerate().map(first_of).collect()
     }
 
-    /// A place between the cameras from which the scene fills the picture, as a picture of `size` at `frame`; and one so
-    /// close beside it that it shows the same.
+    /// A vantage between the cameras whose picture the scene fills, and one right beside it that shows the same.
     pub(crate) fn vantages(&self, size: (u32, u32), frame: usize) -> [Vantage; 2] {
         let home = self.home.intrinsics;
         let angle_x_rad = 2.0 * (f64::from(home.width) / (2.0 * home.fx)).atan();

@@ -54,7 +54,7 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
     let title = format!("{}, {}", first.disturbance, first.unit);
     svg.text((plot_left, top + 16.0), Anchor::Start, (17.0, color::INK), &title);
     let dials = distinct(points.iter().map(|point| point.dial));
-    // The values of a dial stand at equal distances: they were chosen to be equally far from each other to the eye.
+    // Values of a dial are drawn at equal distances: they were chosen in perceptually equal steps.
     let x =
         ChartAxis::around(Scale::Linear, (0..dials.len()).map(|index| index as f64), (plot_left, plot_right));
     let place_of = |dial: f64| {

@@ -33,7 +33,7 @@ impl Chart {
     }
 }
 
-/// Where text stands relative to its place.
+/// Alignment of text.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
     Start,
@@ -61,7 +61,7 @@ pub(super) struct Svg {
 }
 
 impl Svg {
-    /// A sheet of so many pixels.
+    /// An empty sheet, size in pixels.
     pub(super) fn new(width: f64, height: f64) -> Self {
         let mut svg = Self { text: String::new() };
         let _ = write!(
@@ -99,7 +99,7 @@ impl Svg {
         );
     }
 
-    /// Text that reads upward, its middle at the place.
+    /// Text that reads upward, centered.
     pub(super) fn upward(&mut self, (x, y): (f64, f64), (size, color): (f64, &str), text: &str) {
         let _ = write!(self.text, "<g transform=\"translate({x:.1} {y:.1}) rotate(-90)\">");
         self.text((0.0, 0.0), Anchor::Middle, (size, color), text);

@@ -1,9 +1,8 @@
 //! Temporal flicker at a still vantage: by how much the error of a pixel changes from one frame to the next.
 //!
-//! An error that stays is a flaw one gets used to; an error that comes and goes catches the eye. What is measured is the
-//! root mean square over pixels and pairs of frames of `(picture − truth)(t₂) − (picture − truth)(t₁)`, in 8-bit steps:
-//! true motion cancels, and a picture without error, or with a constant one, scores 0. Noise in the truth counts as well,
-//! alike for every method.
+//! A constant error is less visible than one that comes and goes. The measure is the root mean square over pixels and pairs of
+//! frames of `(picture − truth)(t₂) − (picture − truth)(t₁)`, in 8-bit steps: true motion cancels, and a constant error scores 0.
+//! Noise in the truth counts too, alike for every method.
 
 use super::pair::Pair;
 use crate::capture::Camera;

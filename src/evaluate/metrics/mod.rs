@@ -3,8 +3,8 @@
 //! One metric a file, each with its source: [`psnr`], [`ssim`], [`ms_ssim`], [`flip`], [`silhouette`] (error near steps in
 //! depth) and [`flicker`] (error that changes over time). All look at what a display shows: sRGB, clipped to 0 to 1.
 //!
-//! A pixel whose truth has no depth (never recorded, or masked out because no camera could see it) takes part in nothing:
-//! before anything is measured, the picture shows the truth there.
+//! A pixel whose truth has no depth (not recorded, or masked because no camera saw it) is left out of everything: the picture is
+//! set to the truth there first.
 
 mod flicker;
 mod flip;

@@ -19,8 +19,8 @@ pub struct Scores {
     /// Peak signal-to-noise ratio over the true pixels that got a sample, dB; read it together with `coverage`. Where no
     /// pixel got one, the same as `psnr_all_db`. Filling holes does not change it.
     pub psnr_db: f64,
-    /// The same over all true pixels, dB: holes are black, or whatever they were filled with, so that it is this number that
-    /// tells what filling is worth. Sky that no camera ever saw weighs heavily in it.
+    /// The same over all true pixels, dB. Holes count as black or as what fills them, so that this number shows the effect of
+    /// filling. Sky that no camera saw weighs heavily in it.
     pub psnr_all_db: f64,
     /// Structural similarity of luma, -1 to 1, over windows whose middle got a sample; 0 where none did. Such windows reach
     /// into holes, filled or not.
@@ -45,9 +45,9 @@ pub(crate) struct Pair {
     true_linear: Grid<[f32; 3]>,
     painted: Vec<[f32; 3]>,
     truth: Vec<[f32; 3]>,
-    /// Whether the truth knows the pixel.
+    /// Whether the true pixel is known.
     is_true: Vec<bool>,
-    /// Whether the truth knows the pixel and a sample reached it.
+    /// Whether the true pixel is known and got a sample.
     is_reached: Grid<bool>,
     near_silhouettes: Grid<bool>,
 }
@@ -84,7 +84,7 @@ impl Pair {
         })
     }
 
-    /// Whether the truth knows any pixel. Where it knows none, scores say nothing of the picture.
+    /// Whether any pixel of the truth is known; otherwise the scores mean nothing.
     pub(crate) fn has_truth(&self) -> bool {
         self.is_true.contains(&true)
     }
@@ -112,7 +112,7 @@ impl Pair {
         }
     }
 
-    /// Difference of what is shown from the truth, 0 to 1 and negative; `None` where no sample or no truth is.
+    /// Error per channel of what is displayed, -1 to 1; `None` without a sample or truth.
     pub(super) fn errors(&self) -> Vec<Option<[f32; 3]>> {
         let pairs = self.painted.iter().zip(&self.truth).zip(self.is_reached.as_slice());
         pairs

@@ -1,5 +1,5 @@
-//! Where silhouettes are: the pixels near a step in depth. Errors there (grown or frayed outlines, colors of what lies
-//! behind) drown in a mean over the whole picture.
+//! Pixels near a step in depth. Errors there (grown or frayed outlines, background colors) vanish in a mean over the whole
+//! picture.
 
 use crate::grid::Grid;
 

@@ -62,7 +62,7 @@ pub struct Evaluation {
     pub views: Vec<ViewScore>,
     /// On average.
     pub mean: MeanScore,
-    /// Why something else painted than was asked for.
+    /// A notice if another renderer than requested was used.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub notice: Option<String>,
 }

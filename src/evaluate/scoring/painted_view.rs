@@ -22,7 +22,7 @@ pub(crate) struct PaintedView {
     pub(crate) pair: Option<Pair>,
     /// The part of [`ViewScore::milliseconds`] that filling holes took.
     pub(crate) fill_ms: f64,
-    /// Why something else painted it than was asked for.
+    /// A notice if another renderer than requested was used.
     pub(crate) notice: Option<String>,
 }
 

@@ -1,4 +1,4 @@
-//! The disturbances: what each does, and where its dial can stand.
+//! The disturbances: what each does, and the values of its dial.
 
 use std::sync::Arc;
 
@@ -20,19 +20,19 @@ use crate::evaluate::truth::{DERIVED_CACHE_BYTES, Recorded, Truth, TruthEdit, pa
 pub enum Disturbance {
     /// Depth is off by Gaussian noise that differs from frame to frame.
     DepthNoise,
-    /// Depth is stored in whole numbers of so many bits between the nearest and farthest surface.
+    /// Depth is rounded to an integer of the dial's bits between the nearest and farthest surface.
     DepthSteps,
-    /// Depth is stored in floats of so many bits of mantissa; 10 is a half float. The capture says so.
+    /// Depth is rounded to a float with the dial's bits of mantissa (10: half float). The capture declares it.
     DepthFloat,
     /// Color carries the noise of a path tracer, which differs from frame to frame.
     ColorNoise,
-    /// Color is filtered across silhouettes, as anti-aliasing does. The capture says so.
+    /// Color is filtered across silhouettes, as anti-aliasing does. The capture declares it.
     Antialiasing,
     /// Normals are missing in squares of 8×8 pixels.
     NormalsMissing,
     /// Normals are off by Gaussian noise.
     NormalsNoisy,
-    /// Every camera is turned, by the same angle about an axis of its own, from where the capture says it is.
+    /// Every camera is turned away from its declared pose, by the same angle about an axis of its own.
     CameraPose,
     /// One camera runs behind the others.
     OutOfSync,
@@ -40,7 +40,7 @@ pub enum Disturbance {
     Exposure,
     /// One camera delivers nothing in part of the frames.
     MissingCamera,
-    /// Only some of the cameras are there.
+    /// Cameras are removed.
     FewerCameras,
     /// Bars stand in the scene, thinner and thinner. Scored on and around them.
     ThinStructures,

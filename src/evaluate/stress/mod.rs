@@ -87,7 +87,7 @@ impl StressPlan {
 pub struct StressPoint {
     /// Name of the disturbance.
     pub disturbance: String,
-    /// Where its dial stands.
+    /// Value of the dial.
     pub dial: f64,
     /// Unit of the dial.
     pub unit: String,
@@ -124,11 +124,11 @@ pub struct BreakingPoint {
     pub unit: String,
     /// Name of the method.
     pub method: String,
-    /// Where the dial stands when [`LOST_DB`] are lost, interpolated; `None` where they never are.
+    /// Value of the dial at a loss of [`LOST_DB`], interpolated; `None` if it is never reached.
     pub dial: Option<f64>,
     /// The largest loss anywhere, dB.
     pub worst_loss_db: f64,
-    /// The last value of the dial that was tried.
+    /// The last value of the dial.
     pub last_dial: f64,
 }
 
@@ -215,7 +215,7 @@ fn steps(capture: &Capture, plan: &StressPlan, truth: &Truth, job: &Job) -> Resu
     Ok(steps)
 }
 
-/// A disturbance and where its dial stands.
+/// A disturbance and a value of its dial.
 type StressStep = (Disturbance, f64);
 
 /// The warning that a step has no points.
@@ -293,7 +293,7 @@ impl Disturbed {
         Ok(Some(Self { step, workbench, pixels }))
     }
 
-    /// What a method gives; the loss is left open.
+    /// Measures a method; the loss is still 0.
     fn measure(&mut self, method: &Method, job: &Job) -> Result<StressPoint> {
         let (disturbance, dial) = self.step;
         let (name, unit) = (disturbance.name(), disturbance.unit());

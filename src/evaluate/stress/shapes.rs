@@ -32,7 +32,7 @@ struct Extent {
     pixel: f64,
 }
 
-/// Every so many pixels are looked at to find where the scene is.
+/// One pixel in this many is used to find where the scene is.
 const STRIDE: usize = 61;
 
 impl Extent {
@@ -73,11 +73,11 @@ struct ShapeHit {
     at: DVec2,
 }
 
-/// A true pixel is scored where something inserted lies within so many pixels.
+/// A true pixel is scored within this distance of an inserted shape, pixels.
 const NEAR_PX: usize = 2;
 
 impl Inserted {
-    /// Upright and leaning bars around the middle of the scene, so many pixels thick there.
+    /// Upright and leaning bars around the middle of the scene, with a thickness in pixels.
     pub(super) fn bars(capture: &Capture, thickness_px: f64) -> Result<Self> {
         const BARS: usize = 9;
         let Extent { center, reach, pixel } = Extent::of(capture)?;
@@ -94,7 +94,7 @@ impl Inserted {
         Ok(Self { shapes: (0..BARS).map(bar).collect(), pattern: 24.0 * pixel })
     }
 
-    /// A panel in the middle of the scene that the first camera sees at so many degrees from its normal.
+    /// A panel in the middle of the scene, with the angle between its normal and the view of the first camera.
     pub(super) fn panel(capture: &Capture, degrees: f64) -> Result<Self> {
         let Extent { center, reach, pixel } = Extent::of(capture)?;
         let eye = capture.cameras.first().map_or(center + capture.up_in_world, Camera::position_in_world);

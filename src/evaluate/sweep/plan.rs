@@ -11,13 +11,13 @@ use crate::settings::{
 /// One trial of a plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planned {
-    /// What is tried.
+    /// The trial.
     pub trial: Trial,
     /// What it is.
     pub series: Series,
 }
 
-/// What a sweep tries, and what of it is known already.
+/// The trials of a sweep, and the points that are known already.
 #[derive(Clone, Debug)]
 pub struct SweepPlan {
     /// In the order in which they are measured.
@@ -28,7 +28,7 @@ pub struct SweepPlan {
     pub done: Vec<Point>,
 }
 
-/// Values that numbers are tried at, beside every choice there is.
+/// Values of numbers; choices and switches take all of theirs.
 const NUMBERS: [(&str, &[f64]); 8] = [
     ("pruning.depth_tolerance", &[0.25, 0.5, 2.0, 4.0, 8.0]),
     ("pruning.normal_tolerance", &[15.0, 60.0]),

@@ -105,7 +105,7 @@ pub struct Point {
     pub samples: u64,
     /// Bytes of the store.
     pub bytes: u64,
-    /// Those of them that say how it was made, see [`Point::bytes_of_samples`].
+    /// Bytes of the store's record of its settings, see [`Point::bytes_of_samples`].
     pub bytes_record: u64,
     /// Bytes of the samples in memory.
     pub bytes_memory: u64,
@@ -133,7 +133,7 @@ impl Point {
         self.bytes - self.bytes_record
     }
 
-    /// Whether the store gives back every bit of the samples it keeps.
+    /// Whether the store is lossless.
     #[must_use]
     pub fn is_lossless(&self) -> bool {
         self.settings.store.precision == Precision::Lossless

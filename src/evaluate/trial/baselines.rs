@@ -77,11 +77,11 @@ fn about_their_middle(mut points: Vec<Vec<SamplePosition>>) -> (Vec<Vec<SamplePo
         place.point -= middle;
     }
     let reach = at_share(finite(&points, &|point| point.abs().max_element()), 1.0 - OUTLYING);
-    // Nothing but sky lies on a sphere of radius 1; where all is in one place, any cube does.
+    // Sky alone lies on a sphere of radius 1; if all samples are at one position, any cube does.
     (points, reach.filter(|reach| *reach > 0.0).unwrap_or(1.0))
 }
 
-/// Enough to tell cube sizes apart that differ by 0.3 %, over five decades.
+/// Resolves cube sizes to 0.3 % over five decades.
 const BISECTIONS: usize = 12;
 
 /// Keeps the `count` samples of the lowest rank, by chance among equals.

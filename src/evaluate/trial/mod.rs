@@ -1,4 +1,4 @@
-//! One setting, tried: preprocessed, stored, painted, scored.
+//! One setting: preprocessed, stored, rendered, scored.
 
 mod baselines;
 mod compare;

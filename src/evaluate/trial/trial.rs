@@ -1,4 +1,4 @@
-//! One setting, tried: preprocessed, stored, painted and held against the truth of every fold.
+//! One setting: preprocessed, stored, rendered and scored against the truth of every fold.
 //!
 //! ```text
 //! Trial ─ scan ─▶ prune ─▶ thin ─▶ store (bytes) ─▶ read ─▶ paint every view ─▶ Measured
@@ -45,7 +45,7 @@ pub enum Thinning {
     Tolerance,
 }
 
-/// Settings to be tried.
+/// A setting to measure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
     /// Says in short what is special about it.
@@ -89,7 +89,7 @@ pub struct TrialResult {
     pub samples: u64,
     /// Bytes of the store, mean over folds.
     pub bytes: u64,
-    /// Those of them that say how it was made.
+    /// Bytes of the store's record of its settings.
     pub bytes_record: u64,
     /// Bytes of the samples in memory, mean over folds.
     pub bytes_memory: u64,
@@ -133,16 +133,16 @@ type ScanKey = (NormalSettings, SpanSettings, Option<Vec<String>>);
 /// Scans and models cached per fold: those of the last trials, and the unpruned one that baselines thin.
 const KEPT: usize = 3;
 
-/// Tries settings on one capture, sharing whatever they have in common.
+/// Measures settings on one capture; those that agree share scans and models.
 pub struct Workbench {
     folds: Vec<FoldState>,
     reference: Settings,
-    /// What paints, by what a trial asks for.
+    /// One renderer per backend.
     renderers: HashMap<Backend, Renderer>,
 }
 
 impl Workbench {
-    /// Loads the truth. `reference` says how many samples the baselines may keep.
+    /// Loads the truth. The baselines keep as many samples as `reference` does.
     ///
     /// # Errors
     /// As [`Truth::folds`].
@@ -311,7 +311,7 @@ impl FoldState {
         Ok(model)
     }
 
-    /// As the settings say; not through a file yet.
+    /// Pruned by the settings; not stored yet.
     fn pruned(&mut self, trial: &Trial, job: &Job) -> Result<FoldSamples> {
         let (scan, seconds_scan) = self.scan(trial, job)?;
         let capture = self.fold.capture.with_cameras(|_, camera| Self::keeps(trial, &camera.name));

@@ -9,7 +9,8 @@ use crate::error::{Error, Result};
 /// Most frames of a held-out camera that are scored, evenly spaced over the capture.
 const MAX_FRAMES: usize = 5;
 
-/// The capture without the cameras named, and views with truth from their places.
+/// The capture without the named cameras, and views with truth at their poses. `Invalid` if a camera does not exist or none is
+/// left.
 pub(crate) fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, Vec<TruthView>)> {
     let is_held_out = |name: &str| held_out.iter().any(|held_out| held_out == name);
     if let Some(unknown) =

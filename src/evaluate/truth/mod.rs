@@ -1,4 +1,4 @@
-//! What pictures are held against.
+//! What pictures are compared with.
 
 mod hold_out;
 mod subset;

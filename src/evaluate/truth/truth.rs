@@ -41,20 +41,20 @@ pub struct Fold {
     pub views: Vec<TruthView>,
 }
 
-/// What was recorded, and what was there: they differ where a disturbance lies between them.
+/// What was recorded and the true scene, which differ under a disturbance.
 #[derive(Clone)]
 pub struct Recorded {
     /// What models are made of.
     pub capture: Capture,
-    /// What the cameras would have recorded without the disturbance; tells where surfaces truly are.
+    /// What the cameras would have recorded without the disturbance: where surfaces truly are.
     pub clean: Capture,
-    /// The cameras whose places are looked from where each is left out in turn, all of them still there.
+    /// All cameras, also those that a disturbance removes: each is left out in turn.
     pub places: Capture,
     /// Changes the truth where the disturbance changes the scene itself.
     pub edit_truth: Option<TruthEdit>,
 }
 
-/// Changes a true picture, given where it was taken from and the number of its frame.
+/// Changes a true picture, given its camera and frame number.
 pub type TruthEdit = Arc<dyn Fn(&Camera, i64, &mut Frame) + Send + Sync>;
 
 impl Recorded {
@@ -66,7 +66,7 @@ impl Recorded {
 }
 
 impl Truth {
-    /// The fewest cameras that a model can be made of and held against this: where each is left out in turn, one must stay.
+    /// The fewest cameras needed: if each is left out in turn, one must remain.
     #[must_use]
     pub fn least_cameras(&self) -> usize {
         match self {

@@ -1,8 +1,8 @@
-//! Which cameras are needed: one is dropped when the others tell what it tells, as accurately as any held-out view.
+//! Which cameras are needed: one is dropped if the others reproduce what it saw as accurately as any held-out view.
 //!
-//! Where views come with the capture, accuracy is that at these views, of a model without the camera. Else the camera's own
-//! frames are the truth, all of each: what no other camera saw counts against dropping it. Those that keep the fewest
-//! samples are tried first, so that of two alike the one goes whose samples were pruned for the other's.
+//! With given views, accuracy is measured there, without the camera. Otherwise the camera's own frames are the truth, in full:
+//! what no other camera saw counts against dropping it. Cameras with the fewest samples are tried first: of two alike, that is
+//! the one whose samples were pruned in favor of the other.
 
 use super::plan::CameraCost;
 use super::search::Search;
@@ -16,7 +16,7 @@ use crate::evaluate::truth::{self, Truth};
 use crate::preprocess;
 use crate::settings::{Fill, RenderSettings, Settings};
 
-/// Names of the cameras that stay, and what the absence of each that was tried costs.
+/// Names of the cameras to keep, and the cost of each that was left out on trial.
 pub(super) fn drop_needless(
     search: &mut Search<'_>,
     capture: &Capture,
@@ -85,7 +85,7 @@ fn at_its_own_place(
     let evaluation = evaluate(&samples, &views, &filling, search.job)?;
     let scores: Vec<Scores> = evaluation.views.iter().filter_map(|view| view.scores).collect();
     if scores.is_empty() {
-        // It recorded nothing, which nobody misses.
+        // It recorded nothing: dropping it costs nothing.
         return Ok(MAX_PSNR_DB);
     }
     Ok(MeanEstimate::of(&scores.iter().map(|scores| scores.psnr_all_db).collect::<Vec<_>>()).mean)

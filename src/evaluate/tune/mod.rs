@@ -1,9 +1,9 @@
-//! No more model than the scene needs: the simplest setting whose held-out accuracy lies within one standard error of the
-//! best, and no camera whose absence costs nothing by the same rule.
+//! The smallest model that is good enough: the simplest setting whose held-out accuracy is within one standard error of the best,
+//! without cameras whose absence costs nothing by the same rule.
 //!
 //! Source: the one-standard-error rule of Breiman, Friedman, Olshen and Stone, *Classification and Regression Trees*, 1984.
-//! *Simplest* means fewest bytes, then least work to paint, counted in samples and kernels: no clock is asked, so that the
-//! same capture gives the same answer.
+//! *Simplest* means fewest bytes, then least work to render, counted in samples and kernels instead of time, so that the same
+//! capture gives the same answer.
 //!
 //! ```text
 //! every variation of one setting ─▶ best, limit = best − 1 SE ─▶ combine what saves bytes ─▶ cheaper kernel ─▶ cameras
@@ -24,11 +24,11 @@ use crate::error::Result;
 use crate::job::Job;
 use search::Search;
 
-/// Tunes; `on_point` is told each point as it is measured.
+/// Tunes; `on_point` receives each new point.
 ///
 /// # Errors
-/// Whatever preprocessing, painting and truth give; `Invalid` where no setting keeps the budget; `Cancelled`, after which
-/// the points told so far can be put into [`TunePlan::done`] to go on.
+/// Those of preprocessing, rendering and truth; `Invalid` if no setting meets the budget; `Cancelled`: put the points received so
+/// far into [`TunePlan::done`] to continue.
 pub fn run(
     capture: &Capture,
     plan: &TunePlan,

@@ -1,4 +1,4 @@
-//! What tuning starts from, and what it gives.
+//! Input and result of tuning.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use crate::capture::Capture;
 use crate::evaluate::sweep::Point;
 use crate::settings::Settings;
 
-/// What may be spent instead of what the scene needs.
+/// A limit, instead of what the scene needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TuneBudget {
     /// Bytes of the store that `preprocess` makes of the whole capture.
@@ -15,14 +15,14 @@ pub enum TuneBudget {
     Milliseconds(f64),
 }
 
-/// What is looked for, and what of it is known already.
+/// What to tune, and the points that are known already.
 #[derive(Clone)]
 pub struct TunePlan {
     /// The settings to start from.
     pub settings: Settings,
-    /// Where given, the most accurate setting within it is chosen.
+    /// If given, the most accurate setting within it is chosen.
     pub budget: Option<TuneBudget>,
-    /// The capture with all its frames, where some of them alone are looked at: a budget of bytes is for its store.
+    /// The capture with all its frames if only some are used: a budget of bytes is for its store.
     pub whole: Option<Capture>,
     /// Whether cameras may be dropped.
     pub drop_cameras: bool,
@@ -35,7 +35,7 @@ pub struct TunePlan {
 pub struct CameraCost {
     /// Its name.
     pub name: String,
-    /// Held-out accuracy without it, dB: where views come with the capture, at these; else at its own place.
+    /// Accuracy without it, dB: at the capture's views, or else at the camera's own position.
     pub psnr_filled_db: f64,
     /// Whether it was dropped.
     pub dropped: bool,
@@ -48,7 +48,7 @@ pub struct Tuned {
     pub settings: Settings,
     /// Names of the cameras that are needed, in the capture's order.
     pub cameras: Vec<String>,
-    /// What each camera that was tried without would cost, in the order of trying.
+    /// The cameras that were left out on trial, in order.
     pub camera_costs: Vec<CameraCost>,
     /// The most accurate point.
     pub best: Point,
@@ -56,8 +56,7 @@ pub struct Tuned {
     pub limit_db: Option<f64>,
     /// The point that was chosen, all cameras still there.
     pub chosen: Point,
-    /// Bytes that the store of the whole capture takes at most, with these settings and all cameras; where a budget of bytes
-    /// decided.
+    /// Upper bound of the bytes of the whole capture's store with all cameras, for a budget of bytes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bytes_whole: Option<u64>,
     /// Everything that was tried, in the order of trying.

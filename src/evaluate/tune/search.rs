@@ -22,14 +22,14 @@ pub(super) struct Search<'a> {
     points: Vec<Point>,
     on_point: OnPoint<'a>,
     pace: Pace,
-    /// Points there will be, as far as can be told.
+    /// Expected number of points.
     expected: usize,
     /// Whether the settings that the search starts from exceed the budget.
     starts_beyond: bool,
 }
 
-/// How many times a budget a store must be expected to take not to be tried: by how much it grows from what is looked at to the
-/// whole capture differs from setting to setting.
+/// A setting whose store is expected to exceed this multiple of the budget is not stored to find out. The expectation is rough:
+/// growth from the frames used to the whole capture depends on the setting.
 const HOPELESS: f64 = 1.5;
 
 /// One setting that differs from the start, and what it gave.
@@ -85,7 +85,7 @@ impl<'a> Search<'a> {
         let better = |a: &&Point, b: &&Point| {
             a.psnr_filled_db.total_cmp(&b.psnr_filled_db).then(simplicity(b).cmp(&simplicity(a)))
         };
-        // There is always the point of the settings that the search started from.
+        // There is always the point of the initial settings.
         self.points.iter().rev().max_by(better).unwrap_or(&self.points[0])
     }
 
@@ -125,7 +125,7 @@ impl<'a> Search<'a> {
         self.chosen()
     }
 
-    /// Adds one change after the other to the start, those that save most first, and keeps what stays allowed.
+    /// Combines changes, those that save most first, and keeps those that stay acceptable.
     fn combine(&mut self, mut changes: Vec<TriedChange>) -> Result<()> {
         changes.sort_by_key(|change| simplicity(&change.point));
         let mut current = self.points[0].clone();
@@ -154,7 +154,7 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Whether to go on from a point: it is good enough, or the budget is not met yet.
+    /// Whether to continue from a point: it is good enough, or the budget is not met yet.
     fn may_lead_on(&self, point: &Point) -> bool {
         match self.plan.budget {
             None => point.psnr_filled_db >= self.limit_db(),
@@ -167,7 +167,7 @@ impl<'a> Search<'a> {
             None => true,
             Some(TuneBudget::Milliseconds(milliseconds)) => point.milliseconds <= milliseconds,
             Some(TuneBudget::Bytes(bytes)) => {
-                // What is looked at is part of the whole.
+                // The frames used are part of the whole.
                 point.bytes_of_samples() <= bytes
                     && self.expected_bytes(point)? <= HOPELESS * bytes as f64
                     && self.bytes_whole(&point.settings)? <= bytes
@@ -180,7 +180,7 @@ impl<'a> Search<'a> {
         self.stores.bytes(settings, self.job)
     }
 
-    /// The same, if it grows as that of the first point does.
+    /// Bytes of the whole capture's store if it grows as that of the first point does.
     fn expected_bytes(&mut self, point: &Point) -> Result<f64> {
         let start = self.plan.settings.clone();
         let growth = self.bytes_whole(&start)? as f64 / self.points[0].bytes.max(1) as f64;
@@ -230,7 +230,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Fewest bytes first, then least work: no clock is asked. Of equals, what was measured first is preferred.
+/// Fewest bytes first, then least work: no clock, so that runs agree. Of equals, the first measured is preferred.
 fn simplicity(point: &Point) -> (u64, u64) {
     (point.bytes_of_samples(), point.work as u64)
 }

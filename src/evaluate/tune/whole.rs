@@ -1,5 +1,5 @@
-//! What the store of the whole capture takes. A budget of bytes is meant for what `preprocess` writes, which holds all frames of
-//! all cameras, whatever is looked at while tuning.
+//! Size of the store of the whole capture. A budget of bytes is for what `preprocess` writes, with all frames and cameras, even
+//! if tuning uses only some.
 
 use crate::capture::Capture;
 use crate::error::{Error, Result};
@@ -28,12 +28,12 @@ impl<'a> WholeStores<'a> {
         if known.is_none() {
             self.known.push((of_samples.clone(), bytes));
         }
-        // A store notes the settings of painting too; chunks begin at even places.
+        // A store also holds the settings of rendering; chunks are padded to even lengths.
         let words = |settings: &Settings| settings.to_toml().len().next_multiple_of(2) as u64;
         Ok(bytes - words(&of_samples) + words(settings))
     }
 
-    /// The fewest bytes of those that were asked for.
+    /// The fewest bytes so far.
     pub(super) fn least(&self) -> Option<u64> {
         self.known.iter().map(|(_, bytes)| *bytes).min()
     }

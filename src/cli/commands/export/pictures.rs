@@ -51,8 +51,8 @@ impl FilmArgs {
     }
 }
 
-/// Paints every stop in order and hands the pictures on, with their place in the film; says why something else painted than was
-/// asked for.
+/// Renders every stop in order and passes each picture on with its index; returns a notice if another renderer than requested was
+/// used.
 pub(crate) fn paint(
     playback: &Arc<Playback>,
     stops: &Stops,

@@ -18,7 +18,7 @@ use crate::whole_file;
 /// Bytes of a point: position and normal, radius, color.
 const POINT_BYTES: usize = 7 * 4 + 3;
 
-/// Writes the samples of some images. Samples at infinity have no position and are left out; gives how many points there are.
+/// Writes the samples of some images and returns their number. Samples at infinity have no position and are left out.
 pub(crate) fn write<'a>(
     path: &Path,
     set: &SampleSet,
@@ -66,9 +66,10 @@ fn write_points(target: &mut impl Write, image: &SampleImage, camera: &Camera) -
     Ok(())
 }
 
-/// Radius of a disk with the area `z² cos α / (fx fy cos θ)` of a pixel on its surface; facing the camera where no normal is known.
+/// Radius of a disk with the area `z² cos α / (fx fy cos θ)` of a pixel on its surface, which faces the camera if it has no
+/// normal.
 fn radius(camera: &Camera, ray: DVec3, z: f64, normal_in_world: DVec3) -> f64 {
-    /// The steepest view that is told from a steeper one, as `pruning.cosine_floor` has it.
+    /// The smallest cosine of the viewing angle, as `pruning.cosine_floor`.
     const COSINE_FLOOR: f64 = 0.1;
     let direction = (camera.world_from_camera.matrix3 * ray).normalize_or_zero();
     let cos_off_axis = 1.0 / ray.length();
