@@ -98,11 +98,11 @@ pub fn run(open_window: OpenWindow) -> ExitCode {
     match cli.run(open_window) {
         Ok(()) => ExitCode::SUCCESS,
         Err(CommandError::Usage(what)) => {
-            output::tell(&what);
+            output::print_error(&what);
             ExitCode::from(2)
         }
         Err(CommandError::Work(error)) => {
-            output::tell(&error.to_string().replace('\n', " "));
+            output::print_error(&error.to_string().replace('\n', " "));
             if matches!(error, Error::Cancelled) {
                 ExitCode::from(output::STOPPED)
             } else {

@@ -57,7 +57,7 @@ impl DemoArgs {
             noise: self.noise,
         };
         let demo = Demo::new(&spec).map_err(|error| CommandError::Usage(error.to_string()))?;
-        output::folder(&self.out)?;
+        output::check_folder(&self.out)?;
         self.check_is_ours(&spec)?;
         let capture = demo.capture(&CaptureSettings::default());
         let views = demo.truth_views();

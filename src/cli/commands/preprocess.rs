@@ -68,10 +68,10 @@ struct PreprocessOutput {
 impl PreprocessArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
-        output::file(&self.out, "scene.ovl")?;
-        self.settings.apart_from(&self.out)?;
+        output::check_file(&self.out, "scene.ovl")?;
+        self.settings.refuse_inputs(&self.out)?;
         let capture = self.open(&frame_cache(&settings))?;
-        output::apart_from_capture(&self.capture, None, &self.out)?;
+        output::refuse_capture_files(&self.capture, None, &self.out)?;
         output::warn(&capture.warnings);
         let seconds_decode_only = if self.measure_decode { Some(self.decode_seconds()?) } else { None };
         let started = Instant::now();

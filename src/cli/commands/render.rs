@@ -37,8 +37,8 @@ pub(crate) struct RenderArgs {
 impl RenderArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         self.settings.only("render")?;
-        output::folder(&self.out)?;
-        output::can_be_read_again(&self.views)?;
+        output::check_folder(&self.out)?;
+        output::refuse_pipe(&self.views)?;
         let playback = input::open_store(&self.store)?;
         let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
         self.painting.apply(&mut settings);
@@ -74,7 +74,7 @@ impl RenderArgs {
             Ok(paths)
         };
         let paths = views.iter().map(path_of).collect::<Result<Vec<_>>>()?;
-        output::apart_from_pictures_of(&self.views, &self.out, &paths)?;
+        output::refuse_true_pictures(&self.views, &self.out, &paths)?;
         Ok(paths)
     }
 }
@@ -103,5 +103,5 @@ fn paint(
         scores.add(view, painted);
         job.advance(1);
     }
-    Ok(scores.finish().given_back(&order))
+    Ok(scores.finish().in_order_of_views(&order))
 }

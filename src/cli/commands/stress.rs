@@ -44,7 +44,7 @@ struct StressOutput<'a> {
 impl StressArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
-        output::folder(&self.out)?;
+        output::check_folder(&self.out)?;
         let capture = input::open_capture(&self.capture, &settings.capture)?;
         let truth: Truth = self.truth.truth(&self.capture, &capture)?;
         let mut plan = StressPlan { frames: self.truth.frames, ..StressPlan::standard(&settings) };

@@ -47,7 +47,7 @@ impl SweepArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let mut settings = self.settings.over(Settings::default())?;
         self.painting.apply(&mut settings.render);
-        output::folder(&self.out)?;
+        output::check_folder(&self.out)?;
         let opened = input::open_capture(&self.capture, &settings.capture)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         let mut plan = self.plan(&settings, &capture)?;
@@ -64,7 +64,7 @@ impl SweepArgs {
         };
         let chart = chart::pareto(&capture.name, &points);
         output::write_results(&self.out, "sweep", &document, &points, ("pareto.png", &chart))?;
-        if self.json { output::print_json(&document) } else { output::print(&output::table(&points)) }
+        if self.json { output::print_json(&document) } else { output::print(&output::sweep_table(&points)) }
     }
 
     /// The settings files under their names, or under their paths if two share a name. A file that equals another row gets none

@@ -42,14 +42,14 @@ pub(crate) struct TuneArgs {
 impl TuneArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
-        output::file(&self.out, "tuned.toml")?;
-        output::apart_from_stores(&self.out)?;
-        self.settings.apart_from(&self.out)?;
+        output::check_file(&self.out, "tuned.toml")?;
+        output::refuse_store(&self.out)?;
+        self.settings.refuse_inputs(&self.out)?;
         if let Some(journal) = &self.journal {
-            output::folder(journal)?;
+            output::check_folder(journal)?;
         }
         let opened = input::open_capture(&self.capture, &settings.capture)?;
-        output::apart_from_capture(&self.capture, self.truth.views.as_deref(), &self.out)?;
+        output::refuse_capture_files(&self.capture, self.truth.views.as_deref(), &self.out)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         let journal = match &self.journal {
             Some(folder) => {

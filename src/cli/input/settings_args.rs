@@ -33,8 +33,8 @@ impl SettingsArgs {
     }
 
     /// Refuses to write over the file that they are read from.
-    pub(crate) fn apart_from(&self, out: &Path) -> Result<(), Error> {
-        self.settings.as_ref().map_or(Ok(()), |settings| output::apart_from(settings, out))
+    pub(crate) fn refuse_inputs(&self, out: &Path) -> Result<(), Error> {
+        self.settings.as_ref().map_or(Ok(()), |settings| output::refuse_input(settings, out))
     }
 
     /// Refuses --set outside of the one section that a command uses: it would have no effect. A settings file may hold more,

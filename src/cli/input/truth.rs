@@ -45,7 +45,7 @@ impl TruthArgs {
     pub(crate) fn truth(&self, path: &Path, capture: &Capture) -> Result<Truth, CommandError> {
         match self.views(path) {
             Some(views) => {
-                output::can_be_read_again(&views)?;
+                output::refuse_pipe(&views)?;
                 Ok(Truth::Views(transforms::open_views_of(&views, capture.frames_are_ranked())?))
             }
             None if capture.cameras.len() >= Truth::HoldOut.least_cameras() => Ok(Truth::HoldOut),

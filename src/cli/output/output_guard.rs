@@ -12,7 +12,7 @@ use crate::store::file::Store;
 use crate::whole_file;
 
 /// Refuses a file that cannot be written; `example` is a good name for the message.
-pub(crate) fn file(out: &Path, example: &str) -> Result<()> {
+pub(crate) fn check_file(out: &Path, example: &str) -> Result<()> {
     let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
         return Err(Error::invalid(
@@ -35,7 +35,7 @@ pub(crate) fn file(out: &Path, example: &str) -> Result<()> {
 }
 
 /// Refuses a folder that cannot be created because a file has its name or that of a parent.
-pub(crate) fn folder(out: &Path) -> Result<()> {
+pub(crate) fn check_folder(out: &Path) -> Result<()> {
     match out.ancestors().find(|place| place.is_file()) {
         None => Ok(()),
         Some(file) => {
@@ -45,14 +45,14 @@ pub(crate) fn folder(out: &Path) -> Result<()> {
 }
 
 /// Refuses pictures below `out` that would overwrite those of the manifest, or those of a capture in `out`.
-pub(crate) fn apart_from_pictures_of(manifest: &Path, out: &Path, targets: &[PicturePaths]) -> Result<()> {
-    apart_from_places(manifest, &picture_places(manifest)?, targets)?;
+pub(crate) fn refuse_true_pictures(manifest: &Path, out: &Path, targets: &[PicturePaths]) -> Result<()> {
+    refuse_pictures_at(manifest, &picture_places(manifest)?, targets)?;
     // The user did not name that capture: its manifest may be missing or broken.
     let other = out.join(MANIFEST_NAME);
-    apart_from_places(&other, &picture_places(&other).unwrap_or_default(), targets)
+    refuse_pictures_at(&other, &picture_places(&other).unwrap_or_default(), targets)
 }
 
-fn apart_from_places(manifest: &Path, places: &[PathBuf], targets: &[PicturePaths]) -> Result<()> {
+fn refuse_pictures_at(manifest: &Path, places: &[PathBuf], targets: &[PicturePaths]) -> Result<()> {
     let own: HashSet<PathBuf> = places.iter().map(|path| resolved(path)).collect();
     let written = targets.iter().flat_map(|paths| [&paths.exr, &paths.png]);
     match written.into_iter().find(|path| own.contains(&resolved(path))) {
@@ -68,7 +68,7 @@ fn apart_from_places(manifest: &Path, places: &[PathBuf], targets: &[PicturePath
 }
 
 /// Refuses views from a pipe or a device: they are read twice.
-pub(crate) fn can_be_read_again(views: &Path) -> Result<()> {
+pub(crate) fn refuse_pipe(views: &Path) -> Result<()> {
     match views.metadata() {
         Ok(facts) if !facts.is_file() && !facts.is_dir() => Err(Error::invalid(
             views.display(),
@@ -79,30 +79,27 @@ pub(crate) fn can_be_read_again(views: &Path) -> Result<()> {
 }
 
 /// Refuses a file that a capture or the truth beside it is read from: a manifest, or a picture that one names.
-pub(crate) fn apart_from_capture(capture: &Path, views: Option<&Path>, out: &Path) -> Result<()> {
+pub(crate) fn refuse_capture_files(capture: &Path, views: Option<&Path>, out: &Path) -> Result<()> {
     let beside = truth_beside(capture);
     if let Some(beside) = &beside {
-        apart_from(beside, out)?;
+        refuse_input(beside, out)?;
     }
     for manifest in [Some(capture), views].into_iter().flatten() {
-        apart_from_views(manifest, out)?;
+        refuse_view_files(manifest, out)?;
     }
     // The command does not read these views: they may be broken.
-    apart_from_any(&beside.and_then(|beside| picture_places(&beside).ok()).unwrap_or_default(), out)
+    let truth = beside.and_then(|beside| picture_places(&beside).ok()).unwrap_or_default();
+    truth.iter().try_for_each(|picture| refuse_input(picture, out))
 }
 
 /// Refuses a file that views are read from: their manifest, or a picture that it names.
-pub(crate) fn apart_from_views(manifest: &Path, out: &Path) -> Result<()> {
-    apart_from(&manifest_path(manifest), out)?;
-    apart_from_any(&picture_places(manifest)?, out)
-}
-
-fn apart_from_any(inputs: &[PathBuf], out: &Path) -> Result<()> {
-    inputs.iter().try_for_each(|input| apart_from(input, out))
+pub(crate) fn refuse_view_files(manifest: &Path, out: &Path) -> Result<()> {
+    refuse_input(&manifest_path(manifest), out)?;
+    picture_places(manifest)?.iter().try_for_each(|picture| refuse_input(picture, out))
 }
 
 /// Refuses to overwrite a store with something else.
-pub(crate) fn apart_from_stores(out: &Path) -> Result<()> {
+pub(crate) fn refuse_store(out: &Path) -> Result<()> {
     if !out.is_file() || !Store::is_store(out)? {
         return Ok(());
     }
@@ -113,7 +110,7 @@ pub(crate) fn apart_from_stores(out: &Path) -> Result<()> {
 }
 
 /// Refuses to write over the file that is read.
-pub(crate) fn apart_from(input: &Path, out: &Path) -> Result<()> {
+pub(crate) fn refuse_input(input: &Path, out: &Path) -> Result<()> {
     if resolved(input) != resolved(out) {
         return Ok(());
     }
@@ -139,17 +136,22 @@ mod tests {
         let at = |name: &str| here.path().join(name);
         std::fs::write(at("taken"), "a file").unwrap();
         let said = |outcome: Result<()>| outcome.unwrap_err().to_string();
-        assert!(file(&at("scene.ovl"), "scene.ovl").is_ok());
-        assert!(file(&at("taken"), "scene.ovl").is_ok(), "results may be replaced");
-        assert!(file(Path::new("scene.ovl"), "scene.ovl").is_ok());
-        assert!(said(file(&at("none/scene.ovl"), "scene.ovl")).contains("does not exist"));
-        assert!(said(file(&at("taken/scene.ovl"), "scene.ovl")).contains("does not exist"));
+        assert!(check_file(&at("scene.ovl"), "scene.ovl").is_ok());
+        assert!(check_file(&at("taken"), "scene.ovl").is_ok(), "results may be replaced");
+        assert!(check_file(Path::new("scene.ovl"), "scene.ovl").is_ok());
+        assert!(said(check_file(&at("none/scene.ovl"), "scene.ovl")).contains("does not exist"));
+        assert!(said(check_file(&at("taken/scene.ovl"), "scene.ovl")).contains("does not exist"));
         assert!(
-            said(file(here.path(), "scene.ovl")).contains("is a folder; name a file in it, as in scene.ovl")
+            said(check_file(here.path(), "scene.ovl"))
+                .contains("is a folder; name a file in it, as in scene.ovl")
         );
-        assert!(folder(here.path()).is_ok() && folder(&at("a/b")).is_ok() && folder(Path::new("a")).is_ok());
+        assert!(
+            check_folder(here.path()).is_ok()
+                && check_folder(&at("a/b")).is_ok()
+                && check_folder(Path::new("a")).is_ok()
+        );
         for place in ["taken", "taken/a/b"] {
-            assert!(said(folder(&at(place))).contains("taken: is a file"), "{place}");
+            assert!(said(check_folder(&at(place))).contains("taken: is a file"), "{place}");
         }
     }
 
@@ -167,7 +169,7 @@ mod tests {
         manifest("novel/transforms.json", "n.exr");
         manifest("views.json", "v");
         let refused = |capture: &Path, out: &str| {
-            apart_from_capture(capture, Some(&here.join("views.json")), &here.join(out)).is_err()
+            refuse_capture_files(capture, Some(&here.join("views.json")), &here.join(out)).is_err()
         };
         for capture in [here, &here.join("transforms.json")] {
             for out in [
@@ -201,8 +203,7 @@ mod tests {
         std::fs::write(&manifest, format!(r#"{{"frames":[{}]}}"#, entries.join(","))).unwrap();
         let refused = |out: &Path, name: &str| {
             let targets = [PicturePaths::below(out, name).unwrap()];
-            let outcome =
-                [&manifest, &here.join("novel")].map(|it| apart_from_pictures_of(it, out, &targets));
+            let outcome = [&manifest, &here.join("novel")].map(|it| refuse_true_pictures(it, out, &targets));
             assert_eq!(outcome[0].is_err(), outcome[1].is_err());
             outcome[0].as_ref().err().map(ToString::to_string)
         };
@@ -230,7 +231,7 @@ mod tests {
         let out = here.join("scene");
         let refused = |name: &str| {
             let targets = [PicturePaths::below(&out, name).unwrap()];
-            apart_from_pictures_of(&here.join("views.json"), &out, &targets).is_err()
+            refuse_true_pictures(&here.join("views.json"), &out, &targets).is_err()
         };
         assert!(refused("a/1") && !refused("a/2"));
         std::fs::write(here.join("scene/transforms.json"), "no manifest").unwrap();

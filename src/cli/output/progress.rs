@@ -13,12 +13,12 @@ use crate::job::Job;
 
 const REDRAW: Duration = Duration::from_millis(100);
 
-/// Sets the flag when it is dropped, also in a panic.
-struct SetOnDrop<'a>(&'a AtomicBool);
+/// Calls a function when it is dropped, also in a panic.
+struct OnDrop<F: FnMut()>(F);
 
-impl Drop for SetOnDrop<'_> {
+impl<F: FnMut()> Drop for OnDrop<F> {
     fn drop(&mut self) {
-        self.0.store(true, Ordering::Release);
+        (self.0)();
     }
 }
 
@@ -35,7 +35,7 @@ fn set_current(job: Option<Arc<Job>>) -> Option<Arc<Job>> {
 
 /// Makes Ctrl-C (on Unix also SIGTERM and SIGHUP) cancel the current work, which then cleans up; a second one ends the program at
 /// once.
-fn stop_when_told() {
+fn cancel_on_signal() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         let handler = || {
@@ -51,20 +51,12 @@ fn stop_when_told() {
     });
 }
 
-/// Makes the previous work current again when it is dropped.
-struct Restore(Option<Arc<Job>>);
-
-impl Drop for Restore {
-    fn drop(&mut self) {
-        set_current(self.0.take());
-    }
-}
-
 /// Runs `work` with a progress bar if stderr is a terminal, and prints its warnings. Ctrl-C cancels its job.
 pub(crate) fn watched<T>(work: impl FnOnce(&Job) -> T) -> T {
-    stop_when_told();
+    cancel_on_signal();
     let job = Arc::new(Job::new());
-    let _restore = Restore(set_current(Some(job.clone())));
+    let mut before = set_current(Some(job.clone()));
+    let _restore = OnDrop(|| drop(set_current(before.take())));
     let result = if std::io::stderr().is_terminal() { drawn(&job, work) } else { work(&job) };
     text::warn(&job.warnings());
     result
@@ -77,7 +69,7 @@ fn drawn<T>(job: &Job, work: impl FnOnce(&Job) -> T) -> T {
         let watcher =
             thread::Builder::new().name("progress".to_owned()).spawn_scoped(scope, || draw(job, &finished));
         let result = {
-            let _finish = SetOnDrop(&finished);
+            let _finish = OnDrop(|| finished.store(true, Ordering::Release));
             work(job)
         };
         if let Ok(watcher) = watcher {

@@ -92,7 +92,7 @@ fn write_line(file: &mut File, line: &str) -> std::io::Result<()> {
 }
 
 /// Renames a journal, so that a changed input does not destroy hours of measurements; with a warning if wanted.
-fn put_aside(path: &Path, is_told: bool) -> Result<PathBuf> {
+fn put_aside(path: &Path, warns: bool) -> Result<PathBuf> {
     let mut aside = path.with_extension("journal.old");
     let mut number = 1;
     while aside.exists() {
@@ -100,7 +100,7 @@ fn put_aside(path: &Path, is_told: bool) -> Result<PathBuf> {
         aside = path.with_extension(format!("journal.old{number}"));
     }
     fs::rename(path, &aside).map_err(|error| Error::io(path, error))?;
-    if is_told {
+    if warns {
         text::warn(&[format!(
             "{} was measured on another state of the capture, with another truth, with other threads or by another version; it is \
              kept as {}, and everything is measured anew",
@@ -203,7 +203,7 @@ fn quoted(text: &str) -> String {
 }
 
 /// One line per point; a star marks the Pareto front.
-pub(crate) fn table(points: &[Point]) -> String {
+pub(crate) fn sweep_table(points: &[Point]) -> String {
     let mut text = format!(
         "{:<52} {:>15} {:>15} {:>7} {:>7} {:>7} {:>12} {:>10} {:>8}",
         "setting", "filled dB ± SE", "PSNR dB ± SE", "SSIM", "FLIP", "cover", "samples", "bytes", "ms"

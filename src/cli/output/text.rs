@@ -27,14 +27,14 @@ pub(crate) fn print_json(document: &impl Serialize) -> Result<(), CommandError> 
 }
 
 /// Prints one line on stderr. Failing to do so must not end the work.
-pub(crate) fn tell(line: &str) {
+pub(crate) fn print_error(line: &str) {
     let _ = writeln!(std::io::stderr(), "overlook: {line}");
 }
 
 /// Prints warnings on stderr, one line each.
 pub(crate) fn warn(warnings: &[String]) {
     for warning in warnings {
-        tell(&format!("warning: {warning}"));
+        print_error(&format!("warning: {warning}"));
     }
 }
 

@@ -31,12 +31,10 @@ pub(crate) struct StageSpeed {
     pub(crate) threads: usize,
     /// Samples (or pixels, before pruning) that were worked on.
     pub(crate) samples: u64,
-    /// Median of the repeats, milliseconds.
     pub(crate) median_ms: f64,
     /// Interquartile range of the repeats, milliseconds.
     pub(crate) spread_ms: f64,
     pub(crate) repeats: usize,
-    /// Samples a second at the median, millions.
     pub(crate) mpts_per_s: f64,
     /// The limit that it is compared with.
     pub(crate) limit: LimitKind,

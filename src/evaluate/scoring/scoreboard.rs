@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use super::evaluation::{Evaluation, MeanScore, ViewScore};
-use super::painted_view::{PaintedView, painted, render_view};
+use super::view::{Evaluation, MeanScore, PaintedView, ViewScore, painted, render_view};
 use crate::capture::{Camera, TruthView};
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::{FlickerMeter, Scores};
@@ -132,7 +131,7 @@ pub(crate) fn evaluate_with(
         scores.add(views[index], render_view(renderer, samples, views[index], settings, job)?);
         job.advance(1);
     }
-    Ok(scores.finish().given_back(&order))
+    Ok(scores.finish().in_order_of_views(&order))
 }
 
 #[cfg(test)]

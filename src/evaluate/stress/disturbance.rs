@@ -175,7 +175,7 @@ impl Disturbance {
             Self::FewerCameras => {
                 let left = capture.cameras.len() - dial as usize;
                 let few = capture.with_cameras(|index, _| index < left);
-                Recorded { places: capture.clone(), ..Recorded::undisturbed(&few) }
+                Recorded { all_cameras: capture.clone(), ..Recorded::undisturbed(&few) }
             }
             Self::NarrowFrusta => edited(capture, move |frame, _| narrow(frame, 0.01 * dial)),
             Self::ThinStructures => inserted(capture, Inserted::bars(capture, dial)?),

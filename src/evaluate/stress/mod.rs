@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use super::scoring::nothing_to_compare;
 use super::sweep::{self, Point, Series};
-use super::trial::{MeanEstimate, Pace, Trial, TrialResult, Workbench};
+use super::trial::{MeanEstimate, TimeLeft, Trial, TrialResult, Workbench};
 use super::truth::{self, Recorded, Truth};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
@@ -153,7 +153,8 @@ pub fn run(
     let mut total = steps.len() * plan.methods.len();
     let open_at = |step| plan.methods.iter().filter(|method| plan.known(step, method).is_none()).count();
     let mut open: usize = steps.iter().map(|step| open_at(*step)).sum();
-    let (mut pace, mut points, mut passed_over) = (Pace::start(), Vec::with_capacity(total), Vec::new());
+    let (mut time_left, mut points, mut passed_over) =
+        (TimeLeft::start(), Vec::with_capacity(total), Vec::new());
     for step in steps {
         let mut disturbed = None;
         for method in &plan.methods {
@@ -161,12 +162,12 @@ pub fn run(
                 points.push(known.clone().with_loss(&points));
                 continue;
             }
-            pace.next(job, (points.len() + 1, total), open - pace.measured());
+            time_left.next(job, (points.len() + 1, total), open - time_left.measured());
             if disturbed.is_none() {
                 disturbed = Disturbed::new(capture, plan, truth, step, job)?;
             }
             let Some(disturbed) = &mut disturbed else {
-                // The pace counts one point as begun.
+                // `time_left` counts one point as begun.
                 (total, open) = (total - open_at(step), open + 1 - open_at(step));
                 passed_over.push(step);
                 break;
@@ -181,7 +182,7 @@ pub fn run(
         return Err(nothing_to_compare(&capture.name));
     }
     for step in passed_over {
-        job.warn(leaves_nothing(step));
+        job.warn(no_points_warning(step));
     }
     for methods in points.chunk_by_mut(|a, b| a.disturbance == b.disturbance && a.dial == b.dial) {
         sweep::mark_pareto_of_stores(methods.iter_mut().map(|method| &mut method.point));
@@ -219,7 +220,7 @@ fn steps(capture: &Capture, plan: &StressPlan, truth: &Truth, job: &Job) -> Resu
 type StressStep = (Disturbance, f64);
 
 /// The warning that a step has no points.
-fn leaves_nothing((disturbance, dial): StressStep) -> String {
+fn no_points_warning((disturbance, dial): StressStep) -> String {
     format!(
         "'{}' at {dial} {} is left out: no camera sees anything of the true pictures then",
         disturbance.name(),
@@ -277,7 +278,7 @@ impl Disturbed {
             recorded = Recorded {
                 capture: truth::only(&recorded.capture, &frames),
                 clean: truth::only(&recorded.clean, &frames),
-                places: truth::only(&recorded.places, &frames),
+                all_cameras: truth::only(&recorded.all_cameras, &frames),
                 edit_truth: recorded.edit_truth,
             };
         }

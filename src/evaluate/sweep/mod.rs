@@ -8,7 +8,7 @@ mod point;
 pub use plan::{Planned, SweepPlan, paper, variations};
 pub use point::{Point, Series, mark_pareto, mark_pareto_of_stores};
 
-use super::trial::{Pace, Workbench};
+use super::trial::{TimeLeft, Workbench};
 use super::truth::{Recorded, Truth};
 use crate::capture::Capture;
 use crate::error::Result;
@@ -32,13 +32,13 @@ pub fn run(
         let mut workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.reference, job)?;
         let to_measure = plan.trials.iter().zip(&points).filter(|(_, point)| point.is_none());
         workbench.open(to_measure.map(|(planned, _)| &planned.trial))?;
-        let (known, mut pace) = (plan.trials.len() - open, Pace::start());
+        let (known, mut time_left) = (plan.trials.len() - open, TimeLeft::start());
         for (planned, slot) in plan.trials.iter().zip(&mut points) {
             if slot.is_some() || !workbench.can_measure(&planned.trial) {
                 continue;
             }
-            let number = known + pace.measured() + 1;
-            pace.next(job, (number, plan.trials.len()), open - pace.measured());
+            let number = known + time_left.measured() + 1;
+            time_left.next(job, (number, plan.trials.len()), open - time_left.measured());
             let point = Point::new(&planned.trial, planned.series, &workbench.measure(&planned.trial, job)?);
             on_point(&point, number);
             *slot = Some(point);

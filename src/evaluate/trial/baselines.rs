@@ -25,7 +25,8 @@ pub(super) fn voxel_grid(set: &SampleSet, count: u64) -> SampleSet {
     if set.sample_count() <= count {
         return set.clone();
     }
-    let points: Vec<Vec<SamplePosition>> = set.images.par_iter().map(|image| places(set, image)).collect();
+    let points: Vec<Vec<SamplePosition>> =
+        set.images.par_iter().map(|image| sample_positions(set, image)).collect();
     let (points, reach) = about_their_middle(points);
     let (mut small, mut large) = (1e-5 * reach, reach);
     let mut chosen = first_of_cubes(set, &points, small);
@@ -64,8 +65,8 @@ const OUTLYING: f64 = 0.05;
 /// distance from it along any axis.
 fn about_their_middle(mut points: Vec<Vec<SamplePosition>>) -> (Vec<Vec<SamplePosition>>, f64) {
     let finite = |points: &[Vec<SamplePosition>], value: &dyn Fn(DVec3) -> f64| -> Vec<f64> {
-        let places = points.iter().flatten().filter(|place| !place.at_infinity);
-        places.map(|place| value(place.point)).collect()
+        let positions = points.iter().flatten().filter(|position| !position.at_infinity);
+        positions.map(|position| value(position.point)).collect()
     };
     let at_share = |mut values: Vec<f64>, share: f64| {
         let nth = ((values.len() as f64 * share) as usize).min(values.len().checked_sub(1)?);
@@ -73,8 +74,8 @@ fn about_their_middle(mut points: Vec<Vec<SamplePosition>>) -> (Vec<Vec<SamplePo
     };
     let median = |axis: usize| at_share(finite(&points, &|point| point[axis]), 0.5).unwrap_or_default();
     let middle = DVec3::from_array([0, 1, 2].map(median));
-    for place in points.iter_mut().flatten().filter(|place| !place.at_infinity) {
-        place.point -= middle;
+    for position in points.iter_mut().flatten().filter(|position| !position.at_infinity) {
+        position.point -= middle;
     }
     let reach = at_share(finite(&points, &|point| point.abs().max_element()), 1.0 - OUTLYING);
     // Sky alone lies on a sphere of radius 1; if all samples are at one position, any cube does.
@@ -117,7 +118,7 @@ struct SamplePosition {
 }
 
 /// Where every sample of an image lies, in storage order.
-fn places(set: &SampleSet, image: &SampleImage) -> Vec<SamplePosition> {
+fn sample_positions(set: &SampleSet, image: &SampleImage) -> Vec<SamplePosition> {
     let camera = &set.cameras[image.camera as usize];
     let depths = image.inverse_depths();
     // Directions are cut as finely as surfaces at the middle depth are.
@@ -128,7 +129,7 @@ fn places(set: &SampleSet, image: &SampleImage) -> Vec<SamplePosition> {
     } else {
         1.0 / f64::from(*finite.select_nth_unstable_by(middle, f32::total_cmp).1)
     };
-    let place = |x: usize, y: usize, inverse_depth: f32| {
+    let position = |x: usize, y: usize, inverse_depth: f32| {
         let ray = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
         if inverse_depth == 0.0 {
             let direction = camera.world_from_camera.transform_vector3(ray).normalize_or_zero();
@@ -137,7 +138,7 @@ fn places(set: &SampleSet, image: &SampleImage) -> Vec<SamplePosition> {
         let point = camera.world_from_camera.transform_point3(ray / f64::from(inverse_depth));
         SamplePosition { point, at_infinity: false }
     };
-    image.samples().map(|sample| place(sample.x, sample.y, depths[sample.index])).collect()
+    image.samples().map(|sample| position(sample.x, sample.y, depths[sample.index])).collect()
 }
 
 /// Image and sample index of the sample that each cube keeps, separately for each span.
@@ -152,10 +153,10 @@ fn first_of_cubes(set: &SampleSet, points: &[Vec<SamplePosition>], size: f64) ->
     let in_group = |(_, group): &(Span, Vec<usize>)| {
         let mut cubes: HashMap<(bool, [i64; 3]), (f64, u32, u32)> = HashMap::new();
         for &image in group {
-            for (sample, place) in points[image].iter().enumerate() {
-                let cube = (place.point / size).floor();
-                let from_middle = (place.point / size - cube - 0.5).length_squared();
-                let key = (place.at_infinity, cube.to_array().map(|side| side as i64));
+            for (sample, position) in points[image].iter().enumerate() {
+                let cube = (position.point / size).floor();
+                let from_middle = (position.point / size - cube - 0.5).length_squared();
+                let key = (position.at_infinity, cube.to_array().map(|side| side as i64));
                 let candidate = (from_middle, image as u32, sample as u32);
                 let first = cubes.entry(key).or_insert(candidate);
                 if candidate < *first {

@@ -4,13 +4,13 @@ use std::time::Instant;
 
 use crate::job::Job;
 
-/// The pace at which points are measured.
-pub(crate) struct Pace {
+/// The mean time of the points measured so far.
+pub(crate) struct TimeLeft {
     started: Instant,
     measured: usize,
 }
 
-impl Pace {
+impl TimeLeft {
     /// Nothing is measured yet.
     pub(crate) fn start() -> Self {
         Self { started: Instant::now(), measured: 0 }

@@ -7,7 +7,7 @@ mod standard_error;
 mod trial;
 
 pub use compare::{MethodComparison, MethodScore, compare};
-pub(crate) use eta::Pace;
+pub(crate) use eta::TimeLeft;
 pub use standard_error::MeanEstimate;
 pub use trial::{Thinning, Trial, TrialResult, Workbench};
 pub(crate) use trial::{kernel_cost, stored};

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use super::hold_out;
 use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, TruthView};
 use crate::error::{Error, Result};
-use crate::evaluate::scoring::{no_known_pixel, nothing_to_compare, vantage_order, with_truth};
+use crate::evaluate::scoring::{nothing_to_compare, unknown_truth_warning, vantage_order, with_truth};
 use crate::job::Job;
 
 /// Where the truth comes from.
@@ -49,7 +49,7 @@ pub struct Recorded {
     /// What the cameras would have recorded without the disturbance: where surfaces truly are.
     pub clean: Capture,
     /// All cameras, also those that a disturbance removes: each is left out in turn.
-    pub places: Capture,
+    pub all_cameras: Capture,
     /// Changes the truth where the disturbance changes the scene itself.
     pub edit_truth: Option<TruthEdit>,
 }
@@ -61,7 +61,12 @@ impl Recorded {
     /// A capture as it is.
     #[must_use]
     pub fn undisturbed(capture: &Capture) -> Self {
-        Self { capture: capture.clone(), clean: capture.clone(), places: capture.clone(), edit_truth: None }
+        Self {
+            capture: capture.clone(),
+            clean: capture.clone(),
+            all_cameras: capture.clone(),
+            edit_truth: None,
+        }
     }
 }
 
@@ -92,9 +97,9 @@ impl Truth {
         let folds = match self {
             Self::Views(views) => vec![(None, with_truth(views, job).into_iter().cloned().collect())],
             Self::HoldOut => {
-                let names = recorded.places.cameras.iter().map(|camera| camera.name.clone());
+                let names = recorded.all_cameras.cameras.iter().map(|camera| camera.name.clone());
                 let split = |name: String| {
-                    let (_, views) = hold_out::split(&recorded.places, std::slice::from_ref(&name))?;
+                    let (_, views) = hold_out::split(&recorded.all_cameras, std::slice::from_ref(&name))?;
                     Ok((Some(name), views))
                 };
                 names.map(split).collect::<Result<Vec<_>>>()?
@@ -119,7 +124,7 @@ impl Truth {
                 })
                 .collect::<Result<_>>()?;
             let (known, unseen): (Vec<_>, Vec<_>) = masked.into_iter().partition(|(_, has_truth)| *has_truth);
-            dropped.extend(unseen.iter().map(|(view, _)| no_known_pixel(view)));
+            dropped.extend(unseen.iter().map(|(view, _)| unknown_truth_warning(view)));
             let views: Vec<TruthView> = known.into_iter().map(|(view, _)| view).collect();
             Ok(Fold { held_out, capture: fold.capture, views: ordered(&views) })
         };
@@ -150,10 +155,10 @@ fn masked(recorded: &Recorded, view: TruthView) -> Result<(TruthView, bool)> {
         edit(&view.camera, view.frame_number, &mut truth);
     }
     if has_depth {
-        let sights = (0..recorded.capture.cameras.len())
+        let camera_views = (0..recorded.capture.cameras.len())
             .map(|camera| CameraView::new(recorded, camera, frame))
             .collect::<Result<Vec<_>>>()?;
-        mask_unseen(&mut truth, &view.camera, &sights);
+        mask_unseen(&mut truth, &view.camera, &camera_views);
     }
     let has_truth = truth.inverse_depth.as_slice().iter().any(|inverse_depth| *inverse_depth >= 0.0);
     let truth = Arc::new(truth);
@@ -161,14 +166,14 @@ fn masked(recorded: &Recorded, view: TruthView) -> Result<(TruthView, bool)> {
 }
 
 /// Takes what nothing saw out of what `camera` truly sees.
-fn mask_unseen(truth: &mut Frame, camera: &Camera, sights: &[CameraView]) {
+fn mask_unseen(truth: &mut Frame, camera: &Camera, camera_views: &[CameraView]) {
     let width = truth.size().0;
     let unseen: Vec<usize> = (0..truth.inverse_depth.len())
         .into_par_iter()
         .filter(|&pixel| {
             let inverse_depth = truth.inverse_depth.as_slice()[pixel];
             let center = DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
-            !sights.iter().any(|sight| sight.sees(camera, center, inverse_depth))
+            !camera_views.iter().any(|camera_view| camera_view.sees(camera, center, inverse_depth))
         })
         .collect();
     for pixel in unseen {

@@ -5,7 +5,7 @@ use super::whole::WholeStores;
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::evaluate::sweep::{Point, Series, variations};
-use crate::evaluate::trial::{Pace, Trial, Workbench};
+use crate::evaluate::trial::{TimeLeft, Trial, Workbench};
 use crate::evaluate::truth::{Recorded, Truth};
 use crate::job::Job;
 use crate::settings::{Kernel, PruningMethod, Settings};
@@ -21,7 +21,7 @@ pub(super) struct Search<'a> {
     stores: WholeStores<'a>,
     points: Vec<Point>,
     on_point: OnPoint<'a>,
-    pace: Pace,
+    time_left: TimeLeft,
     /// Expected number of points.
     expected: usize,
     /// Whether the settings that the search starts from exceed the budget.
@@ -30,7 +30,7 @@ pub(super) struct Search<'a> {
 
 /// A setting whose store is expected to exceed this multiple of the budget is not stored to find out. The expectation is rough:
 /// growth from the frames used to the whole capture depends on the setting.
-const HOPELESS: f64 = 1.5;
+const BYTES_MARGIN: f64 = 1.5;
 
 /// One setting that differs from the start, and what it gave.
 struct TriedChange {
@@ -55,9 +55,9 @@ impl<'a> Search<'a> {
     ) -> Result<Self> {
         let workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.settings, job)?;
         let stores = WholeStores::of(plan.whole.as_ref().unwrap_or(capture));
-        let (points, pace) = (Vec::new(), Pace::start());
+        let (points, time_left) = (Vec::new(), TimeLeft::start());
         let (expected, starts_beyond) = (0, false);
-        Ok(Self { plan, job, truth, workbench, stores, points, on_point, pace, expected, starts_beyond })
+        Ok(Self { plan, job, truth, workbench, stores, points, on_point, time_left, expected, starts_beyond })
     }
 
     /// Measures a trial, unless it is known.
@@ -71,7 +71,7 @@ impl<'a> Search<'a> {
         } else {
             let done = self.points.len();
             let expected = self.expected.max(done + 1);
-            self.pace.next(self.job, (done + 1, expected), expected - done);
+            self.time_left.next(self.job, (done + 1, expected), expected - done);
             let point = Point::new(trial, Series::Variation, &self.workbench.measure(trial, self.job)?);
             (self.on_point)(&point);
             point
@@ -130,10 +130,10 @@ impl<'a> Search<'a> {
         changes.sort_by_key(|change| simplicity(&change.point));
         let mut current = self.points[0].clone();
         let mut labels: Vec<&str> = Vec::new();
-        let mut settled: Vec<&str> = Vec::new();
+        let mut decided: Vec<&str> = Vec::new();
         for change in &changes {
             let saves = simplicity(&change.point) < simplicity(&self.points[0]);
-            if settled.contains(&change.path()) || !saves || !self.may_lead_on(&change.point) {
+            if decided.contains(&change.path()) || !saves || !self.may_lead_on(&change.point) {
                 continue;
             }
             labels.push(&change.assignment);
@@ -146,7 +146,7 @@ impl<'a> Search<'a> {
             };
             if self.may_lead_on(&combined) && simplicity(&combined) < simplicity(&current) {
                 current = combined;
-                settled.push(change.path());
+                decided.push(change.path());
             } else {
                 labels.pop();
             }
@@ -169,7 +169,7 @@ impl<'a> Search<'a> {
             Some(TuneBudget::Bytes(bytes)) => {
                 // The frames used are part of the whole.
                 point.bytes_of_samples() <= bytes
-                    && self.expected_bytes(point)? <= HOPELESS * bytes as f64
+                    && self.expected_bytes(point)? <= BYTES_MARGIN * bytes as f64
                     && self.bytes_whole(&point.settings)? <= bytes
             }
         })

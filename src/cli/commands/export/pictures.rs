@@ -31,17 +31,17 @@ pub(crate) struct FilmArgs {
 
 impl FilmArgs {
     /// Refuses a file that the film is made from, and any other store.
-    pub(crate) fn apart_from(&self, out: &Path) -> Result<()> {
-        output::apart_from(&self.store, out)?;
-        output::apart_from_stores(out)?;
-        self.settings.apart_from(out)?;
-        output::apart_from_views(&self.path, out)
+    pub(crate) fn refuse_inputs(&self, out: &Path) -> Result<()> {
+        output::refuse_input(&self.store, out)?;
+        output::refuse_store(out)?;
+        self.settings.refuse_inputs(out)?;
+        output::refuse_view_files(&self.path, out)
     }
 
     /// The open store, the stops of the path, and the settings to paint with.
     pub(crate) fn plan(&self) -> Result<(Arc<Playback>, Stops, RenderSettings), CommandError> {
         self.settings.only("render")?;
-        output::can_be_read_again(&self.path)?;
+        output::refuse_pipe(&self.path)?;
         let playback = input::open_store(&self.store)?;
         let info = playback.store().info();
         let mut settings: Settings = self.settings.over(info.settings.clone())?;
@@ -76,11 +76,11 @@ pub(crate) struct PicturesArgs {
 
 impl PicturesArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        output::folder(&self.out)?;
+        output::check_folder(&self.out)?;
         let (playback, stops, settings) = self.film.plan()?;
         let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));
         let paths = stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;
-        output::apart_from_pictures_of(&self.film.path, &self.out, &paths)?;
+        output::refuse_true_pictures(&self.film.path, &self.out, &paths)?;
         let notice = output::watched(|job| {
             paint(&playback, &stops, &settings, job, |nth, picture| paths[nth].write(picture))
         })?;

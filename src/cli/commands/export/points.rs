@@ -28,12 +28,12 @@ pub(crate) struct PointsArgs {
 
 impl PointsArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        output::apart_from(&self.store, &self.out)?;
+        output::refuse_input(&self.store, &self.out)?;
         if self.frame.is_some() || self.still {
-            output::file(&self.out, "points.ply")?;
-            output::apart_from_stores(&self.out)?;
+            output::check_file(&self.out, "points.ply")?;
+            output::refuse_store(&self.out)?;
         } else {
-            output::folder(&self.out)?;
+            output::check_folder(&self.out)?;
         }
         let playback = input::open_store(&self.store)?;
         let (files, points) = output::watched(|job| self.write(&playback, job))?;

@@ -24,8 +24,8 @@ pub(crate) struct StoreArgs {
 impl StoreArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         self.settings.only("store")?;
-        output::file(&self.out, "scene.ovl")?;
-        self.settings.apart_from(&self.out)?;
+        output::check_file(&self.out, "scene.ovl")?;
+        self.settings.refuse_inputs(&self.out)?;
         let opened = Store::open(&self.store)?;
         let settings = self.settings.over(opened.info().settings.clone())?;
         let bytes =

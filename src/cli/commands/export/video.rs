@@ -32,9 +32,9 @@ fn frames_per_second(text: &str) -> Result<f64, String> {
 
 impl VideoArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        output::file(&self.out, "film.mp4")?;
+        output::check_file(&self.out, "film.mp4")?;
         let (playback, stops, settings) = self.film.plan()?;
-        self.film.apart_from(&self.out)?;
+        self.film.refuse_inputs(&self.out)?;
         let (width, height) = stops.vantages[0].camera.intrinsics.size();
         let mut encoder = FilmEncoder::start(&self.out, [width, height], self.fps)?;
         let notice = output::watched(|job| {

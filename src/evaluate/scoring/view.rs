@@ -1,20 +1,91 @@
-//! One view, painted and compared with its truth.
+//! Views, rendered and compared with their truth, and their scores.
 
 use std::sync::Arc;
 
-use super::evaluation::ViewScore;
+use serde::Serialize;
+
 use crate::capture::TruthView;
 use crate::error::{Error, Result};
-use crate::evaluate::metrics::Pair;
+use crate::evaluate::metrics::{Pair, Scores};
 use crate::job::Job;
 use crate::render::{Painter, Picture, RenderStats, Renderer, Vantage};
 use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
 
-/// A painted view.
+/// What one view cost and, where its truth is known, how close to it the picture came.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ViewScore {
+    /// The view's own name.
+    pub file_path: String,
+    /// Closeness to the truth; `None` where no pixel of it is known.
+    #[serde(flatten)]
+    pub scores: Option<Scores>,
+    /// Wall-clock milliseconds of painting.
+    pub milliseconds: f64,
+    /// Samples that were projected.
+    pub samples: u64,
+    /// What painted.
+    #[serde(flatten)]
+    pub painter: Painter,
+}
+
+/// Means over views.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct MeanScore {
+    /// See [`Scores::psnr_db`]; `None` where no view has truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub psnr_db: Option<f64>,
+    /// See [`Scores::psnr_all_db`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub psnr_all_db: Option<f64>,
+    /// See [`Scores::ssim`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ssim: Option<f64>,
+    /// See [`Scores::ms_ssim`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ms_ssim: Option<f64>,
+    /// See [`Scores::flip`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flip: Option<f64>,
+    /// See [`Scores::silhouette_steps`]; over the views that have silhouettes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub silhouette_steps: Option<f64>,
+    /// Root mean square change of error from frame to frame, 8-bit steps; `None` where no vantage is seen at two frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flicker_steps: Option<f64>,
+    /// See [`Scores::coverage`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<f64>,
+    /// See [`ViewScore::milliseconds`].
+    pub milliseconds: f64,
+    /// See [`ViewScore::samples`].
+    pub samples: f64,
+}
+
+/// Scores of several views.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// One by one, in the order of the views.
+    pub views: Vec<ViewScore>,
+    /// On average.
+    pub mean: MeanScore,
+    /// A notice if another renderer than requested was used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub notice: Option<String>,
+}
+
+impl Evaluation {
+    /// The same with the views in their given order, where `order` is that in which they were rendered.
+    pub(crate) fn in_order_of_views(self, order: &[usize]) -> Self {
+        let mut views: Vec<(usize, ViewScore)> = order.iter().copied().zip(self.views).collect();
+        views.sort_unstable_by_key(|(index, _)| *index);
+        Self { views: views.into_iter().map(|(_, score)| score).collect(), ..self }
+    }
+}
+
+/// A rendered view.
 #[derive(Debug)]
 pub(crate) struct PaintedView {
-    /// What was painted.
     pub(crate) picture: Arc<Picture>,
     /// What it cost, and how close to the truth it came.
     pub(crate) score: ViewScore,
@@ -42,7 +113,7 @@ pub(crate) fn frame_of(view: &TruthView, name: &str, frame_numbers: &[i64]) -> R
 }
 
 /// The warning that a view is not scored.
-pub(crate) fn no_known_pixel(view: &TruthView) -> String {
+pub(crate) fn unknown_truth_warning(view: &TruthView) -> String {
     format!(
         "view '{}' is left out of the scores: no pixel of its true picture is known, or was seen by a camera",
         view.file_path
@@ -68,7 +139,7 @@ pub(crate) fn render_view(
         })?),
     };
     if pair.as_ref().is_some_and(|pair| !pair.has_truth()) {
-        job.warn(no_known_pixel(view));
+        job.warn(unknown_truth_warning(view));
     }
     let score = ViewScore {
         file_path: view.file_path.clone(),
