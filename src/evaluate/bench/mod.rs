@@ -11,15 +11,13 @@
 
 mod case;
 mod limits;
-mod machine;
 mod measure;
 mod preprocess_stages;
 mod render_stages;
 mod report;
 mod scene;
 
-pub(crate) use machine::Machine;
-pub(crate) use report::{Limit, LimitKind, SpeedReport, StageSpeed};
+pub(crate) use report::{Limit, LimitKind, Machine, SpeedReport, StageSpeed};
 
 use rayon::ThreadPool;
 

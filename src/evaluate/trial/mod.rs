@@ -9,5 +9,5 @@ mod trial;
 pub use compare::{MethodComparison, MethodScore, compare};
 pub(crate) use eta::TimeLeft;
 pub use standard_error::MeanEstimate;
+pub(crate) use trial::kernel_cost;
 pub use trial::{Thinning, Trial, TrialResult, Workbench};
-pub(crate) use trial::{kernel_cost, stored};

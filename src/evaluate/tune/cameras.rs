@@ -8,13 +8,12 @@ use super::plan::CameraCost;
 use super::search::Search;
 use crate::capture::Capture;
 use crate::error::Result;
-use crate::evaluate::metrics::{MAX_PSNR_DB, Scores};
-use crate::evaluate::scoring::evaluate;
+use crate::evaluate::metrics::MAX_PSNR_DB;
 use crate::evaluate::sweep::Point;
-use crate::evaluate::trial::{MeanEstimate, Trial, stored};
-use crate::evaluate::truth::{self, Truth};
+use crate::evaluate::trial::{MeanEstimate, Trial, Workbench};
+use crate::evaluate::truth::{self, Fold, Truth};
 use crate::preprocess;
-use crate::settings::{Fill, RenderSettings, Settings};
+use crate::settings::Settings;
 
 /// Names of the cameras to keep, and the cost of each that was left out on trial.
 pub(super) fn drop_needless(
@@ -79,14 +78,10 @@ fn at_its_own_place(
 ) -> Result<f64> {
     let (_, views) = truth::split(capture, &[name.to_owned()])?;
     let rest = capture.with_cameras(|_, camera| without.contains(&camera.name));
-    let pruned = preprocess::preprocess(&rest, settings, search.job)?;
-    let samples = stored(&pruned.samples, &pruned.report, search.job)?.samples;
-    let filling = RenderSettings { fill: Fill::PushPull, ..settings.render.clone() };
-    let evaluation = evaluate(&samples, &views, &filling, search.job)?;
-    let scores: Vec<Scores> = evaluation.views.iter().filter_map(|view| view.scores).collect();
-    if scores.is_empty() {
-        // It recorded nothing: dropping it costs nothing.
-        return Ok(MAX_PSNR_DB);
-    }
-    Ok(MeanEstimate::of(&scores.iter().map(|scores| scores.psnr_all_db).collect::<Vec<_>>()).mean)
+    let fold = Fold { held_out: Some(name.to_owned()), capture: rest, views };
+    let trial = Trial::new(format!("without {name}"), settings.clone());
+    let result = Workbench::on(vec![fold], settings).measure(&trial, search.job)?;
+    let accuracy: Vec<f64> = result.vantages.iter().flatten().map(|(_, scores)| scores.psnr_all_db).collect();
+    // It recorded nothing: dropping it costs nothing.
+    Ok(if accuracy.is_empty() { MAX_PSNR_DB } else { MeanEstimate::of(&accuracy).mean })
 }

@@ -1,12 +1,14 @@
-//! Settings on the command line.
+//! Options that several commands share.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use crate::cli::output::{self, CommandError};
 use crate::error::Error;
-use crate::settings::Settings;
+use crate::settings::{Backend, Fill, Kernel, RenderSettings, Settings};
 
 /// Settings: the defaults, then a file, then single values.
 #[derive(Debug, Args)]
@@ -52,6 +54,55 @@ impl SettingsArgs {
             }
         }
         Ok(())
+    }
+}
+
+/// The choices that are made most often when painting; they win over the settings.
+#[derive(Debug, Args)]
+pub(crate) struct PaintingArgs {
+    /// How a sample is painted [default: as the settings say].
+    #[arg(long, value_parser = choice::<Kernel>(Kernel::NAMES))]
+    kernel: Option<Kernel>,
+    /// How pixels without any sample are filled [default: as the settings say].
+    #[arg(long, value_parser = choice::<Fill>(Fill::NAMES))]
+    fill: Option<Fill>,
+    /// What paints [default: as the settings say].
+    #[arg(long, value_parser = choice::<Backend>(Backend::NAMES))]
+    backend: Option<Backend>,
+}
+
+impl PaintingArgs {
+    pub(crate) fn apply(&self, settings: &mut RenderSettings) {
+        settings.kernel = self.kernel.unwrap_or(settings.kernel);
+        settings.fill = self.fill.unwrap_or(settings.fill);
+        settings.backend = self.backend.unwrap_or(settings.backend);
+    }
+}
+
+/// A parser that takes the names of a setting's choices and lists them in the help.
+pub(crate) fn choice<T>(names: &'static [(&'static str, &'static str)]) -> impl TypedValueParser<Value = T>
+where
+    T: std::str::FromStr<Err = String> + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(names.iter().map(|(name, help)| PossibleValue::new(*name).help(help.trim())))
+        .try_map(|name| name.parse::<T>())
+}
+
+/// Which cameras are left out.
+#[derive(Debug, Args)]
+pub(crate) struct HoldOutArgs {
+    /// Leave this camera out, so that pictures can be scored against its frames; may be given several times.
+    #[arg(long, value_name = "CAMERA")]
+    hold_out: Vec<String>,
+}
+
+impl HoldOutArgs {
+    /// Their names in the order given, each once.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let mut names = self.hold_out.clone();
+        let mut seen = HashSet::new();
+        names.retain(|name| seen.insert(name.clone()));
+        names
     }
 }
 
