@@ -72,12 +72,7 @@ impl StressArgs {
 
 /// Per disturbance: where each method loses 1 dB, and the smallest lead of ours over each other method.
 fn table(points: &[StressPoint], failures: &[BreakingPoint]) -> String {
-    let mut methods: Vec<&str> = Vec::new();
-    for failure in failures {
-        if !methods.contains(&failure.method.as_str()) {
-            methods.push(&failure.method);
-        }
-    }
+    let methods = stress::distinct(failures.iter().map(|failure| failure.method.as_str()));
     let mut text = format!("{:<44}", "1 dB is lost at");
     for method in &methods {
         let _ = write!(text, " {method:>18}");
@@ -111,11 +106,8 @@ fn table(points: &[StressPoint], failures: &[BreakingPoint]) -> String {
 /// The smallest lead of one method over another along the dial of a disturbance, dB; negative if it is behind.
 fn least_lead_db(points: &[StressPoint], disturbance: &str, [ahead, behind]: [&str; 2]) -> f64 {
     let of = |method: &str| {
-        let of_it = points.iter().filter(move |point| point.disturbance == disturbance);
-        of_it
-            .filter(|point| point.method == method)
-            .map(|point| point.point.psnr_filled_db)
-            .collect::<Vec<_>>()
+        let of_it = points.iter().filter(|point| point.disturbance == disturbance && point.method == method);
+        of_it.map(|point| point.point.psnr_filled_db).collect::<Vec<f64>>()
     };
     of(ahead).iter().zip(of(behind)).map(|(ahead, behind)| ahead - behind).fold(f64::INFINITY, f64::min)
 }

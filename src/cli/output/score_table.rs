@@ -29,9 +29,9 @@ fn accuracy_columns(values: [Option<f64>; ACCURACY.len()]) -> String {
 
 fn of_view(scores: &Scores) -> [Option<f64>; ACCURACY.len()] {
     let s = scores;
-    let [psnr_db, all_db, ssim, ms_ssim, flip, coverage] =
+    let [psnr, all, ssim, ms_ssim, flip, cover] =
         [s.psnr_db, s.psnr_all_db, s.ssim, s.ms_ssim, s.flip, s.coverage].map(Some);
-    [psnr_db, all_db, ssim, ms_ssim, flip, s.silhouette_steps, coverage]
+    [psnr, all, ssim, ms_ssim, flip, s.silhouette_steps, cover]
 }
 
 fn of_mean(mean: &MeanScore) -> [Option<f64>; ACCURACY.len()] {

@@ -3,7 +3,7 @@
 use super::axis::{ChartAxis, Scale, short};
 use super::color;
 use super::svg::{Anchor, Chart, Marker, Svg};
-use crate::evaluate::stress::{LOST_DB, StressPoint, failures};
+use crate::evaluate::stress::{LOST_DB, StressPoint, distinct, failures};
 
 const COLUMNS: usize = 5;
 const PANEL: (f64, f64) = (370.0, 300.0);
@@ -35,16 +35,6 @@ pub(crate) fn stress(capture: &str, points: &[StressPoint]) -> Chart {
         panel(&mut svg, corner, &of_it, &methods);
     }
     svg.finish()
-}
-
-/// The values without repetitions, in the order in which they first come.
-fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
-    values.fold(Vec::new(), |mut distinct, value| {
-        if !distinct.contains(&value) {
-            distinct.push(value);
-        }
-        distinct
-    })
 }
 
 fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods: &[&str]) {

@@ -354,3 +354,13 @@ pub fn failures(points: &[StressPoint]) -> Vec<BreakingPoint> {
     };
     dials.into_iter().map(failure).collect()
 }
+
+/// The values without repetitions, in the order in which they first come.
+pub(crate) fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+    values.fold(Vec::new(), |mut distinct, value| {
+        if !distinct.contains(&value) {
+            distinct.push(value);
+        }
+        distinct
+    })
+}

@@ -14,12 +14,15 @@ pub(super) struct FrameKey {
     pub(super) frame: usize,
 }
 
+/// Changes a frame as it is loaded.
+type FrameEdit = Box<dyn Fn(&mut Frame, FrameKey) + Send + Sync>;
+
 /// A capture whose frames are changed as they are loaded.
 pub(super) struct EditedFrames {
     pub(super) capture: Capture,
     /// A camera that is behind the others, and by how many frames.
     pub(super) late: Option<(usize, usize)>,
-    pub(super) edit: Box<dyn Fn(&mut Frame, FrameKey) + Send + Sync>,
+    pub(super) edit: FrameEdit,
 }
 
 impl EditedFrames {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::trial::{FoldSamples, stored};
+use super::workbench::{FoldSamples, stored};
 use crate::capture::{Capture, TruthView};
 use crate::error::Result;
 use crate::evaluate::scoring::{Evaluation, evaluate_with, frame_of, with_truth};

@@ -4,10 +4,10 @@ mod baselines;
 mod compare;
 mod eta;
 mod standard_error;
-mod trial;
+mod workbench;
 
 pub use compare::{MethodComparison, MethodScore, compare};
 pub(crate) use eta::TimeLeft;
 pub use standard_error::MeanEstimate;
-pub(crate) use trial::kernel_cost;
-pub use trial::{Thinning, Trial, TrialResult, Workbench};
+pub(crate) use workbench::kernel_cost;
+pub use workbench::{Thinning, Trial, TrialResult, Workbench};

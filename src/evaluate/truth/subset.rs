@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::folds::Truth;
 use super::hold_out::evenly_spaced;
-use super::truth::Truth;
 use crate::capture::{Capture, CaptureParts, Frame, FrameSource, TruthView};
 use crate::error::{Error, Result};
 

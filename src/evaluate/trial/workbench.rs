@@ -78,31 +78,25 @@ impl Trial {
 
 type ModelKey = (Settings, Thinning, Option<Vec<String>>);
 
-/// What a trial gave.
+/// What a trial gave; means over folds, with the units of [`Point`](crate::evaluate::sweep::Point).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrialResult {
     /// Names and scores of the views of every vantage of every fold, frame by frame.
-    pub vantages: Vec<Vec<(String, Scores)>>,
-    /// Flicker, where a vantage is seen at two frames: mean over folds.
-    pub flicker_steps: Option<f64>,
-    /// Samples kept, mean over folds.
-    pub samples: u64,
-    /// Bytes of the store, mean over folds.
-    pub bytes: u64,
-    /// Bytes of the store's record of its settings.
-    pub bytes_record: u64,
-    /// Bytes of the samples in memory, mean over folds.
-    pub bytes_memory: u64,
-    /// Samples that live longer than one frame, mean over folds.
-    pub samples_shared: u64,
-    /// Different spans that hold a sample, mean over folds.
-    pub spans: u64,
-    /// Median wall-clock milliseconds of painting a view.
-    pub milliseconds: f64,
+    pub(crate) vantages: Vec<Vec<(String, Scores)>>,
+    /// `None` if no vantage is seen at two frames.
+    pub(crate) flicker_steps: Option<f64>,
+    pub(crate) samples: u64,
+    pub(crate) bytes: u64,
+    pub(crate) bytes_record: u64,
+    pub(crate) bytes_memory: u64,
+    pub(crate) samples_shared: u64,
+    pub(crate) spans: u64,
+    /// Median over all views.
+    pub(crate) milliseconds: f64,
     /// Mean number of samples that are projected for a view.
-    pub samples_painted: f64,
-    /// Wall-clock seconds of preprocessing, scanning included, mean over folds.
-    pub seconds_preprocess: f64,
+    pub(crate) samples_painted: f64,
+    /// With the scan.
+    pub(crate) seconds_preprocess: f64,
 }
 
 /// Samples of one fold under one trial.
