@@ -6,7 +6,7 @@
 //!                                                                                     └─▶ tune: the simplest that is good enough
 //! ```
 //!
-//! [`chart`] draws sweeps and stress tests. [`bench`] measures the speed of each stage, beside the machine's own limits.
+//! `chart` draws sweeps and stress tests. `bench` measures the speed of each stage, beside the machine's own limits.
 
 pub(crate) mod bench;
 pub(crate) mod chart;

@@ -1,7 +1,7 @@
 //! How close a picture is to the truth.
 //!
-//! One metric a file, each with its source: [`psnr`], [`ssim`], [`ms_ssim`], [`flip`], [`silhouette`] (error near steps in
-//! depth) and [`flicker`] (error that changes over time). All look at what a display shows: sRGB, clipped to 0 to 1.
+//! One metric a file, each with its source: PSNR, SSIM, MS-SSIM, FLIP, silhouette (error near steps in depth) and flicker
+//! (error that changes over time). All are of what a display shows: sRGB, clipped to 0 to 1.
 //!
 //! A pixel whose truth has no depth (not recorded, or masked because no camera saw it) is left out of everything: the picture is
 //! set to the truth there first.

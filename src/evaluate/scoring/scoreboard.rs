@@ -100,7 +100,8 @@ pub(crate) fn nothing_to_compare(name: &str) -> Error {
 /// Scores the views whose truth is known.
 ///
 /// # Errors
-/// As [`render_view`]; `Invalid` where no view has truth; `Gpu` where the settings ask for a GPU and there is none.
+/// `Invalid` if no view has truth, a frame is missing or a size differs; `Gpu` if the settings need a GPU and there is none;
+/// `Cancelled`; those of loading the truth.
 pub fn evaluate(
     samples: &Arc<SampleSet>,
     views: &[TruthView],
