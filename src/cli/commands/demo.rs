@@ -77,9 +77,7 @@ impl DemoArgs {
             written.scene, written.cameras, written.frames, written.truth_views, written.scene
         ))
     }
-}
 
-impl DemoArgs {
     /// Refuses a folder that holds another capture. Its own scene may be recorded again with other counts and sizes: none of them
     /// moves a camera.
     fn check_is_ours(&self, spec: &DemoSpec) -> Result<()> {

@@ -18,7 +18,7 @@ use crate::job::Job;
 use crate::preprocess::diagnostics::{CameraReport, PairResiduals, Report};
 use crate::preprocess::{Spooled, preprocess_spooled};
 use crate::settings::{CaptureSettings, Settings, SpanLevels};
-use crate::store::file::{Extras, Provenance};
+use crate::store::file::{self, Extras, Provenance};
 
 #[derive(Debug, Args)]
 pub(crate) struct PreprocessArgs {
@@ -81,8 +81,7 @@ impl PreprocessArgs {
             let frames_are_ranked = capture.frames_are_ranked();
             let provenance = Provenance { inputs, frames_are_ranked, ..Provenance::default() };
             let extras = Extras { provenance, ..Extras::default() };
-            let bytes =
-                crate::store::file::write_spooled(&self.out, &outline, &images, &report, &extras, job)?;
+            let bytes = file::write_spooled(&self.out, &outline, &images, &report, &extras, job)?;
             Ok::<_, Error>((report, bytes))
         })?;
         output::warn(&report.doubts());

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use crate::capture::Capture;
 use crate::cli::input::{self, PaintingArgs, SettingsArgs, TruthArgs};
 use crate::cli::output::{self, CommandError};
 use crate::evaluate::chart;
@@ -86,11 +87,7 @@ impl SweepArgs {
         Ok(named)
     }
 
-    fn plan(
-        &self,
-        settings: &Settings,
-        capture: &crate::capture::Capture,
-    ) -> Result<SweepPlan, CommandError> {
+    fn plan(&self, settings: &Settings, capture: &Capture) -> Result<SweepPlan, CommandError> {
         if !self.with.is_empty() {
             return Ok(SweepPlan::list(settings, self.named(settings)?, capture));
         }

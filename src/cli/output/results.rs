@@ -38,19 +38,14 @@ impl Journal {
         // A run that was killed while it wrote may have left half a line, and half a character.
         let text = String::from_utf8_lossy(&bytes);
         let head = serde_json::Value::from(fingerprint).to_string();
-        let mut known = text.lines();
-        let first = known.next();
-        let mut lines: Vec<String> = known.map(str::to_owned).collect();
+        let is_other = text.lines().next().is_some_and(|first| first != head);
+        let mut lines: Vec<String> = text.lines().skip(1).map(str::to_owned).collect();
         let mut before = None;
-        if first != Some(head.as_str()) && first.is_some() {
-            let aside = put_aside(&path, !lines.is_empty())?;
+        if is_other {
+            put_aside(&path, std::mem::take(&mut lines).is_empty())?;
             before = Some(std::mem::replace(&mut file, locked(&path)?));
-            if lines.is_empty() {
-                fs::remove_file(&aside).map_err(|error| Error::io(aside, error))?;
-            }
-            lines.clear();
         }
-        if first.is_none() || before.is_some() {
+        if text.is_empty() || is_other {
             write_line(&mut file, &head).map_err(io)?;
         } else if !text.ends_with('\n') {
             write_line(&mut file, "").map_err(io)?;
@@ -91,24 +86,26 @@ fn write_line(file: &mut File, line: &str) -> std::io::Result<()> {
     file.write_all(format!("{line}\n").as_bytes())
 }
 
-/// Renames a journal, so that a changed input does not destroy hours of measurements; with a warning if wanted.
-fn put_aside(path: &Path, warns: bool) -> Result<PathBuf> {
+/// Renames the journal of another input, so that hours of measurements are not lost, with a warning; removes an empty one.
+fn put_aside(path: &Path, is_empty: bool) -> Result<()> {
+    let io = |error| Error::io(path, error);
+    if is_empty {
+        return fs::remove_file(path).map_err(io);
+    }
     let mut aside = path.with_extension("journal.old");
     let mut number = 1;
     while aside.exists() {
         number += 1;
         aside = path.with_extension(format!("journal.old{number}"));
     }
-    fs::rename(path, &aside).map_err(|error| Error::io(path, error))?;
-    if warns {
-        text::warn(&[format!(
-            "{} was measured on another state of the capture, with another truth, with other threads or by another version; it is \
-             kept as {}, and everything is measured anew",
-            path.display(),
-            aside.display()
-        )]);
-    }
-    Ok(aside)
+    fs::rename(path, &aside).map_err(io)?;
+    text::warn(&[format!(
+        "{} was measured on another state of the capture, with another truth, with other threads or by another version; it is \
+         kept as {}, and everything is measured anew",
+        path.display(),
+        aside.display()
+    )]);
+    Ok(())
 }
 
 /// Runs `work` with a progress bar and adds each point to `journal`; stops if that fails.

@@ -22,7 +22,9 @@ use crate::preprocess::{inspect_frame, prepare_frame, scan};
 use crate::render::CpuRenderer;
 use crate::samples::{SampleSet, Span};
 use crate::settings::{Backend, NormalEstimator, RenderSettings, Settings};
-use crate::store;
+use crate::store::file::Store;
+use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
+use crate::store::{self, file};
 
 /// Bytes of a pixel's color (three half floats) and depth.
 const PIXEL_BYTES: u64 = 3 * 2 + DEPTH_BYTES;
@@ -192,23 +194,22 @@ fn pack_frame(bench: &Bench<'_>) -> Result<StageResult> {
 fn stored(set: &SampleSet, job: &Job) -> Result<(tempfile::TempDir, PathBuf)> {
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
     let path = folder.path().join("speed.ovl");
-    store::file::write(&path, set, &Report::default(), job)?;
+    file::write(&path, set, &Report::default(), job)?;
     Ok((folder, path))
 }
 
 fn write_store(bench: &Bench<'_>) -> Result<StageResult> {
     let (_folder, path) = stored(&bench.scene.pruned, bench.job)?;
     let report = Report::default();
-    let times = repeat(bench.budget, bench.job, || {
-        store::file::write(&path, &bench.scene.pruned, &report, bench.job)
-    })?;
+    let set = &bench.scene.pruned;
+    let times = repeat(bench.budget, bench.job, || file::write(&path, set, &report, bench.job))?;
     Ok(of_pruned_set(bench, times))
 }
 
 /// Decodes the foreground of a frame without a reference image: the slowest case of playback.
 fn decode_foreground(bench: &Bench<'_>) -> Result<StageResult> {
     let (_folder, path) = stored(&bench.scene.split, bench.job)?;
-    let store = store::file::Store::open(&path)?;
+    let store = Store::open(&path)?;
     let images = store.info().images.iter().enumerate();
     let is_first = |span: Span| span.start == 0 && span.len() == 1;
     let passing: Vec<usize> =
@@ -232,10 +233,7 @@ fn first_picture(bench: &Bench<'_>) -> Result<StageResult> {
     let size = bench.scene.capture.cameras[0].intrinsics;
     let [vantage, _] = bench.scene.vantages((size.width, size.height), 0);
     let times = repeat(bench.budget, bench.job, || {
-        let playback = store::playback::Playback::new(
-            store::file::Store::open(&path)?,
-            store::playback::DEFAULT_CACHE_BYTES,
-        );
+        let playback = Playback::new(Store::open(&path)?, DEFAULT_CACHE_BYTES);
         let samples = playback.seen_from(&vantage.camera, vantage.frame, bench.job)?;
         CpuRenderer::new().render(&samples, &vantage, &RenderSettings::default(), bench.job)
     })?;

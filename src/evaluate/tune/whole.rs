@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{Spooled, preprocess_spooled};
 use crate::settings::{RenderSettings, Settings};
-use crate::store::file::{Extras, InputFiles, Provenance};
+use crate::store::file::{self, Extras, InputFiles, Provenance};
 
 /// Stores of one capture, by their settings.
 pub(super) struct WholeStores<'a> {
@@ -46,12 +46,6 @@ fn most_bytes(capture: &Capture, settings: &Settings, job: &Job) -> Result<u64> 
     let inputs = InputFiles { files: u64::MAX, bytes: u64::MAX, crc32: u32::MAX };
     let provenance = Provenance { inputs: Some(inputs), ..Provenance::default() };
     let extras = Extras { provenance, ..Extras::default() };
-    crate::store::file::write_spooled(
-        &folder.path().join("whole.ovl"),
-        &outline,
-        &images,
-        &report,
-        &extras,
-        job,
-    )
+    let path = folder.path().join("whole.ovl");
+    file::write_spooled(&path, &outline, &images, &report, &extras, job)
 }
