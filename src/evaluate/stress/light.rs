@@ -69,24 +69,18 @@ impl Lighting {
             (None, Some(estimates)) => rotation * estimates[(x, y)].normal_in_camera,
             (None, None) => Vec3::ZERO,
         };
-        let colors: Vec<[f16; 3]> = (0..frame.color.len())
-            .into_par_iter()
-            .map(|pixel| {
-                let (x, y) = (pixel % width, pixel / width);
-                let color = frame.color[(x, y)];
-                if frame.inverse_depth[(x, y)] <= 0.0 {
-                    return color;
-                }
-                let normal = normal(x, y);
-                if normal == Vec3::ZERO {
-                    return color;
-                }
-                let ray = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
-                let toward_eye =
-                    -camera.world_from_camera.transform_vector3(ray).normalize_or_zero().as_vec3();
-                self.lit(color, normal, toward_eye, toward_light)
-            })
-            .collect();
-        frame.color.as_mut_slice().copy_from_slice(&colors);
+        frame.color.as_mut_slice().par_iter_mut().enumerate().for_each(|(pixel, color)| {
+            let (x, y) = (pixel % width, pixel / width);
+            if frame.inverse_depth[(x, y)] <= 0.0 {
+                return;
+            }
+            let normal = normal(x, y);
+            if normal == Vec3::ZERO {
+                return;
+            }
+            let ray = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+            let toward_eye = -camera.world_from_camera.transform_vector3(ray).normalize_or_zero().as_vec3();
+            *color = self.lit(*color, normal, toward_eye, toward_light);
+        });
     }
 }

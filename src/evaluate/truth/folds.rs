@@ -168,17 +168,12 @@ fn masked(recorded: &Recorded, view: TruthView) -> Result<(TruthView, bool)> {
 /// Takes what nothing saw out of what `camera` truly sees.
 fn mask_unseen(truth: &mut Frame, camera: &Camera, camera_views: &[CameraView]) {
     let width = truth.size().0;
-    let unseen: Vec<usize> = (0..truth.inverse_depth.len())
-        .into_par_iter()
-        .filter(|&pixel| {
-            let inverse_depth = truth.inverse_depth.as_slice()[pixel];
-            let center = DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
-            !camera_views.iter().any(|camera_view| camera_view.sees(camera, center, inverse_depth))
-        })
-        .collect();
-    for pixel in unseen {
-        truth.inverse_depth.as_mut_slice()[pixel] = INVALID_INVERSE_DEPTH;
-    }
+    truth.inverse_depth.as_mut_slice().par_iter_mut().enumerate().for_each(|(pixel, inverse_depth)| {
+        let center = DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
+        if !camera_views.iter().any(|view| view.sees(camera, center, *inverse_depth)) {
+            *inverse_depth = INVALID_INVERSE_DEPTH;
+        }
+    });
 }
 
 /// What one camera saw at one frame.
