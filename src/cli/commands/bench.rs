@@ -80,14 +80,9 @@ fn text(report: &SpeedReport) -> String {
 }
 
 fn machine_line(machine: &Machine) -> String {
-    format!(
-        "{} ({} {}), {} threads; stages use {} instructions",
-        machine.cpu.as_deref().unwrap_or("unknown processor"),
-        machine.os,
-        machine.arch,
-        machine.threads_available,
-        machine.instructions
-    )
+    let Machine { cpu, os, arch, threads_available, instructions, .. } = machine;
+    let cpu = cpu.as_deref().unwrap_or("unknown processor");
+    format!("{cpu} ({os} {arch}), {threads_available} threads; stages use {instructions} instructions")
 }
 
 fn stage_lines(text: &mut String, stage: &StageSpeed) {
@@ -96,23 +91,15 @@ fn stage_lines(text: &mut String, stage: &StageSpeed) {
         LimitKind::Read => "read",
         LimitKind::Copy => "copy",
     };
-    let coverage = stage.painting.as_ref().map(|painting| painting.coverage);
+    let StageSpeed { name, threads, median_ms, spread_ms, mpts_per_s, repeats, painting, .. } = stage;
+    let percent = 100.0 * stage.fraction_of_limit;
+    let coverage = output::number(painting.as_ref().map(|painting| painting.coverage), 4, 7);
     let _ = write!(
         text,
-        "\n{:<44} {:>7} {:>10.2} {:>8.2} {:>9.1} {:>10.2} % {:<7} {} {:>5}",
-        stage.name,
-        stage.threads,
-        stage.median_ms,
-        stage.spread_ms,
-        stage.mpts_per_s,
-        100.0 * stage.fraction_of_limit,
-        limit,
-        output::number(coverage, 4, 7),
-        stage.repeats
+        "\n{name:<44} {threads:>7} {median_ms:>10.2} {spread_ms:>8.2} {mpts_per_s:>9.1} {percent:>10.2} % {limit:<7} \
+         {coverage} {repeats:>5}"
     );
-    if let Some(painting) = &stage.painting
-        && let Some(speedup) = painting.speedup_over_full_repaint
-    {
+    if let Some(speedup) = painting.as_ref().and_then(|painting| painting.speedup_over_full_repaint) {
         let _ = write!(text, "   {speedup:.1} × faster than painting all anew");
     }
 }

@@ -106,8 +106,9 @@ fn table(points: &[StressPoint], failures: &[BreakingPoint]) -> String {
 /// The smallest lead of one method over another along the dial of a disturbance, dB; negative if it is behind.
 fn least_lead_db(points: &[StressPoint], disturbance: &str, [ahead, behind]: [&str; 2]) -> f64 {
     let of = |method: &str| {
-        let of_it = points.iter().filter(|point| point.disturbance == disturbance && point.method == method);
-        of_it.map(|point| point.point.psnr_filled_db).collect::<Vec<f64>>()
+        let matching =
+            points.iter().filter(|point| point.disturbance == disturbance && point.method == method);
+        matching.map(|point| point.point.psnr_filled_db).collect::<Vec<f64>>()
     };
     of(ahead).iter().zip(of(behind)).map(|(ahead, behind)| ahead - behind).fold(f64::INFINITY, f64::min)
 }

@@ -130,6 +130,15 @@ fn resolved(path: &Path) -> PathBuf {
 mod tests {
     use super::*;
 
+    /// A manifest that names these color pictures, each with the depth of `d.png`.
+    fn write_manifest(path: &Path, pictures: &[&str]) {
+        let entry = |name: &&str| {
+            format!(r#"{{"file_path":"{name}","depth_file_path":"d.png","transform_matrix":[]}}"#)
+        };
+        let entries: Vec<String> = pictures.iter().map(entry).collect();
+        std::fs::write(path, format!(r#"{{"frames":[{}]}}"#, entries.join(","))).unwrap();
+    }
+
     #[test]
     fn results_go_into_folders_that_are_there_and_pictures_into_folders_that_can_be_made() {
         let here = tempfile::tempdir().unwrap();
@@ -160,14 +169,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let here = folder.path();
         std::fs::create_dir_all(here.join("novel")).unwrap();
-        let manifest = |name: &str, picture: &str| {
-            let entry =
-                format!(r#"{{"file_path":"{picture}","depth_file_path":"d.png","transform_matrix":[]}}"#);
-            std::fs::write(here.join(name), format!(r#"{{"frames":[{entry}]}}"#)).unwrap();
-        };
-        manifest("transforms.json", "a/1.exr");
-        manifest("novel/transforms.json", "n.exr");
-        manifest("views.json", "v");
+        write_manifest(&here.join("transforms.json"), &["a/1.exr"]);
+        write_manifest(&here.join("novel/transforms.json"), &["n.exr"]);
+        write_manifest(&here.join("views.json"), &["v"]);
         let refused = |capture: &Path, out: &str| {
             refuse_capture_files(capture, Some(&here.join("views.json")), &here.join(out)).is_err()
         };
@@ -198,9 +202,7 @@ mod tests {
         std::fs::create_dir(here.join("other")).unwrap();
         std::fs::write(here.join("novel/a/1.exr"), "the truth").unwrap();
         let manifest = here.join("novel/transforms.json");
-        let entries = ["a/1.exr", "a/2.png", "b/3"]
-            .map(|name| format!(r#"{{"file_path":"{name}","transform_matrix":[]}}"#));
-        std::fs::write(&manifest, format!(r#"{{"frames":[{}]}}"#, entries.join(","))).unwrap();
+        write_manifest(&manifest, &["a/1.exr", "a/2.png", "b/3"]);
         let refused = |out: &Path, name: &str| {
             let targets = [PicturePaths::below(out, name).unwrap()];
             let outcome = [&manifest, &here.join("novel")].map(|it| refuse_true_pictures(it, out, &targets));
@@ -225,9 +227,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let here = folder.path();
         std::fs::create_dir(here.join("scene")).unwrap();
-        let entry = |name: &str| format!(r#"{{"frames":[{{"file_path":"{name}","transform_matrix":[]}}]}}"#);
-        std::fs::write(here.join("views.json"), entry("v.exr")).unwrap();
-        std::fs::write(here.join("scene/transforms.json"), entry("a/1.exr")).unwrap();
+        write_manifest(&here.join("views.json"), &["v.exr"]);
+        write_manifest(&here.join("scene/transforms.json"), &["a/1.exr"]);
         let out = here.join("scene");
         let refused = |name: &str| {
             let targets = [PicturePaths::below(&out, name).unwrap()];

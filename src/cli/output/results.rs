@@ -207,20 +207,15 @@ pub(crate) fn sweep_table(points: &[Point]) -> String {
     );
     for point in points {
         let star = if point.pareto { '*' } else { ' ' };
+        let Point {
+            label, psnr_filled_db, psnr_filled_db_se, psnr_db, psnr_db_se, ssim, flip, coverage, ..
+        } = point;
+        let (samples, bytes) = (text::count(point.samples), text::bytes(point.bytes));
+        let milliseconds = point.milliseconds;
         let _ = write!(
             text,
-            "\n{star} {:<50} {:>8.2} ± {:>4.2} {:>8.2} ± {:>4.2} {:>7.4} {:>7.4} {:>7.4} {:>12} {:>10} {:>8.1}",
-            point.label,
-            point.psnr_filled_db,
-            point.psnr_filled_db_se,
-            point.psnr_db,
-            point.psnr_db_se,
-            point.ssim,
-            point.flip,
-            point.coverage,
-            text::count(point.samples),
-            text::bytes(point.bytes),
-            point.milliseconds
+            "\n{star} {label:<50} {psnr_filled_db:>8.2} ± {psnr_filled_db_se:>4.2} {psnr_db:>8.2} ± {psnr_db_se:>4.2} \
+             {ssim:>7.4} {flip:>7.4} {coverage:>7.4} {samples:>12} {bytes:>10} {milliseconds:>8.1}"
         );
     }
     text

@@ -30,9 +30,9 @@ pub(crate) fn stress(capture: &str, points: &[StressPoint]) -> Chart {
     }
     for (index, disturbance) in disturbances.iter().enumerate() {
         let corner = (20.0 + (index % COLUMNS) as f64 * PANEL.0, HEAD + (index / COLUMNS) as f64 * PANEL.1);
-        let of_it: Vec<StressPoint> =
+        let own_points: Vec<StressPoint> =
             points.iter().filter(|point| point.disturbance == *disturbance).cloned().collect();
-        panel(&mut svg, corner, &of_it, &methods);
+        panel(&mut svg, corner, &own_points, &methods);
     }
     svg.finish()
 }
@@ -47,7 +47,7 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
     // Values of a dial are drawn at equal distances: they were chosen in perceptually equal steps.
     let x =
         ChartAxis::around(Scale::Linear, (0..dials.len()).map(|index| index as f64), (plot_left, plot_right));
-    let place_of = |dial: f64| {
+    let x_of = |dial: f64| {
         let after = dials.iter().position(|known| *known == dial);
         after.map_or(plot_left, |index| x.at(index as f64))
     };
@@ -68,38 +68,38 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
         }
     }
     for &dial in &dials {
-        svg.text((place_of(dial), bottom + 20.0), Anchor::Middle, (13.0, color::FAINT), &short(dial));
+        svg.text((x_of(dial), bottom + 20.0), Anchor::Middle, (13.0, color::FAINT), &short(dial));
     }
     svg.line((plot_left, bottom), (plot_right, bottom), (1.2, color::INK));
     svg.line((plot_left, accuracy_bottom), (plot_right, accuracy_bottom), (0.8, color::FAINT));
     let failures = failures(points);
     for (index, method) in methods.iter().enumerate() {
         let color = COLORS[index % COLORS.len()];
-        let of_it = || points.iter().filter(|point| point.method == *method);
+        let of_method = || points.iter().filter(|point| point.method == *method);
         let along = |value: &dyn Fn(&StressPoint) -> f64| {
-            of_it().map(|point| (place_of(point.dial), value(point))).collect::<Vec<_>>()
+            of_method().map(|point| (x_of(point.dial), value(point))).collect::<Vec<_>>()
         };
         let accuracy = along(&|point| y.at(point.point.psnr_filled_db));
         svg.path(&accuracy, (2.2, color), "");
-        for place in &accuracy {
-            svg.marker(Marker::Dot, *place, 3.6, color);
+        for position in &accuracy {
+            svg.marker(Marker::Dot, *position, 3.6, color);
         }
         svg.path(&along(&|point| kept.at(100.0 * point.kept_share)), (1.6, color), "");
         let failed =
             failures.iter().find(|failure| failure.method == *method).and_then(|failure| failure.dial);
-        if let (Some(dial), Some(start)) = (failed, of_it().next()) {
-            let place = (between(&dials, dial, &place_of), y.at(start.point.psnr_filled_db - LOST_DB));
-            svg.marker(Marker::Cross, place, 6.0, color);
+        if let (Some(dial), Some(start)) = (failed, of_method().next()) {
+            let position = (between(&dials, dial, &x_of), y.at(start.point.psnr_filled_db - LOST_DB));
+            svg.marker(Marker::Cross, position, 6.0, color);
         }
     }
 }
 
 /// Where a value between two values of the dial lies.
-fn between(dials: &[f64], dial: f64, place_of: &dyn Fn(f64) -> f64) -> f64 {
+fn between(dials: &[f64], dial: f64, x_of: &dyn Fn(f64) -> f64) -> f64 {
     let pair = dials.windows(2).find(|pair| {
         let (low, high) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
         (low..=high).contains(&dial)
     });
-    let Some(&[from, to]) = pair else { return place_of(dial) };
-    place_of(from) + (dial - from) / (to - from) * (place_of(to) - place_of(from))
+    let Some(&[from, to]) = pair else { return x_of(dial) };
+    x_of(from) + (dial - from) / (to - from) * (x_of(to) - x_of(from))
 }

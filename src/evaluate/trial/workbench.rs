@@ -286,8 +286,8 @@ impl FoldState {
         let key = trial.model_key();
         // A store notes its settings: those of painting must not change its size.
         let trial = &Trial { settings: key.0.clone(), ..trial.clone() };
-        if let Some(place) = self.models.iter().position(|(known, _)| *known == key) {
-            let known = self.models.remove(place);
+        if let Some(index) = self.models.iter().position(|(known, _)| *known == key) {
+            let known = self.models.remove(index);
             self.models.insert(0, known);
             return Ok(self.models[0].1.clone());
         }
