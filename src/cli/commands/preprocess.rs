@@ -125,18 +125,13 @@ impl PreprocessArgs {
     }
 
     fn text(&self, result: &PreprocessOutput) -> String {
-        let mut text = format!(
-            "Kept {} of {} samples ({})\n",
-            output::count(result.samples_kept),
-            output::count(result.samples_in),
-            output::percent(result.samples_kept, result.samples_in)
-        );
+        let [kept, all] = [result.samples_kept, result.samples_in].map(output::count);
+        let share = output::percent(result.samples_kept, result.samples_in);
+        let mut text = format!("Kept {kept} of {all} samples ({share})\n");
         for (rule, dropped) in &result.pruned {
             let _ = writeln!(text, "  dropped {:>16}  {rule}", output::count(*dropped));
         }
-        if let Some(line) = output::without_depth(&result.report) {
-            text.push_str(&line);
-        }
+        text += &output::without_depth(&result.report).unwrap_or_default();
         let disputes: u64 = result.report.rate_disputes.iter().flatten().sum();
         let _ = writeln!(
             text,
@@ -154,13 +149,9 @@ impl PreprocessArgs {
             let _ =
                 writeln!(text, "  farthest apart about what never moves: {a} and {b}, {off:.2} footprints");
         }
-        let _ = writeln!(
-            text,
-            "Raw {}, in memory {}, in the store {}",
-            output::bytes(result.bytes_raw),
-            output::bytes(result.bytes_memory),
-            output::bytes(result.bytes_store)
-        );
+        let [raw, memory, store] =
+            [result.bytes_raw, result.bytes_memory, result.bytes_store].map(output::bytes);
+        let _ = writeln!(text, "Raw {raw}, in memory {memory}, in the store {store}");
         let _ = write!(text, "Took {:.1} s on {} threads", result.seconds_total, result.threads);
         if let Some(seconds) = result.seconds_decode_only {
             let _ = write!(text, ", decoding alone {seconds:.1} s");
@@ -191,13 +182,11 @@ fn measured(camera: &CameraReport) -> String {
     let [within, with_noise, depth] =
         [ranges.within_color_tolerance, ranges.within_color_tolerance_and_noise, ranges.within_depth_granted]
             .map(|share| 100.0 * share);
+    let CameraReport { name, color_noise_steps, depth_noise_relative, depth_step_relative, .. } = camera;
     format!(
-        "{}: color noise {:.2} steps, depth noise {:.1e}, depth step {:.1e}; {within:.1} % of the pixels stay within the \
-         color tolerance, {with_noise:.1} % with noise, {depth:.1} % within a depth range of {:.1e}",
-        camera.name,
-        camera.color_noise_steps,
-        camera.depth_noise_relative,
-        camera.depth_step_relative,
+        "{name}: color noise {color_noise_steps:.2} steps, depth noise {depth_noise_relative:.1e}, depth step \
+         {depth_step_relative:.1e}; {within:.1} % of the pixels stay within the color tolerance, {with_noise:.1} % with noise, \
+         {depth:.1} % within a depth range of {:.1e}",
         ranges.depth_granted_relative
     )
 }

@@ -66,27 +66,15 @@ pub(crate) fn painter_line(evaluation: &Evaluation) -> String {
 
 /// One line per pruning method.
 pub(crate) fn comparison_table(comparison: &MethodComparison) -> String {
-    let mut text = format!(
-        "{:<16}{} {:>10} {:>14} {:>12} {:>12}",
-        "pruning",
-        accuracy_head(),
-        "ms",
-        "samples kept",
-        "in memory",
-        "in the store"
-    );
+    let head = accuracy_head();
+    let mut text = format!("pruning         {head}         ms   samples kept    in memory in the store");
     for compared in [&comparison.as_set, &comparison.no_pruning, &comparison.first_camera] {
-        let mean = &compared.evaluation.mean;
-        let _ = write!(
-            text,
-            "\n{:<16}{} {:>10.1} {:>14} {:>12} {:>12}",
-            compared.method.name(),
-            accuracy_columns(of_mean(mean)),
-            mean.milliseconds,
-            text::count(compared.samples_kept),
-            text::bytes(compared.bytes_memory),
-            text::bytes(compared.bytes_store)
-        );
+        let (method, mean) = (compared.method.name(), &compared.evaluation.mean);
+        let (accuracy, milliseconds) = (accuracy_columns(of_mean(mean)), mean.milliseconds);
+        let kept = text::count(compared.samples_kept);
+        let [memory, store] = [compared.bytes_memory, compared.bytes_store].map(text::bytes);
+        let _ =
+            write!(text, "\n{method:<16}{accuracy} {milliseconds:>10.1} {kept:>14} {memory:>12} {store:>12}");
     }
     text
 }
