@@ -37,29 +37,20 @@ pub(crate) struct BenchArgs {
 
 impl BenchArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        let options = Options {
-            threads: rayon::current_num_threads(),
-            quick: self.quick,
-            backend: self.backend,
-            instructions: self.instructions,
-            only: self.only.clone(),
-        };
+        let Self { only, backend, instructions, quick, json } = self;
+        let options = Options { threads: rayon::current_num_threads(), quick, backend, instructions, only };
         let report = output::watched(|job| bench::measure(&options, job))?;
         if !report.machine.optimized {
             output::warn(&["this is no release build; its times say nothing".to_owned()]);
         }
-        if self.json { output::print_json(&report) } else { output::print(&text(&report)) }
+        if json { output::print_json(&report) } else { output::print(&text(&report)) }
     }
 }
 
 fn text(report: &SpeedReport) -> String {
     let mut text = machine_line(&report.machine);
-    let _ = write!(
-        text,
-        "\n{} samples of nine cameras, {} after pruning",
-        output::count(report.samples),
-        output::count(report.samples_pruned)
-    );
+    let [samples, pruned] = [report.samples, report.samples_pruned].map(output::count);
+    let _ = write!(text, "\n{samples} samples of nine cameras, {pruned} after pruning");
     let _ = write!(text, "\n\n{:>7} {:>10} {:>12}", "threads", "read GB/s", "scatter M/s");
     for limit in &report.limits {
         let Limit { threads, read_gb_per_s, scatter_mpts_per_s, .. } = limit;

@@ -91,13 +91,11 @@ impl DemoArgs {
             }
             let views = open_views(&manifest).unwrap_or_default();
             if views.is_empty() || !views.iter().all(|view| is_of(&cameras, view)) {
-                return Err(Error::invalid(
-                    manifest.display(),
-                    format!(
-                        "is not of the scene '{}', and would be written over; name another folder with --out",
-                        self.scene
-                    ),
-                ));
+                let scene = &self.scene;
+                let what = format!(
+                    "is not of the scene '{scene}', and would be written over; name another folder with --out"
+                );
+                return Err(Error::invalid(manifest.display(), what));
             }
         }
         Ok(())

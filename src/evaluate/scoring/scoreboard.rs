@@ -78,12 +78,10 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 pub(crate) fn with_truth<'a>(views: &'a [TruthView], job: &Job) -> Vec<&'a TruthView> {
     let (known, others): (Vec<_>, Vec<_>) = views.iter().partition(|view| view.truth.is_some());
     if let Some(first) = others.first() {
+        let (missing, all, first) = (others.len(), views.len(), &first.file_path);
         job.warn(format!(
-            "{} of {} views are passed over, '{}' first: their true pictures are missing; put them where the manifest \
-             of the views names them",
-            others.len(),
-            views.len(),
-            first.file_path
+            "{missing} of {all} views are passed over, '{first}' first: their true pictures are missing; put them where the \
+             manifest of the views names them"
         ));
     }
     known

@@ -200,10 +200,8 @@ fn steps(capture: &Capture, plan: &StressPlan, truth: &Truth, job: &Job) -> Resu
                 steps.extend(dial.map(|dial| (disturbance, dial)));
             }
             Some(lacks) => {
-                job.warn(format!(
-                    "'{}' is left out: it changes nothing, as there {lacks}",
-                    disturbance.name()
-                ));
+                let name = disturbance.name();
+                job.warn(format!("'{name}' is left out: it changes nothing, as there {lacks}"));
             }
         }
     }
@@ -221,11 +219,8 @@ type StressStep = (Disturbance, f64);
 
 /// The warning that a step has no points.
 fn no_points_warning((disturbance, dial): StressStep) -> String {
-    format!(
-        "'{}' at {dial} {} is left out: no camera sees anything of the true pictures then",
-        disturbance.name(),
-        disturbance.unit()
-    )
+    let (name, unit) = (disturbance.name(), disturbance.unit());
+    format!("'{name}' at {dial} {unit} is left out: no camera sees anything of the true pictures then")
 }
 
 impl StressPoint {

@@ -86,10 +86,7 @@ impl PicturesArgs {
         })?;
         output::warn(notice.as_slice());
         output::warn(&playback.store().damage());
-        output::print(&format!(
-            "Wrote {} pictures (EXR and PNG) to {}",
-            stops.numbers.len(),
-            self.out.display()
-        ))
+        let (pictures, out) = (paths.len(), self.out.display());
+        output::print(&format!("Wrote {pictures} pictures (EXR and PNG) to {out}"))
     }
 }

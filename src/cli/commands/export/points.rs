@@ -38,11 +38,8 @@ impl PointsArgs {
         let playback = input::open_store(&self.store)?;
         let (files, points) = output::watched(|job| self.write(&playback, job))?;
         output::warn(&playback.store().damage());
-        output::print(&format!(
-            "Wrote {} points to {} ({files} files)",
-            output::count(points),
-            self.out.display()
-        ))
+        let (points, out) = (output::count(points), self.out.display());
+        output::print(&format!("Wrote {points} points to {out} ({files} files)"))
     }
 
     /// Gives how many files and points were written.

@@ -30,11 +30,7 @@ impl StoreArgs {
         let settings = self.settings.over(opened.info().settings.clone())?;
         let bytes =
             output::watched(|job| store::write_again(&self.out, &opened, Some(&settings.store), job))?;
-        output::print(&format!(
-            "Wrote {} to {}, {} before",
-            output::bytes(bytes),
-            self.out.display(),
-            output::bytes(opened.info().bytes)
-        ))
+        let [bytes, before] = [bytes, opened.info().bytes].map(output::bytes);
+        output::print(&format!("Wrote {bytes} to {}, {before} before", self.out.display()))
     }
 }
