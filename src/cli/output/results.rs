@@ -88,17 +88,16 @@ fn write_line(file: &mut File, line: &str) -> std::io::Result<()> {
 
 /// Renames the journal of another input, so that hours of measurements are not lost, with a warning; removes an empty one.
 fn put_aside(path: &Path, is_empty: bool) -> Result<()> {
-    let io = |error| Error::io(path, error);
-    if is_empty {
-        return fs::remove_file(path).map_err(io);
-    }
     let mut aside = path.with_extension("journal.old");
     let mut number = 1;
     while aside.exists() {
         number += 1;
         aside = path.with_extension(format!("journal.old{number}"));
     }
-    fs::rename(path, &aside).map_err(io)?;
+    fs::rename(path, &aside).map_err(|error| Error::io(path, error))?;
+    if is_empty {
+        return fs::remove_file(&aside).map_err(|error| Error::io(aside, error));
+    }
     text::warn(&[format!(
         "{} was measured on another state of the capture, with another truth, with other threads or by another version; it is \
          kept as {}, and everything is measured anew",
