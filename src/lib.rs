@@ -20,7 +20,7 @@
 //! | rendering | [`render`] | paints foreground over background into any vantage |
 //! | accuracy | [`evaluate`] | how close to the truth that comes, against no pruning and against first camera wins |
 //! | trade-offs | [`evaluate::sweep`], [`evaluate::stress`], [`evaluate::tune`] | what each setting buys, where it breaks, what is enough |
-//! | speed | [`evaluate::bench`] | how fast each stage is, as a share of what the machine can do |
+//! | speed | `evaluate::bench` | how fast each stage is, as a share of what the machine can do |
 //!
 //! [`cli`] and [`app`] are the command line and the window over these same calls.
 //!

@@ -1,22 +1,21 @@
 //! The command line: one file per subcommand over the same library calls as the window.
 //!
-//! Results go to stdout, as text or with `--json` as one document; progress and trouble go to stderr. The exit code is 0
-//! on success, 1 on bad input (with one line that says what, where, and what to do) and 2 on bad usage.
+//! Results go to stdout, as text or with `--json` as one document; progress and errors go to stderr. The exit code is 0 on
+//! success, 1 on bad input (with one line on what, where, and what to do) and 2 on bad usage.
 
-pub mod commands;
-pub mod input;
-pub mod output;
+mod commands;
+mod input;
+mod output;
 
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
-use crate::capture::{Capture, transforms};
 use crate::error::Error;
-use crate::settings::{CaptureSettings, Settings};
+use output::CommandError;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -57,98 +56,29 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum CliCommand {
     /// Write a built-in scene as a capture: EXR, transforms.json, and truth vantages in DIR/novel.
-    Demo(commands::DemoArgs),
+    Demo(commands::demo::DemoArgs),
     /// Say what a capture or a store holds.
-    Info(commands::InfoArgs),
+    Info(commands::info::InfoArgs),
     /// Drop what is redundant in a capture and write the rest as a store.
-    Preprocess(commands::PreprocessArgs),
+    Preprocess(commands::preprocess::PreprocessArgs),
     /// Paint a store from any vantages, and score the pictures where the truth is known.
-    Render(commands::RenderArgs),
+    Render(commands::render::RenderArgs),
     /// Score settings: accuracy, speed and size, against no pruning and against first camera wins.
-    Evaluate(commands::EvaluateArgs),
+    Evaluate(commands::evaluate::EvaluateArgs),
     /// Try many settings and all baselines: accuracy against time and bytes, with the Pareto front.
-    Sweep(commands::SweepArgs),
+    Sweep(commands::sweep::SweepArgs),
     /// Disturb a capture more and more: where does each method fail, with and without its defenses?
-    Stress(commands::StressArgs),
+    Stress(commands::stress::StressArgs),
     /// Find the simplest settings, and the fewest cameras, that are as accurate as the best.
-    Tune(commands::TuneArgs),
+    Tune(commands::tune::TuneArgs),
     /// Write what a store holds in forms that other programs read: points, pictures, a film.
     Export(commands::export::ExportArgs),
     /// Read everything in a store and say what is damaged.
-    Verify(commands::VerifyArgs),
+    Verify(commands::verify::VerifyArgs),
     /// Measure how fast each stage is, beside the limits of this machine.
-    Bench(commands::BenchArgs),
+    Bench(commands::bench::BenchArgs),
     /// Print every setting with its meaning, unit, range and value, as TOML.
-    Settings(commands::SettingsCommandArgs),
-}
-
-/// Settings: the defaults, then a file, then single values.
-#[derive(Debug, Args)]
-pub(crate) struct SettingsArgs {
-    /// Settings to start from (TOML; `overlook settings` prints them all).
-    #[arg(long, value_name = "FILE")]
-    settings: Option<PathBuf>,
-    /// Change one setting, as in --set section.name=value; may be given several times.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    set: Vec<String>,
-}
-
-impl SettingsArgs {
-    /// These settings over `base`.
-    fn over(&self, base: Settings) -> Result<Settings, CommandError> {
-        let mut settings = match &self.settings {
-            Some(path) => Settings::load(path)?,
-            None => base,
-        };
-        for assignment in &self.set {
-            settings.set_text(assignment).map_err(|error| CommandError::Usage(error.to_string()))?;
-        }
-        Ok(settings)
-    }
-
-    /// Refuses to write over the file that they are read from.
-    fn apart_from(&self, out: &Path) -> Result<(), Error> {
-        self.settings.as_ref().map_or(Ok(()), |settings| output::apart_from(settings, out))
-    }
-
-    /// Refuses to --set what is not in the one section that a command uses: it would change nothing. A file of settings may say
-    /// more, as it serves other commands too.
-    fn only(&self, section: &str) -> Result<(), CommandError> {
-        for assignment in &self.set {
-            Settings::default()
-                .set_text(assignment)
-                .map_err(|error| CommandError::Usage(error.to_string()))?;
-            if assignment.split('.').next().map(str::trim) != Some(section) {
-                return Err(CommandError::Usage(format!(
-                    "--set {assignment}: of a store that is there, this command uses settings of '{section}' alone; the others are \
-                     those it was preprocessed with"
-                )));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Opens a capture and says on stderr what is odd about it.
-fn open_capture(path: &Path, settings: &CaptureSettings) -> Result<Capture, CommandError> {
-    let capture = transforms::open(path, settings)?;
-    output::warn(&capture.warnings);
-    Ok(capture)
-}
-
-/// Why a command ends early.
-#[derive(Debug)]
-pub(crate) enum CommandError {
-    /// The command line makes no sense: exit code 2.
-    Usage(String),
-    /// The input is bad, or the work failed: exit code 1.
-    Work(Error),
-}
-
-impl From<Error> for CommandError {
-    fn from(error: Error) -> Self {
-        Self::Work(error)
-    }
+    Settings(commands::settings::SettingsCommandArgs),
 }
 
 /// Opens the window on a capture or store, or on the built-in scene.
@@ -168,11 +98,11 @@ pub fn run(open_window: OpenWindow) -> ExitCode {
     match cli.run(open_window) {
         Ok(()) => ExitCode::SUCCESS,
         Err(CommandError::Usage(what)) => {
-            output::tell(&what);
+            output::print_error(&what);
             ExitCode::from(2)
         }
         Err(CommandError::Work(error)) => {
-            output::tell(&error.to_string().replace('\n', " "));
+            output::print_error(&error.to_string().replace('\n', " "));
             if matches!(error, Error::Cancelled) {
                 ExitCode::from(output::STOPPED)
             } else {
@@ -241,6 +171,7 @@ fn use_threads(threads: Option<u16>) -> Result<(), CommandError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::Settings;
 
     #[test]
     fn the_command_line_is_consistent() {
@@ -280,24 +211,6 @@ mod tests {
         }
     }
 
-    #[test]
-    fn single_values_win_over_the_file_and_the_file_over_what_was_there() {
-        let file = tempfile::NamedTempFile::new().unwrap();
-        std::fs::write(&file, "[pruning]\ndepth_tolerance = 2.0\nnormal_tolerance = 10.0\n").unwrap();
-        let mut base = Settings::default();
-        base.set_text("pruning.normal_tolerance=50").unwrap();
-        let mut args = SettingsArgs {
-            settings: Some(file.path().to_path_buf()),
-            set: vec!["pruning.depth_tolerance=3".to_owned()],
-        };
-        let settings = args.over(base.clone()).unwrap();
-        assert_eq!((settings.pruning.depth_tolerance, settings.pruning.normal_tolerance), (3.0, 10.0));
-        args.settings = None;
-        assert_eq!(args.over(base).unwrap().pruning.normal_tolerance, 50.0);
-        args.set.push("pruning.nonsense=1".to_owned());
-        assert!(matches!(args.over(Settings::default()), Err(CommandError::Usage(_))));
-    }
-
     /// The long help of a command and of those below it, each after its name.
     fn helps(command: &mut clap::Command, name: &str) -> Vec<(String, String)> {
         let mut found = vec![(name.to_owned(), command.render_long_help().to_string())];
@@ -321,26 +234,5 @@ mod tests {
             }
         }
         assert!(examples >= 8, "{examples} examples in the help of {} commands", helps.len());
-    }
-
-    #[test]
-    fn values_that_a_command_does_not_use_are_refused() {
-        let set = |assignment: &str| SettingsArgs { settings: None, set: vec![assignment.to_owned()] };
-        assert!(set("render.kernel=block").only("render").is_ok());
-        assert!(set(" store.precision = bits8").only("store").is_ok());
-        for (assignment, section) in [
-            ("pruning.rate=paper", "render"),
-            ("store.precision=bits8", "render"),
-            ("render.kernel=block", "store"),
-        ] {
-            let Err(CommandError::Usage(said)) = set(assignment).only(section) else {
-                panic!("{assignment} passed")
-            };
-            assert!(said.contains(assignment) && said.contains(section), "{said}");
-        }
-        let Err(CommandError::Usage(said)) = set("render.nonsense=1").only("store") else {
-            panic!("nonsense passed")
-        };
-        assert!(said.contains("no such setting"), "{said}");
     }
 }

@@ -25,7 +25,7 @@ const LAYERS: [&[&str]; 9] = [
 const STRANGERS: [(&str, &str); 1] = [("render", "preprocess")];
 
 /// Folders of a module from the first to the last in the order in which data flows: a folder may use those before it.
-const STAGES: [(&str, &[&str]); 7] = [
+const STAGES: [(&str, &[&str]); 8] = [
     (
         "preprocess",
         &[
@@ -45,6 +45,7 @@ const STAGES: [(&str, &[&str]); 7] = [
     ("capture", &["exr", "transforms"]),
     ("demo", &["tracer", "scenes"]),
     ("store", &["container", "codec", "image", "file", "playback"]),
+    ("evaluate", &["metrics", "scoring", "truth", "trial", "sweep", "stress", "tune", "chart", "bench"]),
     ("cli", &["output", "input", "commands"]),
 ];
 

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use clap::Args;
 
-use super::render::choice;
-use crate::cli::{CommandError, output};
+use crate::cli::input::choice;
+use crate::cli::output::{self, CommandError};
 use crate::evaluate::bench::{self, Limit, LimitKind, Machine, Options, SpeedReport, StageSpeed};
 use crate::settings::{Backend, Instructions};
 
@@ -16,7 +16,6 @@ const BACKENDS: &[(&str, &str)] = &[
     ("gpu", "The processor and the graphics adapter, be it a program that stands in for one."),
 ];
 
-/// Arguments of `overlook bench`.
 #[derive(Debug, Args)]
 pub(crate) struct BenchArgs {
     /// Measure only stages with PART in their name, as in render/point; may be given several times.
@@ -38,29 +37,20 @@ pub(crate) struct BenchArgs {
 
 impl BenchArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        let options = Options {
-            threads: rayon::current_num_threads(),
-            quick: self.quick,
-            backend: self.backend,
-            instructions: self.instructions,
-            only: self.only.clone(),
-        };
+        let Self { only, backend, instructions, quick, json } = self;
+        let options = Options { threads: rayon::current_num_threads(), quick, backend, instructions, only };
         let report = output::watched(|job| bench::measure(&options, job))?;
         if !report.machine.optimized {
             output::warn(&["this is no release build; its times say nothing".to_owned()]);
         }
-        if self.json { output::print_json(&report) } else { output::print(&text(&report)) }
+        if json { output::print_json(&report) } else { output::print(&text(&report)) }
     }
 }
 
 fn text(report: &SpeedReport) -> String {
     let mut text = machine_line(&report.machine);
-    let _ = write!(
-        text,
-        "\n{} samples of nine cameras, {} after pruning",
-        output::count(report.samples),
-        output::count(report.samples_pruned)
-    );
+    let [samples, pruned] = [report.samples, report.samples_pruned].map(output::count);
+    let _ = write!(text, "\n{samples} samples of nine cameras, {pruned} after pruning");
     let _ = write!(text, "\n\n{:>7} {:>10} {:>12}", "threads", "read GB/s", "scatter M/s");
     for limit in &report.limits {
         let Limit { threads, read_gb_per_s, scatter_mpts_per_s, .. } = limit;
@@ -81,14 +71,9 @@ fn text(report: &SpeedReport) -> String {
 }
 
 fn machine_line(machine: &Machine) -> String {
-    format!(
-        "{} ({} {}), {} threads; stages use {} instructions",
-        machine.cpu.as_deref().unwrap_or("unknown processor"),
-        machine.os,
-        machine.arch,
-        machine.threads_available,
-        machine.instructions
-    )
+    let Machine { cpu, os, arch, threads_available, instructions, .. } = machine;
+    let cpu = cpu.as_deref().unwrap_or("unknown processor");
+    format!("{cpu} ({os} {arch}), {threads_available} threads; stages use {instructions} instructions")
 }
 
 fn stage_lines(text: &mut String, stage: &StageSpeed) {
@@ -97,23 +82,15 @@ fn stage_lines(text: &mut String, stage: &StageSpeed) {
         LimitKind::Read => "read",
         LimitKind::Copy => "copy",
     };
-    let coverage = stage.painting.as_ref().map(|painting| painting.coverage);
+    let StageSpeed { name, threads, median_ms, spread_ms, mpts_per_s, repeats, painting, .. } = stage;
+    let percent = 100.0 * stage.fraction_of_limit;
+    let coverage = output::number(painting.as_ref().map(|painting| painting.coverage), 4, 7);
     let _ = write!(
         text,
-        "\n{:<44} {:>7} {:>10.2} {:>8.2} {:>9.1} {:>10.2} % {:<7} {} {:>5}",
-        stage.name,
-        stage.threads,
-        stage.median_ms,
-        stage.spread_ms,
-        stage.mpts_per_s,
-        100.0 * stage.fraction_of_limit,
-        limit,
-        output::number(coverage, 4, 7),
-        stage.repeats
+        "\n{name:<44} {threads:>7} {median_ms:>10.2} {spread_ms:>8.2} {mpts_per_s:>9.1} {percent:>10.2} % {limit:<7} \
+         {coverage} {repeats:>5}"
     );
-    if let Some(painting) = &stage.painting
-        && let Some(speedup) = painting.speedup_over_full_repaint
-    {
+    if let Some(speedup) = painting.as_ref().and_then(|painting| painting.speedup_over_full_repaint) {
         let _ = write!(text, "   {speedup:.1} × faster than painting all anew");
     }
 }

@@ -8,12 +8,11 @@ use serde::Serialize;
 
 use crate::capture::transforms::{MANIFEST_NAME, open_views, picture_name, write_capture};
 use crate::capture::{Camera, TruthView};
-use crate::cli::{CommandError, output};
+use crate::cli::output::{self, CommandError};
 use crate::demo::{Demo, DemoSpec, MAX_CAMERAS, SCENES};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 
-/// Arguments of `overlook demo`.
 #[derive(Debug, Args)]
 pub(crate) struct DemoArgs {
     /// Which scene.
@@ -58,7 +57,7 @@ impl DemoArgs {
             noise: self.noise,
         };
         let demo = Demo::new(&spec).map_err(|error| CommandError::Usage(error.to_string()))?;
-        output::folder(&self.out)?;
+        output::check_folder(&self.out)?;
         self.check_is_ours(&spec)?;
         let capture = demo.capture(&CaptureSettings::default());
         let views = demo.truth_views();
@@ -78,11 +77,9 @@ impl DemoArgs {
             written.scene, written.cameras, written.frames, written.truth_views, written.scene
         ))
     }
-}
 
-impl DemoArgs {
-    /// Refuses a folder that holds another capture. One that this scene was recorded into may be recorded anew, with other counts
-    /// and sizes too: none of them moves a camera.
+    /// Refuses a folder that holds another capture. Its own scene may be recorded again with other counts and sizes: none of them
+    /// moves a camera.
     fn check_is_ours(&self, spec: &DemoSpec) -> Result<()> {
         let all = Demo::new(&spec.clone().cameras(MAX_CAMERAS))?;
         let cameras = all.capture(&CaptureSettings::default()).cameras.clone();
@@ -94,20 +91,18 @@ impl DemoArgs {
             }
             let views = open_views(&manifest).unwrap_or_default();
             if views.is_empty() || !views.iter().all(|view| is_of(&cameras, view)) {
-                return Err(Error::invalid(
-                    manifest.display(),
-                    format!(
-                        "is not of the scene '{}', and would be written over; name another folder with --out",
-                        self.scene
-                    ),
-                ));
+                let scene = &self.scene;
+                let what = format!(
+                    "is not of the scene '{scene}', and would be written over; name another folder with --out"
+                );
+                return Err(Error::invalid(manifest.display(), what));
             }
         }
         Ok(())
     }
 }
 
-/// Whether a demo with these cameras writes such a picture.
+/// Whether a demo with these cameras writes this picture.
 fn is_of(cameras: &[Camera], view: &TruthView) -> bool {
     let TruthView { file_path, camera, frame_number, .. } = view;
     *file_path == picture_name(camera, *frame_number)
@@ -117,7 +112,7 @@ fn is_of(cameras: &[Camera], view: &TruthView) -> bool {
         })
 }
 
-/// Far below what tells two cameras apart, far above what writing and reading a pose changes.
+/// Far below the distance of two cameras, far above the error of writing and reading a pose.
 const SAME_POSE: f64 = 1e-6;
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {

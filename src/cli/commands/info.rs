@@ -7,13 +7,11 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::capture::{Camera, transforms};
-use crate::cli::CommandError;
-use crate::cli::output::{self, Sizes};
+use crate::cli::output::{self, CommandError, Sizes};
 use crate::preprocess::diagnostics::Report;
 use crate::settings::{CaptureSettings, Settings};
 use crate::store::file::{Provenance, Store};
 
-/// Arguments of `overlook info`.
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
     /// A capture (a folder or its transforms.json) or a store.
@@ -69,14 +67,11 @@ impl InfoArgs {
 }
 
 fn camera_infos(cameras: &[Camera]) -> Vec<CameraInfo> {
-    cameras
-        .iter()
-        .map(|camera| CameraInfo {
-            name: camera.name.clone(),
-            width: camera.intrinsics.width,
-            height: camera.intrinsics.height,
-        })
-        .collect()
+    let info = |camera: &Camera| {
+        let (name, intrinsics) = (camera.name.clone(), camera.intrinsics);
+        CameraInfo { name, width: intrinsics.width, height: intrinsics.height }
+    };
+    cameras.iter().map(info).collect()
 }
 
 fn of_store(path: &Path) -> Result<Info, CommandError> {

@@ -10,17 +10,16 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::capture::{Capture, transforms};
-use crate::cli::input::{self, HoldOutArgs};
-use crate::cli::{CommandError, SettingsArgs, output};
+use crate::cli::input::{self, HoldOutArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError};
 use crate::error::{Error, Result};
 use crate::evaluate::truth;
 use crate::job::Job;
 use crate::preprocess::diagnostics::{CameraReport, PairResiduals, Report};
 use crate::preprocess::{BufferedResult, preprocess_buffered};
 use crate::settings::{CaptureSettings, Settings, SpanLevels};
-use crate::store::file::{Extras, Provenance};
+use crate::store::file::{self, Extras, Provenance};
 
-/// Arguments of `overlook preprocess`.
 #[derive(Debug, Args)]
 pub(crate) struct PreprocessArgs {
     /// The capture: a folder or its transforms.json.
@@ -69,10 +68,10 @@ struct PreprocessOutput {
 impl PreprocessArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
-        output::file(&self.out, "scene.ovl")?;
-        self.settings.apart_from(&self.out)?;
+        output::check_file(&self.out, "scene.ovl")?;
+        self.settings.refuse_inputs(&self.out)?;
         let capture = self.open(&frame_cache(&settings))?;
-        output::apart_from_capture(&self.capture, None, &self.out)?;
+        output::refuse_capture_files(&self.capture, None, &self.out)?;
         output::warn(&capture.warnings);
         let seconds_decode_only = if self.measure_decode { Some(self.decode_seconds()?) } else { None };
         let started = Instant::now();
@@ -82,7 +81,7 @@ impl PreprocessArgs {
             let frames_are_ranked = capture.frames_are_ranked();
             let provenance = Provenance { inputs, frames_are_ranked, ..Provenance::default() };
             let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
-            let bytes = crate::store::file::write_spooled(&self.out, &outline, &images, &extras, job)?;
+            let bytes = file::write_spooled(&self.out, &outline, &images, &extras, job)?;
             Ok::<_, Error>((report, bytes))
         })?;
         output::warn(&report.warnings());
@@ -126,18 +125,13 @@ impl PreprocessArgs {
     }
 
     fn text(&self, result: &PreprocessOutput) -> String {
-        let mut text = format!(
-            "Kept {} of {} samples ({})\n",
-            output::count(result.samples_kept),
-            output::count(result.samples_in),
-            output::percent(result.samples_kept, result.samples_in)
-        );
+        let [kept, all] = [result.samples_kept, result.samples_in].map(output::count);
+        let share = output::percent(result.samples_kept, result.samples_in);
+        let mut text = format!("Kept {kept} of {all} samples ({share})\n");
         for (rule, dropped) in &result.pruned {
             let _ = writeln!(text, "  dropped {:>16}  {rule}", output::count(*dropped));
         }
-        if let Some(line) = output::without_depth(&result.report) {
-            text.push_str(&line);
-        }
+        text += &output::without_depth(&result.report).unwrap_or_default();
         let disputes: u64 = result.report.rate_disputes.iter().flatten().sum();
         let _ = writeln!(
             text,
@@ -155,13 +149,9 @@ impl PreprocessArgs {
             let _ =
                 writeln!(text, "  farthest apart about what never moves: {a} and {b}, {off:.2} footprints");
         }
-        let _ = writeln!(
-            text,
-            "Raw {}, in memory {}, in the store {}",
-            output::bytes(result.bytes_raw),
-            output::bytes(result.bytes_memory),
-            output::bytes(result.bytes_store)
-        );
+        let [raw, memory, store] =
+            [result.bytes_raw, result.bytes_memory, result.bytes_store].map(output::bytes);
+        let _ = writeln!(text, "Raw {raw}, in memory {memory}, in the store {store}");
         let _ = write!(text, "Took {:.1} s on {} threads", result.seconds_total, result.threads);
         if let Some(seconds) = result.seconds_decode_only {
             let _ = write!(text, ", decoding alone {seconds:.1} s");
@@ -176,8 +166,8 @@ impl PreprocessArgs {
     }
 }
 
-/// The two cameras that agree least about what is the same over all frames, and by how many footprints 85 % of their samples
-/// are off at most; `None` where no two see the same.
+/// The two cameras that agree least on what never changes, and the footprints that 85 % of their samples differ by at most;
+/// `None` if no two see the same.
 fn farthest_apart(report: &Report) -> Option<(f32, usize, usize)> {
     let pairs = report.residuals.iter().enumerate().flat_map(|(a, row)| {
         let of = move |(b, pair): (usize, &PairResiduals)| Some((pair.lasting?.most_footprints, a, b));
@@ -186,19 +176,17 @@ fn farthest_apart(report: &Report) -> Option<(f32, usize, usize)> {
     pairs.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// What was measured of a camera, and where the tolerances of the spans lie in the distribution of its pixels.
+/// A line on the noise of a camera, and the shares of its pixels within the tolerances of spans.
 fn measured(camera: &CameraReport) -> String {
     let ranges = &camera.ranges;
     let [within, with_noise, depth] =
         [ranges.within_color_tolerance, ranges.within_color_tolerance_and_noise, ranges.within_depth_granted]
             .map(|share| 100.0 * share);
+    let CameraReport { name, color_noise_steps, depth_noise_relative, depth_step_relative, .. } = camera;
     format!(
-        "{}: color noise {:.2} steps, depth noise {:.1e}, depth step {:.1e}; {within:.1} % of the pixels stay within the \
-         color tolerance, {with_noise:.1} % with noise, {depth:.1} % within a depth range of {:.1e}",
-        camera.name,
-        camera.color_noise_steps,
-        camera.depth_noise_relative,
-        camera.depth_step_relative,
+        "{name}: color noise {color_noise_steps:.2} steps, depth noise {depth_noise_relative:.1e}, depth step \
+         {depth_step_relative:.1e}; {within:.1} % of the pixels stay within the color tolerance, {with_noise:.1} % with noise, \
+         {depth:.1} % within a depth range of {:.1e}",
         ranges.depth_granted_relative
     )
 }

@@ -4,19 +4,17 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use crate::capture::{TruthView, transforms};
-use crate::cli::output::{self, PicturePaths};
-use crate::cli::{CommandError, SettingsArgs};
+use crate::cli::input::{self, PaintingArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError, PicturePaths};
 use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, Scoreboard, frame_of, render_view, vantage_order};
 use crate::job::Job;
 use crate::render::Renderer;
-use crate::settings::{Backend, Fill, Kernel, RenderSettings};
+use crate::settings::RenderSettings;
 use crate::store::playback::Playback;
 
-/// Arguments of `overlook render`.
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
     /// The store.
@@ -36,43 +34,12 @@ pub(crate) struct RenderArgs {
     json: bool,
 }
 
-/// The choices that are made most often when painting; they win over the settings.
-#[derive(Debug, Args)]
-pub(crate) struct PaintingArgs {
-    /// How a sample is painted [default: as the settings say].
-    #[arg(long, value_parser = choice::<Kernel>(Kernel::NAMES))]
-    kernel: Option<Kernel>,
-    /// How pixels without any sample are filled [default: as the settings say].
-    #[arg(long, value_parser = choice::<Fill>(Fill::NAMES))]
-    fill: Option<Fill>,
-    /// What paints [default: as the settings say].
-    #[arg(long, value_parser = choice::<Backend>(Backend::NAMES))]
-    backend: Option<Backend>,
-}
-
-impl PaintingArgs {
-    pub(crate) fn apply(&self, settings: &mut RenderSettings) {
-        settings.kernel = self.kernel.unwrap_or(settings.kernel);
-        settings.fill = self.fill.unwrap_or(settings.fill);
-        settings.backend = self.backend.unwrap_or(settings.backend);
-    }
-}
-
-/// A parser that takes the names of a setting's choices and lists them in the help.
-pub(crate) fn choice<T>(names: &'static [(&'static str, &'static str)]) -> impl TypedValueParser<Value = T>
-where
-    T: std::str::FromStr<Err = String> + Clone + Send + Sync + 'static,
-{
-    PossibleValuesParser::new(names.iter().map(|(name, help)| PossibleValue::new(*name).help(help.trim())))
-        .try_map(|name| name.parse::<T>())
-}
-
 impl RenderArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         self.settings.only("render")?;
-        output::folder(&self.out)?;
-        output::can_be_read_again(&self.views)?;
-        let playback = super::export::open(&self.store)?;
+        output::check_folder(&self.out)?;
+        output::refuse_pipe(&self.views)?;
+        let playback = input::open_store(&self.store)?;
         let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
         self.painting.apply(&mut settings);
         let frames_are_ranked = playback.store().info().provenance.frames_are_ranked;
@@ -86,8 +53,8 @@ impl RenderArgs {
         }
         output::print(&format!(
             "{}\n{}\nWrote {} pictures (EXR and PNG) to {}",
-            super::evaluate::view_table(&evaluation),
-            super::evaluate::painter_line(&evaluation),
+            output::view_table(&evaluation),
+            output::painter_line(&evaluation),
             paths.len(),
             self.out.display()
         ))
@@ -107,7 +74,7 @@ impl RenderArgs {
             Ok(paths)
         };
         let paths = views.iter().map(path_of).collect::<Result<Vec<_>>>()?;
-        output::apart_from_pictures_of(&self.views, &self.out, &paths)?;
+        output::refuse_true_pictures(&self.views, &self.out, &paths)?;
         Ok(paths)
     }
 }
@@ -136,5 +103,5 @@ fn paint(
         scores.add(view, painted);
         job.advance(1);
     }
-    Ok(scores.finish().given_back(&order))
+    Ok(scores.finish().in_order_of_views(&order))
 }

@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use clap::Args;
 
-use crate::cli::{CommandError, SettingsArgs, output};
+use crate::cli::input::SettingsArgs;
+use crate::cli::output::{self, CommandError};
 use crate::settings::{Field, Settings, ValueKind};
 
-/// Arguments of `overlook settings`.
 #[derive(Debug, Args)]
 pub(crate) struct SettingsCommandArgs {
     #[command(flatten)]

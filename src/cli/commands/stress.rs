@@ -7,13 +7,13 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use serde::Serialize;
 
-use crate::cli::input::TruthArgs;
-use crate::cli::{CommandError, SettingsArgs, output};
-use crate::evaluate::stress::{self, BreakingPoint as PointOfFailure, Disturbance, StressPlan, StressPoint};
+use crate::cli::input::{self, SettingsArgs, TruthArgs};
+use crate::cli::output::{self, CommandError};
+use crate::evaluate::chart;
+use crate::evaluate::stress::{self, BreakingPoint, Disturbance, StressPlan, StressPoint};
 use crate::evaluate::truth::Truth;
 use crate::settings::Settings;
 
-/// Arguments of `overlook stress`.
 #[derive(Debug, Args)]
 pub(crate) struct StressArgs {
     /// The capture: a folder or its transforms.json.
@@ -38,14 +38,14 @@ struct StressOutput<'a> {
     capture: &'a str,
     truth: String,
     points: &'a [StressPoint],
-    failures: &'a [PointOfFailure],
+    failures: &'a [BreakingPoint],
 }
 
 impl StressArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
-        output::folder(&self.out)?;
-        let capture = crate::cli::open_capture(&self.capture, &settings.capture)?;
+        output::check_folder(&self.out)?;
+        let capture = input::open_capture(&self.capture, &settings.capture)?;
         let truth: Truth = self.truth.truth(&self.capture, &capture)?;
         let mut plan = StressPlan { frames: self.truth.frames, ..StressPlan::standard(&settings) };
         if !self.only.is_empty() {
@@ -64,24 +64,15 @@ impl StressArgs {
             points: &points,
             failures: &failures,
         };
-        output::write_json(&self.out.join("stress.json"), &document)?;
-        output::write_csv(&self.out.join("stress.csv"), &points)?;
-        output::write_chart(
-            &self.out.join("stress.png"),
-            &crate::evaluate::chart::stress(&capture.name, &points),
-        )?;
+        let chart = chart::stress(&capture.name, &points);
+        output::write_results(&self.out, "stress", &document, &points, ("stress.png", &chart))?;
         if self.json { output::print_json(&document) } else { output::print(&table(&points, &failures)) }
     }
 }
 
-/// Per disturbance: where each method loses 1 dB, and the least that ours is ahead of the others anywhere on the dial.
-fn table(points: &[StressPoint], failures: &[PointOfFailure]) -> String {
-    let mut methods: Vec<&str> = Vec::new();
-    for failure in failures {
-        if !methods.contains(&failure.method.as_str()) {
-            methods.push(&failure.method);
-        }
-    }
+/// Per disturbance: where each method loses 1 dB, and the smallest lead of ours over each other method.
+fn table(points: &[StressPoint], failures: &[BreakingPoint]) -> String {
+    let methods = stress::distinct(failures.iter().map(|failure| failure.method.as_str()));
     let mut text = format!("{:<44}", "1 dB is lost at");
     for method in &methods {
         let _ = write!(text, " {method:>18}");
@@ -112,14 +103,12 @@ fn table(points: &[StressPoint], failures: &[PointOfFailure]) -> String {
     text
 }
 
-/// The least by which one method is ahead of another at any value of a disturbance's dial, dB; negative where it is behind.
+/// The smallest lead of one method over another along the dial of a disturbance, dB; negative if it is behind.
 fn least_lead_db(points: &[StressPoint], disturbance: &str, [ahead, behind]: [&str; 2]) -> f64 {
     let of = |method: &str| {
-        let of_it = points.iter().filter(move |point| point.disturbance == disturbance);
-        of_it
-            .filter(|point| point.method == method)
-            .map(|point| point.point.psnr_filled_db)
-            .collect::<Vec<_>>()
+        let matching =
+            points.iter().filter(|point| point.disturbance == disturbance && point.method == method);
+        matching.map(|point| point.point.psnr_filled_db).collect::<Vec<f64>>()
     };
     of(ahead).iter().zip(of(behind)).map(|(ahead, behind)| ahead - behind).fold(f64::INFINITY, f64::min)
 }

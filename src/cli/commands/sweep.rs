@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::render::PaintingArgs;
-use crate::cli::input::TruthArgs;
-use crate::cli::{CommandError, SettingsArgs, output};
+use crate::capture::Capture;
+use crate::cli::input::{self, PaintingArgs, SettingsArgs, TruthArgs};
+use crate::cli::output::{self, CommandError};
+use crate::evaluate::chart;
 use crate::evaluate::sweep::{self, Point, SweepPlan};
 use crate::settings::Settings;
 
-/// Arguments of `overlook sweep`.
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
     /// The capture: a folder or its transforms.json.
@@ -48,8 +48,8 @@ impl SweepArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let mut settings = self.settings.over(Settings::default())?;
         self.painting.apply(&mut settings.render);
-        output::folder(&self.out)?;
-        let opened = crate::cli::open_capture(&self.capture, &settings.capture)?;
+        output::check_folder(&self.out)?;
+        let opened = input::open_capture(&self.capture, &settings.capture)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         let mut plan = self.plan(&settings, &capture)?;
         let fingerprint = self.truth.fingerprint(&self.capture, &opened, &truth)?;
@@ -63,17 +63,13 @@ impl SweepArgs {
             truth: self.truth.words(&capture, &truth),
             points: &points,
         };
-        output::write_json(&self.out.join("sweep.json"), &document)?;
-        output::write_csv(&self.out.join("sweep.csv"), &points)?;
-        output::write_chart(
-            &self.out.join("pareto.png"),
-            &crate::evaluate::chart::pareto(&capture.name, &points),
-        )?;
-        if self.json { output::print_json(&document) } else { output::print(&output::table(&points)) }
+        let chart = chart::pareto(&capture.name, &points);
+        output::write_results(&self.out, "sweep", &document, &points, ("pareto.png", &chart))?;
+        if self.json { output::print_json(&document) } else { output::print(&output::sweep_table(&points)) }
     }
 
-    /// The settings of the files under their names; under their paths where two files have one name. A file that says what another
-    /// row says already is told, as it gets none of its own.
+    /// The settings files under their names, or under their paths if two share a name. A file that equals another row gets none
+    /// of its own, with a warning.
     fn named(&self, reference: &Settings) -> Result<Vec<(String, Settings)>, CommandError> {
         let label = |path: &PathBuf| {
             let of_that_name = self.with.iter().filter(|other| other.file_stem() == path.file_stem()).count();
@@ -91,11 +87,7 @@ impl SweepArgs {
         Ok(named)
     }
 
-    fn plan(
-        &self,
-        settings: &Settings,
-        capture: &crate::capture::Capture,
-    ) -> Result<SweepPlan, CommandError> {
+    fn plan(&self, settings: &Settings, capture: &Capture) -> Result<SweepPlan, CommandError> {
         if !self.with.is_empty() {
             return Ok(SweepPlan::list(settings, self.named(settings)?, capture));
         }

@@ -4,13 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::input::TruthArgs;
-use crate::cli::{CommandError, SettingsArgs, output};
+use crate::cli::input::{self, SettingsArgs, TruthArgs};
+use crate::cli::output::{self, CommandError};
 use crate::evaluate::tune::{self, TuneBudget, TunePlan};
 use crate::settings::Settings;
 use crate::whole_file;
 
-/// Arguments of `overlook tune`.
 #[derive(Debug, Args)]
 pub(crate) struct TuneArgs {
     /// The capture: a folder or its transforms.json.
@@ -43,14 +42,14 @@ pub(crate) struct TuneArgs {
 impl TuneArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
-        output::file(&self.out, "tuned.toml")?;
-        output::apart_from_stores(&self.out)?;
-        self.settings.apart_from(&self.out)?;
+        output::check_file(&self.out, "tuned.toml")?;
+        output::refuse_store(&self.out)?;
+        self.settings.refuse_inputs(&self.out)?;
         if let Some(journal) = &self.journal {
-            output::folder(journal)?;
+            output::check_folder(journal)?;
         }
-        let opened = crate::cli::open_capture(&self.capture, &settings.capture)?;
-        output::apart_from_capture(&self.capture, self.truth.views.as_deref(), &self.out)?;
+        let opened = input::open_capture(&self.capture, &settings.capture)?;
+        output::refuse_capture_files(&self.capture, self.truth.views.as_deref(), &self.out)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         let journal = match &self.journal {
             Some(folder) => {
@@ -66,7 +65,7 @@ impl TuneArgs {
             output::recorded(journal.as_ref(), |job, keep| tune::run(&capture, &plan, &truth, job, keep))?;
         let head = format!("# {}\n\n", tuned.words.join("\n# "));
         let written = whole_file::write_all(&self.out, head + &tuned.settings.to_toml());
-        // What took so long is told even where it cannot be written.
+        // Results of hours of work are printed even if the file cannot be written.
         if self.json {
             output::print_json(&tuned)?;
         } else {

@@ -6,14 +6,13 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use crate::cli::{CommandError, output};
+use crate::cli::output::{self, CommandError};
 use crate::error::Error;
 use crate::job::Job;
 use crate::render::{CpuRenderer, Vantage};
 use crate::store::file::Store;
 use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback, Verification, verify};
 
-/// Arguments of `overlook verify`.
 #[derive(Debug, Args)]
 pub(crate) struct VerifyArgs {
     /// The store.
@@ -25,8 +24,7 @@ pub(crate) struct VerifyArgs {
 
 #[derive(Serialize)]
 struct VerifyOutput {
-    /// Wall-clock seconds from opening the file to a picture of its first frame, as its first camera stood; none where that cannot
-    /// be painted.
+    /// Seconds from opening the file to a picture of its first frame from its first camera; `None` if that cannot be rendered.
     seconds_to_first_picture: Option<f64>,
     #[serde(flatten)]
     verified: Verification,
@@ -55,27 +53,21 @@ impl VerifyArgs {
         } else if verified.damage.is_empty() {
             let picture = seconds_to_first_picture
                 .map_or(String::new(), |seconds| format!(", a picture of it after {:.0} ms", 1e3 * seconds));
+            let [samples, images] = [verified.samples, verified.images as u64].map(output::count);
+            let (bytes, first_ms) = (output::bytes(verified.bytes), 1e3 * verified.seconds_to_first_frame);
+            let Verification { frames, seconds, input_gb_per_s, .. } = verified;
             output::print(&format!(
-                "{} is whole: {} samples in {} images, {}\nPlayed {} frames in {:.2} s, {:.2} GB/s of input; the first frame's samples were there after {:.0} ms{picture}",
-                self.store.display(),
-                output::count(verified.samples),
-                output::count(verified.images as u64),
-                output::bytes(verified.bytes),
-                verified.frames,
-                verified.seconds,
-                verified.input_gb_per_s,
-                1e3 * verified.seconds_to_first_frame
+                "{} is whole: {samples} samples in {images} images, {bytes}\nPlayed {frames} frames in {seconds:.2} s, \
+                 {input_gb_per_s:.2} GB/s of input; the first frame's samples were there after {first_ms:.0} ms{picture}",
+                self.store.display()
             ))?;
         }
         if verified.damage.is_empty() {
             return Ok(());
         }
-        Err(CommandError::Work(Error::invalid(
-            self.store.display(),
-            format!(
-                "{} parts are damaged (see above); copy it again or preprocess the capture again",
-                verified.damage.len()
-            ),
-        )))
+        let parts = verified.damage.len();
+        let what =
+            format!("{parts} parts are damaged (see above); copy it again or preprocess the capture again");
+        Err(CommandError::Work(Error::invalid(self.store.display(), what)))
     }
 }

@@ -1,4 +1,4 @@
-//! The files that a command reads: what they hold, and whether they are still what they were.
+//! Identity of the files that a command reads.
 
 use std::fmt::Write;
 use std::fs::File;
@@ -14,8 +14,7 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::store::file::InputFiles;
 
-/// What a capture, opened from `path`, and the manifest of its truth held when they were looked at: it changes with any camera, any
-/// word of a manifest, and any picture that is written anew.
+/// A text that changes with any camera of a capture, any byte of its manifest or of its truth's, and any rewritten picture.
 pub(crate) fn state(path: &Path, capture: &Capture, views: Option<&Path>) -> Result<String> {
     let mut pictures = capture.files();
     let mut manifests = vec![manifest_path(path)];
@@ -23,7 +22,7 @@ pub(crate) fn state(path: &Path, capture: &Capture, views: Option<&Path>) -> Res
         pictures.extend(picture_places(views)?);
         manifests.push(manifest_path(views));
     }
-    // Manifests are small enough to be read again, pictures are not; where these lie is said by the manifests.
+    // Manifests are small enough to be read again. Pictures are not: their lengths and times have to do.
     let mut state = String::new();
     for manifest in manifests {
         let bytes = std::fs::read(&manifest).map_err(|error| Error::io(&manifest, error))?;
@@ -40,14 +39,11 @@ pub(crate) fn state(path: &Path, capture: &Capture, views: Option<&Path>) -> Res
     Ok(state)
 }
 
-/// Reads every file of a capture once more and sums them up; `None` where it does not come from files.
-///
-/// # Errors
-/// `Io`, `Cancelled`.
+/// Length and checksum of all files of a capture; `None` if it does not come from files.
 pub(crate) fn input_files(capture: &Capture, job: &Job) -> Result<Option<InputFiles>> {
     let files = capture.files();
     job.start("Summing the input up", files.len());
-    // Names count from the folder that all files share, so that a capture may move as a whole.
+    // Names are relative to the folder common to all files, so that a capture may move as a whole.
     let root = files.iter().skip(1).fold(files.first().and_then(|path| path.parent()), |root, path| {
         root.and_then(|root| root.ancestors().find(|root| path.starts_with(root)))
     });

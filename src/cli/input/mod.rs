@@ -1,9 +1,11 @@
-//! What commands read.
+//! What commands read, and the options that several of them share.
 
 mod fingerprint;
-mod hold_out;
+mod open;
+mod options;
 mod truth;
 
 pub(crate) use fingerprint::input_files;
-pub(crate) use hold_out::HoldOutArgs;
+pub(crate) use open::{open_capture, open_store};
+pub(crate) use options::{HoldOutArgs, PaintingArgs, SettingsArgs, choice};
 pub(crate) use truth::TruthArgs;

@@ -1,4 +1,4 @@
-//! What `sweep`, `stress` and `tune` hold pictures against.
+//! The truth that `sweep`, `stress` and `tune` compare pictures with.
 
 use std::path::{Path, PathBuf};
 
@@ -7,13 +7,13 @@ use clap::builder::RangedU64ValueParser;
 
 use super::fingerprint;
 use crate::capture::{Capture, transforms};
-use crate::cli::{CommandError, output};
+use crate::cli::output::{self, CommandError};
 use crate::evaluate::truth::{self, Truth};
 
-/// Raised where the same input, truth and settings would be measured otherwise than before.
+/// Raised when the same input, truth and settings are measured differently.
 const MEASURE: u32 = 1;
 
-/// Where the truth comes from, and how much of the capture is looked at.
+/// Options for the truth and for the frames to use.
 #[derive(Debug, Args)]
 pub(crate) struct TruthArgs {
     /// Vantages whose truth is known [default: the capture's novel/transforms.json, or else --cross-validate].
@@ -45,7 +45,7 @@ impl TruthArgs {
     pub(crate) fn truth(&self, path: &Path, capture: &Capture) -> Result<Truth, CommandError> {
         match self.views(path) {
             Some(views) => {
-                output::can_be_read_again(&views)?;
+                output::refuse_pipe(&views)?;
                 Ok(Truth::Views(transforms::open_views_of(&views, capture.frames_are_ranked())?))
             }
             None if capture.cameras.len() >= Truth::HoldOut.least_cameras() => Ok(Truth::HoldOut),
@@ -70,8 +70,8 @@ impl TruthArgs {
         self.frames.map_or(capture.frame_count(), |frames| frames.min(capture.frame_count()))
     }
 
-    /// Tells results apart that must not be mixed: milliseconds depend on the threads, and the truth on what its files hold, whatever
-    /// their path is called. `opened` is the capture of `path` with all its frames.
+    /// Identifies measurements that may be mixed: milliseconds depend on the number of threads, and the truth on the contents of
+    /// its files. `opened` is the capture of `path` with all its frames.
     pub(crate) fn fingerprint(
         &self,
         path: &Path,

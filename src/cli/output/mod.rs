@@ -1,20 +1,24 @@
 //! What commands write.
 
+mod command_error;
 mod output_guard;
 mod picture;
 mod process;
 mod progress;
 mod results;
+mod score_table;
 mod size_table;
 mod text;
 
+pub(crate) use command_error::CommandError;
 pub(crate) use output_guard::{
-    apart_from, apart_from_capture, apart_from_pictures_of, apart_from_stores, apart_from_views,
-    can_be_read_again, file, folder,
+    check_file, check_folder, refuse_capture_files, refuse_input, refuse_pipe, refuse_store,
+    refuse_true_pictures, refuse_view_files,
 };
 pub(crate) use picture::PicturePaths;
 pub(crate) use process::peak_rss_bytes;
 pub(crate) use progress::{STOPPED, watched};
-pub(crate) use results::{Journal, recorded, table, write_chart, write_csv, write_json};
+pub(crate) use results::{Journal, recorded, sweep_table, write_results};
+pub(crate) use score_table::{comparison_table, painter_line, view_table};
 pub(crate) use size_table::Sizes;
-pub(crate) use text::{bytes, count, number, percent, print, print_json, tell, warn, without_depth};
+pub(crate) use text::{bytes, count, number, percent, print, print_error, print_json, warn, without_depth};

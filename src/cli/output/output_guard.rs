@@ -1,4 +1,5 @@
-//! Where results go, looked at before the work: long work must end neither in "no such folder" nor in what it was made from.
+//! Checks of output paths before the work starts: hours of work must not end in a missing folder, and no result may overwrite its
+//! input.
 
 use std::collections::HashSet;
 use std::io::ErrorKind;
@@ -10,11 +11,8 @@ use crate::error::{Error, Result};
 use crate::store::file::Store;
 use crate::whole_file;
 
-/// Refuses a file that cannot be written where it is named; `example` says how one is called.
-///
-/// # Errors
-/// `Invalid` where its folder does not exist or takes no file, and where it is a folder itself, a pipe or a device; `Io`.
-pub(crate) fn file(out: &Path, example: &str) -> Result<()> {
+/// Refuses a file that cannot be written; `example` is a good name for the message.
+pub(crate) fn check_file(out: &Path, example: &str) -> Result<()> {
     let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
         return Err(Error::invalid(
@@ -36,11 +34,8 @@ pub(crate) fn file(out: &Path, example: &str) -> Result<()> {
     }
 }
 
-/// Refuses a folder that cannot be made, since a file stands there or above.
-///
-/// # Errors
-/// `Invalid` naming the file.
-pub(crate) fn folder(out: &Path) -> Result<()> {
+/// Refuses a folder that cannot be created because a file has its name or that of a parent.
+pub(crate) fn check_folder(out: &Path) -> Result<()> {
     match out.ancestors().find(|place| place.is_file()) {
         None => Ok(()),
         Some(file) => {
@@ -49,19 +44,15 @@ pub(crate) fn folder(out: &Path) -> Result<()> {
     }
 }
 
-/// Refuses pictures below `out` that would lie where those of the manifest are looked for, or those of a capture in `out`: a
-/// recorded picture must not be painted over.
-///
-/// # Errors
-/// `Invalid` naming the first; whatever the manifest gives.
-pub(crate) fn apart_from_pictures_of(manifest: &Path, out: &Path, targets: &[PicturePaths]) -> Result<()> {
-    apart_from_places(manifest, &picture_places(manifest)?, targets)?;
-    // The manifest of another capture was not named: it may be missing or broken.
+/// Refuses pictures below `out` that would overwrite those of the manifest, or those of a capture in `out`.
+pub(crate) fn refuse_true_pictures(manifest: &Path, out: &Path, targets: &[PicturePaths]) -> Result<()> {
+    refuse_pictures_at(manifest, &picture_places(manifest)?, targets)?;
+    // The user did not name that capture: its manifest may be missing or broken.
     let other = out.join(MANIFEST_NAME);
-    apart_from_places(&other, &picture_places(&other).unwrap_or_default(), targets)
+    refuse_pictures_at(&other, &picture_places(&other).unwrap_or_default(), targets)
 }
 
-fn apart_from_places(manifest: &Path, places: &[PathBuf], targets: &[PicturePaths]) -> Result<()> {
+fn refuse_pictures_at(manifest: &Path, places: &[PathBuf], targets: &[PicturePaths]) -> Result<()> {
     let own: HashSet<PathBuf> = places.iter().map(|path| resolved(path)).collect();
     let written = targets.iter().flat_map(|paths| [&paths.exr, &paths.png]);
     match written.into_iter().find(|path| own.contains(&resolved(path))) {
@@ -76,11 +67,8 @@ fn apart_from_places(manifest: &Path, places: &[PathBuf], targets: &[PicturePath
     }
 }
 
-/// Refuses views that can be read but once: where their pictures lie is asked again.
-///
-/// # Errors
-/// `Invalid` where they are neither a file nor a folder, but something.
-pub(crate) fn can_be_read_again(views: &Path) -> Result<()> {
+/// Refuses views from a pipe or a device: they are read twice.
+pub(crate) fn refuse_pipe(views: &Path) -> Result<()> {
     match views.metadata() {
         Ok(facts) if !facts.is_file() && !facts.is_dir() => Err(Error::invalid(
             views.display(),
@@ -91,43 +79,27 @@ pub(crate) fn can_be_read_again(views: &Path) -> Result<()> {
 }
 
 /// Refuses a file that a capture or the truth beside it is read from: a manifest, or a picture that one names.
-///
-/// # Errors
-/// `Invalid` where it is one; whatever the capture's manifest gives, and that of `views` where they are named.
-pub(crate) fn apart_from_capture(capture: &Path, views: Option<&Path>, out: &Path) -> Result<()> {
+pub(crate) fn refuse_capture_files(capture: &Path, views: Option<&Path>, out: &Path) -> Result<()> {
     let beside = truth_beside(capture);
     if let Some(beside) = &beside {
-        apart_from(beside, out)?;
+        refuse_input(beside, out)?;
     }
     for manifest in [Some(capture), views].into_iter().flatten() {
-        apart_from_views(manifest, out)?;
+        refuse_view_files(manifest, out)?;
     }
-    // Views that nobody named may be broken without a word: the command does not read them.
-    apart_from_any(&beside.and_then(|beside| picture_places(&beside).ok()).unwrap_or_default(), out)
+    // The command does not read these views: they may be broken.
+    let truth = beside.and_then(|beside| picture_places(&beside).ok()).unwrap_or_default();
+    truth.iter().try_for_each(|picture| refuse_input(picture, out))
 }
 
 /// Refuses a file that views are read from: their manifest, or a picture that it names.
-///
-/// # Errors
-/// `Invalid` where it is one; whatever the manifest gives.
-pub(crate) fn apart_from_views(manifest: &Path, out: &Path) -> Result<()> {
-    apart_from(&manifest_path(manifest), out)?;
-    apart_from_any(&picture_places(manifest)?, out)
+pub(crate) fn refuse_view_files(manifest: &Path, out: &Path) -> Result<()> {
+    refuse_input(&manifest_path(manifest), out)?;
+    picture_places(manifest)?.iter().try_for_each(|picture| refuse_input(picture, out))
 }
 
-fn apart_from_any(inputs: &[PathBuf], out: &Path) -> Result<()> {
-    let out_resolved = resolved(out);
-    match inputs.iter().find(|input| resolved(input) == out_resolved) {
-        None => Ok(()),
-        Some(input) => apart_from(input, out),
-    }
-}
-
-/// Refuses to write what is no store over a store.
-///
-/// # Errors
-/// `Invalid` where `out` is one; `Io` where it cannot be read.
-pub(crate) fn apart_from_stores(out: &Path) -> Result<()> {
+/// Refuses to overwrite a store with something else.
+pub(crate) fn refuse_store(out: &Path) -> Result<()> {
     if !out.is_file() || !Store::is_store(out)? {
         return Ok(());
     }
@@ -138,17 +110,14 @@ pub(crate) fn apart_from_stores(out: &Path) -> Result<()> {
 }
 
 /// Refuses to write over the file that is read.
-///
-/// # Errors
-/// `Invalid` where it is the same.
-pub(crate) fn apart_from(input: &Path, out: &Path) -> Result<()> {
+pub(crate) fn refuse_input(input: &Path, out: &Path) -> Result<()> {
     if resolved(input) != resolved(out) {
         return Ok(());
     }
     Err(Error::invalid(out.display(), "is what is read; name another file with --out"))
 }
 
-/// One name for whatever is the same file, or would be.
+/// One name per file, existing or not.
 fn resolved(path: &Path) -> PathBuf {
     let absolute = || std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     path.canonicalize().unwrap_or_else(|_| match (path.parent(), path.file_name()) {
@@ -161,23 +130,37 @@ fn resolved(path: &Path) -> PathBuf {
 mod tests {
     use super::*;
 
+    /// A manifest that names these color pictures, each with the depth of `d.png`.
+    fn write_manifest(path: &Path, pictures: &[&str]) {
+        let entry = |name: &&str| {
+            format!(r#"{{"file_path":"{name}","depth_file_path":"d.png","transform_matrix":[]}}"#)
+        };
+        let entries: Vec<String> = pictures.iter().map(entry).collect();
+        std::fs::write(path, format!(r#"{{"frames":[{}]}}"#, entries.join(","))).unwrap();
+    }
+
     #[test]
     fn results_go_into_folders_that_are_there_and_pictures_into_folders_that_can_be_made() {
         let here = tempfile::tempdir().unwrap();
         let at = |name: &str| here.path().join(name);
         std::fs::write(at("taken"), "a file").unwrap();
         let said = |outcome: Result<()>| outcome.unwrap_err().to_string();
-        assert!(file(&at("scene.ovl"), "scene.ovl").is_ok());
-        assert!(file(&at("taken"), "scene.ovl").is_ok(), "results may be replaced");
-        assert!(file(Path::new("scene.ovl"), "scene.ovl").is_ok());
-        assert!(said(file(&at("none/scene.ovl"), "scene.ovl")).contains("does not exist"));
-        assert!(said(file(&at("taken/scene.ovl"), "scene.ovl")).contains("does not exist"));
+        assert!(check_file(&at("scene.ovl"), "scene.ovl").is_ok());
+        assert!(check_file(&at("taken"), "scene.ovl").is_ok(), "results may be replaced");
+        assert!(check_file(Path::new("scene.ovl"), "scene.ovl").is_ok());
+        assert!(said(check_file(&at("none/scene.ovl"), "scene.ovl")).contains("does not exist"));
+        assert!(said(check_file(&at("taken/scene.ovl"), "scene.ovl")).contains("does not exist"));
         assert!(
-            said(file(here.path(), "scene.ovl")).contains("is a folder; name a file in it, as in scene.ovl")
+            said(check_file(here.path(), "scene.ovl"))
+                .contains("is a folder; name a file in it, as in scene.ovl")
         );
-        assert!(folder(here.path()).is_ok() && folder(&at("a/b")).is_ok() && folder(Path::new("a")).is_ok());
+        assert!(
+            check_folder(here.path()).is_ok()
+                && check_folder(&at("a/b")).is_ok()
+                && check_folder(Path::new("a")).is_ok()
+        );
         for place in ["taken", "taken/a/b"] {
-            assert!(said(folder(&at(place))).contains("taken: is a file"), "{place}");
+            assert!(said(check_folder(&at(place))).contains("taken: is a file"), "{place}");
         }
     }
 
@@ -186,16 +169,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let here = folder.path();
         std::fs::create_dir_all(here.join("novel")).unwrap();
-        let manifest = |name: &str, picture: &str| {
-            let entry =
-                format!(r#"{{"file_path":"{picture}","depth_file_path":"d.png","transform_matrix":[]}}"#);
-            std::fs::write(here.join(name), format!(r#"{{"frames":[{entry}]}}"#)).unwrap();
-        };
-        manifest("transforms.json", "a/1.exr");
-        manifest("novel/transforms.json", "n.exr");
-        manifest("views.json", "v");
+        write_manifest(&here.join("transforms.json"), &["a/1.exr"]);
+        write_manifest(&here.join("novel/transforms.json"), &["n.exr"]);
+        write_manifest(&here.join("views.json"), &["v"]);
         let refused = |capture: &Path, out: &str| {
-            apart_from_capture(capture, Some(&here.join("views.json")), &here.join(out)).is_err()
+            refuse_capture_files(capture, Some(&here.join("views.json")), &here.join(out)).is_err()
         };
         for capture in [here, &here.join("transforms.json")] {
             for out in [
@@ -224,13 +202,10 @@ mod tests {
         std::fs::create_dir(here.join("other")).unwrap();
         std::fs::write(here.join("novel/a/1.exr"), "the truth").unwrap();
         let manifest = here.join("novel/transforms.json");
-        let entries = ["a/1.exr", "a/2.png", "b/3"]
-            .map(|name| format!(r#"{{"file_path":"{name}","transform_matrix":[]}}"#));
-        std::fs::write(&manifest, format!(r#"{{"frames":[{}]}}"#, entries.join(","))).unwrap();
+        write_manifest(&manifest, &["a/1.exr", "a/2.png", "b/3"]);
         let refused = |out: &Path, name: &str| {
             let targets = [PicturePaths::below(out, name).unwrap()];
-            let outcome =
-                [&manifest, &here.join("novel")].map(|it| apart_from_pictures_of(it, out, &targets));
+            let outcome = [&manifest, &here.join("novel")].map(|it| refuse_true_pictures(it, out, &targets));
             assert_eq!(outcome[0].is_err(), outcome[1].is_err());
             outcome[0].as_ref().err().map(ToString::to_string)
         };
@@ -252,13 +227,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let here = folder.path();
         std::fs::create_dir(here.join("scene")).unwrap();
-        let entry = |name: &str| format!(r#"{{"frames":[{{"file_path":"{name}","transform_matrix":[]}}]}}"#);
-        std::fs::write(here.join("views.json"), entry("v.exr")).unwrap();
-        std::fs::write(here.join("scene/transforms.json"), entry("a/1.exr")).unwrap();
+        write_manifest(&here.join("views.json"), &["v.exr"]);
+        write_manifest(&here.join("scene/transforms.json"), &["a/1.exr"]);
         let out = here.join("scene");
         let refused = |name: &str| {
             let targets = [PicturePaths::below(&out, name).unwrap()];
-            apart_from_pictures_of(&here.join("views.json"), &out, &targets).is_err()
+            refuse_true_pictures(&here.join("views.json"), &out, &targets).is_err()
         };
         assert!(refused("a/1") && !refused("a/2"));
         std::fs::write(here.join("scene/transforms.json"), "no manifest").unwrap();

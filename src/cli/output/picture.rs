@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::render::output::write_png;
 use crate::render::{NO_IMAGE, Picture};
 
-/// Where a view's picture goes: its own name below the output folder, once with each extension.
+/// Paths of a view's picture: its own name below the output folder, once with each extension.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct PicturePaths {
     pub(crate) exr: PathBuf,
@@ -15,8 +15,7 @@ pub(crate) struct PicturePaths {
 }
 
 impl PicturePaths {
-    /// # Errors
-    /// `Invalid` where `file_path` would leave `folder`.
+    /// Refuses a `file_path` that would leave `folder`.
     pub(crate) fn below(folder: &Path, file_path: &str) -> Result<Self> {
         let relative = Path::new(file_path);
         let stays_below =
@@ -40,11 +39,8 @@ impl PicturePaths {
         Ok(Self { exr: with(".exr"), png: with(".png") })
     }
 
-    /// Writes the picture twice: EXR with linear `R G B A Z`, and PNG as a display shows it. Alpha is 0 where nothing was
-    /// sampled: in EXR in filled holes too, while PNG, made to be looked at, shows those.
-    ///
-    /// # Errors
-    /// `Io`.
+    /// Writes the picture as EXR with linear `R G B A Z` and as PNG for display. Alpha is 0 where there is no sample; in the EXR,
+    /// that includes filled holes.
     pub(crate) fn write(&self, picture: &Picture) -> Result<()> {
         if let Some(folder) = self.exr.parent() {
             std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;

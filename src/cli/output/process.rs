@@ -1,6 +1,6 @@
-//! What the operating system says about this process.
+//! Facts of the operating system about this process.
 
-/// The most memory the process has held, bytes; `None` where the system does not say.
+/// The peak resident memory of the process, bytes; `None` if the system does not report it.
 pub(crate) fn peak_rss_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

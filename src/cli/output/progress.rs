@@ -13,16 +13,16 @@ use crate::job::Job;
 
 const REDRAW: Duration = Duration::from_millis(100);
 
-/// Sets the flag when the work ends, in whatever way.
-struct SetOnDrop<'a>(&'a AtomicBool);
+/// Calls a function when it is dropped, also in a panic.
+struct OnDrop<F: FnMut()>(F);
 
-impl Drop for SetOnDrop<'_> {
+impl<F: FnMut()> Drop for OnDrop<F> {
     fn drop(&mut self) {
-        self.0.store(true, Ordering::Release);
+        (self.0)();
     }
 }
 
-/// What a shell expects of a program that was stopped.
+/// Exit code of a program that was stopped.
 pub(crate) const STOPPED: u8 = 130;
 
 /// The work under way.
@@ -33,9 +33,9 @@ fn set_current(job: Option<Arc<Job>>) -> Option<Arc<Job>> {
     std::mem::replace(&mut *current, job)
 }
 
-/// Lets Ctrl-C (and on Unix SIGTERM and SIGHUP) cancel the work under way, which then cleans up behind it; a second one ends
-/// the program at once.
-fn stop_when_told() {
+/// Makes Ctrl-C (on Unix also SIGTERM and SIGHUP) cancel the current work, which then cleans up; a second one ends the program at
+/// once.
+fn cancel_on_signal() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         let handler = || {
@@ -51,34 +51,25 @@ fn stop_when_told() {
     });
 }
 
-/// The work before, current again once this is dropped.
-struct Restore(Option<Arc<Job>>);
-
-impl Drop for Restore {
-    fn drop(&mut self) {
-        set_current(self.0.take());
-    }
-}
-
-/// Does `work` under a progress bar, where stderr is a terminal that can show one, and tells its warnings. Ctrl-C
-/// cancels its job.
+/// Runs `work` with a progress bar if stderr is a terminal, and prints its warnings. Ctrl-C cancels its job.
 pub(crate) fn watched<T>(work: impl FnOnce(&Job) -> T) -> T {
-    stop_when_told();
+    cancel_on_signal();
     let job = Arc::new(Job::new());
-    let _restore = Restore(set_current(Some(job.clone())));
+    let mut before = set_current(Some(job.clone()));
+    let _restore = OnDrop(|| drop(set_current(before.take())));
     let result = if std::io::stderr().is_terminal() { drawn(&job, work) } else { work(&job) };
     text::warn(&job.warnings());
     result
 }
 
-/// Does `work` while its progress is drawn.
+/// Runs `work` while its progress is drawn.
 fn drawn<T>(job: &Job, work: impl FnOnce(&Job) -> T) -> T {
     let finished = AtomicBool::new(false);
     thread::scope(|scope| {
         let watcher =
             thread::Builder::new().name("progress".to_owned()).spawn_scoped(scope, || draw(job, &finished));
         let result = {
-            let _finish = SetOnDrop(&finished);
+            let _finish = OnDrop(|| finished.store(true, Ordering::Release));
             work(job)
         };
         if let Ok(watcher) = watcher {

@@ -16,21 +16,18 @@ use crate::evaluate::sweep::Point;
 use crate::job::Job;
 use crate::whole_file;
 
-/// What a run has measured so far, one JSON document a line below a line that says what it was measured on. It is locked while it is
-/// open: what two runs write must not mix.
+/// The measurements of a run so far: a line that identifies their input, then one JSON document per line. The file is locked
+/// while it is open, so that two runs do not mix.
 pub(crate) struct Journal {
     path: PathBuf,
     file: Mutex<File>,
     lines: Vec<String>,
-    /// A journal that was put aside, locked still for whoever opened it before it got its other name.
+    /// The renamed journal of another input, kept locked against a run that opened it under its old name.
     _aside: Option<File>,
 }
 
 impl Journal {
-    /// Opens `DIR/NAME.journal`, and starts a new one where it was measured on something else: that is kept beside it.
-    ///
-    /// # Errors
-    /// `Io`; `Invalid` where another run has it open.
+    /// Opens `DIR/NAME.journal`. A journal of another input is renamed, and a new one is started.
     pub(crate) fn open(folder: &Path, name: &str, fingerprint: &str) -> Result<Self> {
         fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
         let path = folder.join(format!("{name}.journal"));
@@ -41,19 +38,14 @@ impl Journal {
         // A run that was killed while it wrote may have left half a line, and half a character.
         let text = String::from_utf8_lossy(&bytes);
         let head = serde_json::Value::from(fingerprint).to_string();
-        let mut known = text.lines();
-        let first = known.next();
-        let mut lines: Vec<String> = known.map(str::to_owned).collect();
+        let is_other = text.lines().next().is_some_and(|first| first != head);
+        let mut lines: Vec<String> = text.lines().skip(1).map(str::to_owned).collect();
         let mut before = None;
-        if first != Some(head.as_str()) && first.is_some() {
-            let aside = put_aside(&path, !lines.is_empty())?;
+        if is_other {
+            put_aside(&path, std::mem::take(&mut lines).is_empty())?;
             before = Some(std::mem::replace(&mut file, locked(&path)?));
-            if lines.is_empty() {
-                fs::remove_file(&aside).map_err(|error| Error::io(aside, error))?;
-            }
-            lines.clear();
         }
-        if first.is_none() || before.is_some() {
+        if text.is_empty() || is_other {
             write_line(&mut file, &head).map_err(io)?;
         } else if !text.ends_with('\n') {
             write_line(&mut file, "").map_err(io)?;
@@ -61,7 +53,7 @@ impl Journal {
         Ok(Self { file: Mutex::new(file), lines, _aside: before, path })
     }
 
-    /// What is known already; lines that cannot be read are measured again.
+    /// The known points; lines that cannot be read are measured again.
     pub(crate) fn points<T: DeserializeOwned>(&self) -> Vec<T> {
         self.lines.iter().filter_map(|line| serde_json::from_str(line).ok()).collect()
     }
@@ -76,7 +68,7 @@ impl Journal {
     }
 }
 
-/// The file, made where there is none, to be read and added to by nobody else; by others too where the file system knows no locks.
+/// Opens or creates the file with a lock, or without one if the file system has none.
 fn locked(path: &Path) -> Result<File> {
     let options = OpenOptions::new().read(true).append(true).create(true).open(path);
     let file = options.map_err(|error| Error::io(path, error))?;
@@ -89,13 +81,13 @@ fn locked(path: &Path) -> Result<File> {
     }
 }
 
-/// Adds a line in one piece: where nothing is locked, those of two runs stay whole.
+/// Adds a line in one write, so that lines of two runs stay whole even without a lock.
 fn write_line(file: &mut File, line: &str) -> std::io::Result<()> {
     file.write_all(format!("{line}\n").as_bytes())
 }
 
-/// Gives a journal another name, so that what took hours to measure is not lost to a word that changed; says so where it is told.
-fn put_aside(path: &Path, is_told: bool) -> Result<PathBuf> {
+/// Renames the journal of another input, so that hours of measurements are not lost, with a warning; removes an empty one.
+fn put_aside(path: &Path, is_empty: bool) -> Result<()> {
     let mut aside = path.with_extension("journal.old");
     let mut number = 1;
     while aside.exists() {
@@ -103,18 +95,19 @@ fn put_aside(path: &Path, is_told: bool) -> Result<PathBuf> {
         aside = path.with_extension(format!("journal.old{number}"));
     }
     fs::rename(path, &aside).map_err(|error| Error::io(path, error))?;
-    if is_told {
-        text::warn(&[format!(
-            "{} was measured on another state of the capture, with another truth, with other threads or by another version; it is \
-             kept as {}, and everything is measured anew",
-            path.display(),
-            aside.display()
-        )]);
+    if is_empty {
+        return fs::remove_file(&aside).map_err(|error| Error::io(aside, error));
     }
-    Ok(aside)
+    text::warn(&[format!(
+        "{} was measured on another state of the capture, with another truth, with other threads or by another version; it is \
+         kept as {}, and everything is measured anew",
+        path.display(),
+        aside.display()
+    )]);
+    Ok(())
 }
 
-/// Does `work` under a progress bar, adding each point it measures to `journal`; stops where that cannot be written.
+/// Runs `work` with a progress bar and adds each point to `journal`; stops if that fails.
 pub(crate) fn recorded<P: Serialize, T>(
     journal: Option<&Journal>,
     work: impl FnOnce(&Job, &mut dyn FnMut(&P)) -> Result<T>,
@@ -132,24 +125,32 @@ pub(crate) fn recorded<P: Serialize, T>(
 }
 
 /// Writes one JSON document.
-pub(crate) fn write_json(path: &Path, document: &impl Serialize) -> Result<()> {
+fn write_json(path: &Path, document: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(document)
         .map_err(|error| Error::invalid(path.display(), error.to_string()))?;
     whole_file::write_all(path, text + "\n")
 }
 
-/// Writes a chart as PNG.
-pub(crate) fn write_chart(path: &Path, chart: &Chart) -> Result<()> {
-    whole_file::write_all(path, chart.png()?)
+/// Writes `NAME.json` and `NAME.csv` into a folder, and the chart as PNG under a name of its own.
+pub(crate) fn write_results(
+    folder: &Path,
+    name: &str,
+    document: &impl Serialize,
+    rows: &[impl Serialize],
+    (picture, chart): (&str, &Chart),
+) -> Result<()> {
+    write_json(&folder.join(format!("{name}.json")), document)?;
+    write_csv(&folder.join(format!("{name}.csv")), rows)?;
+    whole_file::write_all(&folder.join(picture), chart.png()?)
 }
 
-/// Writes documents as CSV (RFC 4180): one a row, a column for every number, text or truth value, nested ones by the path to
-/// them. Lists have no column.
-pub(crate) fn write_csv(path: &Path, rows: &[impl Serialize]) -> Result<()> {
+/// Writes documents as CSV (RFC 4180): one per row, a column per number, text or truth value, named by its path. Lists are left
+/// out.
+fn write_csv(path: &Path, rows: &[impl Serialize]) -> Result<()> {
     let mut head: Vec<String> = Vec::new();
     let mut table = Vec::new();
     for row in rows {
-        // By way of its text, where a single float is as short as it can be.
+        // Through text, where a single float is as short as it can be.
         let value = serde_json::to_string(row).and_then(|text| serde_json::from_str(&text));
         let value: serde_json::Value =
             value.map_err(|error| Error::invalid(path.display(), error.to_string()))?;
@@ -198,27 +199,22 @@ fn quoted(text: &str) -> String {
 }
 
 /// One line per point; a star marks the Pareto front.
-pub(crate) fn table(points: &[Point]) -> String {
+pub(crate) fn sweep_table(points: &[Point]) -> String {
     let mut text = format!(
         "{:<52} {:>15} {:>15} {:>7} {:>7} {:>7} {:>12} {:>10} {:>8}",
         "setting", "filled dB ± SE", "PSNR dB ± SE", "SSIM", "FLIP", "cover", "samples", "bytes", "ms"
     );
     for point in points {
         let star = if point.pareto { '*' } else { ' ' };
+        let Point {
+            label, psnr_filled_db, psnr_filled_db_se, psnr_db, psnr_db_se, ssim, flip, coverage, ..
+        } = point;
+        let (samples, bytes) = (text::count(point.samples), text::bytes(point.bytes));
+        let milliseconds = point.milliseconds;
         let _ = write!(
             text,
-            "\n{star} {:<50} {:>8.2} ± {:>4.2} {:>8.2} ± {:>4.2} {:>7.4} {:>7.4} {:>7.4} {:>12} {:>10} {:>8.1}",
-            point.label,
-            point.psnr_filled_db,
-            point.psnr_filled_db_se,
-            point.psnr_db,
-            point.psnr_db_se,
-            point.ssim,
-            point.flip,
-            point.coverage,
-            text::count(point.samples),
-            text::bytes(point.bytes),
-            point.milliseconds
+            "\n{star} {label:<50} {psnr_filled_db:>8.2} ± {psnr_filled_db_se:>4.2} {psnr_db:>8.2} ± {psnr_db_se:>4.2} \
+             {ssim:>7.4} {flip:>7.4} {coverage:>7.4} {samples:>12} {bytes:>10} {milliseconds:>8.1}"
         );
     }
     text

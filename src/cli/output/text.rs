@@ -1,11 +1,11 @@
-//! What commands say on stdout.
+//! Printing, and numbers as text.
 
 use std::io::{ErrorKind, Write};
 
 use indicatif::{DecimalBytes, HumanCount};
 use serde::Serialize;
 
-use crate::cli::CommandError;
+use super::command_error::CommandError;
 use crate::error::Error;
 use crate::preprocess::diagnostics::Report;
 
@@ -13,7 +13,7 @@ use crate::preprocess::diagnostics::Report;
 pub(crate) fn print(text: &str) -> Result<(), CommandError> {
     let mut stdout = std::io::stdout().lock();
     match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
-        // Whoever was reading has read enough.
+        // The reader has read enough.
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         result => Ok(result.map_err(|error| Error::io("stdout", error))?),
     }
@@ -26,15 +26,15 @@ pub(crate) fn print_json(document: &impl Serialize) -> Result<(), CommandError> 
     print(&text)
 }
 
-/// Says one line on stderr. Where that is gone or full there is nobody to tell, which must not end the work.
-pub(crate) fn tell(line: &str) {
+/// Prints one line on stderr. Failing to do so must not end the work.
+pub(crate) fn print_error(line: &str) {
     let _ = writeln!(std::io::stderr(), "overlook: {line}");
 }
 
-/// Tells of recoverable trouble, one line each, on stderr.
+/// Prints warnings on stderr, one line each.
 pub(crate) fn warn(warnings: &[String]) {
     for warning in warnings {
-        tell(&format!("warning: {warning}"));
+        print_error(&format!("warning: {warning}"));
     }
 }
 
@@ -48,7 +48,7 @@ pub(crate) fn bytes(number: u64) -> String {
     DecimalBytes(number).to_string()
 }
 
-/// The line that says how many pixels have no depth, where there are any; it stands below what was dropped.
+/// A line with the number of pixels without depth, if there are any.
 pub(crate) fn without_depth(report: &Report) -> Option<String> {
     let pixels = report.without_depth();
     (pixels > 0).then(|| format!("  without depth {:>10}\n", count(pixels)))

@@ -1,5 +1,4 @@
-//! The machine's own limits, measured in the same run as the stages: how fast memory can be read, and how fast points
-//! that are already projected can be put into a picture by depth.
+//! The machine's limits: how fast memory can be read, and projected points put into a picture by depth.
 //!
 //! ```text
 //! read     sum of a buffer that no cache holds                                           ─▶ GB/s
@@ -7,17 +6,17 @@
 //! copy     from one buffer of the graphics adapter to another, where it is measured        ─▶ GB/s
 //! ```
 //!
-//! None does any work of the method. Scattering is what every splatting renderer does at least, without unprojecting,
-//! projecting, colors or merging.
+//! None includes work of the method. Every splatting renderer has to scatter at least, without unprojection, projection, colors
+//! or merging.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
 
 use rayon::prelude::*;
-use serde::Serialize;
 
-use super::Bench;
+use super::case::Bench;
 use super::measure::{Times, repeat};
+use super::report::Limit;
 use crate::error::Result;
 use crate::random::mix;
 use crate::render::gpu::{AdapterChoice, GpuCopy};
@@ -34,20 +33,7 @@ const READ_SHARE: usize = 1 << 16;
 /// Sums that run side by side, so that no addition waits for the one before.
 const LANES: usize = 16;
 
-/// What the machine can do at most with some number of threads.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Limit {
-    /// Threads.
-    pub threads: usize,
-    /// Reading memory in sequence, 10⁹ bytes a second.
-    pub read_gb_per_s: f64,
-    /// Scattering random points into a picture of the size of the scene's cameras, million points a second.
-    pub scatter_mpts_per_s: f64,
-    /// Copying in the graphics adapter's memory, 10⁹ bytes a second; `None` where no adapter was measured.
-    pub gpu_copy_gb_per_s: Option<f64>,
-}
-
-/// Measures limits, as often as asked; all measurements count together.
+/// Measures limits; all measurements count together.
 pub(crate) struct LimitMeter {
     numbers: Vec<u64>,
     points: ScatterPoints,
@@ -57,32 +43,20 @@ pub(crate) struct LimitMeter {
 }
 
 impl LimitMeter {
-    /// Scatters so many points into a picture of so many pixels.
-    pub(crate) fn new(points: u64, pixels: usize, quick: bool) -> Self {
-        let numbers = if quick { READ_NUMBERS_QUICK } else { READ_NUMBERS };
-        Self {
+    /// Prepares `points` to be scattered into a picture of `pixels`, and a copy on the graphics adapter if it is measured.
+    pub(crate) fn new(points: u64, pixels: usize, with_gpu: bool, quick: bool) -> Result<Self> {
+        let (numbers, bytes) =
+            if quick { (READ_NUMBERS_QUICK, COPY_BYTES_QUICK) } else { (READ_NUMBERS, COPY_BYTES) };
+        Ok(Self {
             // Written, not only reserved: the system backs untouched memory with one page of zeros.
             numbers: (0..numbers as u64).collect(),
             points: ScatterPoints::random(points, pixels),
-            gpu_copy: None,
+            gpu_copy: with_gpu.then(|| GpuCopy::new(AdapterChoice::Any, bytes)).transpose()?,
             times: BTreeMap::new(),
-        }
-    }
-
-    /// Measures the memory of the graphics adapter too.
-    ///
-    /// # Errors
-    /// `Gpu` where there is none.
-    pub(crate) fn include_gpu(&mut self, quick: bool) -> Result<()> {
-        let bytes = if quick { COPY_BYTES_QUICK } else { COPY_BYTES };
-        self.gpu_copy = Some(GpuCopy::new(AdapterChoice::Any, bytes)?);
-        Ok(())
+        })
     }
 
     /// Measures every limit with the threads of the current pool.
-    ///
-    /// # Errors
-    /// `Cancelled`.
     pub(crate) fn measure(&mut self, bench: &Bench<'_>) -> Result<()> {
         let measured = [
             repeat(bench.budget, bench.job, || Ok(sum(black_box(&self.numbers))))?,

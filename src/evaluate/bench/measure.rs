@@ -1,5 +1,4 @@
-//! Repeating a piece of work and summing its times up: median, and the interquartile range as spread. Both stay calm where
-//! a few repeats are disturbed by other programs, which a mean and a standard deviation do not.
+//! Timing by repetition: median and interquartile range, which are robust against a few repeats disturbed by other programs.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -55,45 +54,38 @@ pub(crate) struct Times {
 
 impl Times {
     /// Of these milliseconds, in any order.
-    #[must_use]
     pub(crate) fn of(mut milliseconds: Vec<f64>) -> Self {
         milliseconds.sort_by(f64::total_cmp);
         Self { sorted_ms: milliseconds }
     }
 
     /// These and the `other` repeats of the same work, as one.
-    #[must_use]
     pub(crate) fn and(mut self, other: Self) -> Self {
         self.sorted_ms.extend(other.sorted_ms);
         Self::of(self.sorted_ms)
     }
 
     /// How many there are.
-    #[must_use]
     pub(crate) fn repeats(&self) -> usize {
         self.sorted_ms.len()
     }
 
     /// The time that half of the repeats stay below, milliseconds; 0 where there is no repeat.
-    #[must_use]
     pub(crate) fn median_ms(&self) -> f64 {
         self.quantile_ms(0.5)
     }
 
     /// How far the middle half of the repeats lies apart (interquartile range), milliseconds.
-    #[must_use]
     pub(crate) fn spread_ms(&self) -> f64 {
         self.quantile_ms(0.75) - self.quantile_ms(0.25)
     }
 
     /// Units a second in millions, at the median.
-    #[must_use]
     pub(crate) fn millions_per_s(&self, units: u64) -> f64 {
         units as f64 / (self.median_ms() * 1e3)
     }
 
     /// Bytes a second in units of 10⁹, at the median.
-    #[must_use]
     pub(crate) fn gb_per_s(&self, bytes: u64) -> f64 {
         bytes as f64 / (self.median_ms() * 1e6)
     }
@@ -109,10 +101,7 @@ impl Times {
     }
 }
 
-/// Repeats `work` within the budget. What it gives is kept from being optimized away, and dropped outside the clock.
-///
-/// # Errors
-/// Whatever `work` gives, and `Cancelled` between two repeats.
+/// Repeats `work` within the budget. Its results are kept from the optimizer, and dropped outside of the measured time.
 pub(crate) fn repeat<T>(
     budget: RepeatLimits,
     job: &Job,

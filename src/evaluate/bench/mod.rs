@@ -1,4 +1,4 @@
-//! Speed: how fast each stage is, and how fast this machine could be at most.
+//! Speed of each stage, and the limits of this machine.
 //!
 //! ```text
 //! Scene (seeded) ─┬─ limits ──────────────────────────────────────┐
@@ -6,20 +6,18 @@
 //!                 └─ render_stages ─────┴─ repeat ─▶ Times ─ against ─▶ SpeedReport
 //! ```
 //!
-//! Every stage is measured with one thread and with all. The limits are measured before the stages and again after them, and
-//! all their repeats count together, so that a machine that grows slower or faster meanwhile tilts no share.
+//! Every stage is measured with one thread and with all. The limits are measured before and after the stages, and all repeats
+//! count, so that a machine that changes speed meanwhile distorts no share.
 
+mod case;
 mod limits;
-mod machine;
 mod measure;
 mod preprocess_stages;
 mod render_stages;
 mod report;
 mod scene;
 
-pub use limits::Limit;
-pub use machine::Machine;
-pub use report::{LimitKind, PaintingStage, SpeedReport, StageSpeed};
+pub(crate) use report::{Limit, LimitKind, Machine, SpeedReport, StageSpeed};
 
 use rayon::ThreadPool;
 
@@ -27,25 +25,24 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::render::gpu::{AdapterChoice, GpuRenderer};
 use crate::settings::{Backend, Instructions};
+use case::{Bench, Case};
 use limits::LimitMeter;
 use measure::RepeatLimits;
-use report::MeasuredStage;
 use scene::BenchScene;
 
 /// What is measured, and how thoroughly.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Options {
+pub(crate) struct Options {
     /// What *all threads* means; at least 1.
-    pub threads: usize,
+    pub(crate) threads: usize,
     /// Few repeats on a small scene: to see that everything works.
-    pub quick: bool,
-    /// What paints. The CPU always does; besides, the adapter that is asked for by name, or with `auto` a graphics card where
-    /// there is one.
-    pub backend: Backend,
+    pub(crate) quick: bool,
+    /// The CPU is always measured; besides, the adapter that is named, or with `auto` a graphics card if there is one.
+    pub(crate) backend: Backend,
     /// The widest vector instructions that the stages may use.
-    pub instructions: Instructions,
+    pub(crate) instructions: Instructions,
     /// Parts of the names of the stages that are measured; all stages where empty.
-    pub only: Vec<String>,
+    pub(crate) only: Vec<String>,
 }
 
 impl Options {
@@ -76,29 +73,10 @@ impl Options {
     }
 }
 
-/// What every measurement needs.
-#[derive(Clone, Copy)]
-struct Bench<'a> {
-    scene: &'a BenchScene,
-    budget: RepeatLimits,
-    job: &'a Job,
-}
-
-/// Does a piece of work over and over, with the threads of the current pool.
-type Measure<T> = Box<dyn Fn(&Bench<'_>) -> Result<T> + Send + Sync>;
-
-/// Something to measure, with the threads of the current pool; its stages are measured together.
-struct Case {
-    names: Vec<String>,
-    measure: Measure<Vec<MeasuredStage>>,
-}
-
 /// Measures the stages and the machine's limits.
-///
-/// # Errors
-/// `Invalid` where no stage has the wanted name; `Unsupported` where the processor lacks the instructions; `Gpu` where an
-/// adapter is asked for by name and there is none; `Cancelled`; whatever a stage gives.
-pub fn measure(options: &Options, job: &Job) -> Result<SpeedReport> {
+/// `Invalid` if no stage has the name; `Unsupported` if the processor lacks the instructions; `Gpu` if an adapter is named and
+/// there is none; `Cancelled`.
+pub(crate) fn measure(options: &Options, job: &Job) -> Result<SpeedReport> {
     crate::simd::limited(options.instructions, || measure_all(options, job))
 }
 
@@ -109,10 +87,8 @@ fn measure_all(options: &Options, job: &Job) -> Result<SpeedReport> {
     let bench = Bench { scene: &scene, budget: options.budget(), job };
     let pools = pools(options.threads)?;
     let pixels = scene.capture.cameras[0].intrinsics.pixel_count();
-    let mut limits = LimitMeter::new(scene.unpruned.sample_count(), pixels, options.quick);
-    if backends.contains(&Backend::Gpu) {
-        limits.include_gpu(options.quick)?;
-    }
+    let with_gpu = backends.contains(&Backend::Gpu);
+    let mut limits = LimitMeter::new(scene.unpruned.sample_count(), pixels, with_gpu, options.quick)?;
     measure_limits(&mut limits, &pools, &bench)?;
     let mut measured = Vec::new();
     for (index, case) in cases.iter().enumerate() {

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::case::{Bench, Case, Measure};
 use super::measure::{Times, repeat};
 use super::report::MeasuredStage;
-use super::{Bench, Case, Measure};
 use crate::capture::Frame;
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -21,7 +21,9 @@ use crate::preprocess::{inspect_frame, prepare_frame, scan};
 use crate::render::CpuRenderer;
 use crate::samples::{SampleSet, Span};
 use crate::settings::{Backend, NormalEstimator, RenderSettings, Settings};
-use crate::store;
+use crate::store::file::Store;
+use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
+use crate::store::{self, file};
 
 /// Bytes of a pixel's color (three half floats) and depth.
 const PIXEL_BYTES: u64 = 3 * 2 + DEPTH_BYTES;
@@ -114,19 +116,27 @@ fn estimate_normals(bench: &Bench<'_>, estimator: NormalEstimator) -> Result<Sta
     Ok((times, bench.scene.unpruned.sample_count(), bench.scene.unpruned.sample_count() * DEPTH_BYTES))
 }
 
+/// Repeats with default settings but a new color tolerance each time, so that nothing is taken from an earlier repeat.
+fn repeat_with_new_tolerance<T>(bench: &Bench<'_>, work: impl Fn(&Settings) -> Result<T>) -> Result<Times> {
+    let mut settings = Settings::default();
+    let tolerance = settings.pruning.color_tolerance;
+    let mut turn = 0_u8;
+    repeat(bench.budget, bench.job, || {
+        turn = turn.wrapping_add(1);
+        settings.pruning.color_tolerance = tolerance + 0.01 * f32::from(turn);
+        work(&settings)
+    })
+}
+
 fn prune_layers(bench: &Bench<'_>) -> Result<StageResult> {
     let capture = &bench.scene.capture;
-    let mut settings = Settings::default();
+    let settings = Settings::default();
     let rig = CameraPairs::new(&capture.cameras);
     let complete = FrameLayers::unscanned(capture, &rig, &settings, 0, bench.job)?;
     let layers = &complete.layers;
-    let tolerance = settings.pruning.color_tolerance;
-    let mut turn = 0_u8;
-    let times = repeat(bench.budget, bench.job, || {
-        turn = turn.wrapping_add(1);
-        settings.pruning.color_tolerance = tolerance + 0.01 * f32::from(turn);
+    let times = repeat_with_new_tolerance(bench, |settings| {
         let statuses = no_statuses(layers);
-        prune(&rig, layers, &statuses, FRAME, &settings, bench.job)
+        prune(&rig, layers, &statuses, FRAME, settings, bench.job)
     })?;
     Ok(of_one_frame(bench, times))
 }
@@ -148,18 +158,13 @@ fn prepare(bench: &Bench<'_>) -> Result<StageResult> {
 
 fn reprune(bench: &Bench<'_>, prepared: bool) -> Result<StageResult> {
     let capture = &bench.scene.capture;
-    let mut settings = Settings::default();
+    let settings = Settings::default();
     let scanned = scan(capture, &settings, bench.job)?;
     if prepared {
         prepare_frame(capture, &scanned, &settings, 1, bench.job)?;
     }
-    let tolerance = settings.pruning.color_tolerance;
-    let mut turn = 0_u8;
-    let times = repeat(bench.budget, bench.job, || {
-        // Another value each time, so that nothing is taken from an earlier run.
-        turn = turn.wrapping_add(1);
-        settings.pruning.color_tolerance = tolerance + 0.01 * f32::from(turn);
-        inspect_frame(capture, Some(&scanned), &settings, 1, bench.job)
+    let times = repeat_with_new_tolerance(bench, |settings| {
+        inspect_frame(capture, Some(&scanned), settings, 1, bench.job)
     })?;
     Ok(of_one_frame(bench, times))
 }
@@ -191,28 +196,26 @@ const EMPTY_REPORT: &str = "{}";
 fn stored(set: &SampleSet, job: &Job) -> Result<(tempfile::TempDir, PathBuf)> {
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
     let path = folder.path().join("speed.ovl");
-    store::file::write(&path, set, EMPTY_REPORT, job)?;
+    file::write(&path, set, EMPTY_REPORT, job)?;
     Ok((folder, path))
 }
 
 fn write_store(bench: &Bench<'_>) -> Result<StageResult> {
     let (_folder, path) = stored(&bench.scene.pruned, bench.job)?;
-    let times = repeat(bench.budget, bench.job, || {
-        store::file::write(&path, &bench.scene.pruned, EMPTY_REPORT, bench.job)
-    })?;
+    let set = &bench.scene.pruned;
+    let times = repeat(bench.budget, bench.job, || file::write(&path, set, EMPTY_REPORT, bench.job))?;
     Ok(of_pruned_set(bench, times))
 }
 
-/// Decodes the foreground of a frame, block by block and predicted from nothing but itself: what playback does for every frame, at
-/// its slowest.
+/// Decodes the foreground of a frame without a reference image: the slowest case of playback.
 fn decode_foreground(bench: &Bench<'_>) -> Result<StageResult> {
     let (_folder, path) = stored(&bench.scene.split, bench.job)?;
-    let store = store::file::Store::open(&path)?;
+    let store = Store::open(&path)?;
     let images = store.info().images.iter().enumerate();
     let is_first = |span: Span| span.start == 0 && span.len() == 1;
     let passing: Vec<usize> =
         images.filter(|(_, image)| is_first(image.span)).map(|(index, _)| index).collect();
-    // What the frame stands for: all its pixels, 8-bit color and 32-bit depth.
+    // The size of a frame: all its pixels, 8-bit color and 32-bit depth.
     let pixels = bench.scene.unpruned.sample_count();
     let times = repeat(bench.budget, bench.job, || {
         passing.par_iter().map(|&index| store.image(index)).collect::<Result<Vec<_>>>()
@@ -231,10 +234,7 @@ fn first_picture(bench: &Bench<'_>) -> Result<StageResult> {
     let size = bench.scene.capture.cameras[0].intrinsics;
     let [vantage, _] = bench.scene.vantages((size.width, size.height), 0);
     let times = repeat(bench.budget, bench.job, || {
-        let playback = store::playback::Playback::new(
-            store::file::Store::open(&path)?,
-            store::playback::DEFAULT_CACHE_BYTES,
-        );
+        let playback = Playback::new(Store::open(&path)?, DEFAULT_CACHE_BYTES);
         let samples = playback.seen_from(&vantage.camera, vantage.frame, bench.job)?;
         CpuRenderer::new().render(&samples, &vantage, &RenderSettings::default(), bench.job)
     })?;

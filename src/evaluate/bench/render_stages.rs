@@ -1,12 +1,12 @@
-//! Painting: each kernel over each set and size of picture, everything anew; and over a cached background while the vantage
-//! is still (the paper, §3.3).
+//! Rendering: each kernel over each set and picture size, everything anew; and over a cached background from a still vantage (the
+//! paper, §3.3).
 
 use std::sync::Arc;
 
+use super::case::{Bench, Case};
 use super::measure::repeat;
 use super::report::{MeasuredStage, PaintingStage};
 use super::scene::{BenchScene, FRAMES};
-use super::{Bench, Case};
 use crate::error::{Error, Result};
 use crate::render::{Renderer, Vantage};
 use crate::samples::SampleSet;
@@ -19,7 +19,7 @@ enum PaintedSet {
     Unpruned,
     /// Every sample of the pruned set, anew each time.
     Pruned,
-    /// The split set at one frame after the other, from a place that moves and from one that does not.
+    /// The split set frame by frame, from a moving and from a still vantage.
     Frames,
 }
 
@@ -76,9 +76,6 @@ impl PaintCase {
     }
 
     /// Measures with the threads of the current pool.
-    ///
-    /// # Errors
-    /// `Cancelled`, and what painting gives.
     fn measure(&self, bench: &Bench<'_>) -> Result<Vec<MeasuredStage>> {
         let rounds = self.rounds(bench.scene);
         let mut stages = rounds.map(|round| self.paint(bench, &round)).collect::<Result<Vec<_>>>()?;
@@ -90,8 +87,8 @@ impl PaintCase {
         Ok(stages)
     }
 
-    /// First everything anew each time, no two vantages in a row being the same, so that what was cached for one serves no
-    /// other; then, for the split set, one vantage through the frames.
+    /// First everything anew: consecutive vantages differ, so that no cache serves the next. Then, for the split set, one vantage
+    /// through the frames.
     fn rounds<'a>(&self, scene: &'a BenchScene) -> impl Iterator<Item = Round<'a>> + use<'a> {
         let (set, frames) = match self.what {
             PaintedSet::Unpruned => (&scene.unpruned, 1),

@@ -2,67 +2,105 @@
 
 use serde::Serialize;
 
-use super::limits::Limit;
-use super::machine::Machine;
 use super::measure::Times;
-use crate::settings::{Backend, Kernel};
+use crate::settings::{Backend, Instructions, Kernel};
 
 /// The speed of every stage, beside the limits of the machine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SpeedReport {
-    /// Version of the program.
-    pub version: &'static str,
-    /// Whether few repeats on a small scene were asked for: the figures only show that everything works.
-    pub quick: bool,
-    /// What it ran on.
-    pub machine: Machine,
+pub(crate) struct SpeedReport {
+    pub(crate) version: &'static str,
+    /// Whether this was a test run on a small scene.
+    pub(crate) quick: bool,
+    pub(crate) machine: Machine,
     /// Samples of the unpruned set: every pixel of every camera.
-    pub samples: u64,
-    /// Samples of the pruned set.
-    pub samples_pruned: u64,
-    /// The machine's limits, by thread count.
-    pub limits: Vec<Limit>,
+    pub(crate) samples: u64,
+    pub(crate) samples_pruned: u64,
+    pub(crate) limits: Vec<Limit>,
     /// The stages, in the order in which they were measured; a name and a thread count occur once together.
-    pub stages: Vec<StageSpeed>,
+    pub(crate) stages: Vec<StageSpeed>,
+}
+
+/// The machine and the build.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Machine {
+    /// The name of the processor, if the system reports it.
+    pub(crate) cpu: Option<String>,
+    /// Architecture the program was built for, as `x86_64`.
+    pub(crate) arch: &'static str,
+    /// Operating system the program was built for, as `linux`.
+    pub(crate) os: &'static str,
+    /// Threads that the system runs at once for this process.
+    pub(crate) threads_available: usize,
+    /// The vector instructions that the stages were measured with.
+    pub(crate) instructions: Instructions,
+    /// Whether this is a release build; times of others mean nothing.
+    pub(crate) optimized: bool,
+}
+
+impl Machine {
+    /// This machine.
+    pub(crate) fn this() -> Self {
+        Self {
+            cpu: cpu_name(),
+            arch: std::env::consts::ARCH,
+            os: std::env::consts::OS,
+            threads_available: std::thread::available_parallelism().map_or(1, usize::from),
+            instructions: crate::simd::widest(),
+            optimized: !cfg!(debug_assertions),
+        }
+    }
+}
+
+fn cpu_name() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
 }
 
 /// The speed of one stage with some number of threads.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct StageSpeed {
+pub(crate) struct StageSpeed {
     /// What was done to what, as `render/block/pruned/640x480`.
-    pub name: String,
+    pub(crate) name: String,
     /// What did it: `Cpu` or `Gpu`.
-    pub backend: Backend,
-    /// Threads.
-    pub threads: usize,
+    pub(crate) backend: Backend,
+    pub(crate) threads: usize,
     /// Samples (or pixels, before pruning) that were worked on.
-    pub samples: u64,
-    /// Median of the repeats, milliseconds.
-    pub median_ms: f64,
+    pub(crate) samples: u64,
+    pub(crate) median_ms: f64,
     /// Interquartile range of the repeats, milliseconds.
-    pub spread_ms: f64,
-    /// Repeats.
-    pub repeats: usize,
-    /// Samples a second at the median, millions.
-    pub mpts_per_s: f64,
-    /// What it is held against.
-    pub limit: LimitKind,
+    pub(crate) spread_ms: f64,
+    pub(crate) repeats: usize,
+    pub(crate) mpts_per_s: f64,
+    /// The limit that it is compared with.
+    pub(crate) limit: LimitKind,
     /// That limit at the same thread count: million points a second or 10⁹ bytes a second, see [`LimitKind`].
-    pub limit_value: f64,
-    /// What the stage reached of it; above 1 where the stage's order of work is kinder to memory than the limit's.
-    pub fraction_of_limit: f64,
-    /// Bytes that were read or written at least once; for stages held against reading.
+    pub(crate) limit_value: f64,
+    /// The share of it that the stage reached; above 1 if the stage uses memory in a better order than the limit.
+    pub(crate) fraction_of_limit: f64,
+    /// Bytes read or written at least once, for stages compared with reading.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub bytes: Option<u64>,
-    /// For stages that paint.
+    pub(crate) bytes: Option<u64>,
     #[serde(flatten)]
-    pub painting: Option<PaintingStage>,
+    pub(crate) painting: Option<PaintingStage>,
 }
 
-/// What a stage is held against.
+/// What the machine can do at most with some number of threads.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Limit {
+    pub(crate) threads: usize,
+    /// Reading memory in sequence, 10⁹ bytes a second.
+    pub(crate) read_gb_per_s: f64,
+    /// Scattering random points into a picture of the size of the scene's cameras, million points a second.
+    pub(crate) scatter_mpts_per_s: f64,
+    /// Copying in the graphics adapter's memory, 10⁹ bytes a second; `None` where no adapter was measured.
+    pub(crate) gpu_copy_gb_per_s: Option<f64>,
+}
+
+/// The limit that a stage is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum LimitKind {
+pub(crate) enum LimitKind {
     /// [`Limit::scatter_mpts_per_s`], against samples a second.
     Scatter,
     /// [`Limit::read_gb_per_s`], against bytes a second.
@@ -73,22 +111,19 @@ pub enum LimitKind {
 
 /// What is known about a stage that paints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PaintingStage {
-    /// How a sample was painted.
-    pub kernel: Kernel,
-    /// Columns of the picture.
-    pub width: u32,
-    /// Rows of the picture.
-    pub height: u32,
+pub(crate) struct PaintingStage {
+    pub(crate) kernel: Kernel,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
     /// Share of the picture that got a sample, 0 to 1. The scene fills the picture: what is missing are gaps.
-    pub coverage: f64,
+    pub(crate) coverage: f64,
     /// Memory of the sample set, bytes a sample.
-    pub bytes_per_sample: f64,
+    pub(crate) bytes_per_sample: f64,
     /// Whether the samples that outlast the frame came from a cache.
-    pub background_reused: bool,
+    pub(crate) background_reused: bool,
     /// How many times faster this is than painting all samples of the same set, with the same threads.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub speedup_over_full_repaint: Option<f64>,
+    pub(crate) speedup_over_full_repaint: Option<f64>,
 }
 
 /// A stage that was measured, before the limits are known.

@@ -14,10 +14,11 @@ use rayon::prelude::*;
 use crate::capture::{Camera, Capture, Intrinsics};
 use crate::demo::{Demo, DemoSpec};
 use crate::error::Result;
+use crate::evaluate::sample_filter::samples_where;
 use crate::job::Job;
 use crate::preprocess::inspect_frame;
 use crate::render::{CpuRenderer, Vantage};
-use crate::samples::{DepthPlane, Sample, SampleImage, SampleSet, SampleTile, Span, TILE};
+use crate::samples::{Sample, SampleImage, SampleSet, SampleTile, Span, TILE};
 use crate::settings::{CaptureSettings, PruningMethod, RenderSettings, Settings};
 
 /// The built-in scene that is measured.
@@ -29,8 +30,7 @@ pub(crate) const FRAMES: usize = 3;
 /// Share of the picture from [`BenchScene::vantages`] that shows foreground in [`BenchScene::split`].
 const FOREGROUND_SHARE: f64 = 0.1;
 
-/// How far the second of two vantages stands beside the first, m: too little to change what is seen, enough for no cache
-/// to serve both.
+/// Distance of the two vantages, m: too small to change the picture, enough that no cache serves both.
 const SIDE_STEP_M: f64 = 1e-6;
 
 /// Seeded input for every stage.
@@ -42,17 +42,14 @@ pub(crate) struct BenchScene {
     pub(crate) unpruned: Arc<SampleSet>,
     /// What default settings keep of it.
     pub(crate) pruned: Arc<SampleSet>,
-    /// The unpruned set with the samples of a part of the scene in spans of one frame; it covers a tenth of the picture from
-    /// [`BenchScene::vantages`], and is seen by about a tenth of the samples.
+    /// The unpruned set with part of the scene in spans of one frame: about a tenth of the picture from [`BenchScene::vantages`]
+    /// and of the samples.
     pub(crate) split: Arc<SampleSet>,
     home: Camera,
 }
 
 impl BenchScene {
     /// Records the scene with cameras of `size` and prunes it.
-    ///
-    /// # Errors
-    /// `Cancelled`, and what recording and pruning give.
     pub(crate) fn new(size: (u32, u32), job: &Job) -> Result<Self> {
         let (demo, capture) = recorded(size, job)?;
         let mut settings = Settings::default();
@@ -66,8 +63,8 @@ impl BenchScene {
         Ok(Self { split: Arc::new(split), ..whole })
     }
 
-    /// A ball that covers [`FOREGROUND_SHARE`] of the picture, there where it also holds about that share of the samples: what
-    /// more cameras see from nearby has more of them.
+    /// A ball that covers [`FOREGROUND_SHARE`] of the picture and holds about that share of the samples: there are more where
+    /// more cameras are near.
     fn object(&self, size: (u32, u32), job: &Job) -> Result<Ball> {
         // The shape of the larger of the measured pictures.
         let [vantage, _] = self.vantages((size.0, size.0 * 9 / 16), 0);
@@ -112,9 +109,7 @@ impl BenchScene {
         image.tiles.iter().enumerate().map(first_of).collect()
     }
 
-    /// A place between the cameras from which the scene fills the picture, as a picture of `size` at `frame`; and one so
-    /// close beside it that it shows the same.
-    #[must_use]
+    /// A vantage between the cameras whose picture the scene fills, and one right beside it that shows the same.
     pub(crate) fn vantages(&self, size: (u32, u32), frame: usize) -> [Vantage; 2] {
         let home = self.home.intrinsics;
         let angle_x_rad = 2.0 * (f64::from(home.width) / (2.0 * home.fx)).atan();
@@ -189,36 +184,6 @@ fn split(set: &SampleSet, object: &Ball) -> SampleSet {
     };
     let images = of_span(ALL_FRAMES).chain(frames.flat_map(of_span));
     SampleSet { images: images.filter(|image| !image.is_empty()).collect(), ..set.clone() }
-}
-
-/// The image's samples for which, and for whose inverse depth, `keep` holds, as an image of `span`.
-fn samples_where(image: &SampleImage, span: Span, keep: impl Fn(&Sample, f32) -> bool) -> SampleImage {
-    let mut part = SampleImage {
-        camera: image.camera,
-        span,
-        tiles: Vec::new(),
-        color: Vec::new(),
-        depth: DepthPlane::default(),
-        normal: image.normal.as_ref().map(|_| Vec::new()),
-    };
-    let inverse_depths = image.inverse_depths();
-    let mut kept_depths = Vec::new();
-    for sample in image.samples().filter(|sample| keep(sample, inverse_depths[sample.index])) {
-        let (tile_x, tile_y) = ((sample.x / TILE) as u16, (sample.y / TILE) as u16);
-        if part.tiles.last().is_none_or(|tile| (tile.tile_x, tile.tile_y) != (tile_x, tile_y)) {
-            part.tiles.push(SampleTile { tile_x, tile_y, first: kept_depths.len() as u32, rows: [0; TILE] });
-        }
-        if let Some(tile) = part.tiles.last_mut() {
-            tile.rows[sample.y % TILE] |= 1 << (sample.x % TILE);
-        }
-        part.color.push(image.color[sample.index]);
-        kept_depths.push(inverse_depths[sample.index]);
-        if let (Some(part), Some(normals)) = (&mut part.normal, &image.normal) {
-            part.push(normals[sample.index]);
-        }
-    }
-    part.depth = DepthPlane::pack(&part.tiles, &kept_depths);
-    part
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Axes: from values to places on the sheet, and the round numbers beside them.
+//! Axes: positions of values on the sheet, and round numbers for ticks.
 
 /// How values are spread along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +66,7 @@ impl ChartAxis {
 fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     let [step, finer] = round_steps(low, high, count);
     let ticks = multiples(low, high, step);
-    // A single tick gives no scale.
+    // One tick is no scale.
     if ticks.len() < 2 { multiples(low, high, finer) } else { ticks }
 }
 

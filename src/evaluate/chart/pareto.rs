@@ -1,8 +1,8 @@
 //! A sweep: accuracy against bytes, and against time, with the Pareto front of each.
 
-use super::Chart;
 use super::axis::{ChartAxis, Scale, short};
-use super::svg::{Anchor, Marker, Svg, color};
+use super::color;
+use super::svg::{Anchor, Chart, Marker, Svg};
 use crate::evaluate::sweep::{Point, Series, mark_pareto};
 use crate::settings::Kernel;
 
@@ -48,8 +48,7 @@ fn bar_db(point: &Point) -> [f64; 2] {
 }
 
 /// Draws a sweep of a capture.
-#[must_use]
-pub fn pareto(capture: &str, points: &[Point]) -> Chart {
+pub(crate) fn pareto(capture: &str, points: &[Point]) -> Chart {
     let mut svg = Svg::new(WIDTH, HEIGHT);
     svg.text(
         (40.0, 50.0),
@@ -67,66 +66,91 @@ pub fn pareto(capture: &str, points: &[Point]) -> Chart {
         ),
     );
     let y = ChartAxis::around(Scale::Linear, points.iter().flat_map(bar_db), (BOTTOM, TOP));
-    panel(&mut svg, points, (PANELS[0], &y), (BYTES, &mebibytes));
-    panel(&mut svg, points, (PANELS[1], &y), ("painting one view, ms", &|point| point.milliseconds));
+    let mut panel = |(left, right): (f64, f64), name, cost: fn(&Point) -> f64| {
+        let x = ChartAxis::around(Scale::Log, points.iter().map(cost), (left, right));
+        Panel { name, cost, left, right, x, y }.draw(&mut svg, points);
+    };
+    panel(PANELS[0], BYTES, mebibytes);
+    panel(PANELS[1], "painting one view, ms", |point| point.milliseconds);
     svg.upward((38.0, 0.5 * (TOP + BOTTOM)), (18.0, color::INK), "accuracy, PSNR in dB");
     legend(&mut svg, points);
     svg.finish()
 }
 
-/// Name of a cost with its unit, and the cost.
-type Cost<'a> = (&'a str, &'a dyn Fn(&Point) -> f64);
+/// One panel: accuracy against a cost.
+struct Panel<'a> {
+    /// The cost with its unit.
+    name: &'a str,
+    cost: fn(&Point) -> f64,
+    left: f64,
+    right: f64,
+    x: ChartAxis,
+    y: ChartAxis,
+}
 
-fn panel(
-    svg: &mut Svg,
-    points: &[Point],
-    ((left, right), y): ((f64, f64), &ChartAxis),
-    (name, cost): Cost<'_>,
-) {
-    let x = ChartAxis::around(Scale::Log, points.iter().map(cost), (left, right));
-    for tick in y.ticks(8) {
-        svg.line((left, y.at(tick)), (right, y.at(tick)), (1.0, color::GRID));
-        svg.text((left - 10.0, y.at(tick) + 5.0), Anchor::End, (15.0, color::FAINT), &short(tick));
+impl Panel<'_> {
+    fn position(&self, point: &Point) -> (f64, f64) {
+        (self.x.at((self.cost)(point)), self.y.at(point.psnr_filled_db))
     }
-    for tick in x.ticks(7) {
-        svg.line((x.at(tick), TOP), (x.at(tick), BOTTOM), (1.0, color::GRID));
-        svg.text((x.at(tick), BOTTOM + 24.0), Anchor::Middle, (15.0, color::FAINT), &short(tick));
-    }
-    svg.line((left, BOTTOM), (right, BOTTOM), (1.5, color::INK));
-    svg.line((left, TOP), (left, BOTTOM), (1.5, color::INK));
-    svg.text((0.5 * (left + right), BOTTOM + 54.0), Anchor::Middle, (18.0, color::INK), name);
 
-    let place = |point: &Point| (x.at(cost(point)), y.at(point.psnr_filled_db));
-    if name == BYTES {
-        // Rounding is no quicker to paint.
-        front(svg, points.to_vec(), (cost, &place, right), ROUNDED);
-    }
-    front(
-        svg,
-        points.iter().filter(|point| point.is_lossless()).cloned().collect(),
-        (cost, &place, right),
-        EXACT,
-    );
-    for point in points {
-        let (px, _) = place(point);
-        let [low, high] = bar_db(point).map(|end| y.at(end));
-        svg.line((px, low), (px, high), (0.8, BAR));
-    }
-    for wanted in [false, true] {
-        for point in points.iter().filter(|point| point.series.is_baseline() == wanted) {
-            let radius = if wanted { 8.0 } else { 5.0 };
-            svg.marker(
-                marker(point.series, point.is_lossless()),
-                place(point),
-                radius,
-                kernel_color(point.settings.render.kernel),
-            );
+    fn draw(&self, svg: &mut Svg, points: &[Point]) {
+        self.axes(svg);
+        if self.name == BYTES {
+            // Rounding does not change the time of rendering.
+            self.front(svg, points.to_vec(), ROUNDED);
+        }
+        self.front(svg, points.iter().filter(|point| point.is_lossless()).cloned().collect(), EXACT);
+        for point in points {
+            let (x, _) = self.position(point);
+            let [low, high] = bar_db(point).map(|end| self.y.at(end));
+            svg.line((x, low), (x, high), (0.8, BAR));
+        }
+        for (is_baseline, radius) in [(false, 5.0), (true, 8.0)] {
+            for point in points.iter().filter(|point| point.series.is_baseline() == is_baseline) {
+                let shape = marker(point.series, point.is_lossless());
+                let color = kernel_color(point.settings.render.kernel);
+                svg.marker(shape, self.position(point), radius, color);
+            }
+        }
+        for point in points.iter().filter(|point| point.series == Series::Reference) {
+            let (x, y) = self.position(point);
+            svg.marker(Marker::Ring, (x, y), 13.0, color::INK);
+            svg.text((x + 18.0, y - 14.0), Anchor::Start, (17.0, color::INK), "default");
         }
     }
-    for point in points.iter().filter(|point| point.series == Series::Reference) {
-        let (px, py) = place(point);
-        svg.marker(Marker::Ring, (px, py), 13.0, color::INK);
-        svg.text((px + 18.0, py - 14.0), Anchor::Start, (17.0, color::INK), "default");
+
+    fn axes(&self, svg: &mut Svg) {
+        let Self { left, right, x, y, .. } = self;
+        let (left, right) = (*left, *right);
+        for tick in y.ticks(8) {
+            svg.line((left, y.at(tick)), (right, y.at(tick)), (1.0, color::GRID));
+            svg.text((left - 10.0, y.at(tick) + 5.0), Anchor::End, (15.0, color::FAINT), &short(tick));
+        }
+        for tick in x.ticks(7) {
+            svg.line((x.at(tick), TOP), (x.at(tick), BOTTOM), (1.0, color::GRID));
+            svg.text((x.at(tick), BOTTOM + 24.0), Anchor::Middle, (15.0, color::FAINT), &short(tick));
+        }
+        svg.line((left, BOTTOM), (right, BOTTOM), (1.5, color::INK));
+        svg.line((left, TOP), (left, BOTTOM), (1.5, color::INK));
+        svg.text((0.5 * (left + right), BOTTOM + 54.0), Anchor::Middle, (18.0, color::INK), self.name);
+    }
+
+    /// The staircase along the points of the Pareto front.
+    fn front(&self, svg: &mut Svg, mut best: Vec<Point>, (line, dashes): (&str, &str)) {
+        mark_pareto(&mut best, self.cost, |point| point.psnr_filled_db);
+        best.retain(|point| point.pareto);
+        best.sort_by(|a, b| (self.cost)(a).total_cmp(&(self.cost)(b)));
+        let mut steps: Vec<(f64, f64)> = Vec::new();
+        for (x, y) in best.iter().map(|point| self.position(point)) {
+            if let Some(&(_, before)) = steps.last() {
+                steps.push((x, before));
+            }
+            steps.push((x, y));
+        }
+        if let Some(&(_, last)) = steps.last() {
+            steps.push((self.right, last));
+        }
+        svg.path(&steps, (2.2, line), dashes);
     }
 }
 
@@ -134,33 +158,6 @@ fn panel(
 const EXACT: (&str, &str) = (color::RED, "7 5");
 /// Line of the front where stores may round.
 const ROUNDED: (&str, &str) = (color::FAINT, "2 4");
-
-/// A cost, where a point lies, and how far right the picture goes.
-type PointOnChart<'a> = (&'a dyn Fn(&Point) -> f64, &'a dyn Fn(&Point) -> (f64, f64), f64);
-
-/// The staircase along the points that nothing beats.
-fn front(
-    svg: &mut Svg,
-    mut best: Vec<Point>,
-    (cost, place, right): PointOnChart<'_>,
-    (line, dashes): (&str, &str),
-) {
-    mark_pareto(&mut best, cost, |point| point.psnr_filled_db);
-    best.retain(|point| point.pareto);
-    best.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-    let mut steps: Vec<(f64, f64)> = Vec::new();
-    for point in &best {
-        let (x, y) = place(point);
-        if let Some(&(_, before)) = steps.last() {
-            steps.push((x, before));
-        }
-        steps.push((x, y));
-    }
-    if let Some(&(_, last)) = steps.last() {
-        steps.push((right, last));
-    }
-    svg.path(&steps, (2.2, line), dashes);
-}
 
 fn legend(svg: &mut Svg, points: &[Point]) {
     let (mut x, y) = (100.0, BOTTOM + 110.0);
@@ -224,7 +221,7 @@ mod tests {
             ..Point::new(&Trial::new("t", Settings::default()), Series::Variation, &measured)
         };
         let chart = pareto("scene", &[point(30.0, 4.0), point(30.5, 0.1)]);
-        let bars: Vec<&str> = chart.svg().lines().filter(|line| line.contains(BAR)).collect();
+        let bars: Vec<&str> = chart.svg.lines().filter(|line| line.contains(BAR)).collect();
         assert_eq!(bars.len(), 4, "two points in two panels");
         for bar in bars {
             let path = bar.split('"').nth(1).unwrap().replace(['M', 'L'], " ");

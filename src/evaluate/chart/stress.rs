@@ -1,9 +1,9 @@
 //! A stress test: one panel a disturbance, accuracy above and the share of samples kept below, against the dial.
 
-use super::Chart;
 use super::axis::{ChartAxis, Scale, short};
-use super::svg::{Anchor, Marker, Svg, color};
-use crate::evaluate::stress::{LOST_DB, StressPoint, failures};
+use super::color;
+use super::svg::{Anchor, Chart, Marker, Svg};
+use crate::evaluate::stress::{LOST_DB, StressPoint, distinct, failures};
 
 const COLUMNS: usize = 5;
 const PANEL: (f64, f64) = (370.0, 300.0);
@@ -11,8 +11,7 @@ const HEAD: f64 = 130.0;
 const COLORS: [&str; 5] = [color::BLUE, color::ORANGE, color::RED, color::GREEN, color::PINK];
 
 /// Draws a stress test of a capture.
-#[must_use]
-pub fn stress(capture: &str, points: &[StressPoint]) -> Chart {
+pub(crate) fn stress(capture: &str, points: &[StressPoint]) -> Chart {
     let disturbances = distinct(points.iter().map(|point| point.disturbance.as_str()));
     let methods = distinct(points.iter().map(|point| point.method.as_str()));
     let rows = disturbances.len().div_ceil(COLUMNS).max(1);
@@ -31,21 +30,11 @@ pub fn stress(capture: &str, points: &[StressPoint]) -> Chart {
     }
     for (index, disturbance) in disturbances.iter().enumerate() {
         let corner = (20.0 + (index % COLUMNS) as f64 * PANEL.0, HEAD + (index / COLUMNS) as f64 * PANEL.1);
-        let of_it: Vec<StressPoint> =
+        let own_points: Vec<StressPoint> =
             points.iter().filter(|point| point.disturbance == *disturbance).cloned().collect();
-        panel(&mut svg, corner, &of_it, &methods);
+        panel(&mut svg, corner, &own_points, &methods);
     }
     svg.finish()
-}
-
-fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut distinct: Vec<&str> = Vec::new();
-    for name in names {
-        if !distinct.contains(&name) {
-            distinct.push(name);
-        }
-    }
-    distinct
 }
 
 fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods: &[&str]) {
@@ -54,19 +43,11 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
     let (accuracy_bottom, kept_top, bottom) = (top + 175.0, top + 190.0, top + 235.0);
     let title = format!("{}, {}", first.disturbance, first.unit);
     svg.text((plot_left, top + 16.0), Anchor::Start, (17.0, color::INK), &title);
-    let dials = {
-        let mut dials: Vec<f64> = Vec::new();
-        for point in points {
-            if !dials.contains(&point.dial) {
-                dials.push(point.dial);
-            }
-        }
-        dials
-    };
-    // The values of a dial stand at equal distances: they were chosen to be equally far from each other to the eye.
+    let dials = distinct(points.iter().map(|point| point.dial));
+    // Values of a dial are drawn at equal distances: they were chosen in perceptually equal steps.
     let x =
         ChartAxis::around(Scale::Linear, (0..dials.len()).map(|index| index as f64), (plot_left, plot_right));
-    let place_of = |dial: f64| {
+    let x_of = |dial: f64| {
         let after = dials.iter().position(|known| *known == dial);
         after.map_or(plot_left, |index| x.at(index as f64))
     };
@@ -87,38 +68,38 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
         }
     }
     for &dial in &dials {
-        svg.text((place_of(dial), bottom + 20.0), Anchor::Middle, (13.0, color::FAINT), &short(dial));
+        svg.text((x_of(dial), bottom + 20.0), Anchor::Middle, (13.0, color::FAINT), &short(dial));
     }
     svg.line((plot_left, bottom), (plot_right, bottom), (1.2, color::INK));
     svg.line((plot_left, accuracy_bottom), (plot_right, accuracy_bottom), (0.8, color::FAINT));
     let failures = failures(points);
     for (index, method) in methods.iter().enumerate() {
         let color = COLORS[index % COLORS.len()];
-        let of_it = || points.iter().filter(|point| point.method == *method);
+        let of_method = || points.iter().filter(|point| point.method == *method);
         let along = |value: &dyn Fn(&StressPoint) -> f64| {
-            of_it().map(|point| (place_of(point.dial), value(point))).collect::<Vec<_>>()
+            of_method().map(|point| (x_of(point.dial), value(point))).collect::<Vec<_>>()
         };
         let accuracy = along(&|point| y.at(point.point.psnr_filled_db));
         svg.path(&accuracy, (2.2, color), "");
-        for place in &accuracy {
-            svg.marker(Marker::Dot, *place, 3.6, color);
+        for position in &accuracy {
+            svg.marker(Marker::Dot, *position, 3.6, color);
         }
         svg.path(&along(&|point| kept.at(100.0 * point.kept_share)), (1.6, color), "");
         let failed =
             failures.iter().find(|failure| failure.method == *method).and_then(|failure| failure.dial);
-        if let (Some(dial), Some(start)) = (failed, of_it().next()) {
-            let place = (between(&dials, dial, &place_of), y.at(start.point.psnr_filled_db - LOST_DB));
-            svg.marker(Marker::Cross, place, 6.0, color);
+        if let (Some(dial), Some(start)) = (failed, of_method().next()) {
+            let position = (between(&dials, dial, &x_of), y.at(start.point.psnr_filled_db - LOST_DB));
+            svg.marker(Marker::Cross, position, 6.0, color);
         }
     }
 }
 
 /// Where a value between two values of the dial lies.
-fn between(dials: &[f64], dial: f64, place_of: &dyn Fn(f64) -> f64) -> f64 {
+fn between(dials: &[f64], dial: f64, x_of: &dyn Fn(f64) -> f64) -> f64 {
     let pair = dials.windows(2).find(|pair| {
         let (low, high) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
         (low..=high).contains(&dial)
     });
-    let Some(&[from, to]) = pair else { return place_of(dial) };
-    place_of(from) + (dial - from) / (to - from) * (place_of(to) - place_of(from))
+    let Some(&[from, to]) = pair else { return x_of(dial) };
+    x_of(from) + (dial - from) / (to - from) * (x_of(to) - x_of(from))
 }

@@ -1,22 +1,39 @@
-//! An SVG picture that is put together shape by shape.
+//! A chart as SVG, put together shape by shape, and as PNG.
 
 use std::fmt::Write;
+use std::sync::Arc;
 
-/// Colors of charts: ink, grid lines, and series that the color-blind can tell apart (Masataka Okabe and Kei Ito, *Color
-/// Universal Design*, 2008).
-pub(super) mod color {
-    pub(in crate::evaluate::chart) const INK: &str = "#22262b";
-    pub(in crate::evaluate::chart) const FAINT: &str = "#6b7480";
-    pub(in crate::evaluate::chart) const GRID: &str = "#e4e7eb";
-    pub(in crate::evaluate::chart) const PAPER: &str = "#ffffff";
-    pub(in crate::evaluate::chart) const BLUE: &str = "#0072b2";
-    pub(in crate::evaluate::chart) const ORANGE: &str = "#e69f00";
-    pub(in crate::evaluate::chart) const GREEN: &str = "#009e73";
-    pub(in crate::evaluate::chart) const PINK: &str = "#cc79a7";
-    pub(in crate::evaluate::chart) const RED: &str = "#d55e00";
+use resvg::{tiny_skia, usvg};
+
+use super::color;
+use crate::error::{Error, Result};
+
+/// A chart, drawn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Chart {
+    /// The picture as SVG; its text is set in Ubuntu.
+    pub(super) svg: String,
 }
 
-/// Where text stands relative to its place.
+const FAMILY: &str = "Ubuntu";
+
+impl Chart {
+    /// The chart as PNG.
+    pub(crate) fn png(&self) -> Result<Vec<u8>> {
+        let fail = |what: String| Error::unsupported("chart", what);
+        let mut options = usvg::Options { font_family: FAMILY.to_owned(), ..usvg::Options::default() };
+        let fonts = Arc::make_mut(&mut options.fontdb);
+        fonts.load_font_data(epaint_default_fonts::UBUNTU_LIGHT.to_vec());
+        let tree = usvg::Tree::from_str(&self.svg, &options).map_err(|error| fail(error.to_string()))?;
+        let size = tree.size().to_int_size();
+        let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height())
+            .ok_or_else(|| fail("is too large to be drawn".to_owned()))?;
+        resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixels.as_mut());
+        pixels.encode_png().map_err(|error| fail(error.to_string()))
+    }
+}
+
+/// Alignment of text.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
     Start,
@@ -44,23 +61,23 @@ pub(super) struct Svg {
 }
 
 impl Svg {
-    /// A sheet of so many pixels.
+    /// An empty sheet, size in pixels.
     pub(super) fn new(width: f64, height: f64) -> Self {
         let mut svg = Self { text: String::new() };
         let _ = write!(
             svg.text,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" font-family=\"{}\">\n<rect width=\"100%\" height=\"100%\" fill=\"{}\"/>\n",
-            super::FAMILY,
+            FAMILY,
             color::PAPER
         );
         svg
     }
 
     /// The finished picture.
-    pub(super) fn finish(mut self) -> super::Chart {
+    pub(super) fn finish(mut self) -> Chart {
         self.text.push_str("</svg>\n");
-        super::Chart { svg: self.text }
+        Chart { svg: self.text }
     }
 
     pub(super) fn text(
@@ -82,7 +99,7 @@ impl Svg {
         );
     }
 
-    /// Text that reads upward, its middle at the place.
+    /// Text that reads upward, centered.
     pub(super) fn upward(&mut self, (x, y): (f64, f64), (size, color): (f64, &str), text: &str) {
         let _ = write!(self.text, "<g transform=\"translate({x:.1} {y:.1}) rotate(-90)\">");
         self.text((0.0, 0.0), Anchor::Middle, (size, color), text);

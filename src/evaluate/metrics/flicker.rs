@@ -1,16 +1,15 @@
 //! Temporal flicker at a still vantage: by how much the error of a pixel changes from one frame to the next.
 //!
-//! An error that stays is a flaw one gets used to; an error that comes and goes catches the eye. What is measured is the
-//! root mean square over pixels and pairs of frames of `(picture − truth)(t₂) − (picture − truth)(t₁)`, in 8-bit steps:
-//! true motion cancels, and a picture without error, or with a constant one, scores 0. Noise in the truth counts as well,
-//! alike for every method.
+//! A constant error is less visible than one that comes and goes. The measure is the root mean square over pixels and pairs of
+//! frames of `(picture − truth)(t₂) − (picture − truth)(t₁)`, in 8-bit steps: true motion cancels, and a constant error scores 0.
+//! Noise in the truth counts too, alike for every method.
 
-use super::Pair;
+use super::pair::Pair;
 use crate::capture::Camera;
 
 /// Sums up the change of error over consecutive views of one vantage.
 #[derive(Clone, Debug, Default)]
-pub struct FlickerMeter {
+pub(crate) struct FlickerMeter {
     previous: Option<(Camera, Vec<Option<[f32; 3]>>)>,
     squares: f64,
     count: u64,
@@ -18,7 +17,7 @@ pub struct FlickerMeter {
 
 impl FlickerMeter {
     /// Adds the next view. Views of one vantage must follow each other, in the order of their frames.
-    pub fn add(&mut self, camera: &Camera, compared: &Pair) {
+    pub(crate) fn add(&mut self, camera: &Camera, compared: &Pair) {
         let errors = compared.errors();
         if let Some((_, before)) = self.previous.as_ref().filter(|(previous, _)| previous == camera) {
             for (before, after) in before.iter().zip(&errors) {
@@ -34,8 +33,7 @@ impl FlickerMeter {
     }
 
     /// Root mean square change of error, 8-bit steps; `None` where no vantage was seen at two frames.
-    #[must_use]
-    pub fn steps(&self) -> Option<f64> {
+    pub(crate) fn steps(&self) -> Option<f64> {
         (self.count > 0).then(|| 255.0 * (self.squares / self.count as f64).sqrt())
     }
 }

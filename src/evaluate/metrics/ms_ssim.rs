@@ -40,7 +40,7 @@ pub fn ms_ssim(a: &Grid<f32>, b: &Grid<f32>, counts: &Grid<bool>) -> f64 {
     product
 }
 
-/// Means of 2×2 pixels; an odd last column or row stands for itself twice.
+/// Means of 2×2 pixels; an odd last column or row is repeated.
 fn halved(grid: &Grid<f32>) -> Grid<f32> {
     let (width, height) = grid.size();
     Grid::from_fn(width.div_ceil(2), height.div_ceil(2), |x, y| {

@@ -1,5 +1,5 @@
-//! Where silhouettes are: the pixels near a step in depth. Errors there (grown or frayed outlines, colors of what lies
-//! behind) drown in a mean over the whole picture.
+//! Pixels near a step in depth. Errors there (grown or frayed outlines, background colors) vanish in a mean over the whole
+//! picture.
 
 use crate::grid::Grid;
 
@@ -12,7 +12,6 @@ const STEP_RELATIVE: f32 = 0.02;
 
 /// Which pixels lie within [`REACH_PX`] of a step in depth, given inverse depths (0 at infinity, negative where unknown;
 /// next to the unknown nothing is a step).
-#[must_use]
 pub(super) fn near_silhouettes(inverse_depth: &Grid<f32>) -> Grid<bool> {
     let (width, height) = inverse_depth.size();
     let reach = REACH_PX as usize;

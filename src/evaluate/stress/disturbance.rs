@@ -1,13 +1,16 @@
-//! The disturbances: what each does, and where its dial can stand.
+//! The disturbances: what each does, and the values of its dial.
 
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::light::{Lighting, lit};
-use super::recording_edits::{Edit, Edited};
+use super::light::{LightChange, Lighting};
+use super::recording_edits::{
+    EditedFrames, FrameKey, antialias, color_noise, depth_float, depth_noise, depth_steps, expose, narrow,
+    normals_missing, normals_noisy,
+};
 use super::shapes::Inserted;
-use crate::capture::{Camera, Capture, CaptureParts, Frame};
+use crate::capture::{Camera, Capture, CaptureParts, Frame, INVALID_INVERSE_DEPTH};
 use crate::error::Result;
 use crate::evaluate::truth::{DERIVED_CACHE_BYTES, Recorded, Truth, TruthEdit, parts_of};
 use crate::random::mix;
@@ -17,19 +20,19 @@ use crate::random::mix;
 pub enum Disturbance {
     /// Depth is off by Gaussian noise that differs from frame to frame.
     DepthNoise,
-    /// Depth is stored in whole numbers of so many bits between the nearest and farthest surface.
+    /// Depth is rounded to an integer of the dial's bits between the nearest and farthest surface.
     DepthSteps,
-    /// Depth is stored in floats of so many bits of mantissa; 10 is a half float. The capture says so.
+    /// Depth is rounded to a float with the dial's bits of mantissa (10: half float). The capture declares it.
     DepthFloat,
     /// Color carries the noise of a path tracer, which differs from frame to frame.
     ColorNoise,
-    /// Color is filtered across silhouettes, as anti-aliasing does. The capture says so.
+    /// Color is filtered across silhouettes, as anti-aliasing does. The capture declares it.
     Antialiasing,
     /// Normals are missing in squares of 8×8 pixels.
     NormalsMissing,
     /// Normals are off by Gaussian noise.
     NormalsNoisy,
-    /// Every camera is turned, by the same angle about an axis of its own, from where the capture says it is.
+    /// Every camera is turned away from its declared pose, by the same angle about an axis of its own.
     CameraPose,
     /// One camera runs behind the others.
     OutOfSync,
@@ -37,7 +40,7 @@ pub enum Disturbance {
     Exposure,
     /// One camera delivers nothing in part of the frames.
     MissingCamera,
-    /// Only some of the cameras are there.
+    /// Cameras are removed.
     FewerCameras,
     /// Bars stand in the scene, thinner and thinner. Scored on and around them.
     ThinStructures,
@@ -51,104 +54,69 @@ pub enum Disturbance {
     MovingLight,
 }
 
-/// Frames of the same picture are told apart by this, so that noise is the same in every run.
-pub(crate) fn seed(camera: usize, frame: usize) -> u64 {
-    mix(mix(camera as u64) ^ frame as u64)
-}
+/// A disturbance, its name for files, legends and the command line, the unit of its dial, and the values of the dial: the
+/// undisturbed one first, the worst last.
+type DisturbanceRow = (Disturbance, &'static str, &'static str, &'static [f64]);
+
+const TABLE: [DisturbanceRow; 17] = [
+    (Disturbance::DepthNoise, "depth noise", "% of depth", &[0.0, 0.1, 0.3, 1.0, 3.0]),
+    (Disturbance::DepthSteps, "depth quantization", "bits", &[24.0, 12.0, 10.0, 8.0, 6.0]),
+    (Disturbance::DepthFloat, "half-float depth", "bits of mantissa", &[23.0, 10.0, 7.0, 5.0]),
+    (Disturbance::ColorNoise, "color noise", "% of color", &[0.0, 2.0, 5.0, 10.0, 20.0]),
+    (Disturbance::Antialiasing, "anti-aliased silhouettes", "px", &[0.0, 0.5, 1.0, 2.0]),
+    (Disturbance::NormalsMissing, "normals missing", "% of pixels", &[0.0, 25.0, 50.0, 100.0]),
+    (Disturbance::NormalsNoisy, "normals noisy", "degrees", &[0.0, 5.0, 15.0, 45.0]),
+    (Disturbance::CameraPose, "camera pose", "degrees", &[0.0, 0.05, 0.2, 0.5, 1.0]),
+    (Disturbance::OutOfSync, "camera out of sync", "frames", &[0.0, 1.0, 2.0, 4.0]),
+    (Disturbance::Exposure, "exposure", "stops", &[0.0, 0.1, 0.3, 1.0]),
+    (Disturbance::MissingCamera, "missing camera", "% of frames", &[0.0, 25.0, 50.0, 100.0]),
+    (Disturbance::FewerCameras, "fewer cameras", "cameras gone", &[0.0, 1.0, 2.0, 3.0, 4.0]),
+    (Disturbance::ThinStructures, "thin structures", "px thick", &[8.0, 4.0, 2.0, 1.0, 0.5]),
+    (Disturbance::GrazingViews, "grazing views", "degrees", &[0.0, 45.0, 70.0, 80.0, 87.0]),
+    (Disturbance::NarrowFrusta, "frusta part", "% of the width", &[100.0, 80.0, 60.0, 40.0]),
+    (Disturbance::Specular, "specular surface", "× white", &[0.0, 0.1, 0.3, 1.0]),
+    (Disturbance::MovingLight, "moving light", "× light", &[0.0, 0.1, 0.3, 1.0]),
+];
 
 impl Disturbance {
     /// All of them.
-    pub const ALL: [Self; 17] = [
-        Self::DepthNoise,
-        Self::DepthSteps,
-        Self::DepthFloat,
-        Self::ColorNoise,
-        Self::Antialiasing,
-        Self::NormalsMissing,
-        Self::NormalsNoisy,
-        Self::CameraPose,
-        Self::OutOfSync,
-        Self::Exposure,
-        Self::MissingCamera,
-        Self::FewerCameras,
-        Self::ThinStructures,
-        Self::GrazingViews,
-        Self::NarrowFrusta,
-        Self::Specular,
-        Self::MovingLight,
-    ];
+    pub const ALL: [Self; TABLE.len()] = {
+        let mut all = [Self::DepthNoise; TABLE.len()];
+        let mut row = 0;
+        while row < TABLE.len() {
+            all[row] = TABLE[row].0;
+            assert!(all[row] as usize == row, "rows are in the order of the enum");
+            row += 1;
+        }
+        all
+    };
 
     /// Name for files, legends and the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::DepthNoise => "depth noise",
-            Self::DepthSteps => "depth quantization",
-            Self::DepthFloat => "half-float depth",
-            Self::ColorNoise => "color noise",
-            Self::Antialiasing => "anti-aliased silhouettes",
-            Self::NormalsMissing => "normals missing",
-            Self::NormalsNoisy => "normals noisy",
-            Self::CameraPose => "camera pose",
-            Self::OutOfSync => "camera out of sync",
-            Self::Exposure => "exposure",
-            Self::MissingCamera => "missing camera",
-            Self::FewerCameras => "fewer cameras",
-            Self::ThinStructures => "thin structures",
-            Self::GrazingViews => "grazing views",
-            Self::NarrowFrusta => "frusta part",
-            Self::Specular => "specular surface",
-            Self::MovingLight => "moving light",
-        }
+        TABLE[self as usize].1
     }
 
     /// Unit of the dial.
     #[must_use]
     pub fn unit(self) -> &'static str {
-        match self {
-            Self::DepthNoise => "% of depth",
-            Self::DepthSteps => "bits",
-            Self::DepthFloat => "bits of mantissa",
-            Self::ColorNoise => "% of color",
-            Self::Antialiasing => "px",
-            Self::NormalsMissing => "% of pixels",
-            Self::NormalsNoisy | Self::CameraPose | Self::GrazingViews => "degrees",
-            Self::OutOfSync => "frames",
-            Self::Exposure => "stops",
-            Self::MissingCamera => "% of frames",
-            Self::FewerCameras => "cameras gone",
-            Self::ThinStructures => "px thick",
-            Self::NarrowFrusta => "% of the width",
-            Self::Specular => "× white",
-            Self::MovingLight => "× light",
-        }
+        TABLE[self as usize].2
     }
 
     /// Values of the dial, the undisturbed one first, the worst last. As many cameras stay as the truth needs.
     #[must_use]
     pub fn dial(self, capture: &Capture, truth: &Truth) -> Vec<f64> {
+        let dial = TABLE[self as usize].3;
         match self {
-            Self::DepthNoise => vec![0.0, 0.1, 0.3, 1.0, 3.0],
-            Self::DepthSteps => vec![24.0, 12.0, 10.0, 8.0, 6.0],
-            Self::DepthFloat => vec![23.0, 10.0, 7.0, 5.0],
-            Self::ColorNoise => vec![0.0, 2.0, 5.0, 10.0, 20.0],
-            Self::Antialiasing => vec![0.0, 0.5, 1.0, 2.0],
-            Self::NormalsMissing | Self::MissingCamera => vec![0.0, 25.0, 50.0, 100.0],
-            Self::NormalsNoisy => vec![0.0, 5.0, 15.0, 45.0],
-            Self::CameraPose => vec![0.0, 0.05, 0.2, 0.5, 1.0],
-            Self::OutOfSync => vec![0.0, 1.0, 2.0, 4.0],
             Self::FewerCameras => {
-                let gone = capture.cameras.len().saturating_sub(truth.least_cameras()).min(4);
-                (0..=gone).map(|gone| gone as f64).collect()
+                let most_gone = capture.cameras.len().saturating_sub(truth.least_cameras());
+                dial.iter().copied().take(most_gone + 1).collect()
             }
-            Self::ThinStructures => vec![8.0, 4.0, 2.0, 1.0, 0.5],
-            Self::GrazingViews => vec![0.0, 45.0, 70.0, 80.0, 87.0],
-            Self::NarrowFrusta => vec![100.0, 80.0, 60.0, 40.0],
-            Self::Exposure | Self::Specular | Self::MovingLight => vec![0.0, 0.1, 0.3, 1.0],
+            _ => dial.to_vec(),
         }
     }
 
-    /// What there is not in a capture that this cannot change, in words that go on from "there".
+    /// What the capture lacks for this disturbance to change it, as the end of a sentence that begins with "there".
     #[must_use]
     pub fn lacks(self, capture: &Capture) -> Option<&'static str> {
         match self {
@@ -163,83 +131,95 @@ impl Disturbance {
     /// The capture under this disturbance.
     ///
     /// # Errors
-    /// Whatever loading its first frames gives: the size of the scene is taken from them.
+    /// Those of loading its first frames, which give the size of the scene.
     pub fn apply(self, capture: &Capture, dial: f64) -> Result<Recorded> {
         let amount = dial as f32;
         let middle = capture.cameras.len() / 2;
-        let edited = |edit: Edit| recorded(capture, edit, |_| ());
         Ok(match self {
-            Self::DepthNoise => edited(Edit::DepthNoise(0.01 * amount)),
-            Self::DepthSteps => edited(Edit::DepthSteps { bits: dial, range: depth_range(capture)? }),
-            Self::DepthFloat => edited(Edit::DepthFloat { bits: dial as u32 }),
-            Self::ColorNoise => edited(Edit::ColorNoise(0.01 * amount)),
-            Self::Antialiasing => recorded(capture, Edit::Antialiasing(amount), |parts| {
-                parts.antialiased_color |= dial > 0.0;
-            }),
-            Self::NormalsMissing => edited(Edit::NormalsMissing(0.01 * amount)),
-            Self::NormalsNoisy => edited(Edit::NormalsNoisy(amount.to_radians())),
-            Self::CameraPose => recorded(capture, Edit::None, |parts| {
+            Self::DepthNoise => edited(capture, move |frame, at| depth_noise(frame, 0.01 * amount, at)),
+            Self::DepthSteps => {
+                let range = depth_range(capture)?;
+                edited(capture, move |frame, _| depth_steps(frame, dial, range))
+            }
+            Self::DepthFloat => edited(capture, move |frame, _| depth_float(frame, dial as u32)),
+            Self::ColorNoise => edited(capture, move |frame, at| color_noise(frame, 0.01 * amount, at)),
+            Self::Antialiasing => {
+                let source = EditedFrames::new(capture, move |frame, _| antialias(frame, amount));
+                recorded(capture, source, |parts| parts.antialiased_color |= dial > 0.0)
+            }
+            Self::NormalsMissing => {
+                edited(capture, move |frame, at| normals_missing(frame, 0.01 * amount, at))
+            }
+            Self::NormalsNoisy => {
+                let radians = amount.to_radians();
+                edited(capture, move |frame, at| normals_noisy(frame, radians, at))
+            }
+            Self::CameraPose => recorded(capture, EditedFrames::new(capture, |_, _| ()), |parts| {
                 for (index, camera) in parts.cameras.iter_mut().enumerate() {
                     turn(camera, index as u64, dial);
                 }
             }),
-            Self::OutOfSync => edited(Edit::OutOfSync { camera: middle, by: dial as usize }),
-            Self::Exposure => edited(Edit::Exposure(amount)),
-            Self::MissingCamera => edited(Edit::Missing { camera: middle, share: 0.01 * dial }),
+            Self::OutOfSync => {
+                let late = Some((middle, dial as usize));
+                recorded(capture, EditedFrames { late, ..EditedFrames::new(capture, |_, _| ()) }, |_| ())
+            }
+            Self::Exposure => edited(capture, move |frame, at| expose(frame, amount, at.camera)),
+            Self::MissingCamera => {
+                let first_missing = capture.frame_count() as f64 * (1.0 - 0.01 * dial);
+                edited(capture, move |frame, at| {
+                    if at.camera == middle && at.frame as f64 >= first_missing {
+                        frame.inverse_depth.as_mut_slice().fill(INVALID_INVERSE_DEPTH);
+                    }
+                })
+            }
             Self::FewerCameras => {
                 let left = capture.cameras.len() - dial as usize;
                 let few = capture.with_cameras(|index, _| index < left);
-                Recorded { places: capture.clone(), ..Recorded::undisturbed(&few) }
+                Recorded { all_cameras: capture.clone(), ..Recorded::undisturbed(&few) }
             }
-            Self::NarrowFrusta => edited(Edit::Narrow(0.01 * dial)),
+            Self::NarrowFrusta => edited(capture, move |frame, _| narrow(frame, 0.01 * dial)),
             Self::ThinStructures => inserted(capture, Inserted::bars(capture, dial)?),
             Self::GrazingViews => inserted(capture, Inserted::panel(capture, dial)?),
-            Self::Specular => relit(capture, Lighting::specular(capture, amount)),
-            Self::MovingLight => relit(capture, Lighting::moving(capture, amount)),
+            Self::Specular => relit(capture, Lighting::new(capture, LightChange::Specular, amount)),
+            Self::MovingLight => relit(capture, Lighting::new(capture, LightChange::Moving, amount)),
         })
     }
 }
 
-impl std::str::FromStr for Disturbance {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let named = Self::ALL.into_iter().find(|disturbance| disturbance.name() == text);
-        named.ok_or_else(|| format!("'{text}' is not one of {}", Self::ALL.map(Self::name).join(", ")))
-    }
-}
-
-fn derived(capture: &Capture, edit: Edit, change: impl FnOnce(&mut CaptureParts)) -> Capture {
-    let mut parts = parts_of(capture, Arc::new(Edited { capture: capture.clone(), edit }));
+/// The capture with other frames and with parts changed, beside the clean one.
+fn recorded(capture: &Capture, source: EditedFrames, change: impl FnOnce(&mut CaptureParts)) -> Recorded {
+    let mut parts = parts_of(capture, Arc::new(source));
     change(&mut parts);
-    Capture::new(parts, DERIVED_CACHE_BYTES)
+    Recorded { capture: Capture::new(parts, DERIVED_CACHE_BYTES), ..Recorded::undisturbed(capture) }
 }
 
-fn recorded(capture: &Capture, edit: Edit, change: impl FnOnce(&mut CaptureParts)) -> Recorded {
-    Recorded { capture: derived(capture, edit, change), ..Recorded::undisturbed(capture) }
+/// The capture with every frame changed, beside the clean one.
+fn edited(capture: &Capture, edit: impl Fn(&mut Frame, FrameKey) + Send + Sync + 'static) -> Recorded {
+    recorded(capture, EditedFrames::new(capture, edit), |_| ())
 }
 
-/// A scene with something put into it: what the cameras recorded is the truth's own scene.
+/// A scene with something put into it: the truth shows it too.
 fn inserted(capture: &Capture, inserted: Inserted) -> Recorded {
-    let inserted = Arc::new(inserted);
-    let there = derived(capture, Edit::Inserted(inserted.clone()), |_| ());
-    let edit: TruthEdit = Arc::new(move |camera: &Camera, _, frame: Frame| {
-        let frame = inserted.put_into(camera, frame);
-        inserted.only_near(camera, frame)
+    let (inserted, cameras) = (Arc::new(inserted), capture.cameras.clone());
+    let shapes = inserted.clone();
+    let scene = edited(capture, move |frame, at| shapes.put_into(&cameras[at.camera], frame)).capture;
+    let edit: TruthEdit = Arc::new(move |camera: &Camera, _, frame: &mut Frame| {
+        inserted.put_into(camera, frame);
+        inserted.only_near(camera, frame);
     });
-    Recorded { edit_truth: Some(edit), ..Recorded::undisturbed(&there) }
+    Recorded { edit_truth: Some(edit), ..Recorded::undisturbed(&scene) }
 }
 
-/// A scene under other light.
+/// A scene under other light: so is the truth.
 fn relit(capture: &Capture, lighting: Lighting) -> Recorded {
-    let lighting = Arc::new(lighting);
-    let there = derived(capture, Edit::Relit(lighting.clone()), |_| ());
+    let (lighting, cameras) = (Arc::new(lighting), capture.cameras.clone());
+    let light = lighting.clone();
+    let scene = edited(capture, move |frame, at| light.apply(&cameras[at.camera], at.frame, frame)).capture;
     let numbers = capture.frame_numbers.clone();
-    let edit: TruthEdit = Arc::new(move |camera: &Camera, number, frame: Frame| {
-        let index = numbers.binary_search(&number).unwrap_or_default();
-        lit(&lighting, camera, index, frame)
+    let edit: TruthEdit = Arc::new(move |camera: &Camera, number, frame: &mut Frame| {
+        lighting.apply(camera, numbers.binary_search(&number).unwrap_or_default(), frame);
     });
-    Recorded { edit_truth: Some(edit), ..Recorded::undisturbed(&there) }
+    Recorded { edit_truth: Some(edit), ..Recorded::undisturbed(&scene) }
 }
 
 /// Turns a camera about an axis of its own.

@@ -1,5 +1,4 @@
-//! Other light on a recorded scene, drawn in the picture from depth and normals: no shadows, no light that bounces. The
-//! truth is changed by the same rule, so that it stays the truth.
+//! Relighting of a recorded scene from depth and normals, without shadows or bounces; the truth is relit by the same rule.
 
 use glam::{DVec2, DVec3, Vec3};
 use half::f16;
@@ -18,7 +17,7 @@ pub(super) struct Lighting {
     frames: usize,
 }
 
-enum LightChange {
+pub(super) enum LightChange {
     /// A highlight of a light that stands still.
     Specular,
     /// A light that goes round once.
@@ -29,14 +28,8 @@ enum LightChange {
 const SHININESS: i32 = 20;
 
 impl Lighting {
-    /// Surfaces shine with a highlight of this radiance.
-    pub(super) fn specular(capture: &Capture, strength: f32) -> Self {
-        Self { kind: LightChange::Specular, strength, up: capture.up_in_world, frames: capture.frame_count() }
-    }
-
-    /// A light goes round the scene that adds this share of a surface's own color where it faces the light.
-    pub(super) fn moving(capture: &Capture, strength: f32) -> Self {
-        Self { kind: LightChange::Moving, strength, up: capture.up_in_world, frames: capture.frame_count() }
+    pub(super) fn new(capture: &Capture, kind: LightChange, strength: f32) -> Self {
+        Self { kind, strength, up: capture.up_in_world, frames: capture.frame_count() }
     }
 
     /// Toward the light, unit length, world space, at a frame.
@@ -51,7 +44,7 @@ impl Lighting {
         (around + 0.8 * self.up).normalize_or_zero().as_vec3()
     }
 
-    fn apply(&self, color: [f16; 3], normal: Vec3, toward_eye: Vec3, toward_light: Vec3) -> [f16; 3] {
+    fn lit(&self, color: [f16; 3], normal: Vec3, toward_eye: Vec3, toward_light: Vec3) -> [f16; 3] {
         let facing = normal.dot(toward_light).max(0.0);
         let value = |channel: f16| match self.kind {
             LightChange::Specular => {
@@ -63,38 +56,31 @@ impl Lighting {
         };
         color.map(|channel| f16::from_f32(value(channel)))
     }
-}
-
-/// The frame under other light. Surfaces without a normal, and what is at infinity, stay as they are.
-pub(super) fn lit(lighting: &Lighting, camera: &Camera, frame_index: usize, mut frame: Frame) -> Frame {
-    let width = frame.size().0.max(1);
-    let toward_light = lighting.toward(frame_index);
-    let settings = NormalSettings::default();
-    let view = DepthView::new(frame.inverse_depth.as_slice(), camera, &settings);
-    let rotation = camera.world_from_camera.matrix3.as_mat3();
-    let estimates = frame.normal_in_world.is_none().then(|| estimate_all(&view, NormalEstimator::Plane));
-    let normal = |x: usize, y: usize| match (&frame.normal_in_world, &estimates) {
-        (Some(normals), _) => Vec3::from(normals[(x, y)]),
-        (None, Some(estimates)) => rotation * estimates[(x, y)].normal_in_camera,
-        (None, None) => Vec3::ZERO,
-    };
-    let colors: Vec<[f16; 3]> = (0..frame.color.len())
-        .into_par_iter()
-        .map(|pixel| {
+    /// Puts a frame under this light. Surfaces without a normal, and what is at infinity, stay as they are.
+    pub(super) fn apply(&self, camera: &Camera, frame_index: usize, frame: &mut Frame) {
+        let width = frame.size().0.max(1);
+        let toward_light = self.toward(frame_index);
+        let settings = NormalSettings::default();
+        let view = DepthView::new(frame.inverse_depth.as_slice(), camera, &settings);
+        let rotation = camera.world_from_camera.matrix3.as_mat3();
+        let estimates = frame.normal_in_world.is_none().then(|| estimate_all(&view, NormalEstimator::Plane));
+        let normal = |x: usize, y: usize| match (&frame.normal_in_world, &estimates) {
+            (Some(normals), _) => Vec3::from(normals[(x, y)]),
+            (None, Some(estimates)) => rotation * estimates[(x, y)].normal_in_camera,
+            (None, None) => Vec3::ZERO,
+        };
+        frame.color.as_mut_slice().par_iter_mut().enumerate().for_each(|(pixel, color)| {
             let (x, y) = (pixel % width, pixel / width);
-            let color = frame.color[(x, y)];
             if frame.inverse_depth[(x, y)] <= 0.0 {
-                return color;
+                return;
             }
             let normal = normal(x, y);
             if normal == Vec3::ZERO {
-                return color;
+                return;
             }
             let ray = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
             let toward_eye = -camera.world_from_camera.transform_vector3(ray).normalize_or_zero().as_vec3();
-            lighting.apply(color, normal, toward_eye, toward_light)
-        })
-        .collect();
-    frame.color.as_mut_slice().copy_from_slice(&colors);
-    frame
+            *color = self.lit(*color, normal, toward_eye, toward_light);
+        });
+    }
 }

@@ -1,13 +1,12 @@
-//! When does it break? Disturbances with a dial, applied to any capture, and what they do to ours and to the paper's plain
-//! settings.
+//! Robustness: disturbances of growing size, applied to any capture, and what they cost our settings and the paper's.
 //!
 //! ```text
 //! capture ─ Disturbance::apply(dial) ─▶ Recorded ─ Workbench ─▶ StressPoint …─ failures ─▶ the dial at which 1 dB is lost
 //! ```
 //!
-//! Every disturbance is applied to frames as they are asked for. Loss is against the same method at the first value of the
-//! dial, where nothing is disturbed, over the views of which some camera sees something at both. A value at which no camera sees
-//! anything of the truth has no points, nor has a disturbance that cannot change the capture.
+//! Frames are disturbed as they are loaded. Loss is relative to the same method at the first value of the dial, which disturbs
+//! nothing, over the views scored at both. There are no points for a value at which no camera sees any true pixel, or for a
+//! disturbance that cannot change the capture.
 
 mod disturbance;
 mod light;
@@ -20,15 +19,14 @@ use std::collections::HashSet;
 
 use serde::{Deserialize, Serialize};
 
+use super::scoring::nothing_to_compare;
 use super::sweep::{self, Point, Series};
-use super::trial::{MeanEstimate, Pace, Trial, TrialResult, Workbench};
-use super::truth::{self, Truth};
+use super::trial::{MeanEstimate, TimeLeft, Trial, TrialResult, Workbench};
+use super::truth::{self, Recorded, Truth};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::settings::Settings;
-
-use super::truth::Recorded;
 
 /// A method that is put under stress.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,22 +37,22 @@ pub struct Method {
     pub settings: Settings,
 }
 
-/// What is put under which stress, and what of it is known already.
+/// Disturbances, methods, and the points that are known already.
 #[derive(Clone, Debug)]
 pub struct StressPlan {
     /// The disturbances, each at all values of its dial.
     pub disturbances: Vec<Disturbance>,
     /// The methods; the first is ours.
     pub methods: Vec<Method>,
-    /// Frames that are looked at, those with truth first; all where `None`. Frames are disturbed before they are chosen.
+    /// Number of frames to use, those with truth first; all if `None`. Frames are disturbed before they are chosen.
     pub frames: Option<usize>,
     /// Points of an earlier run on the same capture and truth.
     pub done: Vec<StressPoint>,
 }
 
 impl StressPlan {
-    /// Every disturbance; `settings` with their defenses, the same kernel on the paper's plain preprocessing, and the
-    /// paper's settings as they are.
+    /// Every disturbance, for three methods: `settings`, the paper's preprocessing with the rendering of `settings`, and the
+    /// paper's settings.
     #[must_use]
     pub fn standard(settings: &Settings) -> Self {
         let paper = sweep::paper(settings);
@@ -89,7 +87,7 @@ impl StressPlan {
 pub struct StressPoint {
     /// Name of the disturbance.
     pub disturbance: String,
-    /// Where its dial stands.
+    /// Value of the dial.
     pub dial: f64,
     /// Unit of the dial.
     pub unit: String,
@@ -97,8 +95,7 @@ pub struct StressPoint {
     pub method: String,
     /// Samples kept, as a share of all recorded pixels.
     pub kept_share: f64,
-    /// By how much accuracy (`psnr_filled_db`) fell since the first value of the dial, dB, over the views that were scored at both;
-    /// 0 where there is none.
+    /// Drop of `psnr_filled_db` since the first value of the dial, dB, over the views scored at both; 0 if there are none.
     pub loss_db: f64,
     /// What was measured.
     #[serde(flatten)]
@@ -127,24 +124,24 @@ pub struct BreakingPoint {
     pub unit: String,
     /// Name of the method.
     pub method: String,
-    /// Where the dial stands when [`LOST_DB`] are lost, interpolated; `None` where they never are.
+    /// Value of the dial at a loss of [`LOST_DB`], interpolated; `None` if it is never reached.
     pub dial: Option<f64>,
     /// The largest loss anywhere, dB.
     pub worst_loss_db: f64,
-    /// The last value of the dial that was tried.
+    /// The last value of the dial.
     pub last_dial: f64,
 }
 
 /// A method fails where it has lost this much, dB.
 pub const LOST_DB: f64 = 1.0;
 
-/// Measures every disturbance of the plan at every value of its dial with every method; `on_point` is told each that was not
-/// known already, with how many are known then, of how many. A value that leaves nothing of the truth to be compared with is
-/// passed over, and told as a warning; so is a disturbance that cannot change the capture.
+/// Measures every disturbance of the plan at every value of its dial with every method. `on_point` receives each new point, the
+/// number of known points and their total. Disturbances that cannot change the capture, and values that leave no true pixel, are
+/// skipped with a warning.
 ///
 /// # Errors
-/// Whatever preprocessing, painting and truth give; `Invalid` where no value leaves anything to be compared with, and where no
-/// disturbance can change the capture; `Cancelled`, after which the points told so far can be put into [`StressPlan::done`] to go on.
+/// Those of preprocessing, rendering and truth; `Invalid` if nothing can be disturbed or compared; `Cancelled`: put the points
+/// received so far into [`StressPlan::done`] to continue.
 pub fn run(
     capture: &Capture,
     plan: &StressPlan,
@@ -156,40 +153,36 @@ pub fn run(
     let mut total = steps.len() * plan.methods.len();
     let open_at = |step| plan.methods.iter().filter(|method| plan.known(step, method).is_none()).count();
     let mut open: usize = steps.iter().map(|step| open_at(*step)).sum();
-    let (mut pace, mut points, mut passed_over) = (Pace::start(), Vec::with_capacity(total), Vec::new());
+    let (mut time_left, mut points, mut passed_over) =
+        (TimeLeft::start(), Vec::with_capacity(total), Vec::new());
     for step in steps {
         let mut disturbed = None;
         for method in &plan.methods {
-            let known = plan.known(step, method).cloned();
-            let is_new = known.is_none();
-            let point = if let Some(known) = known {
-                known
-            } else {
-                pace.next(job, (points.len() + 1, total), open - pace.measured());
-                if disturbed.is_none() {
-                    disturbed = Disturbed::new(capture, plan, truth, step, job)?;
-                }
-                let Some(disturbed) = &mut disturbed else {
-                    // The pace counts one point as begun.
-                    (total, open) = (total - open_at(step), open + 1 - open_at(step));
-                    passed_over.push(step);
-                    break;
-                };
-                disturbed.measure(method, job)?
-            };
-            let point = point.with_loss(&points);
-            if is_new {
-                on_point(&point, (points.len() + 1, total));
+            if let Some(known) = plan.known(step, method) {
+                points.push(known.clone().with_loss(&points));
+                continue;
             }
+            time_left.next(job, (points.len() + 1, total), open - time_left.measured());
+            if disturbed.is_none() {
+                disturbed = Disturbed::new(capture, plan, truth, step, job)?;
+            }
+            let Some(disturbed) = &mut disturbed else {
+                // `time_left` counts one point as begun.
+                (total, open) = (total - open_at(step), open + 1 - open_at(step));
+                passed_over.push(step);
+                break;
+            };
+            let point = disturbed.measure(method, job)?.with_loss(&points);
+            on_point(&point, (points.len() + 1, total));
             points.push(point);
         }
     }
     job.set_context("");
     if points.is_empty() && !passed_over.is_empty() {
-        return Err(truth::nothing_to_compare(&capture.name));
+        return Err(nothing_to_compare(&capture.name));
     }
     for step in passed_over {
-        job.warn(leaves_nothing(step));
+        job.warn(no_points_warning(step));
     }
     for methods in points.chunk_by_mut(|a, b| a.disturbance == b.disturbance && a.dial == b.dial) {
         sweep::mark_pareto_of_stores(methods.iter_mut().map(|method| &mut method.point));
@@ -207,10 +200,8 @@ fn steps(capture: &Capture, plan: &StressPlan, truth: &Truth, job: &Job) -> Resu
                 steps.extend(dial.map(|dial| (disturbance, dial)));
             }
             Some(lacks) => {
-                job.warn(format!(
-                    "'{}' is left out: it changes nothing, as there {lacks}",
-                    disturbance.name()
-                ));
+                let name = disturbance.name();
+                job.warn(format!("'{name}' is left out: it changes nothing, as there {lacks}"));
             }
         }
     }
@@ -223,29 +214,30 @@ fn steps(capture: &Capture, plan: &StressPlan, truth: &Truth, job: &Job) -> Resu
     Ok(steps)
 }
 
-/// A disturbance and where its dial stands.
+/// A disturbance and a value of its dial.
 type StressStep = (Disturbance, f64);
 
-/// That a step has no points.
-fn leaves_nothing((disturbance, dial): StressStep) -> String {
-    format!(
-        "'{}' at {dial} {} is left out: no camera sees anything of the true pictures then",
-        disturbance.name(),
-        disturbance.unit()
-    )
+/// The warning that a step has no points.
+fn no_points_warning((disturbance, dial): StressStep) -> String {
+    let (name, unit) = (disturbance.name(), disturbance.unit());
+    format!("'{name}' at {dial} {unit} is left out: no camera sees anything of the true pictures then")
 }
 
 impl StressPoint {
-    /// The same with its loss since the first of these `points` that has its disturbance and method.
+    /// Whether the other is of the same disturbance and method.
+    fn is_like(&self, other: &Self) -> bool {
+        other.disturbance == self.disturbance && other.method == self.method
+    }
+
+    /// The point with its loss since the first of `points` of its disturbance and method.
     fn with_loss(self, points: &[Self]) -> Self {
-        let is_alike = |other: &&Self| other.disturbance == self.disturbance && other.method == self.method;
-        let first = points.iter().find(is_alike);
+        let first = points.iter().find(|other| other.is_like(&self));
         let loss =
             first.and_then(|first| Some(first.accuracy_at(&self.views)? - self.accuracy_at(&first.views)?));
         Self { loss_db: loss.unwrap_or_default(), ..self }
     }
 
-    /// Accuracy over those of its views that are among others.
+    /// Accuracy over the views that are among `others`; `None` if there are none.
     fn accuracy_at(&self, others: &[ViewAccuracy]) -> Option<f64> {
         let names: HashSet<&str> = others.iter().map(|view| view.file_path.as_str()).collect();
         let shared: Vec<&ViewAccuracy> =
@@ -281,7 +273,7 @@ impl Disturbed {
             recorded = Recorded {
                 capture: truth::only(&recorded.capture, &frames),
                 clean: truth::only(&recorded.clean, &frames),
-                places: truth::only(&recorded.places, &frames),
+                all_cameras: truth::only(&recorded.all_cameras, &frames),
                 edit_truth: recorded.edit_truth,
             };
         }
@@ -297,7 +289,7 @@ impl Disturbed {
         Ok(Some(Self { step, workbench, pixels }))
     }
 
-    /// What a method gives; the loss is left open.
+    /// Measures a method; the loss is still 0.
     fn measure(&mut self, method: &Method, job: &Job) -> Result<StressPoint> {
         let (disturbance, dial) = self.step;
         let (name, unit) = (disturbance.name(), disturbance.unit());
@@ -318,9 +310,9 @@ impl Disturbed {
 }
 
 fn view_by_view(measured: &TrialResult) -> Vec<ViewAccuracy> {
-    let vantages = measured.views.iter().zip(&measured.scores).enumerate();
-    let views = vantages.flat_map(|(vantage, (names, scores))| {
-        names.iter().zip(scores).map(move |(name, scores)| ViewAccuracy {
+    let vantages = measured.vantages.iter().enumerate();
+    let views = vantages.flat_map(|(vantage, views)| {
+        views.iter().map(move |(name, scores)| ViewAccuracy {
             file_path: name.clone(),
             vantage,
             psnr_filled_db: scores.psnr_all_db,
@@ -332,37 +324,38 @@ fn view_by_view(measured: &TrialResult) -> Vec<ViewAccuracy> {
 /// Where each method fails under each disturbance, in the order of the points.
 #[must_use]
 pub fn failures(points: &[StressPoint]) -> Vec<BreakingPoint> {
-    let mut failures: Vec<BreakingPoint> = Vec::new();
-    let mut previous: Option<&StressPoint> = None;
-    let mut by_method: Vec<&StressPoint> = points.iter().collect();
-    let order = |point: &StressPoint| {
-        points.iter().position(|other| other.disturbance == point.disturbance && other.method == point.method)
-    };
-    by_method.sort_by_key(|point| order(point));
-    for point in by_method {
-        let same = previous
-            .filter(|previous| previous.disturbance == point.disturbance && previous.method == point.method);
-        if same.is_none() {
-            failures.push(BreakingPoint {
-                disturbance: point.disturbance.clone(),
-                unit: point.unit.clone(),
-                method: point.method.clone(),
-                dial: None,
-                worst_loss_db: point.loss_db,
-                last_dial: point.dial,
-            });
+    let mut dials: Vec<Vec<&StressPoint>> = Vec::new();
+    for point in points {
+        match dials.iter_mut().find(|dial| dial[0].is_like(point)) {
+            Some(dial) => dial.push(point),
+            None => dials.push(vec![point]),
         }
-        if let Some(failure) = failures.last_mut() {
-            failure.worst_loss_db = failure.worst_loss_db.max(point.loss_db);
-            failure.last_dial = point.dial;
-            if let (None, Some(before)) = (failure.dial, same)
-                && point.loss_db >= LOST_DB
-            {
-                let share = (LOST_DB - before.loss_db) / (point.loss_db - before.loss_db);
-                failure.dial = Some(before.dial + share * (point.dial - before.dial));
-            }
-        }
-        previous = Some(point);
     }
-    failures
+    let failure = |dial: Vec<&StressPoint>| {
+        let (first, last) = (dial[0], dial[dial.len() - 1]);
+        let lost_at = dial.windows(2).find(|pair| pair[1].loss_db >= LOST_DB).map(|pair| {
+            let (before, after) = (pair[0], pair[1]);
+            let share = (LOST_DB - before.loss_db) / (after.loss_db - before.loss_db);
+            before.dial + share * (after.dial - before.dial)
+        });
+        BreakingPoint {
+            disturbance: first.disturbance.clone(),
+            unit: first.unit.clone(),
+            method: first.method.clone(),
+            dial: lost_at,
+            worst_loss_db: dial.iter().map(|point| point.loss_db).fold(first.loss_db, f64::max),
+            last_dial: last.dial,
+        }
+    };
+    dials.into_iter().map(failure).collect()
+}
+
+/// The values without repetitions, in the order in which they first come.
+pub(crate) fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+    values.fold(Vec::new(), |mut distinct, value| {
+        if !distinct.contains(&value) {
+            distinct.push(value);
+        }
+        distinct
+    })
 }

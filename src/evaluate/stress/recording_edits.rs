@@ -1,102 +1,44 @@
 //! Disturbances of the recording: each changes a frame as it is loaded.
 
-use std::sync::Arc;
-
 use half::f16;
 
-use super::disturbance::seed;
-use super::light::{Lighting, lit};
-use super::shapes::Inserted;
 use crate::capture::{Capture, Frame, FrameSource, INVALID_INVERSE_DEPTH};
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::random::mix;
 
-/// What is done to a frame.
-pub(crate) enum Edit {
-    /// Nothing.
-    None,
-    /// Relative standard deviation.
-    DepthNoise(f32),
-    /// Whole numbers of `bits` bits over a range of depth.
-    DepthSteps {
-        bits: f64,
-        range: (f32, f32),
-    },
-    /// Bits of mantissa.
-    DepthFloat {
-        bits: u32,
-    },
-    /// Relative standard deviation.
-    ColorNoise(f32),
-    /// Radius of the filter, pixels.
-    Antialiasing(f32),
-    /// Share of 8×8 squares.
-    NormalsMissing(f32),
-    /// Standard deviation, radians.
-    NormalsNoisy(f32),
-    /// Frames that one camera is behind.
-    OutOfSync {
-        camera: usize,
-        by: usize,
-    },
-    /// Stops between even and odd cameras.
-    Exposure(f32),
-    /// The last share of a camera's frames is missing.
-    Missing {
-        camera: usize,
-        share: f64,
-    },
-    /// Share of the width and height that is seen.
-    Narrow(f64),
-    Inserted(Arc<Inserted>),
-    Relit(Arc<Lighting>),
+/// Camera and index of a frame.
+#[derive(Clone, Copy)]
+pub(super) struct FrameKey {
+    pub(super) camera: usize,
+    pub(super) frame: usize,
 }
+
+/// Changes a frame as it is loaded.
+type FrameEdit = Box<dyn Fn(&mut Frame, FrameKey) + Send + Sync>;
 
 /// A capture whose frames are changed as they are loaded.
-pub(crate) struct Edited {
-    pub(crate) capture: Capture,
-    pub(crate) edit: Edit,
+pub(super) struct EditedFrames {
+    pub(super) capture: Capture,
+    /// A camera that is behind the others, and by how many frames.
+    pub(super) late: Option<(usize, usize)>,
+    pub(super) edit: FrameEdit,
 }
 
-impl FrameSource for Edited {
+impl EditedFrames {
+    pub(super) fn new(
+        capture: &Capture,
+        edit: impl Fn(&mut Frame, FrameKey) + Send + Sync + 'static,
+    ) -> Self {
+        Self { capture: capture.clone(), late: None, edit: Box::new(edit) }
+    }
+}
+
+impl FrameSource for EditedFrames {
     fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
-        let source = match self.edit {
-            Edit::OutOfSync { camera: late, by } if camera == late => frame.saturating_sub(by),
-            _ => frame,
-        };
-        let mut recorded = (*self.capture.frame(camera, source)?).clone();
-        let noise = PixelRandom { stream: seed(camera, frame) };
-        match &self.edit {
-            Edit::None | Edit::OutOfSync { .. } => {}
-            Edit::DepthNoise(share) => depth_noise(&mut recorded, *share, &noise),
-            Edit::DepthSteps { bits, range } => depth_steps(&mut recorded, *bits, *range),
-            Edit::DepthFloat { bits } => depth_float(&mut recorded, *bits),
-            Edit::ColorNoise(share) => color_noise(&mut recorded, *share, &noise),
-            Edit::Antialiasing(radius_px) => antialias(&mut recorded, *radius_px),
-            Edit::NormalsMissing(share) => normals_missing(&mut recorded, *share, camera),
-            Edit::NormalsNoisy(radians) => normals_noisy(&mut recorded, *radians, &noise),
-            Edit::Exposure(stops) => {
-                let half = if camera.is_multiple_of(2) { -0.5 } else { 0.5 };
-                let gain = (half * stops).exp2();
-                for color in recorded.color.as_mut_slice() {
-                    *color = color.map(|value| f16::from_f32(value.to_f32() * gain));
-                }
-            }
-            Edit::Missing { camera: missing, share } => {
-                let first_missing = self.capture.frame_count() as f64 * (1.0 - share);
-                if camera == *missing && frame as f64 >= first_missing {
-                    recorded.inverse_depth.as_mut_slice().fill(INVALID_INVERSE_DEPTH);
-                }
-            }
-            Edit::Narrow(share) => narrow(&mut recorded, *share),
-            Edit::Inserted(inserted) => {
-                recorded = inserted.put_into(&self.capture.cameras[camera], recorded);
-            }
-            Edit::Relit(lighting) => {
-                recorded = lit(lighting, &self.capture.cameras[camera], frame, recorded);
-            }
-        }
+        let behind = self.late.map_or(0, |(late, by)| if camera == late { by } else { 0 });
+        let mut recorded = (*self.capture.frame(camera, frame.saturating_sub(behind))?).clone();
+        (self.edit)(&mut recorded, FrameKey { camera, frame });
         Ok(recorded)
     }
 
@@ -105,12 +47,16 @@ impl FrameSource for Edited {
     }
 }
 
-/// Random numbers that depend on camera, frame and pixel alone.
-pub(crate) struct PixelRandom {
+/// Random numbers that depend on camera, frame and pixel alone: noise is the same in every run.
+struct PixelRandom {
     stream: u64,
 }
 
 impl PixelRandom {
+    fn of(at: FrameKey) -> Self {
+        Self { stream: mix(mix(at.camera as u64) ^ at.frame as u64) }
+    }
+
     /// Two independent standard normal numbers (George Box and Mervin Muller, 1958).
     fn gaussian_pair(&self, pixel: usize, salt: u64) -> [f32; 2] {
         let bits = mix(self.stream ^ mix(pixel as u64 ^ (salt << 48)));
@@ -121,7 +67,8 @@ impl PixelRandom {
     }
 }
 
-fn depth_noise(frame: &mut Frame, share: f32, noise: &PixelRandom) {
+pub(super) fn depth_noise(frame: &mut Frame, share: f32, at: FrameKey) {
+    let noise = PixelRandom::of(at);
     for (pixel, inverse_depth) in frame.inverse_depth.as_mut_slice().iter_mut().enumerate() {
         if *inverse_depth > 0.0 {
             let factor = 1.0 + share * noise.gaussian_pair(pixel, 0)[0];
@@ -133,7 +80,7 @@ fn depth_noise(frame: &mut Frame, share: f32, noise: &PixelRandom) {
 /// From this many bits on, whole numbers are as fine as the floats that depth comes in.
 const EXACT_BITS: f64 = 24.0;
 
-fn depth_steps(frame: &mut Frame, bits: f64, (near, far): (f32, f32)) {
+pub(super) fn depth_steps(frame: &mut Frame, bits: f64, (near, far): (f32, f32)) {
     if bits >= EXACT_BITS {
         return;
     }
@@ -146,7 +93,7 @@ fn depth_steps(frame: &mut Frame, bits: f64, (near, far): (f32, f32)) {
     }
 }
 
-fn depth_float(frame: &mut Frame, bits: u32) {
+pub(super) fn depth_float(frame: &mut Frame, bits: u32) {
     let dropped = 23_u32.saturating_sub(bits);
     if dropped == 0 {
         return;
@@ -161,7 +108,8 @@ fn depth_float(frame: &mut Frame, bits: u32) {
 }
 
 /// As the demo's cameras: a deviation of `share · √(L (L + 0.02))`, two thirds of it common to all channels.
-fn color_noise(frame: &mut Frame, share: f32, noise: &PixelRandom) {
+pub(super) fn color_noise(frame: &mut Frame, share: f32, at: FrameKey) {
+    let noise = PixelRandom::of(at);
     for (pixel, color) in frame.color.as_mut_slice().iter_mut().enumerate() {
         let [common, r] = noise.gaussian_pair(pixel, 1);
         let [g, b] = noise.gaussian_pair(pixel, 2);
@@ -175,11 +123,20 @@ fn color_noise(frame: &mut Frame, share: f32, noise: &PixelRandom) {
     }
 }
 
+/// Exposes even cameras half as many stops less, odd ones half as many more.
+pub(super) fn expose(frame: &mut Frame, stops: f32, camera: usize) {
+    let half = if camera.is_multiple_of(2) { -0.5 } else { 0.5 };
+    let gain = (half * stops).exp2();
+    for color in frame.color.as_mut_slice() {
+        *color = color.map(|value| f16::from_f32(value.to_f32() * gain));
+    }
+}
+
 /// Neighbors whose depths differ by more than this share have a silhouette between them.
 const SILHOUETTE: f32 = 0.03;
 
 /// Mixes the colors of pixels near a silhouette with a Gaussian of the given radius; depth stays as it is.
-fn antialias(frame: &mut Frame, radius_px: f32) {
+pub(super) fn antialias(frame: &mut Frame, radius_px: f32) {
     if radius_px <= 0.0 {
         return;
     }
@@ -213,12 +170,12 @@ fn antialias(frame: &mut Frame, radius_px: f32) {
     }
 }
 
-fn normals_missing(frame: &mut Frame, share: f32, camera: usize) {
+pub(super) fn normals_missing(frame: &mut Frame, share: f32, at: FrameKey) {
     let width = frame.size().0;
     if let Some(normals) = &mut frame.normal_in_world {
         for (pixel, normal) in normals.as_mut_slice().iter_mut().enumerate() {
             let square = (pixel % width / 8, pixel / width / 8);
-            let chance = mix(mix(camera as u64) ^ mix(square.0 as u64 ^ (square.1 as u64) << 32));
+            let chance = mix(mix(at.camera as u64) ^ mix(square.0 as u64 ^ (square.1 as u64) << 32));
             if ((chance >> 40) as f32) < share * (1 << 24) as f32 {
                 *normal = [0.0; 3];
             }
@@ -226,7 +183,8 @@ fn normals_missing(frame: &mut Frame, share: f32, camera: usize) {
     }
 }
 
-fn normals_noisy(frame: &mut Frame, radians: f32, noise: &PixelRandom) {
+pub(super) fn normals_noisy(frame: &mut Frame, radians: f32, at: FrameKey) {
+    let noise = PixelRandom::of(at);
     let Some(normals) = frame.normal_in_world.as_mut().filter(|_| radians > 0.0) else { return };
     for (pixel, normal) in normals.as_mut_slice().iter_mut().enumerate() {
         let exact = glam::Vec3::from(*normal);
@@ -240,7 +198,7 @@ fn normals_noisy(frame: &mut Frame, radians: f32, noise: &PixelRandom) {
     }
 }
 
-fn narrow(frame: &mut Frame, share: f64) {
+pub(super) fn narrow(frame: &mut Frame, share: f64) {
     let (width, height) = frame.size();
     let inside = |at: usize, length: usize| ((at as f64 + 0.5) / length as f64 - 0.5).abs() <= 0.5 * share;
     let depths = &frame.inverse_depth;

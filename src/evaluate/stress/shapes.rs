@@ -1,5 +1,5 @@
-//! Things put into a recorded scene, exactly: every camera's ray is intersected with them, and what is nearer than the
-//! recorded surface replaces it, with its own depth and normal. They stand still, are lit from above, and cast no shadow.
+//! Solids inserted into a recorded scene: rays hit them exactly, and the nearer surface replaces the recorded depth, color and
+//! normal. They stand still, are lit from above and cast no shadow.
 
 use glam::{DVec2, DVec3};
 use half::f16;
@@ -32,7 +32,7 @@ struct Extent {
     pixel: f64,
 }
 
-/// Every so many pixels are looked at to find where the scene is.
+/// One pixel in this many is used to find where the scene is.
 const STRIDE: usize = 61;
 
 impl Extent {
@@ -73,11 +73,11 @@ struct ShapeHit {
     at: DVec2,
 }
 
-/// A true pixel is scored where something inserted lies within so many pixels.
+/// A true pixel is scored within this distance of an inserted shape, pixels.
 const NEAR_PX: usize = 2;
 
 impl Inserted {
-    /// Upright and leaning bars around the middle of the scene, so many pixels thick there.
+    /// Upright and leaning bars around the middle of the scene, with a thickness in pixels.
     pub(super) fn bars(capture: &Capture, thickness_px: f64) -> Result<Self> {
         const BARS: usize = 9;
         let Extent { center, reach, pixel } = Extent::of(capture)?;
@@ -94,7 +94,7 @@ impl Inserted {
         Ok(Self { shapes: (0..BARS).map(bar).collect(), pattern: 24.0 * pixel })
     }
 
-    /// A panel in the middle of the scene that the first camera sees at so many degrees from its normal.
+    /// A panel in the middle of the scene, with the angle between its normal and the view of the first camera.
     pub(super) fn panel(capture: &Capture, degrees: f64) -> Result<Self> {
         let Extent { center, reach, pixel } = Extent::of(capture)?;
         let eye = capture.cameras.first().map_or(center + capture.up_in_world, Camera::position_in_world);
@@ -120,10 +120,10 @@ impl Inserted {
         nearest
     }
 
-    /// The frame with the shapes in it.
-    pub(super) fn put_into(&self, camera: &Camera, mut frame: Frame) -> Frame {
+    /// Puts the shapes into a frame.
+    pub(super) fn put_into(&self, camera: &Camera, frame: &mut Frame) {
         let width = frame.size().0;
-        let hits = self.hits(camera, &frame);
+        let hits = self.hits(camera, frame);
         for (pixel, hit) in hits.into_iter().enumerate() {
             let Some(hit) = hit else { continue };
             let at = (pixel % width, pixel / width);
@@ -133,13 +133,12 @@ impl Inserted {
                 normals[at] = hit.normal.as_vec3().to_array();
             }
         }
-        frame
     }
 
-    /// The frame, which has the shapes in it, with all pixels far from them unknown.
-    pub(super) fn only_near(&self, camera: &Camera, mut frame: Frame) -> Frame {
+    /// Marks all pixels far from the shapes, which are in the frame already, as unknown.
+    pub(super) fn only_near(&self, camera: &Camera, frame: &mut Frame) {
         let (width, height) = frame.size();
-        let hits = self.hits(camera, &frame);
+        let hits = self.hits(camera, frame);
         let is_near = |x: usize, y: usize| {
             (y.saturating_sub(NEAR_PX)..(y + NEAR_PX + 1).min(height)).any(|row| {
                 let columns = x.saturating_sub(NEAR_PX)..(x + NEAR_PX + 1).min(width);
@@ -153,7 +152,6 @@ impl Inserted {
                 }
             }
         }
-        frame
     }
 
     fn hits(&self, camera: &Camera, frame: &Frame) -> Vec<Option<ShapeHit>> {

@@ -1,179 +1,24 @@
-//! How much accuracy does each setting buy for its time and bytes? Many settings and all baselines on one capture, the
-//! Pareto front among them.
+//! Accuracy against time and bytes: many settings and all baselines on one capture, and the Pareto front among them.
 //!
-//! Points come one by one, so that whoever waits can draw them, keep them, and go on from there another day.
+//! Points are delivered one by one, so that a run can be shown and resumed.
 
 mod plan;
+mod point;
 
-pub use plan::{Planned, Series, SweepPlan, paper, variations};
+pub use plan::{Planned, SweepPlan, paper, variations};
+pub use point::{Point, Series, mark_pareto, mark_pareto_of_stores};
 
-use serde::{Deserialize, Serialize};
-
-use super::metrics::Scores;
-use super::trial::{MeanEstimate, Pace, Trial, TrialResult, Workbench, kernel_cost};
+use super::trial::{TimeLeft, Workbench};
 use super::truth::{Recorded, Truth};
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
-use crate::settings::{Precision, Settings};
 
-/// One setting with all that was measured of it. Accuracy is over pixels that some camera saw, of pictures whose holes are
-/// filled; see [`Scores`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
-    /// Says in short what is special about it.
-    pub label: String,
-    /// What it is: our default, a variation, or a baseline.
-    pub series: Series,
-    /// Everything that was set.
-    pub settings: Settings,
-    /// See [`Scores::psnr_db`].
-    pub psnr_db: f64,
-    /// Its standard error over vantages, see [`MeanEstimate::over_vantages`].
-    pub psnr_db_se: f64,
-    /// The same over all these pixels, holes filled (`pushpull`) whatever the settings say: the one number that neither
-    /// leaving holes nor being good where it is easy can better. Points are ranked by it.
-    pub psnr_filled_db: f64,
-    /// Its standard error.
-    pub psnr_filled_db_se: f64,
-    /// See [`Scores::ssim`].
-    pub ssim: f64,
-    /// Its standard error.
-    pub ssim_se: f64,
-    /// See [`Scores::ms_ssim`].
-    pub ms_ssim: f64,
-    /// See [`Scores::flip`].
-    pub flip: f64,
-    /// Its standard error.
-    pub flip_se: f64,
-    /// See [`Scores::silhouette_steps`].
-    pub silhouette_steps: Option<f64>,
-    /// See [`super::metrics::FlickerMeter`].
-    pub flicker_steps: Option<f64>,
-    /// See [`Scores::coverage`].
-    pub coverage: f64,
-    /// Samples kept.
-    pub samples: u64,
-    /// Bytes of the store.
-    pub bytes: u64,
-    /// Those of them that say how it was made, see [`Point::bytes_of_samples`].
-    pub bytes_record: u64,
-    /// Bytes of the samples in memory.
-    pub bytes_memory: u64,
-    /// Samples that live longer than one frame.
-    pub samples_shared: u64,
-    /// Different spans that hold a sample.
-    pub spans: u64,
-    /// Milliseconds of painting one view, median, filling left out unless the settings fill; as noisy as the machine.
-    pub milliseconds: f64,
-    /// Work of painting one view that is the same on every machine: samples times the kernel's cost.
-    pub work: f64,
-    /// Seconds of preprocessing.
-    pub seconds_preprocess: f64,
-    /// Vantages that it was scored at: fewer than others where it is a camera that is held out itself.
-    pub vantages: usize,
-    /// Whether no other point is both more accurate (`psnr_filled_db`) and smaller, see [`mark_pareto`]; under
-    /// stress, no other method's under the same disturbance of the same size.
-    pub pareto: bool,
-}
-
-impl Point {
-    /// Bytes of the store without the record of how it was made: of two stores of the same samples none is smaller because its
-    /// settings have shorter names.
-    #[must_use]
-    pub fn bytes_of_samples(&self) -> u64 {
-        self.bytes - self.bytes_record
-    }
-
-    /// Whether the store gives back every bit of the samples it keeps.
-    #[must_use]
-    pub fn is_lossless(&self) -> bool {
-        self.settings.store.precision == Precision::Lossless
-    }
-
-    /// What a trial gave.
-    #[must_use]
-    pub fn new(trial: &Trial, series: Series, measured: &TrialResult) -> Self {
-        let of = |value: &dyn Fn(&Scores) -> f64| {
-            let vantages = measured.scores.iter();
-            MeanEstimate::over_vantages(
-                &vantages.map(|frames| frames.iter().map(value).collect()).collect::<Vec<_>>(),
-            )
-        };
-        let (psnr, psnr_filled) = (of(&|scores| scores.psnr_db), of(&|scores| scores.psnr_all_db));
-        let (ssim, flip) = (of(&|scores| scores.ssim), of(&|scores| scores.flip));
-        let edges =
-            |frames: &Vec<Scores>| frames.iter().filter_map(|scores| scores.silhouette_steps).collect();
-        let edges: Vec<Vec<f64>> = measured.scores.iter().map(edges).collect();
-        Self {
-            label: trial.label.clone(),
-            series,
-            settings: trial.settings.clone(),
-            psnr_db: psnr.mean,
-            psnr_db_se: psnr.standard_error,
-            psnr_filled_db: psnr_filled.mean,
-            psnr_filled_db_se: psnr_filled.standard_error,
-            ssim: ssim.mean,
-            ssim_se: ssim.standard_error,
-            ms_ssim: of(&|scores| scores.ms_ssim).mean,
-            flip: flip.mean,
-            flip_se: flip.standard_error,
-            silhouette_steps: edges
-                .iter()
-                .any(|frames| !frames.is_empty())
-                .then(|| MeanEstimate::over_vantages(&edges).mean),
-            flicker_steps: measured.flicker_steps,
-            coverage: of(&|scores| scores.coverage).mean,
-            samples: measured.samples,
-            bytes: measured.bytes,
-            bytes_record: measured.bytes_record,
-            bytes_memory: measured.bytes_memory,
-            samples_shared: measured.samples_shared,
-            spans: measured.spans,
-            milliseconds: measured.milliseconds,
-            work: measured.samples_painted * kernel_cost(trial.settings.render.kernel),
-            seconds_preprocess: measured.seconds_preprocess,
-            vantages: measured.scores.len(),
-            pareto: false,
-        }
-    }
-}
-
-/// Marks the points that no other beats in one thing without losing in another: `cost` is better where smaller, `gain`
-/// where larger, and a store that gives back every bit where the other rounds. So a store that rounds never drives a
-/// lossless one from the front, however well its pictures look. Of equals, all are marked. What was scored at fewer vantages than
-/// others cannot be held against them, and is not marked.
-pub fn mark_pareto<'a>(
-    points: impl IntoIterator<Item = &'a mut Point>,
-    cost: impl Fn(&Point) -> f64,
-    gain: impl Fn(&Point) -> f64,
-) {
-    let mut points: Vec<&mut Point> = points.into_iter().collect();
-    let most = points.iter().map(|point| point.vantages).max();
-    for point in &mut points {
-        point.pareto = false;
-    }
-    points.retain(|point| Some(point.vantages) == most);
-    let values: Vec<_> = points.iter().map(|point| (cost(point), gain(point), point.is_lossless())).collect();
-    for (point, (cost, gain, lossless)) in points.into_iter().zip(&values) {
-        point.pareto = !values.iter().any(|(other_cost, other_gain, other_lossless)| {
-            other_lossless >= lossless
-                && ((other_cost < cost && other_gain >= gain) || (other_cost <= cost && other_gain > gain))
-        });
-    }
-}
-
-/// [`mark_pareto`] by [`Point::bytes_of_samples`] and `psnr_filled_db`.
-pub fn mark_pareto_of_stores<'a>(points: impl IntoIterator<Item = &'a mut Point>) {
-    mark_pareto(points, |point| point.bytes_of_samples() as f64, |point| point.psnr_filled_db);
-}
-
-/// Measures every point of the plan that is not known yet, in the plan's order, but for cameras alone that no view can be
-/// scored for; `on_point` is told each with how many are known then.
+/// Measures every unknown point of the plan, in order; a single camera is skipped if no view can be scored for it. `on_point`
+/// receives each new point and the number of known ones.
 ///
 /// # Errors
-/// Whatever preprocessing, painting and truth give; `Cancelled`, after which the points told so far can be put into
-/// [`SweepPlan::done`] to go on.
+/// Those of preprocessing, rendering and truth; `Cancelled`: put the points received so far into [`SweepPlan::done`] to continue.
 pub fn run(
     capture: &Capture,
     plan: &SweepPlan,
@@ -187,13 +32,13 @@ pub fn run(
         let mut workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.reference, job)?;
         let to_measure = plan.trials.iter().zip(&points).filter(|(_, point)| point.is_none());
         workbench.open(to_measure.map(|(planned, _)| &planned.trial))?;
-        let (known, mut pace) = (plan.trials.len() - open, Pace::start());
+        let (known, mut time_left) = (plan.trials.len() - open, TimeLeft::start());
         for (planned, slot) in plan.trials.iter().zip(&mut points) {
             if slot.is_some() || !workbench.can_measure(&planned.trial) {
                 continue;
             }
-            let number = known + pace.measured() + 1;
-            pace.next(job, (number, plan.trials.len()), open - pace.measured());
+            let number = known + time_left.measured() + 1;
+            time_left.next(job, (number, plan.trials.len()), open - time_left.measured());
             let point = Point::new(&planned.trial, planned.series, &workbench.measure(&planned.trial, job)?);
             on_point(&point, number);
             *slot = Some(point);
@@ -206,7 +51,7 @@ pub fn run(
     Ok(points)
 }
 
-/// Of all cameras alone, the one that comes closest stands for the idea.
+/// Keeps only the most accurate of the single cameras.
 fn only_the_best_single_camera(points: &mut Vec<Point>) {
     let is_single = |point: &Point| point.series == Series::SingleCamera;
     let best = points

@@ -1,8 +1,6 @@
 //! Which settings a sweep tries.
 
-use serde::{Deserialize, Serialize};
-
-use super::Point;
+use super::point::{Point, Series};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::evaluate::trial::{Thinning, Trial};
@@ -10,77 +8,16 @@ use crate::settings::{
     Fill, Kernel, MixedPixels, Precision, PruningMethod, RateModel, Settings, SpanLevels, ValueKind,
 };
 
-/// What a point is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Series {
-    /// The settings the sweep started from.
-    Reference,
-    /// Settings that differ from these.
-    Variation,
-    /// No pruning.
-    NoPruning,
-    /// The first camera that saw a point keeps it: a layered depth image.
-    FirstCamera,
-    /// The same with its tolerance lowered until as many samples stay as under the reference.
-    FirstCameraAtCount,
-    /// As many samples as under the reference, chosen at random.
-    Random,
-    /// As many samples as under the reference, from a grid of cubes.
-    VoxelGrid,
-    /// The best camera alone.
-    SingleCamera,
-    /// The paper's settings.
-    Paper,
-}
-
-impl Series {
-    /// Every series, the reference first.
-    pub const ALL: [Self; 9] = [
-        Self::Reference,
-        Self::Variation,
-        Self::NoPruning,
-        Self::FirstCamera,
-        Self::FirstCameraAtCount,
-        Self::Random,
-        Self::VoxelGrid,
-        Self::SingleCamera,
-        Self::Paper,
-    ];
-
-    /// Name for legends.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Reference => "default settings",
-            Self::Variation => "other settings",
-            Self::NoPruning => "no pruning",
-            Self::FirstCamera => "first camera wins",
-            Self::FirstCameraAtCount => "first camera wins, as many samples",
-            Self::Random => "random, as many samples",
-            Self::VoxelGrid => "voxel grid, as many samples",
-            Self::SingleCamera => "one camera alone",
-            Self::Paper => "the paper's settings",
-        }
-    }
-
-    /// Whether this is what others do.
-    #[must_use]
-    pub fn is_baseline(self) -> bool {
-        !matches!(self, Self::Reference | Self::Variation)
-    }
-}
-
 /// One trial of a plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planned {
-    /// What is tried.
+    /// The trial.
     pub trial: Trial,
     /// What it is.
     pub series: Series,
 }
 
-/// What a sweep tries, and what of it is known already.
+/// The trials of a sweep, and the points that are known already.
 #[derive(Clone, Debug)]
 pub struct SweepPlan {
     /// In the order in which they are measured.
@@ -91,7 +28,7 @@ pub struct SweepPlan {
     pub done: Vec<Point>,
 }
 
-/// Values that numbers are tried at, beside every choice there is.
+/// Values of numbers; choices and switches take all of theirs.
 const NUMBERS: [(&str, &[f64]); 8] = [
     ("pruning.depth_tolerance", &[0.25, 0.5, 2.0, 4.0, 8.0]),
     ("pruning.normal_tolerance", &[15.0, 60.0]),
@@ -103,12 +40,11 @@ const NUMBERS: [(&str, &[f64]); 8] = [
     ("store.depth_precision", &[0.25, 1.0]),
 ];
 
-/// Choices and switches that are no variation of the method: other methods are baselines, and normals in a store are for other
-/// programs, as no picture is painted with them.
+/// Not varied: other methods are baselines, and no picture depends on normals in a store.
 const LEFT_OUT: [&str; 2] = ["pruning.method", "store.normals"];
 
-/// The paper's settings, as near as ours come to them: a pixel is background or foreground; the denser of two samples at
-/// one place stays, whatever their normals and colors; no noise is granted, no overlap kept; a sample covers 2×2 pixels.
+/// The paper's settings, as closely as ours express them: two span levels; the denser of two samples at one place stays, whatever
+/// their normals and colors; no noise tolerance, no overlap; a sample covers 2×2 pixels.
 #[must_use]
 pub fn paper(base: &Settings) -> Settings {
     let mut settings = base.clone();
@@ -140,10 +76,10 @@ impl SweepPlan {
         plan
     }
 
-    /// The reference and every combination of the given values: each a setting's path and the texts it is set to.
+    /// The reference and every combination of the given values; an axis is the path of a setting and its values as text.
     ///
     /// # Errors
-    /// `Invalid` where there is no such setting, it does not take a value, or it is given twice: only the last of two would count.
+    /// `Invalid` for an unknown setting, a value it does not take, and a setting given twice, of which only the last would count.
     pub fn grid(reference: &Settings, axes: &[(String, Vec<String>)], capture: &Capture) -> Result<Self> {
         let mut combinations = vec![(Vec::new(), reference.clone())];
         for (index, (path, values)) in axes.iter().enumerate() {
@@ -188,8 +124,8 @@ impl SweepPlan {
         Self { trials: Vec::new(), reference: reference.clone(), done: Vec::new() }
     }
 
-    /// The point that an earlier run measured for this trial. What keeps as many samples as the reference is known where the
-    /// reference is, and keeps as many: settings do not tell which reference it was counted by.
+    /// The point that an earlier run measured for this trial. A baseline with as many samples as the reference is known only if
+    /// the reference is known and has that many: the settings do not say which reference it was.
     #[must_use]
     pub fn known(&self, planned: &Planned) -> Option<Point> {
         let Planned { trial, series } = planned;
@@ -265,9 +201,9 @@ impl SweepPlan {
 /// The kernels of a sweep, the most accurate first.
 const KERNELS: [Kernel; 4] = [Kernel::Gather, Kernel::Surfel, Kernel::Block, Kernel::Point];
 
-/// The reference with one thing changed: every choice and switch of spans, pruning and store but for two, and numbers around their
-/// defaults; that of depth where the reference's store is not lossless, as it says nothing otherwise. Choices and switches that are
-/// added to the program are varied without being named here, numbers are not.
+/// The reference with one setting changed: every choice and switch of spans, pruning and store but two, and numbers around their
+/// defaults. Depth precision is varied only if the reference's store is not lossless, since it has no effect otherwise. New
+/// choices and switches are varied without being named here; new numbers are not.
 #[must_use]
 pub fn variations(reference: &Settings) -> Vec<(String, Settings)> {
     let mut assignments: Vec<String> = Vec::new();

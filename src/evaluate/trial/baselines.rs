@@ -1,10 +1,9 @@
-//! What anybody would try first, so that a claim is held against something: fewer samples, chosen without looking at
-//! sampling rates.
+//! The obvious alternatives, for comparison: fewer samples, chosen without looking at sampling rates.
 //!
-//! Random thinning and the voxel grid start from all samples, nothing pruned, and keep exactly as many as they are told.
-//! Both are deterministic. The voxel grid is the usual one of point clouds: space is cut into cubes, over each span of
-//! frames for itself, and of every cube the sample nearest to its middle stays (a cloud's centroid is no pixel and could
-//! not be stored as one). Samples at infinity are sorted into cubes of directions.
+//! Random thinning and the voxel grid start from all samples, unpruned, and keep a given number. Both are deterministic. The
+//! voxel grid is the usual one of point clouds: space is cut into cubes, separately for each span, and each cube keeps the sample
+//! nearest to its center, since a centroid is no pixel and cannot be stored as one. Samples at infinity are sorted into cubes of
+//! directions.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -12,22 +11,22 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use crate::evaluate::sample_filter::samples_where;
 use crate::random::mix;
-use crate::samples::{DepthPlane, SampleImage, SampleSet, SampleTile, Span, TILE};
+use crate::samples::{SampleImage, SampleSet, Span};
 
 /// Keeps `count` samples chosen at random, each with the same chance; all where there are no more.
-#[must_use]
 pub(super) fn random(set: &SampleSet, count: u64) -> SampleSet {
     thinned(set, count, &|_, _| 0)
 }
 
 /// Keeps one sample of each cube, of cubes just small enough that at least `count` stay, and of these `count` at random.
-#[must_use]
 pub(super) fn voxel_grid(set: &SampleSet, count: u64) -> SampleSet {
     if set.sample_count() <= count {
         return set.clone();
     }
-    let points: Vec<Vec<SamplePosition>> = set.images.par_iter().map(|image| places(set, image)).collect();
+    let points: Vec<Vec<SamplePosition>> =
+        set.images.par_iter().map(|image| sample_positions(set, image)).collect();
     let (points, reach) = about_their_middle(points);
     let (mut small, mut large) = (1e-5 * reach, reach);
     let mut chosen = first_of_cubes(set, &points, small);
@@ -55,19 +54,19 @@ pub(super) fn voxel_grid(set: &SampleSet, count: u64) -> SampleSet {
     thinned(set, count, &|image, sample| rank[image][sample])
 }
 
-/// How often the smallest cubes are halved where they still hold too many samples each: down to where `f64` tells no two
-/// places apart, so that samples at one and the same place end it.
+/// Number of times the smallest cubes are halved if they still hold too many samples: down to the resolution of `f64`, so that
+/// the search ends for samples at one position.
 const HALVINGS: usize = 36;
 
-/// The samples farthest out, this share of them, do not say how large the scene is: one stray depth must not.
+/// This share of the farthest samples is ignored for the size of the scene, against outliers of depth.
 const OUTLYING: f64 = 0.05;
 
-/// Places about the median of all that are not at infinity, so that cubes do not depend on where the world's origin lies, and
-/// how far they reach from there along any axis.
+/// Positions relative to the median of the finite ones, so that cubes do not depend on the world's origin, and the largest
+/// distance from it along any axis.
 fn about_their_middle(mut points: Vec<Vec<SamplePosition>>) -> (Vec<Vec<SamplePosition>>, f64) {
     let finite = |points: &[Vec<SamplePosition>], value: &dyn Fn(DVec3) -> f64| -> Vec<f64> {
-        let places = points.iter().flatten().filter(|place| !place.at_infinity);
-        places.map(|place| value(place.point)).collect()
+        let positions = points.iter().flatten().filter(|position| !position.at_infinity);
+        positions.map(|position| value(position.point)).collect()
     };
     let at_share = |mut values: Vec<f64>, share: f64| {
         let nth = ((values.len() as f64 * share) as usize).min(values.len().checked_sub(1)?);
@@ -75,15 +74,15 @@ fn about_their_middle(mut points: Vec<Vec<SamplePosition>>) -> (Vec<Vec<SamplePo
     };
     let median = |axis: usize| at_share(finite(&points, &|point| point[axis]), 0.5).unwrap_or_default();
     let middle = DVec3::from_array([0, 1, 2].map(median));
-    for place in points.iter_mut().flatten().filter(|place| !place.at_infinity) {
-        place.point -= middle;
+    for position in points.iter_mut().flatten().filter(|position| !position.at_infinity) {
+        position.point -= middle;
     }
     let reach = at_share(finite(&points, &|point| point.abs().max_element()), 1.0 - OUTLYING);
-    // Nothing but sky lies on a sphere of radius 1; where all is in one place, any cube does.
+    // Sky alone lies on a sphere of radius 1; if all samples are at one position, any cube does.
     (points, reach.filter(|reach| *reach > 0.0).unwrap_or(1.0))
 }
 
-/// Enough to tell cube sizes apart that differ by 0.3 %, over five decades.
+/// Resolves cube sizes to 0.3 % over five decades.
 const BISECTIONS: usize = 12;
 
 /// Keeps the `count` samples of the lowest rank, by chance among equals.
@@ -103,32 +102,12 @@ fn thinned(set: &SampleSet, count: u64, rank: &dyn Fn(usize, usize) -> u64) -> S
     for (_, _, image, sample) in &keys[..count] {
         keep[*image as usize][*sample as usize] = true;
     }
-    let images = set.images.par_iter().zip(&keep).filter_map(|(image, keep)| only(image, keep).map(Arc::new));
-    SampleSet { images: images.collect(), ..set.clone() }
-}
-
-/// The samples of an image for which `keep` holds; `None` where there are none.
-fn only(image: &SampleImage, keep: &[bool]) -> Option<SampleImage> {
-    let depths = image.inverse_depths();
-    let mut tiles: Vec<SampleTile> = Vec::new();
-    let (mut color, mut inverse_depth) = (Vec::new(), Vec::new());
-    let mut normal = image.normal.as_ref().map(|_| Vec::new());
-    for sample in image.samples().filter(|sample| keep[sample.index]) {
-        let (tile_x, tile_y) = ((sample.x / TILE) as u16, (sample.y / TILE) as u16);
-        if tiles.last().is_none_or(|tile| (tile.tile_x, tile.tile_y) != (tile_x, tile_y)) {
-            tiles.push(SampleTile { tile_x, tile_y, first: color.len() as u32, rows: [0; TILE] });
-        }
-        if let Some(tile) = tiles.last_mut() {
-            tile.rows[sample.y % TILE] |= 1 << (sample.x % TILE);
-        }
-        color.push(image.color[sample.index]);
-        inverse_depth.push(depths[sample.index]);
-        if let (Some(normal), Some(all)) = (&mut normal, &image.normal) {
-            normal.push(all[sample.index]);
-        }
-    }
-    let depth = DepthPlane::pack(&tiles, &inverse_depth);
-    (!color.is_empty()).then(|| SampleImage { tiles, color, depth, normal, ..image.clone() })
+    let images = set
+        .images
+        .par_iter()
+        .zip(&keep)
+        .map(|(image, keep)| Arc::new(samples_where(image, image.span, |sample, _| keep[sample.index])));
+    SampleSet { images: images.filter(|image| !image.is_empty()).collect(), ..set.clone() }
 }
 
 /// Where a sample lies.
@@ -139,7 +118,7 @@ struct SamplePosition {
 }
 
 /// Where every sample of an image lies, in storage order.
-fn places(set: &SampleSet, image: &SampleImage) -> Vec<SamplePosition> {
+fn sample_positions(set: &SampleSet, image: &SampleImage) -> Vec<SamplePosition> {
     let camera = &set.cameras[image.camera as usize];
     let depths = image.inverse_depths();
     // Directions are cut as finely as surfaces at the middle depth are.
@@ -150,7 +129,7 @@ fn places(set: &SampleSet, image: &SampleImage) -> Vec<SamplePosition> {
     } else {
         1.0 / f64::from(*finite.select_nth_unstable_by(middle, f32::total_cmp).1)
     };
-    let place = |x: usize, y: usize, inverse_depth: f32| {
+    let position = |x: usize, y: usize, inverse_depth: f32| {
         let ray = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
         if inverse_depth == 0.0 {
             let direction = camera.world_from_camera.transform_vector3(ray).normalize_or_zero();
@@ -159,10 +138,10 @@ fn places(set: &SampleSet, image: &SampleImage) -> Vec<SamplePosition> {
         let point = camera.world_from_camera.transform_point3(ray / f64::from(inverse_depth));
         SamplePosition { point, at_infinity: false }
     };
-    image.samples().map(|sample| place(sample.x, sample.y, depths[sample.index])).collect()
+    image.samples().map(|sample| position(sample.x, sample.y, depths[sample.index])).collect()
 }
 
-/// Image and sample of what stays in cubes of a size, over every span for itself.
+/// Image and sample index of the sample that each cube keeps, separately for each span.
 fn first_of_cubes(set: &SampleSet, points: &[Vec<SamplePosition>], size: f64) -> Vec<(u32, u32)> {
     let mut groups: Vec<(Span, Vec<usize>)> = Vec::new();
     for (index, image) in set.images.iter().enumerate() {
@@ -174,10 +153,10 @@ fn first_of_cubes(set: &SampleSet, points: &[Vec<SamplePosition>], size: f64) ->
     let in_group = |(_, group): &(Span, Vec<usize>)| {
         let mut cubes: HashMap<(bool, [i64; 3]), (f64, u32, u32)> = HashMap::new();
         for &image in group {
-            for (sample, place) in points[image].iter().enumerate() {
-                let cube = (place.point / size).floor();
-                let from_middle = (place.point / size - cube - 0.5).length_squared();
-                let key = (place.at_infinity, cube.to_array().map(|side| side as i64));
+            for (sample, position) in points[image].iter().enumerate() {
+                let cube = (position.point / size).floor();
+                let from_middle = (position.point / size - cube - 0.5).length_squared();
+                let key = (position.at_infinity, cube.to_array().map(|side| side as i64));
                 let candidate = (from_middle, image as u32, sample as u32);
                 let first = cubes.entry(key).or_insert(candidate);
                 if candidate < *first {

@@ -1,16 +1,16 @@
-//! How long a run of measurements still takes, told from those that are done.
+//! Estimated time left of a run of measurements.
 
 use std::time::Instant;
 
 use crate::job::Job;
 
-/// The pace at which points are measured.
-pub(crate) struct Pace {
+/// The mean time of the points measured so far.
+pub(crate) struct TimeLeft {
     started: Instant,
     measured: usize,
 }
 
-impl Pace {
+impl TimeLeft {
     /// Nothing is measured yet.
     pub(crate) fn start() -> Self {
         Self { started: Instant::now(), measured: 0 }
@@ -21,8 +21,7 @@ impl Pace {
         self.measured
     }
 
-    /// Tells the job which point of how many is measured next, and how long the `left` that are still to be measured take,
-    /// this one among them, if they take as long as those before.
+    /// Shows in the job which point is next and how long the `left` points, this one included, take at the pace so far.
     pub(crate) fn next(&mut self, job: &Job, (number, total): (usize, usize), left: usize) {
         let each = (self.measured > 0).then(|| self.started.elapsed().as_secs_f64() / self.measured as f64);
         job.set_context(match each.map(|each| each * left as f64) {

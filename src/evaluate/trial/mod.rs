@@ -1,11 +1,13 @@
-//! One setting, tried: preprocessed, stored, painted, scored.
+//! One setting: preprocessed, stored, rendered, scored.
 
 mod baselines;
+mod compare;
 mod eta;
 mod standard_error;
-mod trial;
+mod workbench;
 
-pub(crate) use eta::Pace;
+pub use compare::{MethodComparison, MethodScore, compare};
+pub(crate) use eta::TimeLeft;
 pub use standard_error::MeanEstimate;
-pub(crate) use trial::{FoldSamples, stored};
-pub use trial::{Thinning, Trial, TrialResult, Workbench, kernel_cost};
+pub(crate) use workbench::kernel_cost;
+pub use workbench::{Thinning, Trial, TrialResult, Workbench};

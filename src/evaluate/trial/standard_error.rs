@@ -22,9 +22,8 @@ impl MeanEstimate {
         Self { mean, standard_error }
     }
 
-    /// Of the frames of several vantages: each vantage counts once, by the mean of its frames, as frames of one vantage show
-    /// much the same surfaces and err alike. The frames themselves count where there is but one vantage. Vantages without a
-    /// frame are passed over.
+    /// Over the frames of several vantages. Each vantage counts once, by its mean, since its frames show much the same surfaces
+    /// and have similar errors. With a single vantage, its frames count. Vantages without a frame are skipped.
     #[must_use]
     pub fn over_vantages(vantages: &[Vec<f64>]) -> Self {
         let vantages: Vec<&Vec<f64>> = vantages.iter().filter(|frames| !frames.is_empty()).collect();

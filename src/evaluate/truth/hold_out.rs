@@ -1,4 +1,4 @@
-//! Hold-out evaluation: cameras are left out of the preprocessing, and their own frames are the truth it is scored by.
+//! Hold-out evaluation: preprocessing leaves cameras out, and their own frames are the truth.
 
 use std::sync::Arc;
 
@@ -7,13 +7,11 @@ use crate::capture::{Capture, TruthView};
 use crate::error::{Error, Result};
 
 /// Most frames of a held-out camera that are scored, evenly spaced over the capture.
-pub(super) const MAX_FRAMES: usize = 5;
+const MAX_FRAMES: usize = 5;
 
-/// The capture without the cameras named, and views with truth from their places.
-///
-/// # Errors
-/// [`Error::Invalid`] where a camera does not exist, or where none would be left.
-pub fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, Vec<TruthView>)> {
+/// The capture without the named cameras, and views with truth at their poses. `Invalid` if a camera does not exist or none is
+/// left.
+pub(crate) fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, Vec<TruthView>)> {
     let is_held_out = |name: &str| held_out.iter().any(|held_out| held_out == name);
     if let Some(unknown) =
         held_out.iter().find(|name| !capture.cameras.iter().any(|camera| camera.name == **name))
@@ -33,7 +31,7 @@ pub fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, Vec<Tru
         if !is_held_out(&camera.name) {
             continue;
         }
-        for frame in evenly_spaced(capture.frame_count()) {
+        for frame in evenly_spaced(capture.frame_count(), MAX_FRAMES) {
             let truth = capture.clone();
             let number = capture.frame_numbers[frame];
             views.push(TruthView {
@@ -47,10 +45,10 @@ pub fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, Vec<Tru
     Ok((rest, views))
 }
 
-/// At most [`MAX_FRAMES`] of `frames`, the first among them.
-fn evenly_spaced(frames: usize) -> impl Iterator<Item = usize> {
-    let count = frames.min(MAX_FRAMES);
-    (0..count).map(move |step| step * frames / count)
+/// At most `count` of `total` indices, evenly spaced, the first among them.
+pub(super) fn evenly_spaced(total: usize, count: usize) -> impl Iterator<Item = usize> {
+    let count = count.min(total);
+    (0..count).map(move |step| step * total / count)
 }
 
 #[cfg(test)]
@@ -59,8 +57,8 @@ mod tests {
 
     #[test]
     fn few_frames_are_all_scored_and_many_are_spread() {
-        assert_eq!(evenly_spaced(0).count(), 0);
-        assert_eq!(evenly_spaced(3).collect::<Vec<_>>(), [0, 1, 2]);
-        assert_eq!(evenly_spaced(60).collect::<Vec<_>>(), [0, 12, 24, 36, 48]);
+        assert_eq!(evenly_spaced(0, MAX_FRAMES).count(), 0);
+        assert_eq!(evenly_spaced(3, MAX_FRAMES).collect::<Vec<_>>(), [0, 1, 2]);
+        assert_eq!(evenly_spaced(60, MAX_FRAMES).collect::<Vec<_>>(), [0, 12, 24, 36, 48]);
     }
 }

@@ -1,11 +1,9 @@
-//! What pictures are held against.
+//! What pictures are compared with.
 
+mod folds;
 mod hold_out;
 mod subset;
-mod truth;
 
-pub use hold_out::split;
-pub(crate) use subset::{DERIVED_CACHE_BYTES, parts_of};
-pub use subset::{choose, frames, only, truth_at};
-pub(crate) use truth::nothing_to_compare;
-pub use truth::{Fold, Recorded, Truth, TruthEdit};
+pub use folds::{Fold, Recorded, Truth, TruthEdit};
+pub(crate) use hold_out::split;
+pub(crate) use subset::{DERIVED_CACHE_BYTES, choose, frames, only, parts_of, truth_at};

@@ -1,8 +1,9 @@
-//! Part of a capture, where the whole would take too long: fewer frames.
+//! Fewer frames of a capture, where all would take too long.
 
 use std::sync::Arc;
 
-use super::truth::Truth;
+use super::folds::Truth;
+use super::hold_out::evenly_spaced;
 use crate::capture::{Capture, CaptureParts, Frame, FrameSource, TruthView};
 use crate::error::{Error, Result};
 
@@ -32,20 +33,13 @@ pub(crate) fn parts_of(capture: &Capture, source: Arc<dyn FrameSource>) -> Captu
 }
 
 /// The capture with `count` of its frames alone, and the truth at those; see [`choose`].
-///
-/// # Errors
-/// As [`choose`].
-pub fn frames(capture: &Capture, truth: Truth, count: usize) -> Result<(Capture, Truth)> {
+pub(crate) fn frames(capture: &Capture, truth: Truth, count: usize) -> Result<(Capture, Truth)> {
     let chosen = choose(capture, &truth, count)?;
     Ok((only(capture, &chosen), truth_at(capture, truth, &chosen)))
 }
 
-/// `count` frames of a capture, spread evenly: frames with truth come first, and where there are more of them than `count`,
-/// they are thinned as well. All frames where there are no more.
-///
-/// # Errors
-/// `Invalid` for a count of 0.
-pub fn choose(capture: &Capture, truth: &Truth, count: usize) -> Result<Vec<usize>> {
+/// `count` frames of a capture, spread evenly: frames with truth first, thinned if there are more than `count`.
+pub(crate) fn choose(capture: &Capture, truth: &Truth, count: usize) -> Result<Vec<usize>> {
     if count == 0 {
         return Err(Error::invalid("frames", "there must be at least one"));
     }
@@ -61,7 +55,8 @@ pub fn choose(capture: &Capture, truth: &Truth, count: usize) -> Result<Vec<usiz
     };
     with_truth.sort_unstable();
     with_truth.dedup();
-    let mut frames: Vec<usize> = spread(with_truth.len(), count).map(|index| with_truth[index]).collect();
+    let mut frames: Vec<usize> =
+        evenly_spaced(with_truth.len(), count).map(|index| with_truth[index]).collect();
     // What is left of the count goes where the widest gaps are.
     while frames.len() < count {
         let farthest =
@@ -75,8 +70,7 @@ pub fn choose(capture: &Capture, truth: &Truth, count: usize) -> Result<Vec<usiz
 }
 
 /// The capture with some of its frames alone, given by ascending index.
-#[must_use]
-pub fn only(capture: &Capture, frames: &[usize]) -> Capture {
+pub(crate) fn only(capture: &Capture, frames: &[usize]) -> Capture {
     if frames.len() == capture.frame_count() {
         return capture.clone();
     }
@@ -86,8 +80,7 @@ pub fn only(capture: &Capture, frames: &[usize]) -> Capture {
 }
 
 /// The truth at some frames of the capture alone, given by ascending index.
-#[must_use]
-pub fn truth_at(capture: &Capture, truth: Truth, frames: &[usize]) -> Truth {
+pub(crate) fn truth_at(capture: &Capture, truth: Truth, frames: &[usize]) -> Truth {
     let is_chosen = |view: &TruthView| {
         capture.frame_index(view.frame_number).is_some_and(|frame| frames.binary_search(&frame).is_ok())
     };
@@ -95,12 +88,6 @@ pub fn truth_at(capture: &Capture, truth: Truth, frames: &[usize]) -> Truth {
         Truth::Views(views) => Truth::Views(views.into_iter().filter(is_chosen).collect()),
         Truth::HoldOut => Truth::HoldOut,
     }
-}
-
-/// At most `count` of `total` indices, evenly spread, the first among them.
-fn spread(total: usize, count: usize) -> impl Iterator<Item = usize> {
-    let count = count.min(total);
-    (0..count).map(move |step| step * total / count.max(1))
 }
 
 #[cfg(test)]

@@ -1,22 +1,21 @@
-//! Which cameras are needed: one is dropped when the others tell what it tells, as accurately as any held-out view.
+//! Which cameras are needed: one is dropped if the others reproduce what it saw as accurately as any held-out view.
 //!
-//! Where views come with the capture, accuracy is that at these views, of a model without the camera. Else the camera's own
-//! frames are the truth, all of each: what no other camera saw counts against dropping it. Those that keep the fewest
-//! samples are tried first, so that of two alike the one goes whose samples were pruned for the other's.
+//! With given views, accuracy is measured there, without the camera. Otherwise the camera's own frames are the truth, in full:
+//! what no other camera saw counts against dropping it. Cameras with the fewest samples are tried first: of two alike, that is
+//! the one whose samples were pruned in favor of the other.
 
-use super::CameraCost;
+use super::plan::CameraCost;
 use super::search::Search;
 use crate::capture::Capture;
 use crate::error::Result;
-use crate::evaluate::evaluate;
-use crate::evaluate::metrics::{MAX_PSNR_DB, Scores};
+use crate::evaluate::metrics::MAX_PSNR_DB;
 use crate::evaluate::sweep::Point;
-use crate::evaluate::trial::{MeanEstimate, Trial, stored};
-use crate::evaluate::truth::{self, Truth};
+use crate::evaluate::trial::{MeanEstimate, Trial, Workbench};
+use crate::evaluate::truth::{self, Fold, Truth};
 use crate::preprocess;
-use crate::settings::{Fill, RenderSettings, Settings};
+use crate::settings::Settings;
 
-/// Names of the cameras that stay, and what the absence of each that was tried costs.
+/// Names of the cameras to keep, and the cost of each that was left out on trial.
 pub(super) fn drop_needless(
     search: &mut Search<'_>,
     capture: &Capture,
@@ -79,14 +78,10 @@ fn at_its_own_place(
 ) -> Result<f64> {
     let (_, views) = truth::split(capture, &[name.to_owned()])?;
     let rest = capture.with_cameras(|_, camera| without.contains(&camera.name));
-    let pruned = preprocess::preprocess(&rest, settings, search.job)?;
-    let samples = stored(&pruned.samples, &pruned.report, search.job)?.samples;
-    let filling = RenderSettings { fill: Fill::PushPull, ..settings.render.clone() };
-    let evaluation = evaluate(&samples, &views, &filling, search.job)?;
-    let scores: Vec<Scores> = evaluation.views.iter().filter_map(|view| view.scores).collect();
-    if scores.is_empty() {
-        // It recorded nothing, which nobody misses.
-        return Ok(MAX_PSNR_DB);
-    }
-    Ok(MeanEstimate::of(&scores.iter().map(|scores| scores.psnr_all_db).collect::<Vec<_>>()).mean)
+    let fold = Fold { held_out: Some(name.to_owned()), capture: rest, views };
+    let trial = Trial::new(format!("without {name}"), settings.clone());
+    let result = Workbench::on(vec![fold], settings).measure(&trial, search.job)?;
+    let accuracy: Vec<f64> = result.vantages.iter().flatten().map(|(_, scores)| scores.psnr_all_db).collect();
+    // It recorded nothing: dropping it costs nothing.
+    Ok(if accuracy.is_empty() { MAX_PSNR_DB } else { MeanEstimate::of(&accuracy).mean })
 }

@@ -1,11 +1,11 @@
 //! The search for a setting: variations one by one, then those together that save bytes.
 
+use super::plan::{TuneBudget, TunePlan};
 use super::whole::WholeStores;
-use super::{TuneBudget, TunePlan};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::evaluate::sweep::{Point, Series, variations};
-use crate::evaluate::trial::{Pace, Trial, Workbench};
+use crate::evaluate::trial::{TimeLeft, Trial, Workbench};
 use crate::evaluate::truth::{Recorded, Truth};
 use crate::job::Job;
 use crate::settings::{Kernel, PruningMethod, Settings};
@@ -21,16 +21,16 @@ pub(super) struct Search<'a> {
     stores: WholeStores<'a>,
     points: Vec<Point>,
     on_point: OnPoint<'a>,
-    pace: Pace,
-    /// Points there will be, as far as can be told.
+    time_left: TimeLeft,
+    /// Expected number of points.
     expected: usize,
     /// Whether the settings that the search starts from exceed the budget.
     starts_beyond: bool,
 }
 
-/// How many times a budget a store must be expected to take not to be tried: by how much it grows from what is looked at to the
-/// whole capture differs from setting to setting.
-const HOPELESS: f64 = 1.5;
+/// A setting whose store is expected to exceed this multiple of the budget is not stored to find out. The expectation is rough:
+/// growth from the frames used to the whole capture depends on the setting.
+const BYTES_MARGIN: f64 = 1.5;
 
 /// One setting that differs from the start, and what it gave.
 struct TriedChange {
@@ -55,9 +55,9 @@ impl<'a> Search<'a> {
     ) -> Result<Self> {
         let workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.settings, job)?;
         let stores = WholeStores::of(plan.whole.as_ref().unwrap_or(capture));
-        let (points, pace) = (Vec::new(), Pace::start());
+        let (points, time_left) = (Vec::new(), TimeLeft::start());
         let (expected, starts_beyond) = (0, false);
-        Ok(Self { plan, job, truth, workbench, stores, points, on_point, pace, expected, starts_beyond })
+        Ok(Self { plan, job, truth, workbench, stores, points, on_point, time_left, expected, starts_beyond })
     }
 
     /// Measures a trial, unless it is known.
@@ -66,13 +66,12 @@ impl<'a> Search<'a> {
         if let Some(point) = self.points.iter().find(is_same) {
             return Ok(point.clone());
         }
-        let known = self.plan.done.iter().find(is_same).cloned();
-        let point = if let Some(point) = known {
-            point
+        let point = if let Some(known) = self.plan.done.iter().find(is_same) {
+            known.clone()
         } else {
             let done = self.points.len();
             let expected = self.expected.max(done + 1);
-            self.pace.next(self.job, (done + 1, expected), expected - done);
+            self.time_left.next(self.job, (done + 1, expected), expected - done);
             let point = Point::new(trial, Series::Variation, &self.workbench.measure(trial, self.job)?);
             (self.on_point)(&point);
             point
@@ -86,7 +85,7 @@ impl<'a> Search<'a> {
         let better = |a: &&Point, b: &&Point| {
             a.psnr_filled_db.total_cmp(&b.psnr_filled_db).then(simplicity(b).cmp(&simplicity(a)))
         };
-        // There is always the point of the settings that the search started from.
+        // There is always the point of the initial settings.
         self.points.iter().rev().max_by(better).unwrap_or(&self.points[0])
     }
 
@@ -126,15 +125,15 @@ impl<'a> Search<'a> {
         self.chosen()
     }
 
-    /// Adds one change after the other to the start, those that save most first, and keeps what stays allowed.
+    /// Combines changes, those that save most first, and keeps those that stay acceptable.
     fn combine(&mut self, mut changes: Vec<TriedChange>) -> Result<()> {
         changes.sort_by_key(|change| simplicity(&change.point));
         let mut current = self.points[0].clone();
         let mut labels: Vec<&str> = Vec::new();
-        let mut settled: Vec<&str> = Vec::new();
+        let mut decided: Vec<&str> = Vec::new();
         for change in &changes {
             let saves = simplicity(&change.point) < simplicity(&self.points[0]);
-            if settled.contains(&change.path()) || !saves || !self.may_lead_on(&change.point) {
+            if decided.contains(&change.path()) || !saves || !self.may_lead_on(&change.point) {
                 continue;
             }
             labels.push(&change.assignment);
@@ -147,7 +146,7 @@ impl<'a> Search<'a> {
             };
             if self.may_lead_on(&combined) && simplicity(&combined) < simplicity(&current) {
                 current = combined;
-                settled.push(change.path());
+                decided.push(change.path());
             } else {
                 labels.pop();
             }
@@ -155,7 +154,7 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Whether to go on from a point: it is good enough, or the budget is not met yet.
+    /// Whether to continue from a point: it is good enough, or the budget is not met yet.
     fn may_lead_on(&self, point: &Point) -> bool {
         match self.plan.budget {
             None => point.psnr_filled_db >= self.limit_db(),
@@ -168,9 +167,9 @@ impl<'a> Search<'a> {
             None => true,
             Some(TuneBudget::Milliseconds(milliseconds)) => point.milliseconds <= milliseconds,
             Some(TuneBudget::Bytes(bytes)) => {
-                // What is looked at is part of the whole.
+                // The frames used are part of the whole.
                 point.bytes_of_samples() <= bytes
-                    && self.expected_bytes(point)? <= HOPELESS * bytes as f64
+                    && self.expected_bytes(point)? <= BYTES_MARGIN * bytes as f64
                     && self.bytes_whole(&point.settings)? <= bytes
             }
         })
@@ -181,7 +180,7 @@ impl<'a> Search<'a> {
         self.stores.bytes(settings, self.job)
     }
 
-    /// The same, if it grows as that of the first point does.
+    /// Bytes of the whole capture's store if it grows as that of the first point does.
     fn expected_bytes(&mut self, point: &Point) -> Result<f64> {
         let start = self.plan.settings.clone();
         let growth = self.bytes_whole(&start)? as f64 / self.points[0].bytes.max(1) as f64;
@@ -231,7 +230,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Fewest bytes first, then least work: no clock is asked. Of equals, what was measured first is preferred.
+/// Fewest bytes first, then least work: no clock, so that runs agree. Of equals, the first measured is preferred.
 fn simplicity(point: &Point) -> (u64, u64) {
     (point.bytes_of_samples(), point.work as u64)
 }

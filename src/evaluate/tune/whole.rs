@@ -1,12 +1,12 @@
-//! What the store of the whole capture takes. A budget of bytes is meant for what `preprocess` writes, which holds all frames of
-//! all cameras, whatever is looked at while tuning.
+//! Size of the store of the whole capture. A budget of bytes is for what `preprocess` writes, with all frames and cameras, even
+//! if tuning uses only some.
 
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::{BufferedResult, preprocess_buffered};
 use crate::settings::{RenderSettings, Settings};
-use crate::store::file::{Extras, InputFiles, Provenance};
+use crate::store::file::{self, Extras, InputFiles, Provenance};
 
 /// Stores of one capture, by their settings.
 pub(super) struct WholeStores<'a> {
@@ -28,12 +28,12 @@ impl<'a> WholeStores<'a> {
         if known.is_none() {
             self.known.push((of_samples.clone(), bytes));
         }
-        // A store notes the settings of painting too; chunks begin at even places.
+        // A store also holds the settings of rendering; chunks are padded to even lengths.
         let words = |settings: &Settings| settings.to_toml().len().next_multiple_of(2) as u64;
         Ok(bytes - words(&of_samples) + words(settings))
     }
 
-    /// The fewest bytes of those that were asked for.
+    /// The fewest bytes so far.
     pub(super) fn least(&self) -> Option<u64> {
         self.known.iter().map(|(_, bytes)| *bytes).min()
     }
@@ -46,5 +46,6 @@ fn most_bytes(capture: &Capture, settings: &Settings, job: &Job) -> Result<u64> 
     let inputs = InputFiles { files: u64::MAX, bytes: u64::MAX, crc32: u32::MAX };
     let provenance = Provenance { inputs: Some(inputs), ..Provenance::default() };
     let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
-    crate::store::file::write_spooled(&folder.path().join("whole.ovl"), &outline, &images, &extras, job)
+    let path = folder.path().join("whole.ovl");
+    file::write_spooled(&path, &outline, &images, &extras, job)
 }

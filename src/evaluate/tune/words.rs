@@ -1,6 +1,6 @@
 //! What was chosen and what was given up, in words.
 
-use super::{TuneBudget, TunePlan, Tuned};
+use super::plan::{TuneBudget, TunePlan, Tuned};
 use crate::evaluate::sweep::Point;
 use crate::settings::Settings;
 

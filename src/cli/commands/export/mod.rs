@@ -7,16 +7,11 @@ mod points;
 mod store;
 mod video;
 
-use std::path::Path;
-
 use clap::{Args, Subcommand};
 
-use crate::cli::{CommandError, output};
+use crate::cli::output::CommandError;
 use crate::error::Result;
-use crate::store::file::Store;
-use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 
-/// Arguments of `overlook export`.
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
     #[command(subcommand)]
@@ -44,11 +39,4 @@ impl ExportArgs {
             ExportKind::Store(args) => args.run(),
         }
     }
-}
-
-/// Opens a store for playing it from disk.
-pub(crate) fn open(path: &Path) -> Result<Playback> {
-    let store = Store::open(path)?;
-    output::warn(&store.info().warnings);
-    Ok(Playback::new(store, DEFAULT_CACHE_BYTES))
 }

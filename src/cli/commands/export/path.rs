@@ -15,13 +15,8 @@ pub(crate) struct Stops {
     pub(crate) numbers: Vec<i64>,
 }
 
-/// One stop for every frame of the store from the first key to the last.
-///
-/// Between keys the camera moves as [`pose_at`] says; size and focal length are those of the first key, so that all pictures
-/// fit into one film. A single key is a camera that stands still through all frames.
-///
-/// # Errors
-/// Whatever the manifest gives; `Invalid` where it has no view, two at one frame, or none that the store has.
+/// One stop for every frame of the store from the first key to the last, interpolated by [`pose_at`]. Size and focal length are
+/// those of the first key, so that all pictures fit into one film. A single key is a still camera for all frames.
 pub(crate) fn along(manifest: &Path, store: &StoreInfo) -> Result<Stops> {
     let mut views = transforms::open_views_of(manifest, store.provenance.frames_are_ranked)?;
     views.sort_by_key(|view| view.frame_number);

@@ -6,9 +6,8 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::path::{self, Stops};
-use crate::cli::commands::render::PaintingArgs;
-use crate::cli::output::{self, PicturePaths};
-use crate::cli::{CommandError, SettingsArgs};
+use crate::cli::input::{self, PaintingArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError, PicturePaths};
 use crate::error::Result;
 use crate::job::Job;
 use crate::render::film::{self, Reel};
@@ -32,18 +31,18 @@ pub(crate) struct FilmArgs {
 
 impl FilmArgs {
     /// Refuses a file that the film is made from, and any other store.
-    pub(crate) fn apart_from(&self, out: &Path) -> Result<()> {
-        output::apart_from(&self.store, out)?;
-        output::apart_from_stores(out)?;
-        self.settings.apart_from(out)?;
-        output::apart_from_views(&self.path, out)
+    pub(crate) fn refuse_inputs(&self, out: &Path) -> Result<()> {
+        output::refuse_input(&self.store, out)?;
+        output::refuse_store(out)?;
+        self.settings.refuse_inputs(out)?;
+        output::refuse_view_files(&self.path, out)
     }
 
     /// The open store, the stops of the path, and the settings to paint with.
     pub(crate) fn plan(&self) -> Result<(Arc<Playback>, Stops, RenderSettings), CommandError> {
         self.settings.only("render")?;
-        output::can_be_read_again(&self.path)?;
-        let playback = super::open(&self.store)?;
+        output::refuse_pipe(&self.path)?;
+        let playback = input::open_store(&self.store)?;
         let info = playback.store().info();
         let mut settings: Settings = self.settings.over(info.settings.clone())?;
         self.painting.apply(&mut settings.render);
@@ -52,11 +51,8 @@ impl FilmArgs {
     }
 }
 
-/// Paints every stop in order and hands the pictures on, with their place in the film; says why something else painted than was
-/// asked for.
-///
-/// # Errors
-/// Whatever painting and `take` give, and `Cancelled`.
+/// Renders every stop in order and passes each picture on with its index; returns a notice if another renderer than requested was
+/// used.
 pub(crate) fn paint(
     playback: &Arc<Playback>,
     stops: &Stops,
@@ -69,7 +65,6 @@ pub(crate) fn paint(
     Ok(renderer.notice().map(str::to_owned))
 }
 
-/// Arguments of `overlook export pictures`.
 #[derive(Debug, Args)]
 pub(crate) struct PicturesArgs {
     #[command(flatten)]
@@ -81,20 +76,17 @@ pub(crate) struct PicturesArgs {
 
 impl PicturesArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        output::folder(&self.out)?;
+        output::check_folder(&self.out)?;
         let (playback, stops, settings) = self.film.plan()?;
         let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));
         let paths = stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;
-        output::apart_from_pictures_of(&self.film.path, &self.out, &paths)?;
+        output::refuse_true_pictures(&self.film.path, &self.out, &paths)?;
         let notice = output::watched(|job| {
             paint(&playback, &stops, &settings, job, |nth, picture| paths[nth].write(picture))
         })?;
         output::warn(notice.as_slice());
         output::warn(&playback.store().damage());
-        output::print(&format!(
-            "Wrote {} pictures (EXR and PNG) to {}",
-            stops.numbers.len(),
-            self.out.display()
-        ))
+        let (pictures, out) = (paths.len(), self.out.display());
+        output::print(&format!("Wrote {pictures} pictures (EXR and PNG) to {out}"))
     }
 }

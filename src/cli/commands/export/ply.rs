@@ -7,7 +7,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::capture::Camera;
 use crate::color::srgb8_from_linear;
@@ -18,10 +18,7 @@ use crate::whole_file;
 /// Bytes of a point: position and normal, radius, color.
 const POINT_BYTES: usize = 7 * 4 + 3;
 
-/// Writes the samples of some images. Samples at infinity have no position and are left out; gives how many points there are.
-///
-/// # Errors
-/// `Io`. A file that is not whole is removed.
+/// Writes the samples of some images and returns their number. Samples at infinity have no position and are left out.
 pub(crate) fn write<'a>(
     path: &Path,
     set: &SampleSet,
@@ -53,14 +50,9 @@ fn header(name: &str, points: u64) -> String {
 
 fn write_points(target: &mut impl Write, image: &SampleImage, camera: &Camera) -> std::io::Result<()> {
     let depths = image.inverse_depths();
-    let intrinsics = &camera.intrinsics;
     for sample in image.samples().filter(|sample| depths[sample.index] > 0.0) {
         let z = 1.0 / f64::from(depths[sample.index]);
-        let ray = DVec3::new(
-            (sample.x as f64 + 0.5 - intrinsics.cx) / intrinsics.fx,
-            (sample.y as f64 + 0.5 - intrinsics.cy) / intrinsics.fy,
-            1.0,
-        );
+        let ray = camera.intrinsics.ray_in_camera(DVec2::new(sample.x as f64 + 0.5, sample.y as f64 + 0.5));
         let point = camera.world_from_camera.transform_point3(ray * z);
         let normals = image.normal.as_ref();
         let normal = normals.map_or(glam::Vec3::ZERO, |normals| OctNormal::decode(normals[sample.index]));
@@ -74,9 +66,10 @@ fn write_points(target: &mut impl Write, image: &SampleImage, camera: &Camera) -
     Ok(())
 }
 
-/// Radius of a disk with the area `z² cos α / (fx fy cos θ)` of a pixel on its surface; facing the camera where no normal is known.
+/// Radius of a disk with the area `z² cos α / (fx fy cos θ)` of a pixel on its surface, which faces the camera if it has no
+/// normal.
 fn radius(camera: &Camera, ray: DVec3, z: f64, normal_in_world: DVec3) -> f64 {
-    /// The steepest view that is told from a steeper one, as `pruning.cosine_floor` has it.
+    /// The smallest cosine of the viewing angle, as `pruning.cosine_floor`.
     const COSINE_FLOOR: f64 = 0.1;
     let direction = (camera.world_from_camera.matrix3 * ray).normalize_or_zero();
     let cos_off_axis = 1.0 / ray.length();

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::ply;
-use crate::cli::{CommandError, output};
+use crate::cli::input;
+use crate::cli::output::{self, CommandError};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::store::playback::Playback;
 
-/// Arguments of `overlook export points`.
 #[derive(Debug, Args)]
 pub(crate) struct PointsArgs {
     /// The store.
@@ -28,21 +28,18 @@ pub(crate) struct PointsArgs {
 
 impl PointsArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        output::apart_from(&self.store, &self.out)?;
+        output::refuse_input(&self.store, &self.out)?;
         if self.frame.is_some() || self.still {
-            output::file(&self.out, "points.ply")?;
-            output::apart_from_stores(&self.out)?;
+            output::check_file(&self.out, "points.ply")?;
+            output::refuse_store(&self.out)?;
         } else {
-            output::folder(&self.out)?;
+            output::check_folder(&self.out)?;
         }
-        let playback = super::open(&self.store)?;
+        let playback = input::open_store(&self.store)?;
         let (files, points) = output::watched(|job| self.write(&playback, job))?;
         output::warn(&playback.store().damage());
-        output::print(&format!(
-            "Wrote {} points to {} ({files} files)",
-            output::count(points),
-            self.out.display()
-        ))
+        let (points, out) = (output::count(points), self.out.display());
+        output::print(&format!("Wrote {points} points to {out} ({files} files)"))
     }
 
     /// Gives how many files and points were written.

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::{CommandError, SettingsArgs, output};
+use crate::cli::input::SettingsArgs;
+use crate::cli::output::{self, CommandError};
 use crate::store;
 use crate::store::file::Store;
 
-/// Arguments of `overlook export store`.
 #[derive(Debug, Args)]
 pub(crate) struct StoreArgs {
     /// The store.
@@ -24,17 +24,13 @@ pub(crate) struct StoreArgs {
 impl StoreArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         self.settings.only("store")?;
-        output::file(&self.out, "scene.ovl")?;
-        self.settings.apart_from(&self.out)?;
+        output::check_file(&self.out, "scene.ovl")?;
+        self.settings.refuse_inputs(&self.out)?;
         let opened = Store::open(&self.store)?;
         let settings = self.settings.over(opened.info().settings.clone())?;
         let bytes =
             output::watched(|job| store::write_again(&self.out, &opened, Some(&settings.store), job))?;
-        output::print(&format!(
-            "Wrote {} to {}, {} before",
-            output::bytes(bytes),
-            self.out.display(),
-            output::bytes(opened.info().bytes)
-        ))
+        let [bytes, before] = [bytes, opened.info().bytes].map(output::bytes);
+        output::print(&format!("Wrote {bytes} to {}, {before} before", self.out.display()))
     }
 }

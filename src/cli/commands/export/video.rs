@@ -5,11 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::pictures::{FilmArgs, paint};
-use crate::cli::{CommandError, output};
+use crate::cli::output::{self, CommandError};
 use crate::error::Error;
 use crate::render::film::FilmEncoder;
 
-/// Arguments of `overlook export video`.
 #[derive(Debug, Args)]
 pub(crate) struct VideoArgs {
     #[command(flatten)]
@@ -33,9 +32,9 @@ fn frames_per_second(text: &str) -> Result<f64, String> {
 
 impl VideoArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        output::file(&self.out, "film.mp4")?;
+        output::check_file(&self.out, "film.mp4")?;
         let (playback, stops, settings) = self.film.plan()?;
-        self.film.apart_from(&self.out)?;
+        self.film.refuse_inputs(&self.out)?;
         let (width, height) = stops.vantages[0].camera.intrinsics.size();
         let mut encoder = FilmEncoder::start(&self.out, [width, height], self.fps)?;
         let notice = output::watched(|job| {

@@ -1,4 +1,4 @@
-//! What pictures are held against: vantages whose truth is known, or every camera left out in turn.
+//! What pictures are compared with: views with known truth, or every camera left out in turn.
 //!
 //! ```text
 //! Truth::Views ──────── one fold:  all cameras,       the views that came with the capture
@@ -6,9 +6,9 @@
 //!                                  each truth masked to what the fold's cameras could see
 //! ```
 //!
-//! Whatever no camera of a fold saw cannot be painted by any method: such pixels are taken out of the truth, so that holes
-//! are counted where a method made them, and nowhere else. A true picture that came without any depth says nothing about
-//! where its surfaces lie: it stays whole, and what no camera saw counts against every method alike.
+//! No method can render what no camera of a fold saw: such pixels are removed from the truth, so that a hole counts only where a
+//! method made it. A true picture without any depth does not say where its surfaces are: it stays whole, and unseen pixels count
+//! against every method alike.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use super::hold_out;
 use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, TruthView};
 use crate::error::{Error, Result};
-use crate::evaluate::{says_nothing, vantage_order, with_truth};
+use crate::evaluate::scoring::{nothing_to_compare, unknown_truth_warning, vantage_order, with_truth};
 use crate::job::Job;
 
 /// Where the truth comes from.
@@ -41,32 +41,37 @@ pub struct Fold {
     pub views: Vec<TruthView>,
 }
 
-/// What was recorded, and what was there: they differ where a disturbance lies between them.
+/// What was recorded and the true scene, which differ under a disturbance.
 #[derive(Clone)]
 pub struct Recorded {
     /// What models are made of.
     pub capture: Capture,
-    /// What the cameras would have recorded without the disturbance; tells where surfaces truly are.
+    /// What the cameras would have recorded without the disturbance: where surfaces truly are.
     pub clean: Capture,
-    /// The cameras whose places are looked from where each is left out in turn, all of them still there.
-    pub places: Capture,
+    /// All cameras, also those that a disturbance removes: each is left out in turn.
+    pub all_cameras: Capture,
     /// Changes the truth where the disturbance changes the scene itself.
     pub edit_truth: Option<TruthEdit>,
 }
 
-/// Changes a true picture, given where it was taken from and the number of its frame.
-pub type TruthEdit = Arc<dyn Fn(&Camera, i64, Frame) -> Frame + Send + Sync>;
+/// Changes a true picture, given its camera and frame number.
+pub type TruthEdit = Arc<dyn Fn(&Camera, i64, &mut Frame) + Send + Sync>;
 
 impl Recorded {
     /// A capture as it is.
     #[must_use]
     pub fn undisturbed(capture: &Capture) -> Self {
-        Self { capture: capture.clone(), clean: capture.clone(), places: capture.clone(), edit_truth: None }
+        Self {
+            capture: capture.clone(),
+            clean: capture.clone(),
+            all_cameras: capture.clone(),
+            edit_truth: None,
+        }
     }
 }
 
 impl Truth {
-    /// The fewest cameras that a model can be made of and held against this: where each is left out in turn, one must stay.
+    /// The fewest cameras needed: if each is left out in turn, one must remain.
     #[must_use]
     pub fn least_cameras(&self) -> usize {
         match self {
@@ -75,12 +80,10 @@ impl Truth {
         }
     }
 
-    /// Loads and masks the truth of every fold. Views of which no pixel is left are dropped, and folds without views: they say
-    /// nothing of any method.
+    /// Loads and masks the truth of every fold. Views without a known pixel are dropped, and folds without views.
     ///
     /// # Errors
-    /// Whatever loading frames and truth gives; `Invalid` where nothing is left, and where a single camera should be left
-    /// out; `Cancelled`.
+    /// Those of loading frames and truth; `Invalid` if nothing is left, or if a single camera would be left out; `Cancelled`.
     pub fn folds(&self, recorded: &Recorded, job: &Job) -> Result<Vec<Fold>> {
         let (folds, unseen) = self.folds_left(recorded, job)?;
         for view in unseen {
@@ -94,9 +97,9 @@ impl Truth {
         let folds = match self {
             Self::Views(views) => vec![(None, with_truth(views, job).into_iter().cloned().collect())],
             Self::HoldOut => {
-                let names = recorded.places.cameras.iter().map(|camera| camera.name.clone());
+                let names = recorded.all_cameras.cameras.iter().map(|camera| camera.name.clone());
                 let split = |name: String| {
-                    let (_, views) = hold_out::split(&recorded.places, std::slice::from_ref(&name))?;
+                    let (_, views) = hold_out::split(&recorded.all_cameras, std::slice::from_ref(&name))?;
                     Ok((Some(name), views))
                 };
                 names.map(split).collect::<Result<Vec<_>>>()?
@@ -121,7 +124,7 @@ impl Truth {
                 })
                 .collect::<Result<_>>()?;
             let (known, unseen): (Vec<_>, Vec<_>) = masked.into_iter().partition(|(_, has_truth)| *has_truth);
-            dropped.extend(unseen.iter().map(|(view, _)| says_nothing(view)));
+            dropped.extend(unseen.iter().map(|(view, _)| unknown_truth_warning(view)));
             let views: Vec<TruthView> = known.into_iter().map(|(view, _)| view).collect();
             Ok(Fold { held_out, capture: fold.capture, views: ordered(&views) })
         };
@@ -131,22 +134,13 @@ impl Truth {
     }
 }
 
-/// That nothing can be measured on what is called `name`.
-pub(crate) fn nothing_to_compare(name: &str) -> Error {
-    Error::invalid(
-        name,
-        "no view has a true picture to be compared with; name others with --views, or leave cameras out",
-    )
-}
-
 /// Views of one vantage after each other, each by frame; vantages in the order in which they first come.
 fn ordered(views: &[TruthView]) -> Vec<TruthView> {
     let order = vantage_order(&views.iter().collect::<Vec<_>>());
     order.into_iter().map(|index| views[index].clone()).collect()
 }
 
-/// The view with its truth loaded and masked to what the recorded cameras saw, whole where the truth came without depth; and
-/// whether any pixel of it is left.
+/// The view with its truth loaded, masked to what the recorded cameras saw unless it has no depth, and whether any pixel is left.
 fn masked(recorded: &Recorded, view: TruthView) -> Result<(TruthView, bool)> {
     let (Some(load), Some(frame)) = (&view.truth, recorded.capture.frame_index(view.frame_number)) else {
         return Err(Error::invalid(
@@ -155,16 +149,16 @@ fn masked(recorded: &Recorded, view: TruthView) -> Result<(TruthView, bool)> {
         ));
     };
     let mut truth = load()?;
-    // Asked before the edit, which may put surfaces of its own into a picture that has none.
+    // Before the edit, which may insert surfaces into a picture without depth.
     let has_depth = truth.inverse_depth.as_slice().iter().any(|inverse_depth| *inverse_depth > 0.0);
     if let Some(edit) = &recorded.edit_truth {
-        truth = edit(&view.camera, view.frame_number, truth);
+        edit(&view.camera, view.frame_number, &mut truth);
     }
     if has_depth {
-        let sights = (0..recorded.capture.cameras.len())
+        let camera_views = (0..recorded.capture.cameras.len())
             .map(|camera| CameraView::new(recorded, camera, frame))
             .collect::<Result<Vec<_>>>()?;
-        mask_unseen(&mut truth, &view.camera, &sights);
+        mask_unseen(&mut truth, &view.camera, &camera_views);
     }
     let has_truth = truth.inverse_depth.as_slice().iter().any(|inverse_depth| *inverse_depth >= 0.0);
     let truth = Arc::new(truth);
@@ -172,19 +166,14 @@ fn masked(recorded: &Recorded, view: TruthView) -> Result<(TruthView, bool)> {
 }
 
 /// Takes what nothing saw out of what `camera` truly sees.
-fn mask_unseen(truth: &mut Frame, camera: &Camera, sights: &[CameraView]) {
+fn mask_unseen(truth: &mut Frame, camera: &Camera, camera_views: &[CameraView]) {
     let width = truth.size().0;
-    let unseen: Vec<usize> = (0..truth.inverse_depth.len())
-        .into_par_iter()
-        .filter(|&pixel| {
-            let inverse_depth = truth.inverse_depth.as_slice()[pixel];
-            let center = DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
-            !sights.iter().any(|sight| sight.sees(camera, center, inverse_depth))
-        })
-        .collect();
-    for pixel in unseen {
-        truth.inverse_depth.as_mut_slice()[pixel] = INVALID_INVERSE_DEPTH;
-    }
+    truth.inverse_depth.as_mut_slice().par_iter_mut().enumerate().for_each(|(pixel, inverse_depth)| {
+        let center = DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
+        if !camera_views.iter().any(|view| view.sees(camera, center, *inverse_depth)) {
+            *inverse_depth = INVALID_INVERSE_DEPTH;
+        }
+    });
 }
 
 /// What one camera saw at one frame.
@@ -194,8 +183,8 @@ struct CameraView {
     recorded: Arc<Frame>,
 }
 
-/// A point was seen where the surface recorded there lies within so many of the camera's pixel widths of it: the widths
-/// of the paper's 4-pixel neighborhood on a surface seen at 75°.
+/// A camera saw a point if its recorded surface is within this many of its pixel widths of the point: the extent of the paper's
+/// 4-pixel neighborhood on a surface seen at 75°.
 const SEEN_WITHIN_PX: f64 = 4.0;
 
 impl CameraView {

@@ -1,13 +1,12 @@
-//! One setting, tried: preprocessed, stored, painted and held against the truth of every fold.
+//! One setting: preprocessed, stored, rendered and scored against the truth of every fold.
 //!
 //! ```text
 //! Trial ─ scan ─▶ prune ─▶ thin ─▶ store (bytes) ─▶ read ─▶ paint every view ─▶ Measured
 //!        └─ kept between trials that agree so far ─┘
 //! ```
 //!
-//! What is painted has been through the file, so that precision given up there shows in the pictures. Holes are filled for
-//! every trial alike: a method must not look good because it leaves out what is difficult, nor lose by a gap of one pixel
-//! what it gains everywhere else.
+//! Rendered samples are read back from the file, so that its precision shows in the pictures. Holes are filled for every trial: a
+//! method must neither profit from leaving out difficult pixels nor lose to gaps of one pixel.
 
 use std::collections::BTreeSet;
 use std::collections::hash_map::{Entry, HashMap};
@@ -16,11 +15,12 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::baselines;
+use super::standard_error::MeanEstimate;
 use crate::capture::TruthView;
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::Scores;
+use crate::evaluate::scoring::{Evaluation, Scoreboard, ViewScore, render_view};
 use crate::evaluate::truth::{Fold, Recorded, Truth};
-use crate::evaluate::{Evaluation, Scoreboard, ViewScore, render_view};
 use crate::job::Job;
 use crate::preprocess::diagnostics::Report;
 use crate::preprocess::{self, PreparedScan};
@@ -30,8 +30,6 @@ use crate::settings::{
     Backend, CaptureSettings, Fill, Kernel, NormalSettings, PruningMethod, RenderSettings, Settings,
     SpanSettings,
 };
-
-use super::standard_error::MeanEstimate;
 
 /// What is done to the samples after pruning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -47,7 +45,7 @@ pub enum Thinning {
     Tolerance,
 }
 
-/// Settings to be tried.
+/// A setting to measure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
     /// Says in short what is special about it.
@@ -80,33 +78,25 @@ impl Trial {
 
 type ModelKey = (Settings, Thinning, Option<Vec<String>>);
 
-/// What a trial gave.
+/// What a trial gave; means over folds, with the units of [`Point`](crate::evaluate::sweep::Point).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrialResult {
-    /// Scores of every vantage of every fold, frame by frame.
-    pub scores: Vec<Vec<Scores>>,
-    /// The names of these views.
-    pub views: Vec<Vec<String>>,
-    /// Flicker, where a vantage is seen at two frames: mean over folds.
-    pub flicker_steps: Option<f64>,
-    /// Samples kept, mean over folds.
-    pub samples: u64,
-    /// Bytes of the store, mean over folds.
-    pub bytes: u64,
-    /// Those of them that say how it was made.
-    pub bytes_record: u64,
-    /// Bytes of the samples in memory, mean over folds.
-    pub bytes_memory: u64,
-    /// Samples that live longer than one frame, mean over folds.
-    pub samples_shared: u64,
-    /// Different spans that hold a sample, mean over folds.
-    pub spans: u64,
-    /// Median wall-clock milliseconds of painting a view.
-    pub milliseconds: f64,
+    /// Names and scores of the views of every vantage of every fold, frame by frame.
+    pub(crate) vantages: Vec<Vec<(String, Scores)>>,
+    /// `None` if no vantage is seen at two frames.
+    pub(crate) flicker_steps: Option<f64>,
+    pub(crate) samples: u64,
+    pub(crate) bytes: u64,
+    pub(crate) bytes_record: u64,
+    pub(crate) bytes_memory: u64,
+    pub(crate) samples_shared: u64,
+    pub(crate) spans: u64,
+    /// Median over all views.
+    pub(crate) milliseconds: f64,
     /// Mean number of samples that are projected for a view.
-    pub samples_painted: f64,
-    /// Wall-clock seconds of preprocessing, scanning included, mean over folds.
-    pub seconds_preprocess: f64,
+    pub(crate) samples_painted: f64,
+    /// With the scan.
+    pub(crate) seconds_preprocess: f64,
 }
 
 /// Samples of one fold under one trial.
@@ -134,19 +124,19 @@ struct FoldState {
 /// What a scan depends on.
 type ScanKey = (NormalSettings, SpanSettings, Option<Vec<String>>);
 
-/// Scans and models that are kept of each fold: those of the last trials, and the unpruned one that baselines thin.
+/// Scans and models cached per fold: those of the last trials, and the unpruned one that baselines thin.
 const KEPT: usize = 3;
 
-/// Tries settings on one capture, sharing whatever they have in common.
+/// Measures settings on one capture; those that agree share scans and models.
 pub struct Workbench {
     folds: Vec<FoldState>,
     reference: Settings,
-    /// What paints, by what a trial asks for.
+    /// One renderer per backend.
     renderers: HashMap<Backend, Renderer>,
 }
 
 impl Workbench {
-    /// Loads the truth. `reference` says how many samples the baselines may keep.
+    /// Loads the truth. The baselines keep as many samples as `reference` does.
     ///
     /// # Errors
     /// As [`Truth::folds`].
@@ -164,10 +154,10 @@ impl Workbench {
         }
     }
 
-    /// Opens what will paint the trials, so that what is not there is told before anything is measured.
+    /// Opens the renderers of the trials, so that a missing one is reported before anything is measured.
     ///
     /// # Errors
-    /// `Gpu` where one asks for a GPU and there is none.
+    /// `Gpu` if a trial needs a GPU and there is none.
     pub fn open<'a>(&mut self, trials: impl IntoIterator<Item = &'a Trial>) -> Result<()> {
         trials
             .into_iter()
@@ -175,21 +165,19 @@ impl Workbench {
     }
 
     /// Whether some fold that has views has a camera left for the trial.
-    #[must_use]
-    pub fn can_measure(&self, trial: &Trial) -> bool {
+    pub(crate) fn can_measure(&self, trial: &Trial) -> bool {
         self.folds.iter().any(|fold| fold.has_cameras(trial))
     }
 
-    /// Tries one setting.
+    /// Measures one setting.
     ///
     /// # Errors
-    /// As [`preprocess::preprocess`], [`crate::store::file::write`] and [`render_view`]; `Invalid` where no fold has a camera left; `Gpu` where
-    /// the GPU is asked for and cannot paint: the CPU's times must not pass for its own.
+    /// Those of preprocessing, the store and rendering; `Invalid` if no fold has a camera left; `Gpu` if the GPU cannot render:
+    /// times of the CPU must not pass for its own.
     pub fn measure(&mut self, trial: &Trial, job: &Job) -> Result<TrialResult> {
         let renderer = opened(&mut self.renderers, trial.settings.render.backend)?;
         let filling = RenderSettings { fill: Fill::PushPull, ..trial.settings.render.clone() };
-        let (mut models, mut evaluations) = (Vec::new(), Vec::new());
-        let (mut by_vantage, mut names) = (Vec::new(), Vec::new());
+        let (mut models, mut evaluations, mut vantages) = (Vec::new(), Vec::new(), Vec::new());
         for fold in &mut self.folds {
             if !fold.has_cameras(trial) {
                 continue;
@@ -212,10 +200,7 @@ impl Workbench {
                 job.advance(1);
             }
             let evaluation = scores.finish();
-            for (of_vantage, scores) in scores_by_vantage(&fold.fold.views, &evaluation) {
-                names.push(of_vantage);
-                by_vantage.push(scores);
-            }
+            vantages.extend(scores_by_vantage(&fold.fold.views, &evaluation));
             evaluations.push(evaluation);
             models.push(model);
         }
@@ -231,8 +216,7 @@ impl Workbench {
         let flicker: Vec<f64> =
             evaluations.iter().filter_map(|evaluation| evaluation.mean.flicker_steps).collect();
         Ok(TrialResult {
-            scores: by_vantage,
-            views: names,
+            vantages,
             flicker_steps: (!flicker.is_empty()).then(|| MeanEstimate::of(&flicker).mean),
             samples: mean(&|model| model.samples.sample_count() as f64).round() as u64,
             bytes: mean(&|model| model.bytes as f64).round() as u64,
@@ -249,11 +233,11 @@ impl Workbench {
 }
 
 /// Names and scores of the views of each vantage, which follow each other.
-fn scores_by_vantage(views: &[TruthView], evaluation: &Evaluation) -> Vec<(Vec<String>, Vec<Scores>)> {
+fn scores_by_vantage(views: &[TruthView], evaluation: &Evaluation) -> Vec<Vec<(String, Scores)>> {
     let scored: Vec<_> = views.iter().zip(&evaluation.views).collect();
     let vantages = scored.chunk_by(|(before, _), (after, _)| before.camera == after.camera);
     let scored = |(view, score): &(&TruthView, &ViewScore)| Some((view.file_path.clone(), score.scores?));
-    vantages.map(|vantage| vantage.iter().filter_map(scored).unzip()).collect()
+    vantages.map(|vantage| vantage.iter().filter_map(scored).collect()).collect()
 }
 
 /// The renderer for a backend, opened when it is first asked for.
@@ -302,8 +286,8 @@ impl FoldState {
         let key = trial.model_key();
         // A store notes its settings: those of painting must not change its size.
         let trial = &Trial { settings: key.0.clone(), ..trial.clone() };
-        if let Some(place) = self.models.iter().position(|(known, _)| *known == key) {
-            let known = self.models.remove(place);
+        if let Some(index) = self.models.iter().position(|(known, _)| *known == key) {
+            let known = self.models.remove(index);
             self.models.insert(0, known);
             return Ok(self.models[0].1.clone());
         }
@@ -321,7 +305,7 @@ impl FoldState {
         Ok(model)
     }
 
-    /// As the settings say; not through a file yet.
+    /// Pruned by the settings; not stored yet.
     fn pruned(&mut self, trial: &Trial, job: &Job) -> Result<FoldSamples> {
         let (scan, seconds_scan) = self.scan(trial, job)?;
         let capture = self.fold.capture.with_cameras(|_, camera| Self::keeps(trial, &camera.name));
@@ -390,9 +374,8 @@ pub(crate) fn stored(samples: &SampleSet, report: &Report, job: &Job) -> Result<
     Ok(FoldSamples { bytes, bytes_record, ..FoldSamples::unstored(Arc::new(samples), report, 0.0) })
 }
 
-/// How much work a kernel does per sample, as a rule that is the same on every machine: ranks of the measured times.
-#[must_use]
-pub fn kernel_cost(kernel: Kernel) -> f64 {
+/// Work of a kernel per sample, the same on every machine: ranks of measured times.
+pub(crate) fn kernel_cost(kernel: Kernel) -> f64 {
     match kernel {
         Kernel::Point => 1.0,
         Kernel::Block => 4.0,

@@ -1,0 +1,80 @@
+//! Tables of scores.
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+use super::text;
+use crate::evaluate::metrics::Scores;
+use crate::evaluate::{Evaluation, MeanScore, MethodComparison};
+
+/// Columns of accuracy with their decimals. `PSNR dB` is over pixels that got a sample, `all dB` over all; `edge` is the error
+/// near silhouettes, 8-bit steps.
+const ACCURACY: [(&str, usize); 7] =
+    [("PSNR dB", 2), ("all dB", 2), ("SSIM", 4), ("MS-SSIM", 4), ("FLIP", 4), ("edge", 2), ("cover", 3)];
+
+fn accuracy_head() -> String {
+    ACCURACY.iter().fold(String::new(), |mut text, (name, _)| {
+        let _ = write!(text, " {name:>8}");
+        text
+    })
+}
+
+fn accuracy_columns(values: [Option<f64>; ACCURACY.len()]) -> String {
+    let columns = values.iter().zip(ACCURACY);
+    columns.fold(String::new(), |mut text, (value, (_, decimals))| {
+        let _ = write!(text, " {}", text::number(*value, decimals, 8));
+        text
+    })
+}
+
+fn of_view(scores: &Scores) -> [Option<f64>; ACCURACY.len()] {
+    let s = scores;
+    let [psnr, all, ssim, ms_ssim, flip, cover] =
+        [s.psnr_db, s.psnr_all_db, s.ssim, s.ms_ssim, s.flip, s.coverage].map(Some);
+    [psnr, all, ssim, ms_ssim, flip, s.silhouette_steps, cover]
+}
+
+fn of_mean(mean: &MeanScore) -> [Option<f64>; ACCURACY.len()] {
+    let m = mean;
+    [m.psnr_db, m.psnr_all_db, m.ssim, m.ms_ssim, m.flip, m.silhouette_steps, m.coverage]
+}
+
+/// One line per view, then the mean.
+pub(crate) fn view_table(evaluation: &Evaluation) -> String {
+    let mut text = format!("{:<28}{} {:>10} {:>12}", "view", accuracy_head(), "ms", "samples");
+    let mut line = |name: &str, values, milliseconds, samples| {
+        let samples = text::count(samples);
+        let _ = write!(text, "\n{name:<28}{} {milliseconds:>10.1} {samples:>12}", accuracy_columns(values));
+    };
+    for view in &evaluation.views {
+        let values = view.scores.as_ref().map_or([None; ACCURACY.len()], of_view);
+        line(&view.file_path, values, view.milliseconds, view.samples);
+    }
+    let mean = &evaluation.mean;
+    line("mean", of_mean(mean), mean.milliseconds, mean.samples as u64);
+    if let Some(steps) = mean.flicker_steps {
+        let _ = write!(text, "\nFlicker at still vantages: {steps:.2} 8-bit steps");
+    }
+    text
+}
+
+/// The line that names what rendered.
+pub(crate) fn painter_line(evaluation: &Evaluation) -> String {
+    let painters: BTreeSet<String> = evaluation.views.iter().map(|view| view.painter.to_string()).collect();
+    format!("Painted by {}", painters.into_iter().collect::<Vec<_>>().join(" and "))
+}
+
+/// One line per pruning method.
+pub(crate) fn comparison_table(comparison: &MethodComparison) -> String {
+    let head = accuracy_head();
+    let mut text = format!("pruning         {head}         ms   samples kept    in memory in the store");
+    for compared in [&comparison.as_set, &comparison.no_pruning, &comparison.first_camera] {
+        let (method, mean) = (compared.method.name(), &compared.evaluation.mean);
+        let (accuracy, milliseconds) = (accuracy_columns(of_mean(mean)), mean.milliseconds);
+        let kept = text::count(compared.samples_kept);
+        let [memory, store] = [compared.bytes_memory, compared.bytes_store].map(text::bytes);
+        let _ =
+            write!(text, "\n{method:<16}{accuracy} {milliseconds:>10.1} {kept:>14} {memory:>12} {store:>12}");
+    }
+    text
+}

@@ -1,0 +1,12 @@
+//! Colors of charts: ink, grid lines, and series that the color-blind can tell apart (Masataka Okabe and Kei Ito, *Color
+//! Universal Design*, 2008).
+
+pub(super) const INK: &str = "#22262b";
+pub(super) const FAINT: &str = "#6b7480";
+pub(super) const GRID: &str = "#e4e7eb";
+pub(super) const PAPER: &str = "#ffffff";
+pub(super) const BLUE: &str = "#0072b2";
+pub(super) const ORANGE: &str = "#e69f00";
+pub(super) const GREEN: &str = "#009e73";
+pub(super) const PINK: &str = "#cc79a7";
+pub(super) const RED: &str = "#d55e00";

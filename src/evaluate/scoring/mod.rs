@@ -1,0 +1,13 @@
+//! Views painted, compared with their truth, and averaged.
+//!
+//! ```text
+//! TruthView ─ render_view ─▶ PaintedView ─ Scoreboard ─▶ Evaluation (a ViewScore each, and their mean)
+//! ```
+
+mod scoreboard;
+mod view;
+
+pub(crate) use scoreboard::{Scoreboard, evaluate_with, nothing_to_compare, with_truth};
+pub use scoreboard::{evaluate, vantage_order};
+pub use view::{Evaluation, MeanScore, ViewScore};
+pub(crate) use view::{frame_of, render_view, unknown_truth_warning};

@@ -1,0 +1,167 @@
+//! Views, rendered and compared with their truth, and their scores.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use crate::capture::TruthView;
+use crate::error::{Error, Result};
+use crate::evaluate::metrics::{Pair, Scores};
+use crate::job::Job;
+use crate::render::{Painter, Picture, RenderStats, Renderer, Vantage};
+use crate::samples::SampleSet;
+use crate::settings::RenderSettings;
+
+/// What one view cost and, where its truth is known, how close to it the picture came.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ViewScore {
+    /// The view's own name.
+    pub file_path: String,
+    /// Closeness to the truth; `None` where no pixel of it is known.
+    #[serde(flatten)]
+    pub scores: Option<Scores>,
+    /// Wall-clock milliseconds of painting.
+    pub milliseconds: f64,
+    /// Samples that were projected.
+    pub samples: u64,
+    /// What painted.
+    #[serde(flatten)]
+    pub painter: Painter,
+}
+
+/// Means over views.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct MeanScore {
+    /// See [`Scores::psnr_db`]; `None` where no view has truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub psnr_db: Option<f64>,
+    /// See [`Scores::psnr_all_db`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub psnr_all_db: Option<f64>,
+    /// See [`Scores::ssim`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ssim: Option<f64>,
+    /// See [`Scores::ms_ssim`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ms_ssim: Option<f64>,
+    /// See [`Scores::flip`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flip: Option<f64>,
+    /// See [`Scores::silhouette_steps`]; over the views that have silhouettes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub silhouette_steps: Option<f64>,
+    /// Root mean square change of error from frame to frame, 8-bit steps; `None` where no vantage is seen at two frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flicker_steps: Option<f64>,
+    /// See [`Scores::coverage`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<f64>,
+    /// See [`ViewScore::milliseconds`].
+    pub milliseconds: f64,
+    /// See [`ViewScore::samples`].
+    pub samples: f64,
+}
+
+/// Scores of several views.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// One by one, in the order of the views.
+    pub views: Vec<ViewScore>,
+    /// On average.
+    pub mean: MeanScore,
+    /// A notice if another renderer than requested was used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub notice: Option<String>,
+}
+
+impl Evaluation {
+    /// The same with the views in their given order, where `order` is that in which they were rendered.
+    pub(crate) fn in_order_of_views(self, order: &[usize]) -> Self {
+        let mut views: Vec<(usize, ViewScore)> = order.iter().copied().zip(self.views).collect();
+        views.sort_unstable_by_key(|(index, _)| *index);
+        Self { views: views.into_iter().map(|(_, score)| score).collect(), ..self }
+    }
+}
+
+/// A rendered view.
+#[derive(Debug)]
+pub(crate) struct PaintedView {
+    pub(crate) picture: Arc<Picture>,
+    /// What it cost, and how close to the truth it came.
+    pub(crate) score: ViewScore,
+    /// The picture beside its truth, where that is known.
+    pub(crate) pair: Option<Pair>,
+    /// The part of [`ViewScore::milliseconds`] that filling holes took.
+    pub(crate) fill_ms: f64,
+    /// A notice if another renderer than requested was used.
+    pub(crate) notice: Option<String>,
+}
+
+/// Index of the frame of a view among `frame_numbers`, which belong to the capture or store `name`.
+pub(crate) fn frame_of(view: &TruthView, name: &str, frame_numbers: &[i64]) -> Result<usize> {
+    frame_numbers.binary_search(&view.frame_number).map_err(|_| {
+        let frames = match frame_numbers {
+            [] => "none".to_owned(),
+            [first, .., last] => format!("{} frames from {first} to {last}", frame_numbers.len()),
+            [only] => format!("frame {only} alone"),
+        };
+        Error::invalid(
+            format!("view '{}'", view.file_path),
+            format!("there is no frame {}; '{name}' has {frames}", view.frame_number),
+        )
+    })
+}
+
+/// The warning that a view is not scored.
+pub(crate) fn unknown_truth_warning(view: &TruthView) -> String {
+    format!(
+        "view '{}' is left out of the scores: no pixel of its true picture is known, or was seen by a camera",
+        view.file_path
+    )
+}
+
+/// Renders one view and, where its truth is known, scores it. No background is kept from the view before, so milliseconds and
+/// samples do not depend on it; only the samples stay on a GPU.
+pub(crate) fn render_view(
+    renderer: &mut Renderer,
+    samples: &Arc<SampleSet>,
+    view: &TruthView,
+    settings: &RenderSettings,
+    job: &Job,
+) -> Result<PaintedView> {
+    let place = || format!("view '{}'", view.file_path);
+    let (picture, stats) = painted(renderer, samples, view, settings, job)?;
+    let pair = match &view.truth {
+        None => None,
+        Some(truth) => Some(Pair::new(&picture, &truth()?).map_err(|error| match error {
+            Error::Invalid { what, .. } => Error::invalid(place(), what),
+            error => error,
+        })?),
+    };
+    if pair.as_ref().is_some_and(|pair| !pair.has_truth()) {
+        job.warn(unknown_truth_warning(view));
+    }
+    let score = ViewScore {
+        file_path: view.file_path.clone(),
+        scores: pair.as_ref().filter(|pair| pair.has_truth()).map(Pair::scores),
+        milliseconds: stats.milliseconds,
+        samples: stats.samples,
+        painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
+    };
+    let notice = renderer.notice().map(str::to_owned);
+    Ok(PaintedView { picture, score, pair, fill_ms: stats.fill_ms, notice })
+}
+
+/// The picture of a view, with nothing kept from the view before.
+pub(super) fn painted(
+    renderer: &mut Renderer,
+    samples: &Arc<SampleSet>,
+    view: &TruthView,
+    settings: &RenderSettings,
+    job: &Job,
+) -> Result<(Arc<Picture>, RenderStats)> {
+    let frame = frame_of(view, &samples.name, &samples.frame_numbers)?;
+    let vantage = Vantage { camera: view.camera.clone(), frame };
+    renderer.forget_background();
+    renderer.render(samples, &vantage, settings, job)
+}

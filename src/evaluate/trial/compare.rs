@@ -1,0 +1,72 @@
+//! Ways to prune beside each other, on one capture.
+
+use serde::Serialize;
+
+use super::workbench::{FoldSamples, stored};
+use crate::capture::{Capture, TruthView};
+use crate::error::Result;
+use crate::evaluate::scoring::{Evaluation, evaluate_with, frame_of, with_truth};
+use crate::job::Job;
+use crate::preprocess;
+use crate::render::Renderer;
+use crate::settings::{PruningMethod, Settings};
+
+/// One way to prune: what it costs and how close to the truth it stays.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MethodScore {
+    /// Name of the pruning method.
+    pub method: PruningMethod,
+    /// Samples kept.
+    pub samples_kept: u64,
+    /// Bytes of the kept samples in memory.
+    pub bytes_memory: u64,
+    /// Bytes of the store.
+    pub bytes_store: u64,
+    /// How close to the truth.
+    #[serde(flatten)]
+    pub evaluation: Evaluation,
+}
+
+/// The given settings and the two extremes to compare them with.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MethodComparison {
+    /// As the settings say.
+    pub as_set: MethodScore,
+    /// Every sample kept: the most accurate, and the largest.
+    pub no_pruning: MethodScore,
+    /// The first camera that saw a point keeps it, whatever its sampling rate: what a layered depth image does.
+    pub first_camera: MethodScore,
+}
+
+/// Scores the given settings, no pruning, and first camera wins. The frames are scanned once. Samples are read back from a file,
+/// so that its precision shows in the scores.
+///
+/// # Errors
+/// Those of preprocessing, the store and [`evaluate`](crate::evaluate::evaluate); a view at a frame that the capture lacks is
+/// refused first.
+pub fn compare(
+    capture: &Capture,
+    views: &[TruthView],
+    settings: &Settings,
+    job: &Job,
+) -> Result<MethodComparison> {
+    let mut renderer = Renderer::strict(settings.render.backend)?;
+    for view in with_truth(views, job) {
+        frame_of(view, &capture.name, &capture.frame_numbers)?;
+    }
+    let scan = preprocess::scan(capture, settings, job)?;
+    let mut compared = |method| {
+        let mut settings = settings.clone();
+        settings.pruning.method = method;
+        let pruned = preprocess::prune(capture, &scan, &settings, job)?;
+        let FoldSamples { samples, bytes: bytes_store, .. } = stored(&pruned.samples, &pruned.report, job)?;
+        let evaluation = evaluate_with(&mut renderer, &samples, views, &settings.render, job)?;
+        let (samples_kept, bytes_memory) = (samples.sample_count(), samples.bytes());
+        Ok(MethodScore { method, samples_kept, bytes_memory, bytes_store, evaluation })
+    };
+    Ok(MethodComparison {
+        as_set: compared(settings.pruning.method)?,
+        no_pruning: compared(PruningMethod::Off)?,
+        first_camera: compared(PruningMethod::FirstCamera)?,
+    })
+}
