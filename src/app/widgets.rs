@@ -1,6 +1,9 @@
 //! Small widgets that several areas share.
 
-use egui::{Button, ComboBox, Response, RichText, ScrollArea, Sense, Ui, Vec2};
+use egui::{
+    Button, Color32, ComboBox, Painter, Rect, Response, RichText, ScrollArea, Sense, TextureId, Ui, Vec2,
+    pos2,
+};
 use egui_material_icons::MaterialIcon;
 
 use super::theme::{Tokens, space};
@@ -91,7 +94,7 @@ pub(crate) fn empty_ui(
     // Known from the picture before.
     let id = ui.scope_id().with(title);
     let height = ui.data(|data| data.get_temp(id)).unwrap_or(ROOMY);
-    let column = egui::Rect::from_center_size(area.center(), Vec2::new(width, height.min(area.height())));
+    let column = Rect::from_center_size(area.center(), Vec2::new(width, height.min(area.height())));
     ui.scope_builder(egui::UiBuilder::new().max_rect(column), |ui| {
         let shown = ScrollArea::vertical().id_salt(title).auto_shrink(false).show(ui, |ui| {
             ui.vertical_centered(|ui| {
@@ -108,4 +111,30 @@ pub(crate) fn empty_ui(
         ui.data_mut(|data| data.insert_temp(id, shown.content_size.y));
     });
     ui.allocate_rect(area, Sense::hover());
+}
+
+/// How far the wheel was turned, or two fingers were spread, points.
+pub(crate) fn scrolled(ui: &Ui) -> f32 {
+    ui.input(|input| input.smooth_scroll_delta().y + 200.0 * (input.zoom_delta() - 1.0))
+}
+
+/// Draws a texture over an area.
+pub(crate) fn picture(painter: &Painter, texture: TextureId, area: Rect) {
+    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    painter.image(texture, area, whole, Color32::WHITE);
+}
+
+/// Shows in the middle of an area that its picture is on the way.
+pub(crate) fn waiting(ui: &Ui, area: Rect, size: f32) {
+    egui::Spinner::new().paint_at(ui, Rect::from_center_size(area.center(), Vec2::splat(size)));
+}
+
+/// A line of small text that explains.
+pub(crate) fn note(ui: &mut Ui, text: impl Into<String>) -> Response {
+    ui.label(RichText::new(text).small().color(Tokens::in_ui(ui).text_weak))
+}
+
+/// A line of text that explains.
+pub(crate) fn weak(ui: &mut Ui, text: impl Into<String>) -> Response {
+    ui.label(RichText::new(text).color(Tokens::in_ui(ui).text_weak))
 }

@@ -1,12 +1,9 @@
 //! Carries out the commands of the inspector: the pixel, settings as they were, the camera path.
 
-use crate::app::dock::DockView;
-use crate::app::model::setting_names;
-use crate::app::model::{
-    self, Command, ExportRequest, ExportTarget, NoticeKind, PRESETS, Purpose, SavedPathKey, Study,
-};
-use crate::app::work::{Spot, StudyRequest};
-use crate::app::{OverlookApp, views};
+use crate::app::model::{self, Command, ExportTarget, NoticeKind, PRESETS, Purpose, SavedPathKey, Study};
+use crate::app::model::{DockView, PictureZoom, Spot, setting_names, verdict_text};
+use crate::app::overlook_app::OverlookApp;
+use crate::app::work::{ExportRequest, StudyRequest};
 use crate::render::film::Reel;
 use crate::settings::Settings;
 
@@ -81,11 +78,11 @@ impl OverlookApp {
             probe.pinned = true;
             probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
         }
-        let place = probed.and_then(|probed| views::in_camera(&self.state, &probed, camera));
+        let cameras = self.state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+        let place = probed.and_then(|probed| probed.in_camera(cameras, camera));
         if let Some((at, _)) = place {
             let center = egui::vec2(at.x / intrinsics.width as f32, at.y / intrinsics.height as f32);
-            let zoom = self.state.source.zoom.max(4.0);
-            self.apply(Command::SourceZoom { zoom, center });
+            self.state.source.part = PictureZoom::new(self.state.source.part.zoom.max(4.0), center);
         }
     }
 
@@ -107,7 +104,7 @@ impl OverlookApp {
         }
         let (known, known_stress) = (charts.sweep.clone(), charts.known_stress());
         let request = StudyRequest { scene, study, settings, known, known_stress };
-        self.lanes.inspector.study.submit(request);
+        self.workers.study.submit(request);
     }
 
     /// Puts the settings of a chart's point on, and says which that changes.
@@ -134,7 +131,7 @@ impl OverlookApp {
     fn copy_argument(&mut self) {
         let shown = self.state.scene.as_ref().zip(self.state.inspector.probe.shown.as_ref());
         let Some((scene, probed)) = shown else { return };
-        self.ctx.copy_text(views::argument(scene, probed));
+        self.ctx.copy_text(verdict_text::argument(scene, probed));
         self.state.notify(NoticeKind::Done, "Copied", "The argument for the pixel is on the clipboard.");
     }
 
@@ -229,7 +226,7 @@ impl OverlookApp {
         let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
         let reel = playback.map_or(Reel::Memory(samples), Reel::Disk);
         let request = ExportRequest { path, reel, settings, size, target };
-        self.lanes.inspector.export.submit(request);
+        self.workers.export.submit(request);
     }
 
     /// Takes, names, saves and removes presets.

@@ -5,8 +5,7 @@ use std::collections::HashSet;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 
-use crate::app::model::{Command, Purpose, State};
-use crate::app::panels::CommandPalette;
+use crate::app::model::{Command, CommandPalette, Purpose, State};
 
 /// Keys and what they do, for the help.
 pub(crate) const HELP: &[(&str, &str)] = &[

@@ -4,12 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::picture_file::with_ending;
-use crate::app::OverlookApp;
 use crate::app::model::{
-    Command, Content, ExportTarget, Message, NO_KEYS, NoticeKind, Purpose, State, TypedPath,
+    Command, Content, Destination, ExportTarget, NO_KEYS, NoticeKind, Purpose, State, TypedPath,
 };
-use crate::app::work::FileRequest;
+use crate::app::overlook_app::OverlookApp;
+use crate::app::work::{FileRequest, with_ending};
 use crate::error::Error;
 
 /// A dialog that is answered faster than this was hardly seen by a person: where there is none, a busy machine takes a while to
@@ -20,57 +19,6 @@ const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it he
 
 const OTHER_ENDING: &str = "A picture is written as PNG; name it .png.";
 
-/// Somewhere to write, before anything is written there.
-#[derive(Clone, Debug)]
-pub(crate) struct Destination {
-    /// What is written.
-    pub purpose: Purpose,
-    /// Where.
-    pub path: PathBuf,
-}
-
-impl Destination {
-    /// Looks whether something stands there that would be replaced.
-    pub(crate) fn look(self) -> Message {
-        let taken = match self.purpose {
-            Purpose::ExportPictures => {
-                std::fs::read_dir(&self.path).is_ok_and(|mut entries| entries.next().is_some())
-            }
-            _ => self.path.is_file(),
-        };
-        Message::Looked { destination: self, taken }
-    }
-}
-
-impl Purpose {
-    /// Whether something is written to the path.
-    pub(crate) fn writes(self) -> bool {
-        !matches!(self, Self::OpenFile | Self::OpenFolder | Self::LoadSettings)
-    }
-
-    /// The lane that reads or writes there.
-    fn lane(self) -> &'static str {
-        match self {
-            Self::OpenFile | Self::OpenFolder => "Open",
-            Self::ExportPictures | Self::ExportFilm => "Export",
-            _ => "File",
-        }
-    }
-
-    /// The entry of a menu by which the path is typed.
-    fn typed_entry(self) -> &'static str {
-        match self {
-            Self::OpenFile | Self::OpenFolder => "Open path…",
-            Self::SaveStore => "Save store to path…",
-            Self::SaveSettings => "Save settings to path…",
-            Self::LoadSettings => "Load settings from path…",
-            Self::SavePicture => "Save picture to path…",
-            Self::ExportPictures => "Pictures to path…",
-            Self::ExportFilm => "Film to path…",
-        }
-    }
-}
-
 impl OverlookApp {
     /// Carries out what concerns a path that is asked for or typed.
     pub(crate) fn apply_to_typed_path(&mut self, command: Command) {
@@ -79,7 +27,7 @@ impl OverlookApp {
             Command::AskPath(purpose) | Command::TypePath(purpose) if self.refuses(purpose) => {}
             Command::AskPath(purpose) => {
                 self.asked_at = Some(Instant::now());
-                self.lanes.dialog.submit((purpose, suggested_name(&self.state, purpose)));
+                self.workers.dialog.submit((purpose, suggested_name(&self.state, purpose)));
             }
             Command::TypePath(purpose) => self.type_path(purpose, None),
             Command::TypedPath(text) => {
@@ -106,7 +54,7 @@ impl OverlookApp {
             return;
         };
         if purpose.writes() && !typed.replaces {
-            self.lanes.look.submit(Destination { purpose, path });
+            self.workers.look.submit(Destination { purpose, path });
         } else {
             self.last_typed = self.state.typed_path.take();
             self.take_path(purpose, path);
@@ -161,7 +109,7 @@ impl OverlookApp {
     pub(crate) fn type_again(&mut self, what: &str, error: &Error) {
         let Error::Io { path, .. } = error else { return };
         let last = self.last_typed.take_if(|last| {
-            last.purpose.lane() == what && typed_place(last).is_some_and(|place| path.starts_with(place))
+            last.purpose.worker() == what && typed_place(last).is_some_and(|place| path.starts_with(place))
         });
         if let (Some(last), None) = (last, &self.state.typed_path) {
             self.state.typed_path =
@@ -176,11 +124,11 @@ impl OverlookApp {
             Purpose::SaveStore => self.save_store(path),
             Purpose::SaveSettings => {
                 let settings = self.state.shown_settings();
-                self.lanes.file.submit(FileRequest::SaveSettings { path, settings });
+                self.workers.file.submit(FileRequest::SaveSettings { path, settings });
             }
-            Purpose::LoadSettings => self.lanes.file.submit(FileRequest::LoadSettings { path }),
+            Purpose::LoadSettings => self.workers.file.submit(FileRequest::LoadSettings { path }),
             Purpose::SavePicture => match self.state.shown_picture().cloned() {
-                Some(picture) => self.lanes.file.submit(FileRequest::SavePicture { path, picture }),
+                Some(picture) => self.workers.file.submit(FileRequest::SavePicture { path, picture }),
                 None => self.tell_of_motion(),
             },
             Purpose::ExportPictures => self.export_path(ExportTarget::Pictures(path)),
@@ -197,13 +145,13 @@ impl OverlookApp {
         }
         let Some(scene) = &self.state.scene else { return };
         if let Content::Store { playback, .. } = &scene.content {
-            self.lanes.file.submit(FileRequest::SaveAgain { path, playback: playback.clone() });
+            self.workers.file.submit(FileRequest::SaveAgain { path, playback: playback.clone() });
         } else if let Some(whole) = &self.state.whole {
             // How it is painted may have changed since; whoever opens it paints it as it was seen here.
             let mut samples = (*whole.samples).clone();
             samples.settings.render = self.state.settings.render.clone();
             let (scene, samples, report) = (scene.clone(), Arc::new(samples), whole.report.clone());
-            self.lanes.file.submit(FileRequest::SaveStore { path, scene, samples, report });
+            self.workers.file.submit(FileRequest::SaveStore { path, scene, samples, report });
         }
     }
 

@@ -1,4 +1,4 @@
-//! Takes in the answers of the lanes.
+//! Takes in the answers of the workers.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -6,14 +6,12 @@ use std::sync::Arc;
 use egui::{TextureFilter, TextureOptions};
 
 use super::remembered::remember_recent;
-use crate::app::OverlookApp;
 use crate::app::model::{
-    self, Accuracy, Exported, Message, NoticeKind, OpenScene, OrbitCamera, Origin, ShownPicture, Texture,
-    Whole, and_others, method_of,
+    self, Accuracy, CompareKey, Exported, LivePicture, Message, NoticeKind, OpenScene, OrbitCamera, Origin,
+    PictureDifference, PixelSource, Probed, ShownComparison, ShownPicture, SourceLook, Spot, Texture, Whole,
+    and_others, method_of,
 };
-use crate::app::work::{
-    CompareKey, LivePicture, PictureDifference, PixelSource, Probed, ShownComparison, Spot,
-};
+use crate::app::overlook_app::OverlookApp;
 use crate::error::Error;
 use crate::preprocess::{PreparedScan, Preprocessed};
 use crate::settings::Settings;
@@ -180,7 +178,7 @@ impl OverlookApp {
         if let Origin::Path(path) = &scene.origin {
             remember_recent(&mut state.recent, path);
         }
-        if self.lanes.open.is_idle() {
+        if self.workers.open.is_idle() {
             state.opening = None;
         }
         state.scan = None;
@@ -194,10 +192,7 @@ impl OverlookApp {
         state.live_shown = None;
         state.timeline.frame = 0;
         state.timeline.playing = false;
-        state.source.camera = 0;
-        state.source.against = None;
-        state.source.zoom = 1.0;
-        state.source.center = egui::Vec2::splat(0.5);
+        state.source = SourceLook { overlay: state.source.overlay, ..SourceLook::default() };
         state.live.rig = OrbitCamera::home(scene);
         state.inspector.saved = scene.capture().map(|_| state.settings.clone());
         state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
@@ -213,19 +208,19 @@ impl OverlookApp {
         }
         state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
         // What is closed needs no more work. Files of it that are being written were asked for, and are finished.
-        self.lanes.whole.cancel();
-        self.lanes.measure.cancel();
-        self.lanes.inspector.study.cancel();
-        self.lanes.inspector.compare.cancel();
+        self.workers.whole.cancel();
+        self.workers.measure.cancel();
+        self.workers.study.cancel();
+        self.workers.compare.cancel();
         self.plan = crate::app::work::Scheduled::default();
     }
 
     /// Whether something is being opened or measured: what gave way to newer work of its kind says nothing of that.
     pub(crate) fn take_stock(&mut self) {
-        if self.lanes.open.is_idle() {
+        if self.workers.open.is_idle() {
             self.state.opening = None;
         }
-        self.state.inspector.charts.studying = !self.lanes.inspector.study.is_idle();
+        self.state.inspector.charts.studying = !self.workers.study.is_idle();
     }
 
     fn saved(&mut self, path: &Path, bytes: Option<u64>, holds: Option<(u64, Settings)>) {
@@ -272,10 +267,10 @@ impl OverlookApp {
             }
             return;
         }
-        if what == "Prune" && self.lanes.whole.is_idle() {
+        if what == "Prune" && self.workers.whole.is_idle() {
             self.state.stopped = true;
         }
-        if what == "Inspect frame" && self.lanes.inspect.is_idle() {
+        if what == "Inspect frame" && self.workers.inspect.is_idle() {
             self.state.failed_frame = self.plan.inspected_frame();
             // Nothing goes on from here by itself.
             self.state.stopped |= self.state.inspected.is_none();

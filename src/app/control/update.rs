@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use super::paths::lasting;
-use crate::app::OverlookApp;
 use crate::app::dock::Dock;
-use crate::app::model::{self, Command, NoticeKind, OrbitCamera, StoppableWork, method_of};
+use crate::app::model::{self, Command, NoticeKind, OrbitCamera, PictureZoom, StoppableWork, method_of};
+use crate::app::overlook_app::OverlookApp;
 use crate::app::work::OpenRequest;
 use crate::demo::DemoSpec;
 use crate::settings::Settings;
@@ -89,10 +89,7 @@ impl OverlookApp {
             }
             Command::Overlay(overlay) => state.source.overlay = overlay,
             Command::Against(against) => state.source.against = against,
-            Command::SourceZoom { zoom, center } => {
-                state.source.zoom = zoom.clamp(1.0, 64.0);
-                state.source.center = center.clamp(egui::Vec2::ZERO, egui::Vec2::splat(1.0));
-            }
+            Command::SourceZoom(part) => state.source.part = part,
             Command::JumpTo(index) => {
                 if let Some(scene) = &state.scene
                     && let Some(camera) = scene.cameras.get(index)
@@ -102,8 +99,7 @@ impl OverlookApp {
             }
             Command::Home => {
                 state.live.rig = state.scene.as_ref().and_then(|scene| OrbitCamera::home(scene));
-                state.source.zoom = 1.0;
-                state.source.center = egui::Vec2::splat(0.5);
+                state.source.part = PictureZoom::default();
             }
             Command::ColorBy(color_by) => state.live.color_by = color_by,
             Command::ShowCameras(show) => state.live.show_cameras = show,
@@ -157,14 +153,14 @@ impl OverlookApp {
     /// Opens a built-in scene.
     pub(crate) fn open_demo(&mut self, spec: DemoSpec) {
         self.state.opening = Some(model::words(&spec.scene));
-        self.lanes.open.submit(OpenRequest::Demo { spec, settings: self.state.settings.capture.clone() });
+        self.workers.open.submit(OpenRequest::Demo { spec, settings: self.state.settings.capture.clone() });
     }
 
     /// Opens a capture or a store.
     pub(crate) fn open_path(&mut self, path: PathBuf) {
         let path = lasting(path);
         self.state.opening = Some(path.display().to_string());
-        self.lanes.open.submit(OpenRequest::Path { path, settings: self.state.settings.capture.clone() });
+        self.workers.open.submit(OpenRequest::Path { path, settings: self.state.settings.capture.clone() });
     }
 
     fn set(&mut self, path: &'static str, value: toml::Value) {
@@ -202,25 +198,25 @@ impl OverlookApp {
     /// Stops the work that the line at the bottom names, and nothing beside it.
     fn cancel(&mut self) {
         let Some(work) = self.state.busy.first().map(|busy| busy.work) else { return };
-        let lanes = &self.lanes;
+        let workers = &self.workers;
         match work {
-            StoppableWork::Open => lanes.open.cancel(),
+            StoppableWork::Open => workers.open.cancel(),
             StoppableWork::Whole => {
-                lanes.whole.cancel();
+                workers.whole.cancel();
                 if !self.state.is_whole_ready() {
                     self.state.stopped = true;
                     self.plan.forget_whole();
                 }
             }
-            StoppableWork::File => lanes.file.cancel(),
-            StoppableWork::Export => lanes.inspector.export.cancel(),
-            StoppableWork::Study => lanes.inspector.study.cancel(),
+            StoppableWork::File => workers.file.cancel(),
+            StoppableWork::Export => workers.export.cancel(),
+            StoppableWork::Study => workers.study.cancel(),
             StoppableWork::Compare => {
-                lanes.inspector.compare.cancel();
+                workers.compare.cancel();
                 let text = "It was stopped; choose what to compare again.";
                 self.state.inspector.compare_trouble = Some(text.to_owned());
             }
-            StoppableWork::Measure => lanes.measure.cancel(),
+            StoppableWork::Measure => workers.measure.cancel(),
         }
         self.take_stock();
     }

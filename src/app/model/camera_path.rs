@@ -7,12 +7,8 @@ use std::path::{Path, PathBuf};
 
 use super::orbit_camera::OrbitCamera;
 use crate::capture::Intrinsics;
-use crate::error::{Error, Result};
-use crate::job::Job;
-use crate::render::film::{self, FilmEncoder, Reel};
-use crate::render::output::write_png;
-use crate::render::{Picture, Renderer, Vantage};
-use crate::settings::RenderSettings;
+use crate::render::Vantage;
+use crate::render::film;
 
 /// Why a path of fewer than two keys cannot be exported.
 pub(crate) const NO_KEYS: &str =
@@ -76,7 +72,7 @@ impl CameraPath {
     }
 
     /// Every picture's vantage, for pictures of `width` by `height` pixels of a scene of `frames` frames.
-    fn vantages(&self, [width, height]: [u32; 2], frames: usize) -> Vec<Vantage> {
+    pub(crate) fn vantages(&self, [width, height]: [u32; 2], frames: usize) -> Vec<Vantage> {
         let keys = (0..self.pictures()).filter_map(|picture| self.at(picture as f32));
         let last = frames.saturating_sub(1);
         keys.map(|key| Vantage { camera: key.rig.camera(width, height), frame: key.frame.min(last) })
@@ -131,20 +127,6 @@ impl ExportTarget {
     }
 }
 
-/// What is exported.
-pub(crate) struct ExportRequest {
-    /// The path.
-    pub path: CameraPath,
-    /// What is painted.
-    pub reel: Reel,
-    /// How.
-    pub settings: RenderSettings,
-    /// Columns and rows of the pictures.
-    pub size: [u32; 2],
-    /// As what.
-    pub target: ExportTarget,
-}
-
 /// What came of an export.
 pub(crate) struct Exported {
     /// Pictures painted and written.
@@ -153,38 +135,6 @@ pub(crate) struct Exported {
     pub notice: Option<String>,
     /// What could not be read of a store so far, one line each.
     pub damage: Vec<String>,
-}
-
-/// Paints and writes all pictures.
-///
-/// # Errors
-/// `Invalid` without a path, `Io` where nothing can be written there, whatever rendering and ffmpeg give, and `Cancelled`.
-pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Exported> {
-    let vantages = request.path.vantages(request.size, request.reel.frame_count());
-    if vantages.is_empty() {
-        return Err(Error::invalid("camera path", NO_KEYS));
-    }
-    let mut renderer = Renderer::new();
-    let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| {
-        film::paint(&request.reel, &vantages, &mut renderer, &request.settings, job, take)
-    };
-    match &request.target {
-        ExportTarget::Pictures(folder) => {
-            std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
-            paint(&mut |nth, picture| write_png(&folder.join(format!("{:04}.png", nth + 1)), picture))?;
-        }
-        ExportTarget::Film(path, frames_per_second) => {
-            let size = request.size.map(|side| side as usize);
-            let mut encoder = FilmEncoder::start(path, size, *frames_per_second)?;
-            paint(&mut |_, picture| encoder.add(picture))?;
-            encoder.finish(job)?;
-        }
-    }
-    let damage = match &request.reel {
-        Reel::Memory(_) => Vec::new(),
-        Reel::Disk(playback) => playback.store().damage(),
-    };
-    Ok(Exported { pictures: vantages.len(), notice: renderer.notice().map(str::to_owned), damage })
 }
 
 #[cfg(test)]

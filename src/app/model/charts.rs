@@ -1,7 +1,7 @@
 //! What sweeps and stress tests have measured so far, how far they came, and how it is shown.
 
 use super::chart_axis::Quantity;
-use super::document::method_of;
+use super::results::method_of;
 use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::{self, Point, Series};
 use crate::settings::Settings;

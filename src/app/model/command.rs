@@ -6,11 +6,13 @@ use glam::{DVec2, DVec3};
 
 use super::chart_axis::Quantity;
 use super::charts::Study;
-use super::compare_options::CompareLook;
-use super::message::Purpose;
-use crate::app::dock::DockView;
-use crate::app::panels::CommandPalette;
-use crate::app::work::{ColorBy, Overlay, Spot};
+use super::comparison::CompareLook;
+use super::live_picture::ColorBy;
+use super::picture_zoom::PictureZoom;
+use super::pixel::Spot;
+use super::purpose::Purpose;
+use super::source_picture::Overlay;
+use super::view::DockView;
 use crate::settings::Settings;
 
 /// One wish of the person at the window.
@@ -75,7 +77,7 @@ pub(crate) enum Command {
     /// Compare sampling rates with this camera, or the best other.
     Against(Option<usize>),
     /// Zoom and shift of the left picture.
-    SourceZoom { zoom: f32, center: egui::Vec2 },
+    SourceZoom(PictureZoom),
     /// Orbit by angles in radians.
     Orbit(DVec2),
     /// Shift the right view by shares of its height.
@@ -152,4 +154,13 @@ pub(crate) enum Command {
     LogFrameTimes,
     /// Close a message.
     Dismiss(u64),
+}
+
+/// What is typed into the palette, and which entry is chosen.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct CommandPalette {
+    /// The text so far.
+    pub text: String,
+    /// Place of the chosen entry among those that match.
+    pub chosen: usize,
 }

@@ -6,70 +6,24 @@ use std::time::Instant;
 
 use super::command::Command;
 use super::inspector::Inspector;
-use super::message::{Accuracy, Purpose};
+use super::live_picture::{ColorBy, LiveKey, LivePicture, PixelSource};
+use super::notice::{Notice, NoticeKind, and_others};
 use super::orbit_camera::OrbitCamera;
+use super::picture_zoom::PictureZoom;
+use super::purpose::TypedPath;
+use super::results::{Accuracy, Inspected, Whole, method_of};
 use super::scene::{Content, OpenScene};
+use super::source_picture::{Overlay, SourceKey, SourcePicture};
 use super::texture::Texture;
-use crate::app::work::{ColorBy, LiveKey, LivePicture, Overlay, PixelSource, SourceKey, SourcePicture};
 use crate::job::Progress;
 use crate::preprocess::PreparedScan;
 use crate::preprocess::diagnostics::Report;
 use crate::preprocess::inspect::FrameInspection;
 use crate::samples::SampleSet;
-use crate::settings::{CaptureSettings, RenderSettings, Settings};
-
-/// How loud a message is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum NoticeKind {
-    /// Something failed.
-    Error,
-    /// Something is odd.
-    Warning,
-    /// Something worked.
-    Done,
-}
-
-/// A message to the person.
-#[derive(Clone, Debug)]
-pub(crate) struct Notice {
-    /// Identity.
-    pub id: u64,
-    /// How loud.
-    pub kind: NoticeKind,
-    /// What was tried.
-    pub title: String,
-    /// What happened, and what to do.
-    pub text: String,
-    /// When it came up.
-    pub since: Instant,
-    /// The scene it speaks of, with which it ends; `None` where it holds whatever is open.
-    pub scene: Option<u64>,
-}
-
-/// The whole capture, pruned.
-pub(crate) struct Whole {
-    /// The kept samples.
-    pub samples: Arc<SampleSet>,
-    /// The account.
-    pub report: Arc<Report>,
-    /// The settings they came from.
-    pub settings: Settings,
-}
-
-/// One frame, pruned, with reasons.
-pub(crate) struct Inspected {
-    /// The verdicts.
-    pub inspection: Arc<FrameInspection>,
-    /// The settings they came from.
-    pub settings: Settings,
-    /// Whether it was known what is the same over all frames.
-    pub with_scan: bool,
-    /// Pixels of each camera that represent themselves.
-    pub kept: Vec<u64>,
-}
+use crate::settings::Settings;
 
 /// Where in time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Timeline {
     /// Index of the frame shown.
     pub frame: usize,
@@ -84,7 +38,7 @@ pub(crate) struct Timeline {
 }
 
 /// How the left view looks.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SourceLook {
     /// The camera shown.
     pub camera: usize,
@@ -92,10 +46,8 @@ pub(crate) struct SourceLook {
     pub overlay: Overlay,
     /// Sampling ratio against which camera.
     pub against: Option<usize>,
-    /// Magnification beyond fitting the view.
-    pub zoom: f32,
-    /// The picture's point in the middle of the view, as shares of its size.
-    pub center: egui::Vec2,
+    /// The part of the picture that is shown.
+    pub part: PictureZoom,
 }
 
 /// How the right view looks.
@@ -114,25 +66,12 @@ pub(crate) struct LiveLook {
 }
 
 /// Size of the right view before it was first laid out, in pixels: other views want its picture while it lies behind them.
-pub(crate) const FIRST_SIZE: [u32; 2] = [960, 720];
+const FIRST_SIZE: [u32; 2] = [960, 720];
 
 /// Columns or rows that exported pictures can have.
 pub(crate) const SIDES: std::ops::RangeInclusive<u32> = 2..=16_384;
 
-/// A path that is being typed.
-#[derive(Clone, Debug)]
-pub(crate) struct TypedPath {
-    /// What it is for.
-    pub purpose: Purpose,
-    /// The text so far.
-    pub text: String,
-    /// Why the field is shown in place of the system's dialog, if it is.
-    pub reason: Option<String>,
-    /// Whether something stands there already, and the question is whether to replace it.
-    pub replaces: bool,
-}
-
-/// Work that can be stopped, by the lane that does it.
+/// Work that can be stopped, by the worker that does it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StoppableWork {
     /// Opening a capture or a store.
@@ -218,11 +157,6 @@ pub(crate) struct State {
     pub recent: Vec<PathBuf>,
     /// Long work under way; the line at the bottom names the first, which is what can be cancelled.
     pub busy: Vec<Busy>,
-}
-
-/// The settings that decide which samples stay: those of painting and caching set to their defaults.
-pub(crate) fn method_of(settings: &Settings) -> Settings {
-    Settings { capture: CaptureSettings::default(), render: RenderSettings::default(), ..settings.clone() }
 }
 
 impl State {
@@ -374,10 +308,36 @@ impl State {
     }
 }
 
-/// One line for many.
-pub(crate) fn and_others(first: &str, others: usize) -> String {
-    match others {
-        0 => first.to_owned(),
-        others => format!("{first} (and {others} more places: see the Log view)"),
+impl Default for State {
+    fn default() -> Self {
+        Self {
+            scene: None,
+            opening: None,
+            settings: Settings::default(),
+            scan: None,
+            whole: None,
+            stopped: false,
+            failed_frame: None,
+            inspected: None,
+            accuracy: None,
+            timeline: Timeline { frames_per_second: 24.0, ..Timeline::default() },
+            source: SourceLook::default(),
+            source_shown: None,
+            live: LiveLook {
+                rig: None,
+                color_by: ColorBy::Picture,
+                show_cameras: true,
+                size: FIRST_SIZE,
+                shares_device: false,
+            },
+            live_shown: None,
+            notices: Vec::new(),
+            inspector: Inspector::default(),
+            typed_path: None,
+            asks_to_open: None,
+            dark: true,
+            recent: Vec::new(),
+            busy: Vec::new(),
+        }
     }
 }

@@ -1,55 +1,24 @@
-//! What lanes send to the window. Heavy results travel as `Arc`.
+//! What workers send to the window. Heavy results travel as `Arc`.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::camera_path::Exported;
-use super::document::Inspected;
+use super::comparison::{CompareKey, PictureDifference};
+use super::histogram::ThresholdHistogram;
+use super::live_picture::{LiveKey, LivePicture};
+use super::pixel::{Probed, Spot};
+use super::purpose::{Destination, Purpose};
+use super::results::{Accuracy, CameraMemory, Inspected};
 use super::scene::OpenScene;
-use crate::app::control::Destination;
-use crate::app::work::{
-    CameraMemory, CompareKey, LiveKey, LivePicture, PictureDifference, Probed, SourceKey, SourcePicture,
-    Spot, ThresholdHistogram,
-};
+use super::source_picture::{SourceKey, SourcePicture};
 use crate::error::Error;
 use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::Point;
 use crate::preprocess::{PreparedScan, Preprocessed};
 use crate::settings::Settings;
 
-/// What a chosen path is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Purpose {
-    /// Open a store or a manifest.
-    OpenFile,
-    /// Open the folder of a capture.
-    OpenFolder,
-    /// Write the store.
-    SaveStore,
-    /// Write the settings as TOML.
-    SaveSettings,
-    /// Read settings from TOML.
-    LoadSettings,
-    /// Write the picture of the live view.
-    SavePicture,
-    /// Write the pictures of the camera path into a folder.
-    ExportPictures,
-    /// Write a film of the camera path.
-    ExportFilm,
-}
-
-/// How accurate the kept samples are where the truth is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Accuracy {
-    /// Mean PSNR of the kept samples, dB.
-    pub psnr_db: f64,
-    /// Mean PSNR of all samples, nothing pruned, dB.
-    pub unpruned_psnr_db: f64,
-    /// Vantages compared.
-    pub views: usize,
-}
-
-/// An answer of a lane.
+/// An answer of a worker.
 pub(crate) enum Message {
     /// A capture, demo or store is open.
     Opened(Arc<OpenScene>),

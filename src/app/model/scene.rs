@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::{DMat3, DVec2, DVec3};
 
 use crate::capture::{Camera, Capture, TruthView};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::diagnostics::Report;
 use crate::samples::SampleSet;
@@ -119,6 +119,14 @@ impl OpenScene {
             Content::Capture { capture, .. } => Some(capture),
             Content::Store { .. } => None,
         }
+    }
+
+    /// The capture.
+    ///
+    /// # Errors
+    /// `Invalid` where a store is open.
+    pub(crate) fn source(&self) -> Result<&Capture> {
+        self.capture().ok_or_else(|| Error::invalid(&self.name, "a store holds no source frames"))
     }
 
     /// What reads samples from the file, where a store is open.

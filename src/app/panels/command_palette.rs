@@ -3,21 +3,12 @@
 use egui::{Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::app::control;
-use crate::app::dock::DockView;
-use crate::app::model::{Command, PRESETS, Purpose, State, Study};
+use crate::app::model::{
+    ColorBy, Command, CommandPalette, DockView, Overlay, PRESETS, Purpose, State, Study,
+};
 use crate::app::theme::{Tokens, space};
-use crate::app::work::{ColorBy, Overlay};
 use crate::demo::SCENES;
 use crate::settings::{Settings, ValueKind};
-
-/// What is typed into the palette, and which entry is chosen.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct CommandPalette {
-    /// The text so far.
-    pub text: String,
-    /// Place of the chosen entry among those that match.
-    pub chosen: usize,
-}
 
 /// Something to do: its name, its keys, and the wish.
 struct PaletteEntry {
@@ -155,14 +146,14 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
             add(name.to_owned(), keys, command);
         }
     }
-    for view in DockView::ALL {
-        add(format!("Open view: {}", view.name()), "", Command::OpenView(view));
+    for (view, name, _) in DockView::ALL {
+        add(format!("Open view: {name}"), "", Command::OpenView(view));
     }
-    for overlay in Overlay::ALL {
-        add(format!("Source shows: {}", overlay.name()), "", Command::Overlay(overlay));
+    for (overlay, name, _) in Overlay::ALL {
+        add(format!("Source shows: {name}"), "", Command::Overlay(overlay));
     }
-    for color_by in ColorBy::ALL {
-        add(format!("Live view shows: {}", color_by.name()), "", Command::ColorBy(color_by));
+    for (color_by, name, _) in ColorBy::ALL {
+        add(format!("Live view shows: {name}"), "", Command::ColorBy(color_by));
     }
     for (index, (name, ..)) in PRESETS.iter().enumerate().filter(|_| turns) {
         add(format!("Preset: {name}"), "", Command::Preset(index));
@@ -224,11 +215,9 @@ pub(crate) fn cheat_sheet_ui(ctx: &egui::Context, state: &State, commands: &mut 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::fresh_state;
-
     #[test]
     fn switches_are_set_by_name() {
-        let mut state = fresh_state();
+        let mut state = State::default();
         for (text, on) in [("set render.antialias to on", true), ("set render.antialias to off", false)] {
             let entry = matching(&state, text).into_iter().next().unwrap();
             let expected = Command::Set { path: "render.antialias", value: on.into() };

@@ -2,9 +2,8 @@
 
 use egui::{Align2, Label, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
-use crate::app::model::{self, Command, State};
+use crate::app::model::{self, BARS, Command, State, ThresholdAxis, ThresholdHistogram};
 use crate::app::theme::Tokens;
-use crate::app::work::{BARS, ThresholdAxis, ThresholdHistogram};
 use crate::settings::Field;
 
 /// Height of the bars.

@@ -2,8 +2,8 @@
 
 use egui::{Rect, Sense, Ui, vec2};
 
+use crate::app::colormap;
 use crate::app::theme::Tokens;
-use crate::app::work;
 
 /// What is shown of a pair.
 pub(crate) struct PairCell {
@@ -39,13 +39,13 @@ pub(crate) fn ui(ui: &mut Ui, names: &[&str], cell: impl Fn(usize, usize) -> Opt
             let rect = Rect::from_min_size(egui::pos2(left, top), vec2(width, height)).shrink(1.0);
             if row == 0 {
                 let center = egui::pos2(rect.center().x, area.top() + 8.0);
-                painter.circle_filled(center, 4.0, work::camera(column));
+                painter.circle_filled(center, 4.0, colormap::camera(column));
             }
             let Some(cell) = cell(row, column) else {
                 painter.rect_filled(rect, 2.0, tokens.background);
                 continue;
             };
-            let color = cell.strength.map_or(tokens.background, work::sequential);
+            let color = cell.strength.map_or(tokens.background, colormap::sequential);
             painter.rect_filled(rect, 2.0, color);
             if let Some(strength) = cell.strength.filter(|_| width >= 40.0) {
                 // The map passes mid gray at about half its range: black reads on what is lighter, white on the rest.
@@ -67,7 +67,7 @@ fn camera_name(
     font: &egui::FontId,
     tokens: &Tokens,
 ) {
-    painter.circle_filled(at + vec2(5.0, 0.0), 4.0, work::camera(index));
+    painter.circle_filled(at + vec2(5.0, 0.0), 4.0, colormap::camera(index));
     painter.text(at + vec2(14.0, 0.0), egui::Align2::LEFT_CENTER, short(name, 11), font.clone(), tokens.text);
 }
 

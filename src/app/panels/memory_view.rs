@@ -4,10 +4,10 @@ use egui::{RichText, ScrollArea, Ui};
 use egui_material_icons::icons::ICON_MEMORY;
 
 use super::report::{share_ui, stale_ui};
-use crate::app::model::{self, State};
+use crate::app::colormap;
+use crate::app::model::{self, CameraMemory, State};
 use crate::app::theme::Tokens;
 use crate::app::widgets::empty_ui;
-use crate::app::work::{self, CameraMemory};
 
 /// The view.
 pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
@@ -33,7 +33,7 @@ pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
         for (index, (memory, camera)) in cameras.iter().zip(&scene.cameras).enumerate() {
             let figure = format!("{}  {}", model::bytes(bytes(memory)), model::percent(bytes(memory), total));
             let share = bytes(memory) as f32 / total.max(1) as f32;
-            share_ui(ui, &camera.name, &figure, share, work::camera(index)).on_hover_text(format!(
+            share_ui(ui, &camera.name, &figure, share, colormap::camera(index)).on_hover_text(format!(
                 "{} samples. Stored for several frames: {}, for one: {}.",
                 model::count(memory.samples),
                 model::bytes(memory.lasting_bytes),

@@ -19,7 +19,7 @@ mod top_bar;
 mod totals;
 mod welcome;
 
-pub(crate) use command_palette::{CommandPalette, cheat_sheet_ui, palette_ui};
+pub(crate) use command_palette::{cheat_sheet_ui, palette_ui};
 pub(crate) use log::log_ui;
 pub(crate) use memory_view::memory_ui;
 pub(crate) use notices::notices_ui;

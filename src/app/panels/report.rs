@@ -6,9 +6,9 @@ use egui_material_icons::icons::ICON_GRID_ON;
 
 use super::agreement;
 use super::matrix::{self, PairCell};
+use crate::app::colormap;
 use crate::app::model::{self, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::work;
 use crate::preprocess::diagnostics::{CameraReport, Report};
 
 /// The panel.
@@ -196,7 +196,7 @@ fn cameras_ui(ui: &mut Ui, report: &Report) {
             for (index, camera) in report.cameras.iter().enumerate() {
                 ui.horizontal(|ui| {
                     let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
-                    ui.painter().circle_filled(dot.center(), 4.0, work::camera(index));
+                    ui.painter().circle_filled(dot.center(), 4.0, colormap::camera(index));
                     ui.label(matrix::short(&camera.name, 12)).on_hover_text(&camera.name);
                 });
                 ui.label(model::count(camera.background_kept + camera.foreground_kept));

@@ -6,10 +6,9 @@ use egui_material_icons::icons::{ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 use super::{histogram, presets};
 use crate::app::control::gave_up_number;
 use crate::app::model::setting_names::SECTIONS;
-use crate::app::model::{self, Command, SettingsSlot, State};
+use crate::app::model::{self, CUT, Command, SettingsSlot, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, icon_button};
-use crate::app::work::CUT;
 use crate::settings::{Field, Settings, ValueKind};
 
 /// Width of the number beside a slider: as much as `65536` needs.

@@ -3,10 +3,10 @@
 use egui::{Align2, Rect, RichText, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_TIMELINE;
 
+use crate::app::colormap::sequential;
 use crate::app::model::{self, Command, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::empty_ui;
-use crate::app::work::sequential;
 use crate::preprocess::diagnostics::SpanReport;
 
 /// Room for the names of the rows.

@@ -6,9 +6,7 @@ use egui_material_icons::icons::{
     ICON_SCIENCE, ICON_TERMINAL,
 };
 
-use super::command_palette::CommandPalette;
-use crate::app::dock::DockView;
-use crate::app::model::{self, Command, Origin, Purpose, State};
+use crate::app::model::{self, Command, CommandPalette, DockView, Origin, Purpose, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::icon_button;
 use crate::demo::SCENES;
@@ -136,9 +134,8 @@ fn demo_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
 
 fn views_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
     menu_ui(ui, ICON_DASHBOARD, "Views", |ui| {
-        for view in DockView::ALL {
-            let name = view.name();
-            let button = ui.button(name).on_hover_text(view.help());
+        for (view, name, help) in DockView::ALL {
+            let button = ui.button(name).on_hover_text(help);
             if button.accessible_name(format!("Open view {name}")).clicked() {
                 commands.push(Command::OpenView(view));
             }

@@ -6,10 +6,10 @@ mod telling;
 
 use std::time::{Duration, Instant};
 
-use super::dock::DockView;
-use super::model::{Command, CompareLook, CompareSide, Exported, Message, NoticeKind, Purpose, Study};
-use super::work::Spot;
-use super::{OverlookApp, Start};
+use super::model::{
+    Command, CompareLook, CompareSide, DockView, Exported, Message, NoticeKind, Purpose, Spot, Study,
+};
+use super::overlook_app::{OverlookApp, Start};
 use crate::demo::DemoSpec;
 use crate::error::Error;
 use crate::render::NO_IMAGE;
@@ -58,7 +58,7 @@ fn set_method(app: &mut OverlookApp, method: PruningMethod) {
 #[test]
 fn a_threshold_changed_and_taken_back_at_once_leaves_the_capture_to_be_pruned() {
     let mut app = start(4, 60);
-    wait(&mut app, "the capture to be pruned", |app| !app.lanes.whole.is_idle());
+    wait(&mut app, "the capture to be pruned", |app| !app.workers.whole.is_idle());
     set_method(&mut app, PruningMethod::Off);
     step(&mut app);
     set_method(&mut app, PruningMethod::HighestRate);
@@ -103,7 +103,7 @@ fn accuracy_whose_measuring_was_stopped_is_measured_after_the_next_change() {
     app.apply(Command::Set { path: "render.kernel", value: "point".into() });
     step(&mut app);
     app.apply(Command::Cancel);
-    wait(&mut app, "the measuring to stop", |app| app.lanes.measure.is_idle());
+    wait(&mut app, "the measuring to stop", |app| app.workers.measure.is_idle());
     app.apply(Command::Reset("render.kernel"));
     wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
 }
@@ -119,7 +119,7 @@ fn a_sweep_that_runs_is_not_begun_anew_and_ends_with_its_capture() {
     assert!(app.state.inspector.charts.studying && app.notices()[0].starts_with("Already measuring"));
     app.open_demo(orrery(2, 3));
     wait(&mut app, "the other capture", |app| app.state.frame_count() == 3);
-    wait(&mut app, "the sweep to stop", |app| app.lanes.inspector.study.is_idle());
+    wait(&mut app, "the sweep to stop", |app| app.workers.study.is_idle());
     step(&mut app);
     assert!(!app.state.inspector.charts.studying && app.state.inspector.charts.sweep.is_empty());
 }
@@ -135,7 +135,7 @@ fn what_gave_way_to_newer_work_says_nothing_of_that() {
     app.receive(cancelled("Open"), &ctx);
     app.receive(cancelled("Study"), &ctx);
     assert!(app.state.opening.is_some() && app.state.inspector.charts.studying);
-    app.lanes.inspector.study.cancel();
+    app.workers.study.cancel();
     wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);
 }
 
@@ -206,7 +206,7 @@ fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
         let told = app.state.notices.pop().unwrap();
         assert!(told.text.contains("not pruned with these settings yet"), "{}", told.text);
     }
-    assert!(app.lanes.file.is_idle() && app.lanes.inspector.export.is_idle());
+    assert!(app.workers.file.is_idle() && app.workers.export.is_idle());
     settle(&mut app);
     app.apply(Command::TypePath(Purpose::SaveStore));
     assert!(app.state.typed_path.is_some());
@@ -291,7 +291,7 @@ fn a_hole_that_is_clicked_is_not_kept() {
         }
         app.apply(Command::Pin(true));
         settle(&mut app);
-        // What the lane said last is taken in.
+        // What the worker sent last is taken in.
         step(&mut app);
         let probe = &app.state.inspector.probe;
         assert!(!probe.pinned && probe.spot.is_none() && probe.shown.is_none(), "before: {before}");

@@ -4,10 +4,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::{set_method, settle, start, step, wait};
-use crate::app::OverlookApp;
-use crate::app::dock::DockView;
-use crate::app::model::{Command, Message, Purpose, Study};
-use crate::app::work::{ColorBy, Spot};
+use crate::app::model::{ColorBy, Command, DockView, Message, Purpose, Spot, Study};
+use crate::app::overlook_app::OverlookApp;
 use crate::settings::{PruningMethod, Settings};
 
 fn type_path(app: &mut OverlookApp, purpose: Purpose, path: &Path) {

@@ -4,9 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::{orrery, set_method, settle, start, step, wait};
-use crate::app::model::{Command, Purpose, StoppableWork, Study};
-use crate::app::work::Spot;
-use crate::app::{OverlookApp, Start};
+use crate::app::model::{Command, Purpose, Spot, StoppableWork, Study};
+use crate::app::overlook_app::{OverlookApp, Start};
 use crate::settings::{PruningMethod, Settings};
 
 /// Looks at what is going on, as the line at the bottom does.
@@ -30,7 +29,7 @@ fn of_files_asked_for_one_after_the_other_each_is_written() {
     for path in &settings {
         app.take_path(Purpose::SaveSettings, path.clone());
     }
-    wait(&mut app, "the files", |app| app.lanes.file.is_idle());
+    wait(&mut app, "the files", |app| app.workers.file.is_idle());
     assert!(settings.iter().chain([&store]).all(|path| path.is_file()));
 }
 
@@ -50,7 +49,7 @@ fn cancelling_stops_only_what_is_named_and_an_export_that_was_stopped_says_so() 
     app.apply(Command::Cancel);
     assert!(app.state.inspector.charts.studying, "the sweep stands behind it in the line");
     wait(&mut app, "a word about the export", |app| has_notice(app, "Export stopped: Only the pictures"));
-    assert!(app.lanes.inspector.export.is_idle() && !app.lanes.inspector.study.is_idle());
+    assert!(app.workers.export.is_idle() && !app.workers.study.is_idle());
     app.state.notices.clear();
     watch(&mut app);
     app.apply(Command::Escape);
@@ -63,12 +62,12 @@ fn a_change_taken_back_while_the_capture_is_pruned_leaves_what_was_there() {
     settle(&mut app);
     let before = app.state.whole.as_ref().unwrap().samples.clone();
     set_method(&mut app, PruningMethod::Off);
-    wait(&mut app, "the capture to be pruned", |app| !app.lanes.whole.is_idle());
+    wait(&mut app, "the capture to be pruned", |app| !app.workers.whole.is_idle());
     app.apply(Command::Undo);
     step(&mut app);
     app.apply(Command::Cancel);
     assert!(!app.state.stopped, "what is there was made with these settings");
-    wait(&mut app, "the abandoned work to stop", |app| app.lanes.whole.is_idle());
+    wait(&mut app, "the abandoned work to stop", |app| app.workers.whole.is_idle());
     settle(&mut app);
     assert!(Arc::ptr_eq(&before, &app.state.whole.as_ref().unwrap().samples));
     set_method(&mut app, PruningMethod::Off);

@@ -3,11 +3,12 @@
 use egui::{Align2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
 
-use super::{marks, words};
+use super::marks;
+use crate::app::colormap;
+use crate::app::model::verdict_text as words;
 use crate::app::model::{self, Command, OpenScene, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::empty_ui;
-use crate::app::work;
 
 /// Height of the two lines below a thumbnail.
 const CAPTION: f32 = 34.0;
@@ -65,13 +66,13 @@ fn card_ui(
         painter.rect_stroke(picture, 4.0, Stroke::new(2.0, color), StrokeKind::Outside);
     }
     let probed = state.inspector.probe.shown.as_ref();
-    if let Some((at, sees)) = probed.and_then(|probed| marks::in_camera(state, probed, index)) {
+    if let Some((at, sees)) = probed.and_then(|probed| probed.in_camera(&scene.cameras, index)) {
         let scale = vec2(picture.width() / columns as f32, picture.height() / rows as f32);
         let clipped = painter.with_clip_rect(picture);
         marks::mark(&clipped, picture.min + at.to_vec2() * scale, sees, state.inspector.probe.pinned, tokens);
     }
     let left = picture.left();
-    painter.circle_filled(pos2(left + 5.0, picture.bottom() + 11.0), 4.0, work::camera(index));
+    painter.circle_filled(pos2(left + 5.0, picture.bottom() + 11.0), 4.0, colormap::camera(index));
     let font = egui::TextStyle::Small.resolve(ui.style());
     let line = |row: f32, x: f32, text: String, color| {
         painter.text(pos2(left + x, picture.bottom() + row), Align2::LEFT_CENTER, text, font.clone(), color);

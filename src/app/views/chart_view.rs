@@ -7,11 +7,11 @@ use egui_material_icons::icons::ICON_SCATTER_PLOT;
 use egui_plot::{Line, Plot, Points};
 
 use super::chart_parts::{HINT, Mark, hint_ui, legend_ui, nearest, no_points_ui, shape, study_button};
+use crate::app::colormap;
 use crate::app::model::setting_names;
 use crate::app::model::{self, Command, Quantity, State, Study, point_name, series_name, settings_alone};
 use crate::app::theme::Tokens;
 use crate::app::widgets::choice_ui;
-use crate::app::work;
 use crate::evaluate::sweep::{Point, Series};
 
 /// Names of the line and of the ring in the chart.
@@ -37,10 +37,9 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
         places.push(place(point));
     }
     let current = charts.of(&state.settings).map(place);
-    let names = series
-        .values()
-        .enumerate()
-        .map(|(index, (series, _))| (Mark::Points(shape(index)), work::camera(index), series_name(*series)));
+    let names = series.values().enumerate().map(|(index, (series, _))| {
+        (Mark::Points(shape(index)), colormap::camera(index), series_name(*series))
+    });
     let lines = [(Mark::Line, tokens.text_weak, FRONT), (Mark::Ring, tokens.mark, ON_NOW)];
     let lines = &lines[..=usize::from(current.is_some())];
     legend_ui(ui, names.chain(lines.iter().copied()));
@@ -50,7 +49,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
     let shown = plot.show(ui, |plot_ui| {
         plot_ui.line(Line::new(FRONT, charts.front()).color(tokens.text_weak).width(1.0));
         for (index, (series, places)) in series.into_values().enumerate() {
-            let color = work::camera(index);
+            let color = colormap::camera(index);
             plot_ui.points(
                 Points::new(series_name(series), places).color(color).radius(4.0).shape(shape(index)),
             );

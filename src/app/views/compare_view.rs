@@ -4,12 +4,13 @@ use egui::{Align2, Key, Rect, RichText, Sense, Stroke, Ui, Vec2, pos2, vec2};
 use egui_material_icons::icons::{ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
 use super::legend;
+use crate::app::colormap::{diverging, sequential};
 use crate::app::model::{
-    self, Command, CompareLook, CompareMeasure, CompareSide, CompareVantage, Content, Mode, State,
+    self, Command, CompareLook, CompareMeasure, CompareSide, CompareVantage, Content, Mode,
+    PictureDifference, PictureZoom, ShownComparison, State,
 };
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, empty_ui, icon_button, segments_ui};
-use crate::app::work::{PictureDifference, ShownComparison, diverging, sequential};
+use crate::app::widgets::{choice_ui, empty_ui, icon_button, scrolled, segments_ui};
 
 /// Height of the lines below the picture.
 const FOOTER: f32 = 48.0;
@@ -60,14 +61,12 @@ fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
         }
     });
     ui.horizontal(|ui| {
-        let modes = Mode::ALL.map(|(mode, name, help)| (mode, name, help));
-        if let Some(mode) = segments_ui(ui, "Compare by", look.mode, modes) {
+        if let Some(mode) = segments_ui(ui, "Compare by", look.mode, Mode::ALL) {
             look.mode = mode;
         }
         if look.mode == Mode::Difference {
             ui.add_space(space::MEDIUM);
-            let measures = CompareMeasure::ALL.map(|(measure, name, help)| (measure, name, help));
-            if let Some(measure) = segments_ui(ui, "Difference in", look.measure, measures) {
+            if let Some(measure) = segments_ui(ui, "Difference in", look.measure, CompareMeasure::ALL) {
                 // A locked range is one of the other unit.
                 (look.measure, look.range) = (measure, None);
             }
@@ -109,8 +108,8 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
         return None;
     };
     let size = Vec2::from(compared.comparison.images[0].size.map(|side| side as f32));
-    let scale = (canvas.width() / size.x).min(canvas.height() / size.y) * look.zoom;
-    let picture = Rect::from_min_size(canvas.center() - size * scale * look.center, size * scale);
+    let scale = (canvas.width() / size.x).min(canvas.height() / size.y) * look.part.zoom;
+    let picture = Rect::from_min_size(canvas.center() - size * scale * look.part.center, size * scale);
     let flipped = response.is_pointer_button_down_on() && look.mode == Mode::Flip
         || ui.input(|input| input.key_down(Key::X));
     let parts = parts(look, flipped);
@@ -184,7 +183,7 @@ fn draw(
 /// Drags the line of the wipe, or the picture; the wheel zooms to the pointer.
 fn move_ui(ui: &Ui, response: &egui::Response, canvas: Rect, picture: Rect, look: &mut CompareLook) {
     if response.double_clicked() {
-        (look.zoom, look.center) = (1.0, Vec2::splat(0.5));
+        look.part = PictureZoom::default();
         return;
     }
     let shifts = response.dragged_by(egui::PointerButton::Middle)
@@ -192,10 +191,7 @@ fn move_ui(ui: &Ui, response: &egui::Response, canvas: Rect, picture: Rect, look
         || ui.input(|input| input.modifiers.shift)
         || look.mode != Mode::Wipe;
     if response.dragged() && shifts {
-        if look.zoom > 1.0 {
-            let center = look.center - response.drag_delta() / picture.size();
-            look.center = center.clamp(Vec2::ZERO, Vec2::splat(1.0));
-        }
+        look.part = look.part.shifted(response.drag_delta() / picture.size());
     } else if response.is_pointer_button_down_on()
         && look.mode == Mode::Wipe
         && let Some(pointer) = response.interact_pointer_pos()
@@ -203,14 +199,9 @@ fn move_ui(ui: &Ui, response: &egui::Response, canvas: Rect, picture: Rect, look
         look.wipe = ((pointer.x - canvas.left()) / canvas.width()).clamp(0.0, 1.0);
     }
     let Some(pointer) = response.hover_pos() else { return };
-    let scroll = ui.input(|input| input.smooth_scroll_delta().y + 200.0 * (input.zoom_delta() - 1.0));
+    let scroll = scrolled(ui);
     if scroll != 0.0 {
-        let zoom = (look.zoom * (scroll * 0.005).exp()).clamp(1.0, 64.0);
-        let at = (pointer - picture.min) / picture.size();
-        look.center =
-            if zoom <= 1.0 { Vec2::splat(0.5) } else { at - (at - look.center) * (look.zoom / zoom) };
-        look.center = look.center.clamp(Vec2::ZERO, Vec2::splat(1.0));
-        look.zoom = zoom;
+        look.part = look.part.scrolled(scroll, (pointer - picture.min) / picture.size());
     }
 }
 

@@ -2,11 +2,9 @@
 
 use egui::{Align2, Color32, Painter, Rect, RichText, Sense, Ui, pos2, vec2};
 
-use crate::app::model::{self, State};
+use crate::app::colormap::{camera as camera_color, diverging, sequential};
+use crate::app::model::{self, ColorBy, Legend, Overlay, RATIO_RANGE, SourceKey, State};
 use crate::app::theme::Tokens;
-use crate::app::work::{
-    ColorBy, Legend, Overlay, RATIO_RANGE, SourceKey, camera as camera_color, diverging, sequential,
-};
 use crate::grid::Grid;
 use crate::samples::TILE;
 

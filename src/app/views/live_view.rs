@@ -6,11 +6,12 @@ use glam::DVec2;
 
 use super::frusta::frustum;
 use super::source_view::{self, CAMERA_LIST, FOOTER};
-use super::{legend, marks, words};
-use crate::app::model::{self, Command, State};
+use super::{legend, marks};
+use crate::app::colormap;
+use crate::app::model::verdict_text as words;
+use crate::app::model::{self, ColorBy, Command, Spot, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, icon_button, segments_ui};
-use crate::app::work::{self, ColorBy, Spot};
+use crate::app::widgets::{choice_ui, icon_button, scrolled, segments_ui};
 
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
@@ -38,8 +39,7 @@ pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comman
 }
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let choices = ColorBy::ALL.map(|color_by| (color_by, color_by.name(), color_by.help()));
-    if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, choices) {
+    if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, ColorBy::ALL) {
         commands.push(Command::ColorBy(color_by));
     }
 }
@@ -147,7 +147,7 @@ fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State
         }
         let shape = frustum(camera, &vantage, length);
         let selected = index == state.source.camera && state.has_capture();
-        let color = work::camera(index).gamma_multiply(presence);
+        let color = colormap::camera(index).gamma_multiply(presence);
         let stroke = egui::Stroke::new(if selected { 2.5 } else { 1.5 }, color);
         for line in shape.lines {
             painter.line_segment(line.map(|point| canvas.min + point.to_vec2()), stroke);
@@ -221,8 +221,7 @@ fn motion(ui: &Ui, response: &egui::Response, canvas: Rect, state: &State, comma
         });
     }
     if response.hovered() {
-        let scroll =
-            ui.ctx().input(|input| input.smooth_scroll_delta().y + 200.0 * (input.zoom_delta() - 1.0));
+        let scroll = scrolled(ui);
         if scroll != 0.0 {
             let factor = (-f64::from(scroll) * 0.003).exp();
             let under = response.hover_pos().and_then(|pointer| point_under(state, canvas, pointer));

@@ -12,14 +12,11 @@ mod pixel_view;
 mod readout;
 mod source_view;
 mod stability_view;
-mod words;
 
 pub(crate) use cameras_view::cameras_view_ui;
 pub(crate) use chart_view::tradeoff_ui;
 pub(crate) use compare_view::compare_view_ui;
 pub(crate) use live_view::{live_view_ui, places_ui};
-pub(crate) use marks::in_camera;
 pub(crate) use pixel_view::pixel_view_ui;
 pub(crate) use source_view::{cameras_ui, source_view_ui};
 pub(crate) use stability_view::stability_ui;
-pub(crate) use words::argument;

@@ -3,11 +3,11 @@
 use egui::{Align, Button, Grid, Label, Layout, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING};
 
-use super::words;
-use crate::app::model::{Command, OpenScene, State};
+use crate::app::colormap;
+use crate::app::model::verdict_text as words;
+use crate::app::model::{Command, OpenScene, Probed, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{empty_ui, icon_button};
-use crate::app::work::{self, Probed};
 use crate::preprocess::inspect::CameraEvidence;
 
 /// Width of the summary beside the table.
@@ -160,7 +160,7 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
 
 fn dot_ui(ui: &mut Ui, camera: usize) {
     let (dot, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-    ui.painter().circle_filled(dot.center(), 4.5, work::camera(camera));
+    ui.painter().circle_filled(dot.center(), 4.5, colormap::camera(camera));
 }
 
 fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Vec<Command>) {

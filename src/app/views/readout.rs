@@ -2,7 +2,7 @@
 
 use egui::{Label, RichText, Ui};
 
-use super::words;
+use crate::app::model::verdict_text as words;
 use crate::app::model::{self, State};
 use crate::app::theme::Tokens;
 use crate::color::srgb8_from_linear;

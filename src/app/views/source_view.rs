@@ -4,10 +4,9 @@ use egui::{Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
 
 use super::{legend, marks, readout};
-use crate::app::model::{Command, Purpose, State};
+use crate::app::model::{Command, Legend, Overlay, PictureZoom, Purpose, Spot, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, empty_ui, segments_ui};
-use crate::app::work::{Legend, Overlay, Spot};
+use crate::app::widgets::{choice_ui, empty_ui, scrolled, segments_ui};
 use crate::grid::Grid;
 use crate::samples::TILE;
 
@@ -44,8 +43,7 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comm
 }
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let overlays = Overlay::ALL.map(|overlay| (overlay, overlay.name(), overlay.help()));
-    if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, overlays) {
+    if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, Overlay::ALL) {
         commands.push(Command::Overlay(overlay));
     }
 }
@@ -96,10 +94,10 @@ fn picture_ui(
         return None;
     };
     let size = Vec2::from(shown.picture.size.map(|side| side as f32));
-    let look = &state.source;
-    let scale = (canvas.width() / size.x).min(canvas.height() / size.y) * look.zoom;
+    let part = state.source.part;
+    let scale = (canvas.width() / size.x).min(canvas.height() / size.y) * part.zoom;
     let drawn = size * scale;
-    let picture = Rect::from_min_size(canvas.center() - drawn * look.center, drawn);
+    let picture = Rect::from_min_size(canvas.center() - drawn * part.center, drawn);
     let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
     painter.image(shown.texture.id(), picture, whole, egui::Color32::WHITE);
     if let Legend::Tiles(shares) = &shown.picture.legend {
@@ -108,8 +106,10 @@ fn picture_ui(
     zoom_and_pan(ui, &response, picture, state, commands);
     let probe = &state.inspector.probe;
     let shown_camera = shown.key.camera;
-    let mark = probe.shown.as_ref().and_then(|probed| marks::in_camera(state, probed, shown_camera));
-    if let Some((at, sees)) = mark {
+    let probed = state.scene.as_ref().zip(probe.shown.as_ref());
+    if let Some((at, sees)) =
+        probed.and_then(|(scene, probed)| probed.in_camera(&scene.cameras, shown_camera))
+    {
         marks::mark(&painter, picture.min + at.to_vec2() * scale, sees, probe.pinned, tokens);
     }
     let pointer = response.hover_pos()?;
@@ -165,23 +165,18 @@ fn zoom_and_pan(
     state: &State,
     commands: &mut Vec<Command>,
 ) {
-    let look = &state.source;
+    let part = state.source.part;
     if response.double_clicked() {
-        commands.push(Command::SourceZoom { zoom: 1.0, center: Vec2::splat(0.5) });
+        commands.push(Command::SourceZoom(PictureZoom::default()));
         return;
     }
-    if response.dragged() && look.zoom > 1.0 {
-        let center = look.center - response.drag_delta() / picture.size();
-        commands.push(Command::SourceZoom { zoom: look.zoom, center });
+    if response.dragged() && part.zoom > 1.0 {
+        commands.push(Command::SourceZoom(part.shifted(response.drag_delta() / picture.size())));
     }
     let Some(pointer) = response.hover_pos() else { return };
-    let scroll = ui.ctx().input(|input| input.smooth_scroll_delta().y + 200.0 * (input.zoom_delta() - 1.0));
-    if scroll == 0.0 {
-        return;
+    let scroll = scrolled(ui);
+    if scroll != 0.0 {
+        let at = (pointer - picture.min) / picture.size();
+        commands.push(Command::SourceZoom(part.scrolled(scroll, at)));
     }
-    let zoom = (look.zoom * (scroll * 0.005).exp()).clamp(1.0, 64.0);
-    // The point under the pointer stays under it.
-    let at = (pointer - picture.min) / picture.size();
-    let center = if zoom <= 1.0 { Vec2::splat(0.5) } else { at - (at - look.center) * (look.zoom / zoom) };
-    commands.push(Command::SourceZoom { zoom, center });
 }

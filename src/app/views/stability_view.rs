@@ -7,10 +7,10 @@ use egui_material_icons::icons::ICON_MONITORING;
 use egui_plot::{Line, Plot, PlotPoints, Points};
 
 use super::chart_parts::{Mark, legend_ui, nearest, no_points_ui, shape, study_button};
+use crate::app::colormap;
 use crate::app::model::{self, Command, Quantity, State, Study, method_name};
 use crate::app::theme::Tokens;
 use crate::app::widgets::choice_ui;
-use crate::app::work;
 use crate::evaluate::stress::StressPoint;
 
 /// The view.
@@ -56,7 +56,7 @@ fn plot_ui(ui: &mut Ui, disturbance: &str, here: &[&StressPoint]) {
     }
     let methods = methods.into_iter().enumerate();
     let curves: Vec<_> = methods
-        .map(|(index, (method, places))| (shape(index), work::camera(index), method_name(method), places))
+        .map(|(index, (method, places))| (shape(index), colormap::camera(index), method_name(method), places))
         .collect();
     legend_ui(ui, curves.iter().map(|(shape, color, name, _)| (Mark::Points(*shape), *color, *name)));
     let unit = here.first().map_or("", |point| point.unit.as_str());

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::workers::MeasureRequest;
+use super::requests::MeasureRequest;
 use crate::app::model::{Accuracy, Content};
 use crate::capture::{Frame, TruthView};
 use crate::error::Result;

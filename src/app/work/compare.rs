@@ -1,12 +1,15 @@
 //! Two pictures of one place, side by side: before and after pruning, two settings, the truth, kernels, painters.
 //!
-//! Works on a lane of its own with a renderer of its own, so that neither view waits.
+//! With a renderer of its own, so that neither view waits.
 
 use std::sync::Arc;
 
 use super::accuracy::with_nothing_pruned;
-use super::difference::{self, PictureDifference};
-use crate::app::model::{CompareMeasure, CompareSide, CompareVantage, Content, OpenScene, method_of};
+use super::difference;
+use crate::app::model::{
+    CompareKey, CompareSide, CompareVantage, Content, DisplayColors, Message, OpenScene, PictureDifference,
+    method_of,
+};
 use crate::capture::{Capture, Frame};
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -14,65 +17,6 @@ use crate::preprocess::{self, PreparedScan};
 use crate::render::{Renderer, Vantage};
 use crate::samples::SampleSet;
 use crate::settings::{Backend, Kernel, Settings};
-
-/// What a comparison is made from; an equal key gives an equal comparison.
-#[derive(Clone)]
-pub(crate) struct CompareKey {
-    /// What is open.
-    pub scene: Arc<OpenScene>,
-    /// The sides.
-    pub sides: [CompareSide; 2],
-    /// From where.
-    pub place: CompareVantage,
-    /// Where the live view stands, and when.
-    pub vantage: Vantage,
-    /// The kept samples that the live view shows.
-    pub samples: Arc<SampleSet>,
-    /// Whether those show every frame, and not only the one that the live view shows.
-    pub whole: bool,
-    /// The pass over all frames, where it is done.
-    pub scan: Option<Arc<PreparedScan>>,
-    /// The settings on the sliders, A and B.
-    pub settings: [Settings; 3],
-    /// What the map of their difference shows.
-    pub measure: CompareMeasure,
-    /// The difference that the map's upper end stands for, in the unit of the measure; `None` to fit it.
-    pub range: Option<f32>,
-    /// Dark or light, as holes use a color of the theme.
-    pub dark: bool,
-}
-
-impl PartialEq for CompareKey {
-    fn eq(&self, other: &Self) -> bool {
-        let uses = |side: CompareSide| self.sides.contains(&side);
-        self.scene.id == other.scene.id
-            && self.sides == other.sides
-            && self.place == other.place
-            && Arc::ptr_eq(&self.samples, &other.samples)
-            && self.whole == other.whole
-            && self.scan.as_ref().map(Arc::as_ptr) == other.scan.as_ref().map(Arc::as_ptr)
-            && self.settings[0] == other.settings[0]
-            && (!uses(CompareSide::A) || self.settings[1] == other.settings[1])
-            && (!uses(CompareSide::B) || self.settings[2] == other.settings[2])
-            && self.measure == other.measure
-            && self.range == other.range
-            && self.dark == other.dark
-            && self.vantage.frame == other.vantage.frame
-            && (self.place != CompareVantage::Live || self.vantage == other.vantage)
-    }
-}
-
-/// A comparison that is shown.
-pub(crate) struct ShownComparison {
-    /// Whose pictures these are.
-    pub sides: [CompareSide; 2],
-    /// From where.
-    pub place: CompareVantage,
-    /// What came of it.
-    pub comparison: PictureDifference,
-    /// Left, right and difference on the graphics card.
-    pub textures: [egui::TextureHandle; 3],
-}
 
 /// Samples made for comparisons: the last few are kept.
 pub(crate) struct Comparer {
@@ -107,16 +51,30 @@ impl Comparer {
         Self { renderer: Renderer::new(), made: Vec::new(), scans: Vec::new(), threads }
     }
 
+    /// Makes the comparison, or says why there is none.
+    ///
+    /// # Errors
+    /// `Cancelled` alone.
+    pub(crate) fn answer(&mut self, key: Box<CompareKey>, job: &Job) -> Result<Message> {
+        let outcome = match self.compare(&key, job) {
+            Ok(comparison) => Ok(comparison),
+            Err(Error::Cancelled) => return Err(Error::Cancelled),
+            Err(Error::Invalid { what, .. }) => Err(what),
+            Err(error) => Err(error.to_string()),
+        };
+        Ok(Message::Compared { key, outcome })
+    }
+
     /// Makes the comparison.
     ///
     /// # Errors
     /// `Invalid` where a side cannot be shown there; whatever loading, pruning and rendering give; `Cancelled`.
-    pub(crate) fn compare(&mut self, key: &CompareKey, job: &Job) -> Result<PictureDifference> {
+    fn compare(&mut self, key: &CompareKey, job: &Job) -> Result<PictureDifference> {
         let (vantage, truth) = place(key)?;
         let left = self.side(key, key.sides[0], &vantage, truth.as_deref(), job)?;
         job.check()?;
         let right = self.side(key, key.sides[1], &vantage, truth.as_deref(), job)?;
-        PictureDifference::new([left, right], key.measure, key.range, key.dark)
+        difference::between([left, right], key.measure, key.range, key.dark)
     }
 
     fn side(
@@ -126,7 +84,7 @@ impl Comparer {
         vantage: &Vantage,
         truth: Option<&Frame>,
         job: &Job,
-    ) -> Result<difference::DisplayColors> {
+    ) -> Result<DisplayColors> {
         if side == CompareSide::Truth {
             let frame = truth.ok_or_else(|| {
                 Error::invalid(
@@ -274,7 +232,7 @@ mod tests {
     use crate::settings::{MixedPixels, SpanLevels};
 
     use super::*;
-    use crate::app::model::Origin;
+    use crate::app::model::{CompareMeasure, Origin};
     use crate::app::work::workers::pool;
     use crate::demo::{Demo, DemoSpec};
 

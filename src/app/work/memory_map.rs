@@ -1,17 +1,7 @@
 //! What takes the memory: bytes of the kept samples by camera.
 
+use crate::app::model::CameraMemory;
 use crate::samples::SampleSet;
-
-/// Memory of one camera's samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct CameraMemory {
-    /// Samples.
-    pub samples: u64,
-    /// Bytes of samples that are stored for several frames.
-    pub lasting_bytes: u64,
-    /// Bytes of samples that are stored for one frame.
-    pub frame_bytes: u64,
-}
 
 /// The memory of each camera's samples, in the order of the cameras.
 pub(crate) fn by_camera(samples: &SampleSet) -> Vec<CameraMemory> {

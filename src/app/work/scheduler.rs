@@ -3,11 +3,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::live_image::{ColorBy, LiveKey};
-use super::source_image::SourceKey;
-use super::workers::{InspectRequest, MeasureRequest, WholeRequest, Workers};
-use crate::app::dock::DockView;
-use crate::app::model::{InspectorPlan, State, method_of};
+use super::requests::{HistogramRequest, MeasureRequest, PruneRequest};
+use super::workers::Workers;
+use crate::app::model::{
+    ColorBy, CompareKey, DockView, LiveKey, OpenScene, ProbeKey, SettingsSlot, SourceKey, Spot, State,
+    method_of,
+};
+use crate::preprocess::inspect::FrameInspection;
 use crate::render::Vantage;
 use crate::samples::SampleSet;
 use crate::settings::{Backend, Settings};
@@ -28,7 +30,17 @@ struct InspectKey {
     scan_serves: Option<bool>,
 }
 
-/// What was asked for last, per lane.
+/// What is pruned as the state is: the open capture, or its frame that is shown.
+fn prune_request(state: &State, scene: &Arc<OpenScene>) -> PruneRequest {
+    PruneRequest {
+        scene: scene.clone(),
+        scan: state.scan.clone(),
+        settings: state.settings.clone(),
+        frame: state.timeline.frame,
+    }
+}
+
+/// What was asked for last, per worker.
 #[derive(Default)]
 pub(crate) struct Scheduled {
     inspect: Option<InspectKey>,
@@ -43,7 +55,11 @@ pub(crate) struct Scheduled {
     live_will_change: bool,
     whole: Option<(u64, Settings)>,
     measure: Option<(Arc<SampleSet>, Settings)>,
-    inspector: InspectorPlan,
+    probe: Option<ProbeKey>,
+    thumbs: Option<Arc<FrameInspection>>,
+    memory: Option<Arc<SampleSet>>,
+    histograms: Option<(Arc<FrameInspection>, bool)>,
+    compare: Option<Box<CompareKey>>,
     /// When a setting was last changed.
     pub changed_at: Option<Instant>,
     /// When the live view last looked elsewhere, or at another frame.
@@ -64,7 +80,7 @@ impl Scheduled {
 
     /// Forgets that the pixel was asked about, so that it is asked about again.
     pub(crate) fn forget_probe(&mut self) {
-        self.inspector.forget_probe();
+        self.probe = None;
     }
 
     /// The frame whose inspection was asked for last.
@@ -97,18 +113,22 @@ impl Scheduled {
         })
     }
 
-    /// Asks the lanes for whatever is missing. Gives how long to wait before it should be called again, if so.
-    pub(crate) fn ask(&mut self, state: &State, visible: &[DockView], lanes: &Workers) -> Option<Duration> {
-        self.ask_inspection(state, lanes);
-        let preparation = self.ask_preparation(state, lanes);
-        self.ask_source(state, lanes);
-        let rest = self.ask_live(state, lanes);
-        self.ask_accuracy(state, lanes);
-        self.inspector.ask(state, visible, &lanes.inspector);
-        self.ask_whole(state, lanes).into_iter().chain(rest).chain(preparation).min()
+    /// Asks the workers for whatever is missing. Gives how long to wait before it should be called again, if so.
+    pub(crate) fn ask(&mut self, state: &State, visible: &[DockView], workers: &Workers) -> Option<Duration> {
+        self.ask_inspection(state, workers);
+        let preparation = self.ask_preparation(state, workers);
+        self.ask_source(state, workers);
+        let rest = self.ask_live(state, workers);
+        self.ask_accuracy(state, workers);
+        self.ask_probe(state, workers);
+        self.ask_thumbs(state, visible, workers);
+        self.ask_memory(state, visible, workers);
+        self.ask_histograms(state, visible, workers);
+        self.ask_comparison(state, visible, workers);
+        self.ask_whole(state, workers).into_iter().chain(rest).chain(preparation).min()
     }
 
-    fn ask_inspection(&mut self, state: &State, lanes: &Workers) {
+    fn ask_inspection(&mut self, state: &State, workers: &Workers) {
         let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
         if state.skips_verdicts() {
             return;
@@ -120,12 +140,7 @@ impl Scheduled {
             scan_serves: state.scan.as_ref().map(|scan| scan.serves(&state.settings.spans)),
         };
         if self.inspect.as_ref() != Some(&key) {
-            lanes.inspect.submit(InspectRequest {
-                scene: scene.clone(),
-                scan: state.scan.clone(),
-                settings: state.settings.clone(),
-                frame: key.frame,
-            });
+            workers.inspect.submit(prune_request(state, scene));
             self.inspect = Some(key);
             self.inspect_at = Some(Instant::now());
         }
@@ -133,7 +148,7 @@ impl Scheduled {
 
     /// Once a frame is shown and everything rests, makes it ready for the thresholds to be turned. Gives how long to wait for
     /// that, if so.
-    fn ask_preparation(&mut self, state: &State, lanes: &Workers) -> Option<Duration> {
+    fn ask_preparation(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
         let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
         let with_scan = state.inspected.as_ref().is_some_and(|inspected| inspected.with_scan);
         if state.timeline.playing || !with_scan || self.prepare == self.inspect || !self.is_inspected(state) {
@@ -143,17 +158,12 @@ impl Scheduled {
         if rested < REST {
             return Some(REST.saturating_sub(rested));
         }
-        lanes.prepare.submit(InspectRequest {
-            scene: scene.clone(),
-            scan: state.scan.clone(),
-            settings: state.settings.clone(),
-            frame: state.timeline.frame,
-        });
+        workers.prepare.submit(prune_request(state, scene));
         self.prepare.clone_from(&self.inspect);
         None
     }
 
-    fn ask_source(&mut self, state: &State, lanes: &Workers) {
+    fn ask_source(&mut self, state: &State, workers: &Workers) {
         let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
         // Verdicts of a frame just passed are better than a flash of another kind: in motion they may never catch up.
         let inspection = state
@@ -171,12 +181,12 @@ impl Scheduled {
             inspection,
         };
         if self.source.as_ref() != Some(&key) {
-            lanes.source.submit((scene.clone(), key.clone()));
+            workers.source.submit((scene.clone(), key.clone()));
             self.source = Some(key);
         }
     }
 
-    fn ask_live(&mut self, state: &State, lanes: &Workers) -> Option<Duration> {
+    fn ask_live(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
         let (Some(scene), Some(samples), Some(rig)) =
             (state.scene.as_ref(), state.samples_here(), state.live.rig.as_ref())
         else {
@@ -214,20 +224,20 @@ impl Scheduled {
             per_coarse_pixel: f64::from(width) / f64::from(coarse[0]),
         };
         if self.live.as_ref() != Some(&key) {
-            lanes.live.submit(key.clone());
+            workers.live.submit(key.clone());
             self.live = Some(key);
         }
         self.live_will_change = rested < REST && (in_motion || coarse != fine);
         self.live_will_change.then(|| REST.saturating_sub(rested))
     }
 
-    fn ask_whole(&mut self, state: &State, lanes: &Workers) -> Option<Duration> {
+    fn ask_whole(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
         let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
         let key = (scene.id, method_of(&state.settings));
         if state.is_whole_ready() {
             if self.whole.as_ref().is_some_and(|asked| *asked != key) {
                 // What runs works with settings that were taken back.
-                lanes.whole.cancel();
+                workers.whole.cancel();
                 self.whole = Some(key);
             }
             return None;
@@ -239,20 +249,16 @@ impl Scheduled {
         let rested = self.changed_at.map_or(DEBOUNCE, |at| at.elapsed());
         if rested < DEBOUNCE {
             // What runs now works with settings that no longer hold; should they come back, it is asked for again.
-            lanes.whole.cancel();
+            workers.whole.cancel();
             self.whole = None;
             return Some(DEBOUNCE.saturating_sub(rested));
         }
-        lanes.whole.submit(WholeRequest {
-            scene: scene.clone(),
-            scan: state.scan.clone(),
-            settings: state.settings.clone(),
-        });
+        workers.whole.submit(prune_request(state, scene));
         self.whole = Some(key);
         None
     }
 
-    fn ask_accuracy(&mut self, state: &State, lanes: &Workers) {
+    fn ask_accuracy(&mut self, state: &State, workers: &Workers) {
         let (Some(scene), Some(whole)) = (&state.scene, &state.whole) else { return };
         if state.is_stale() || state.timeline.playing {
             return;
@@ -261,12 +267,100 @@ impl Scheduled {
             Arc::ptr_eq(samples, &whole.samples) && *settings == state.settings
         });
         if !asked {
-            lanes.measure.submit(MeasureRequest {
+            workers.measure.submit(MeasureRequest {
                 scene: scene.clone(),
                 samples: whole.samples.clone(),
                 settings: state.settings.clone(),
             });
             self.measure = Some((whole.samples.clone(), state.settings.clone()));
+        }
+    }
+
+    /// Compares once the live view has come to rest: its picture says from where and of what.
+    fn ask_comparison(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+        let shown = state.live_shown.as_ref().filter(|_| visible.contains(&DockView::Compare));
+        let (Some(scene), Some(shown)) = (&state.scene, shown) else { return };
+        let (history, look) = (&state.inspector.history, &state.inspector.compare);
+        let now = &state.settings;
+        let key = Box::new(CompareKey {
+            scene: scene.clone(),
+            sides: look.sides,
+            place: look.place,
+            vantage: shown.key.vantage.clone(),
+            // Of a store played from disk only the picture knows the samples.
+            samples: shown.picture.samples.clone(),
+            whole: state.current_whole().is_some_and(|whole| Arc::ptr_eq(whole, &shown.picture.samples)),
+            scan: state.scan.clone(),
+            settings: [
+                now.clone(),
+                history.of(SettingsSlot::A, now).clone(),
+                history.of(SettingsSlot::B, now).clone(),
+            ],
+            measure: look.measure,
+            range: look.range,
+            dark: state.dark,
+        });
+        if self.compare.as_ref() != Some(&key) {
+            workers.compare.submit(key.clone());
+            self.compare = Some(key);
+        }
+    }
+
+    fn ask_histograms(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+        let wanted = visible.contains(&DockView::Thresholds) && !state.timeline.playing;
+        let Some(inspected) = state.inspected.as_ref().filter(|_| wanted) else { return };
+        let asked = self.histograms.as_ref().is_some_and(|(inspection, with_scan)| {
+            Arc::ptr_eq(inspection, &inspected.inspection) && *with_scan == state.scan.is_some()
+        });
+        if let (false, Some(scene)) = (asked, &state.scene) {
+            workers.histograms.submit(HistogramRequest {
+                scene: scene.id,
+                inspection: inspected.inspection.clone(),
+                scan: state.scan.clone(),
+                settings: inspected.settings.clone(),
+            });
+            self.histograms = Some((inspected.inspection.clone(), state.scan.is_some()));
+        }
+    }
+
+    fn ask_memory(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+        // A store plays from disk: its set only says where samples are.
+        let wanted = visible.contains(&DockView::Memory) && state.has_capture();
+        let samples = state.whole_samples().filter(|_| wanted);
+        let (Some(scene), Some(samples)) = (&state.scene, samples) else { return };
+        if !self.memory.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, samples)) {
+            workers.memory.submit((scene.id, samples.clone()));
+            self.memory = Some(samples.clone());
+        }
+    }
+
+    fn ask_probe(&mut self, state: &State, workers: &Workers) {
+        let key = state.scene.as_ref().zip(state.inspector.probe.spot).map(|(scene, spot)| ProbeKey {
+            scene: scene.clone(),
+            spot,
+            inspection: state.inspection_here().cloned(),
+            whole: state.current_whole().cloned(),
+            live: matches!(spot, Spot::Live { .. })
+                .then(|| state.live_shown.as_ref().map(|shown| (shown.key.clone(), shown.picture.clone())))
+                .flatten(),
+        });
+        if self.probe != key {
+            if let Some(key) = &key {
+                workers.probe.submit(key.clone());
+            }
+            self.probe = key;
+        }
+    }
+
+    fn ask_thumbs(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+        let Some(inspection) = state.inspection_here().filter(|_| visible.contains(&DockView::Cameras))
+        else {
+            return;
+        };
+        let asked = self.thumbs.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, inspection));
+        if let (false, Some(scene)) = (asked, &state.scene) {
+            workers.thumbs.submit((scene.id, inspection.clone()));
+            self.thumbs = Some(inspection.clone());
         }
     }
 }

@@ -1,10 +1,10 @@
-//! Every camera small: its picture with what was pruned dimmed. Painted on a lane.
+//! Every camera small: its picture with what was pruned dimmed.
 
 use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
 
-use super::colormap::dimmed;
+use crate::app::colormap::dimmed;
 use crate::color::steps_from_linear;
 use crate::preprocess::inspect::{CameraInspection, FrameInspection};
 

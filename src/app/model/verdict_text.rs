@@ -1,7 +1,9 @@
-//! Verdicts and testimonies in words: for the read-out, the table and the clipboard.
+//! Verdicts and evidence in words: for the read-out, the table and the clipboard.
 
-use crate::app::model::{self, OpenScene, State};
-use crate::app::work::Probed;
+use super::document::State;
+use super::pixel::Probed;
+use super::scene::OpenScene;
+use super::text;
 use crate::capture::Camera;
 use crate::preprocess::inspect::{CameraEvidence, ChainLink};
 use crate::preprocess::pruning::{Rule, Verdict};
@@ -130,7 +132,7 @@ pub(crate) fn number(value: f64) -> String {
     } else if value.is_infinite() {
         "infinite".to_owned()
     } else {
-        model::significant(value)
+        text::significant(value)
     }
 }
 

@@ -1,4 +1,16 @@
-//! What is compared with what, from where, and how.
+//! What is compared with what, from where and how, and what came of it.
+
+use std::sync::Arc;
+
+use egui::ColorImage;
+
+use super::picture_zoom::PictureZoom;
+use super::scene::OpenScene;
+use crate::grid::Grid;
+use crate::preprocess::PreparedScan;
+use crate::render::Vantage;
+use crate::samples::SampleSet;
+use crate::settings::Settings;
 
 /// What one side shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -116,13 +128,11 @@ pub(crate) struct CompareLook {
     pub mode: Mode,
     /// Where the line is, as a share of the width.
     pub wipe: f32,
-    /// Magnification beyond fitting the view.
-    pub zoom: f32,
-    /// The picture's point in the middle of the view, as shares of its size.
-    pub center: egui::Vec2,
+    /// The part of the picture that is shown.
+    pub part: PictureZoom,
     /// What the map of their difference shows.
     pub measure: CompareMeasure,
-    /// See [`crate::app::work::CompareKey::range`].
+    /// See [`CompareKey::range`].
     pub range: Option<f32>,
 }
 
@@ -133,10 +143,93 @@ impl Default for CompareLook {
             place: CompareVantage::Live,
             mode: Mode::Wipe,
             wipe: 0.5,
-            zoom: 1.0,
-            center: egui::Vec2::splat(0.5),
+            part: PictureZoom::default(),
             measure: CompareMeasure::Steps,
             range: None,
         }
     }
+}
+
+/// What a comparison is made from; an equal key gives an equal comparison.
+#[derive(Clone)]
+pub(crate) struct CompareKey {
+    /// What is open.
+    pub scene: Arc<OpenScene>,
+    /// The sides.
+    pub sides: [CompareSide; 2],
+    /// From where.
+    pub place: CompareVantage,
+    /// Where the live view stands, and when.
+    pub vantage: Vantage,
+    /// The kept samples that the live view shows.
+    pub samples: Arc<SampleSet>,
+    /// Whether those show every frame, and not only the one that the live view shows.
+    pub whole: bool,
+    /// The pass over all frames, where it is done.
+    pub scan: Option<Arc<PreparedScan>>,
+    /// The settings on the sliders, A and B.
+    pub settings: [Settings; 3],
+    /// What the map of their difference shows.
+    pub measure: CompareMeasure,
+    /// The difference that the map's upper end stands for, in the unit of the measure; `None` to fit it.
+    pub range: Option<f32>,
+    /// Dark or light, as holes use a color of the theme.
+    pub dark: bool,
+}
+
+impl PartialEq for CompareKey {
+    fn eq(&self, other: &Self) -> bool {
+        let uses = |side: CompareSide| self.sides.contains(&side);
+        self.scene.id == other.scene.id
+            && self.sides == other.sides
+            && self.place == other.place
+            && Arc::ptr_eq(&self.samples, &other.samples)
+            && self.whole == other.whole
+            && self.scan.as_ref().map(Arc::as_ptr) == other.scan.as_ref().map(Arc::as_ptr)
+            && self.settings[0] == other.settings[0]
+            && (!uses(CompareSide::A) || self.settings[1] == other.settings[1])
+            && (!uses(CompareSide::B) || self.settings[2] == other.settings[2])
+            && self.measure == other.measure
+            && self.range == other.range
+            && self.dark == other.dark
+            && self.vantage.frame == other.vantage.frame
+            && (self.place != CompareVantage::Live || self.vantage == other.vantage)
+    }
+}
+
+/// A comparison that is shown.
+pub(crate) struct ShownComparison {
+    /// Whose pictures these are.
+    pub sides: [CompareSide; 2],
+    /// From where.
+    pub place: CompareVantage,
+    /// What came of it.
+    pub comparison: PictureDifference,
+    /// Left, right and difference on the graphics card.
+    pub textures: [egui::TextureHandle; 3],
+}
+
+/// One side as displayed colors (0 to 255 a channel); `None` where there is nothing.
+pub(crate) type DisplayColors = Grid<Option<[u8; 3]>>;
+
+/// Two pictures and what tells them apart.
+pub(crate) struct PictureDifference {
+    /// The two sides, of one size.
+    pub sides: [DisplayColors; 2],
+    /// The two as shown: holes in a color of their own.
+    pub images: [Arc<ColorImage>; 2],
+    /// Where and how much they differ.
+    pub difference: Arc<ColorImage>,
+    /// What the map shows.
+    pub measure: CompareMeasure,
+    /// How far every pixel is apart, in the unit of the measure; `None` where a side has nothing.
+    pub apart: Grid<Option<f32>>,
+    /// The difference that the map's upper end stands for.
+    pub range: f32,
+    /// Mean of the map, signs aside, where both sides have something.
+    pub mean: f64,
+    /// Peak signal-to-noise ratio of one side against the other where both have something; infinite where equal.
+    pub psnr_db: f64,
+    /// Share of pixels that only one side has something for.
+    pub one_sided: f64,
 }

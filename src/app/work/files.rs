@@ -1,0 +1,160 @@
+//! Reads and writes files: stores, settings, pictures and films; and asks where.
+
+use std::path::{Path, PathBuf};
+
+use egui::ColorImage;
+use image::{ImageFormat, RgbImage};
+
+use super::requests::{ExportRequest, FileRequest};
+use crate::app::model::{Destination, ExportTarget, Exported, Message, NO_KEYS, Purpose};
+use crate::capture::Capture;
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::render::film::{self, FilmEncoder, Reel};
+use crate::render::output::write_png;
+use crate::render::{Picture, Renderer};
+use crate::settings::Settings;
+use crate::store::file::{Extras, Provenance};
+use crate::{store, whole_file};
+
+/// The ending of a picture's file.
+const ENDING: &str = "png";
+
+/// The path with the ending that a picture has; `None` where it has another one.
+pub(crate) fn with_ending(path: PathBuf) -> Option<PathBuf> {
+    match path.extension() {
+        None => Some(path.with_extension(ENDING)),
+        Some(ending) => ending.eq_ignore_ascii_case(ENDING).then_some(path),
+    }
+}
+
+/// Writes a picture as it is shown. The file takes its name once it is whole.
+fn write_picture(path: &Path, picture: &ColorImage) -> Result<()> {
+    let [width, height] = picture.size.map(|side| side as u32);
+    let bytes = picture.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
+    let png = RgbImage::from_raw(width, height, bytes).ok_or_else(|| {
+        Error::invalid(path.display(), "the picture has no size; show it once, then try again")
+    })?;
+    whole_file::write(path, |writer| {
+        png.write_to(writer, ImageFormat::Png).map_err(|error| match error {
+            image::ImageError::IoError(error) => Error::io(path, error),
+            error => Error::invalid(path.display(), error.to_string()),
+        })
+    })
+}
+
+/// Reads or writes a file.
+///
+/// # Errors
+/// `Io` where that fails, whatever is wrong with settings that are read, and `Cancelled`.
+pub(crate) fn file(request: FileRequest, job: &Job) -> Result<Message> {
+    match request {
+        FileRequest::SaveStore { path, scene, samples, report } => {
+            job.start(format!("Saving {}", path.display()), 0);
+            let frames_are_ranked = scene.capture().is_some_and(Capture::frames_are_ranked);
+            let provenance = Provenance { frames_are_ranked, ..Provenance::default() };
+            let extras = Extras { provenance, ..Extras::default() };
+            let bytes = store::file::write_with(&path, &samples, &report, &extras, job)?;
+            let holds = Some((scene.id, samples.settings.clone()));
+            Ok(Message::Saved { path, bytes: Some(bytes), holds })
+        }
+        FileRequest::SaveAgain { path, playback } => {
+            let bytes = store::write_again(&path, playback.store(), None, job)?;
+            Ok(Message::Saved { path, bytes: Some(bytes), holds: None })
+        }
+        FileRequest::SaveSettings { path, settings } => {
+            whole_file::write_all(&path, settings.to_toml())?;
+            Ok(Message::Saved { path, bytes: None, holds: None })
+        }
+        FileRequest::SavePicture { path, picture } => {
+            write_picture(&path, &picture)?;
+            Ok(Message::Saved { path, bytes: None, holds: None })
+        }
+        FileRequest::LoadSettings { path } => {
+            let settings = Settings::load(&path)?;
+            Ok(Message::SettingsLoaded { path, settings })
+        }
+    }
+}
+
+/// Paints and writes all pictures.
+///
+/// # Errors
+/// `Invalid` without a path, `Io` where nothing can be written there, whatever rendering and ffmpeg give, and `Cancelled`.
+pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
+    let vantages = request.path.vantages(request.size, request.reel.frame_count());
+    if vantages.is_empty() {
+        return Err(Error::invalid("camera path", NO_KEYS));
+    }
+    let mut renderer = Renderer::new();
+    let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| {
+        film::paint(&request.reel, &vantages, &mut renderer, &request.settings, job, take)
+    };
+    match &request.target {
+        ExportTarget::Pictures(folder) => {
+            std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+            paint(&mut |nth, picture| write_png(&folder.join(format!("{:04}.png", nth + 1)), picture))?;
+        }
+        ExportTarget::Film(path, frames_per_second) => {
+            let size = request.size.map(|side| side as usize);
+            let mut encoder = FilmEncoder::start(path, size, *frames_per_second)?;
+            paint(&mut |_, picture| encoder.add(picture))?;
+            encoder.finish(job)?;
+        }
+    }
+    let damage = match &request.reel {
+        Reel::Memory(_) => Vec::new(),
+        Reel::Disk(playback) => playback.store().damage(),
+    };
+    let exported =
+        Exported { pictures: vantages.len(), notice: renderer.notice().map(str::to_owned), damage };
+    Ok(Message::Exported { path: request.target.path().to_path_buf(), exported })
+}
+
+/// Whether something stands at a destination that would be replaced.
+pub(crate) fn look(destination: Destination) -> Message {
+    let path = &destination.path;
+    let taken = match destination.purpose {
+        Purpose::ExportPictures => std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some()),
+        _ => path.is_file(),
+    };
+    Message::Looked { destination, taken }
+}
+
+/// The path that is chosen in the system's dialog; `None` where it is closed.
+pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
+    let dialog = rfd::FileDialog::new().set_file_name(name);
+    match purpose {
+        Purpose::OpenFile => dialog
+            .set_title("Open a store or a transforms.json")
+            .add_filter("Stores and captures", &["ovl", "json"])
+            .add_filter("All files", &["*"])
+            .pick_file(),
+        Purpose::OpenFolder => dialog.set_title("Open a capture folder").pick_folder(),
+        Purpose::SaveStore => dialog.set_title("Save the store").add_filter("Store", &["ovl"]).save_file(),
+        Purpose::SaveSettings => {
+            dialog.set_title("Save the settings").add_filter("Settings", &["toml"]).save_file()
+        }
+        Purpose::SavePicture => dialog.set_title("Save the picture").add_filter("PNG", &["png"]).save_file(),
+        Purpose::ExportPictures => dialog.set_title("Export pictures into a folder").pick_folder(),
+        Purpose::ExportFilm => {
+            dialog.set_title("Export a film").add_filter("Film", &["mp4", "mkv", "mov"]).save_file()
+        }
+        Purpose::LoadSettings => {
+            dialog.set_title("Load settings").add_filter("Settings", &["toml"]).pick_file()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_without_an_ending_gets_one_and_other_endings_are_not_taken() {
+        let ending = |path: &str| with_ending(path.into());
+        assert_eq!(ending("/a/view"), Some("/a/view.png".into()));
+        assert_eq!(ending("/a/view.PNG"), Some("/a/view.PNG".into()));
+        assert_eq!((ending("/a/view.jpg"), ending("/a/view.2")), (None, None));
+    }
+}
