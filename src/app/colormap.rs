@@ -7,6 +7,8 @@
 
 use egui::Color32;
 
+use crate::color::steps_from_linear;
+
 const VIRIDIS: [[u8; 3]; 9] = [
     [68, 1, 84],
     [71, 44, 122],
@@ -67,6 +69,12 @@ pub(crate) fn camera(index: usize) -> Color32 {
     let base = OKABE_ITO[index % OKABE_ITO.len()];
     let shade = 1.0 - 0.22 * ((index / OKABE_ITO.len()) % 4) as f32;
     let [r, g, b] = base.map(|c| (f32::from(c) * shade).round() as u8);
+    Color32::from_rgb(r, g, b)
+}
+
+/// A recorded linear color as a display shows it.
+pub(crate) fn recorded(linear: [half::f16; 3]) -> Color32 {
+    let [r, g, b] = linear.map(|c| steps_from_linear(c).clamp(0.0, 255.0).round() as u8);
     Color32::from_rgb(r, g, b)
 }
 

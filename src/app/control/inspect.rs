@@ -31,7 +31,7 @@ impl OverlookApp {
                     probe.spot = Some(Spot::Source { camera, x, y });
                 } else {
                     // That it is a hole may have been answered before it was to be kept.
-                    self.plan.forget_probe();
+                    self.plan.probe = None;
                 }
             }
             Command::ShowPointIn(camera) => self.show_point_in(camera),

@@ -271,7 +271,7 @@ impl OverlookApp {
             self.state.stopped = true;
         }
         if what == "Inspect frame" && self.workers.inspect.is_idle() {
-            self.state.failed_frame = self.plan.inspected_frame();
+            self.state.failed_frame = self.plan.inspect.as_ref().map(|key| key.frame);
             // Nothing goes on from here by itself.
             self.state.stopped |= self.state.inspected.is_none();
         }

@@ -34,18 +34,7 @@ pub(crate) struct Memory {
 
 impl Default for Memory {
     fn default() -> Self {
-        Self {
-            dark: true,
-            recent: Vec::new(),
-            settings: String::new(),
-            other_settings: String::new(),
-            is_b_on: false,
-            frames_per_second: 24.0,
-            show_cameras: true,
-            layout: String::new(),
-            introduced: false,
-            presets: Vec::new(),
-        }
+        Self::of(&State::default(), &Dock::new())
     }
 }
 

@@ -39,9 +39,8 @@ impl OverlookApp {
             Command::Rerun => {
                 self.state.stopped = false;
                 self.state.failed_frame = None;
-                self.plan.forget_frame();
-                self.plan.forget_whole();
-                self.plan.forget_accuracy();
+                (self.plan.inspect, self.plan.source) = (None, None);
+                (self.plan.whole, self.plan.measure) = (None, None);
                 self.plan.changed_at = None;
             }
             Command::Cancel => self.cancel(),
@@ -190,7 +189,7 @@ impl OverlookApp {
             self.state.accuracy = None;
         }
         if self.state.accuracy.is_none() {
-            self.plan.forget_accuracy();
+            self.plan.measure = None;
         }
         self.state.settings = settings;
     }
@@ -205,7 +204,7 @@ impl OverlookApp {
                 workers.whole.cancel();
                 if !self.state.is_whole_ready() {
                     self.state.stopped = true;
-                    self.plan.forget_whole();
+                    self.plan.whole = None;
                 }
             }
             StoppableWork::File => workers.file.cancel(),

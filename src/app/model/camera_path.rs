@@ -17,9 +17,7 @@ pub(crate) const NO_KEYS: &str =
 /// A place on the path.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SavedPathKey {
-    /// Where the view stands.
     pub rig: OrbitCamera,
-    /// The frame shown there.
     pub frame: usize,
 }
 

@@ -6,21 +6,13 @@ use crate::evaluate::sweep::Point;
 /// A quantity along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Quantity {
-    /// Closeness to the truth, dB.
     Psnr,
-    /// Structural similarity.
     Ssim,
-    /// Perceived difference.
     Flip,
-    /// Share of true pixels that got a sample.
     Coverage,
-    /// Bytes of the store.
     Bytes,
-    /// Samples kept.
     Samples,
-    /// Milliseconds of painting a view.
     Milliseconds,
-    /// Seconds of preprocessing.
     Seconds,
 }
 

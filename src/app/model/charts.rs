@@ -41,11 +41,9 @@ pub(crate) struct Charts {
     pub sweep: Vec<Point>,
     /// Points of the stress test, as they came.
     pub stress: Vec<StressPoint>,
-    /// The disturbance that is shown.
     pub disturbance: String,
     /// Along and up.
     axes: [Quantity; 2],
-    /// Whether something is being measured.
     pub studying: bool,
     /// What is being measured, or was last.
     study: Option<Study>,

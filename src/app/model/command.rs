@@ -20,7 +20,6 @@ use crate::settings::Settings;
 pub(crate) enum Command {
     /// Open a built-in scene by name.
     OpenDemo(String),
-    /// Open a capture or a store.
     OpenPath(PathBuf),
     /// Ask for a path by the system's dialog.
     AskPath(Purpose),
@@ -30,15 +29,13 @@ pub(crate) enum Command {
     TypedPath(String),
     /// Take the path in the field.
     TakeTypedPath,
-    /// Close the field.
     CloseTypedPath,
-    /// Forget the recent files.
     ForgetRecent,
-    /// Change a setting.
-    Set { path: &'static str, value: toml::Value },
-    /// Give a setting its default.
+    Set {
+        path: &'static str,
+        value: toml::Value,
+    },
     Reset(&'static str),
-    /// Give all settings their defaults.
     ResetAll,
     /// Take the settings of a preset, by its place in the list.
     Preset(usize),
@@ -50,9 +47,7 @@ pub(crate) enum Command {
     SavePreset(String),
     /// Forget a preset of one's own.
     RemovePreset(usize),
-    /// Take back the last change of a setting.
     Undo,
-    /// Do again what was taken back.
     Redo,
     /// Put the other of two settings on.
     SwitchSettings,
@@ -62,13 +57,10 @@ pub(crate) enum Command {
     Cancel,
     /// Close the topmost thing: a field, a message; else as `Cancel`.
     Escape,
-    /// Go to a frame.
     Frame(usize),
     /// Go some frames on or back, around the ends.
     Step(i64),
-    /// Play or pause.
     TogglePlay,
-    /// Frames per second of playback.
     FramesPerSecond(f32),
     /// Show another camera on the left.
     SourceCamera(usize),
@@ -85,16 +77,17 @@ pub(crate) enum Command {
     /// Nearer (below 1) or farther.
     Dolly(f64),
     /// Nearer to a point (below 1) or farther from it, which stays where it is on the screen.
-    DollyTo { factor: f64, point_in_world: DVec3 },
+    DollyTo {
+        factor: f64,
+        point_in_world: DVec3,
+    },
     /// Fly right, down, forward, in pivot distances.
     Fly(DVec3),
     /// Look from where a camera stood.
     JumpTo(usize),
     /// Back to the first vantage, and the left picture back to fit.
     Home,
-    /// What colors on the right tell.
     ColorBy(ColorBy),
-    /// Whether the cameras are drawn on the right.
     ShowCameras(bool),
     /// Size of the right view in pixels.
     LiveSize([u32; 2]),
@@ -102,7 +95,6 @@ pub(crate) enum Command {
     Dark(bool),
     /// Bring a view to the front.
     OpenView(DockView),
-    /// Put all views where they were at first.
     ResetLayout,
     /// Point at a pixel, or at nothing.
     Probe(Option<Spot>),
@@ -110,17 +102,14 @@ pub(crate) enum Command {
     Pin(bool),
     /// Show the point that is looked at in a camera's picture.
     ShowPointIn(usize),
-    /// Change how the comparison looks.
     Compare(Box<CompareLook>),
     /// Copy the argument for the pixel as text.
     CopyArgument,
-    /// Copy the picture of the live view.
     CopyPicture,
     /// Put the pixel that is looked at in the middle of the live view.
     FramePoint,
     /// Open, change or close the command palette.
     Palette(Option<CommandPalette>),
-    /// Open or close the sheet of keys.
     CheatSheet(bool),
     /// The introduction of the first run was read.
     Introduced,
@@ -128,9 +117,7 @@ pub(crate) enum Command {
     Stay,
     /// Close, or open something else, whatever is lost by it.
     GoOnAnyway,
-    /// Add a key to the camera path where the view stands.
     AddKey,
-    /// Take a key out of the camera path.
     RemoveKey(usize),
     /// Put a key of the camera path where the view stands.
     ReplaceKey(usize),
@@ -142,9 +129,7 @@ pub(crate) enum Command {
     PictureSize([u32; 2]),
     /// Play the camera path from its beginning, or stop.
     PlayPath(bool),
-    /// Measure: a sweep or a stress test.
     Study(Study),
-    /// What the chart's axes show.
     ChartAxes([Quantity; 2]),
     /// The disturbance that is shown.
     Disturbance(String),
@@ -159,7 +144,6 @@ pub(crate) enum Command {
 /// What is typed into the palette, and which entry is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct CommandPalette {
-    /// The text so far.
     pub text: String,
     /// Place of the chosen entry among those that match.
     pub chosen: usize,

@@ -15,27 +15,16 @@ use crate::settings::Settings;
 /// What one side shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum CompareSide {
-    /// The kept samples.
     Kept,
-    /// All samples, nothing pruned.
     Everything,
-    /// Settings A.
     A,
-    /// Settings B.
     B,
-    /// What a camera recorded there.
     Truth,
-    /// The kept samples, one pixel each.
     Point,
-    /// The kept samples, blended over 2×2 pixels.
     Block,
-    /// The kept samples as oriented footprints.
     Surfel,
-    /// The kept samples, surface first and color second.
     Gather,
-    /// The kept samples, by the processor.
     Cpu,
-    /// The kept samples, by the graphics adapter.
     Gpu,
 }
 
@@ -71,11 +60,8 @@ pub(crate) enum CompareVantage {
 /// How the two are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
-    /// One over the other, cut at a line.
     Wipe,
-    /// One at a time.
     Flip,
-    /// Where they differ.
     Difference,
 }
 
@@ -91,12 +77,9 @@ impl Mode {
 /// What the map of a difference shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) enum CompareMeasure {
-    /// The largest difference of a channel, 8-bit steps.
     #[default]
     Steps,
-    /// By how much the right side is brighter (or darker), 8-bit steps of luma.
     Brightness,
-    /// The difference that a person sees who flips between the two, 0 to 1.
     Flip,
 }
 
@@ -120,7 +103,6 @@ impl CompareMeasure {
 /// How the comparison looks.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CompareLook {
-    /// The sides.
     pub sides: [CompareSide; 2],
     /// From where.
     pub place: CompareVantage,
@@ -128,7 +110,6 @@ pub(crate) struct CompareLook {
     pub mode: Mode,
     /// Where the line is, as a share of the width.
     pub wipe: f32,
-    /// The part of the picture that is shown.
     pub part: PictureZoom,
     /// What the map of their difference shows.
     pub measure: CompareMeasure,
@@ -153,9 +134,7 @@ impl Default for CompareLook {
 /// What a comparison is made from; an equal key gives an equal comparison.
 #[derive(Clone)]
 pub(crate) struct CompareKey {
-    /// What is open.
     pub scene: Arc<OpenScene>,
-    /// The sides.
     pub sides: [CompareSide; 2],
     /// From where.
     pub place: CompareVantage,
@@ -203,7 +182,6 @@ pub(crate) struct ShownComparison {
     pub sides: [CompareSide; 2],
     /// From where.
     pub place: CompareVantage,
-    /// What came of it.
     pub comparison: PictureDifference,
     /// Left, right and difference on the graphics card.
     pub textures: [egui::TextureHandle; 3],

@@ -25,13 +25,11 @@ use crate::settings::Settings;
 /// Where in time.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Timeline {
-    /// Index of the frame shown.
     pub frame: usize,
     /// Whether it advances.
     pub playing: bool,
     /// Whether it will by itself, once all is known of what is open.
     pub will_play: bool,
-    /// How fast.
     pub frames_per_second: f32,
     /// Seconds since the last advance.
     pub elapsed_secs: f32,
@@ -40,9 +38,7 @@ pub(crate) struct Timeline {
 /// How the left view looks.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SourceLook {
-    /// The camera shown.
     pub camera: usize,
-    /// What is shown.
     pub overlay: Overlay,
     /// Sampling ratio against which camera.
     pub against: Option<usize>,
@@ -55,9 +51,7 @@ pub(crate) struct SourceLook {
 pub(crate) struct LiveLook {
     /// The virtual camera; `None` while nothing is open.
     pub rig: Option<OrbitCamera>,
-    /// What colors tell.
     pub color_by: ColorBy,
-    /// Whether cameras are drawn.
     pub show_cameras: bool,
     /// Size of the view in pixels.
     pub size: [u32; 2],
@@ -74,28 +68,19 @@ pub(crate) const SIDES: std::ops::RangeInclusive<u32> = 2..=16_384;
 /// Work that can be stopped, by the worker that does it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StoppableWork {
-    /// Opening a capture or a store.
     Open,
-    /// Pruning the whole capture.
     Whole,
-    /// Reading or writing a file.
     File,
-    /// Writing pictures or a film.
     Export,
-    /// A sweep or a stress test.
     Study,
-    /// A comparison.
     Compare,
-    /// Measuring accuracy.
     Measure,
 }
 
 /// Work that takes long enough to be watched.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Busy {
-    /// Which.
     pub work: StoppableWork,
-    /// How far it has come.
     pub progress: Progress,
     /// Whether cancelling it leaves something to be rerun.
     pub cancellable: bool,
@@ -107,7 +92,6 @@ pub(crate) struct Busy {
 pub(crate) struct ShownPicture<K, P> {
     /// What it was made from.
     pub key: K,
-    /// The picture.
     pub picture: Arc<P>,
     /// The picture on the graphics card.
     pub texture: Texture,
@@ -115,7 +99,6 @@ pub(crate) struct ShownPicture<K, P> {
 
 /// What the window knows.
 pub(crate) struct State {
-    /// What is open.
     pub scene: Option<Arc<OpenScene>>,
     /// What is being opened, in words.
     pub opening: Option<String>,
@@ -133,21 +116,15 @@ pub(crate) struct State {
     pub inspected: Option<Inspected>,
     /// Accuracy of `whole`.
     pub accuracy: Option<Accuracy>,
-    /// Where in time.
     pub timeline: Timeline,
-    /// The left view.
     pub source: SourceLook,
     /// The left picture.
     pub source_shown: Option<ShownPicture<SourceKey, SourcePicture>>,
-    /// The right view.
     pub live: LiveLook,
     /// The right picture.
     pub live_shown: Option<ShownPicture<LiveKey, LivePicture>>,
-    /// Messages.
     pub notices: Vec<Notice>,
-    /// What the inspector knows.
     pub inspector: Inspector,
-    /// A path being typed.
     pub typed_path: Option<TypedPath>,
     /// What is to be opened, while the question is whether what is lost by it may be.
     pub asks_to_open: Option<Command>,

@@ -29,7 +29,6 @@ pub(crate) struct InspectedPixel {
     pub spot: Option<Spot>,
     /// Whether it stays when the pointer goes.
     pub pinned: bool,
-    /// What there is to say.
     pub shown: Option<Arc<Probed>>,
 }
 
@@ -47,7 +46,6 @@ pub(crate) struct Closing {
 /// What the inspector knows.
 #[derive(Default)]
 pub(crate) struct Inspector {
-    /// The pixel that is looked at.
     pub probe: InspectedPixel,
     /// Every camera small, in the capture's order; empty before the first.
     pub thumbs: Vec<TextureHandle>,
@@ -55,21 +53,16 @@ pub(crate) struct Inspector {
     pub memory: Option<Vec<CameraMemory>>,
     /// The quantities that thresholds cut; empty before the first.
     pub histograms: Vec<ThresholdHistogram>,
-    /// Settings as they were.
     pub history: History,
     /// Settings of one's own to start from.
     pub presets: Vec<OwnPreset>,
     /// What a new preset is named so far, while it is named.
     pub naming: Option<String>,
-    /// How the comparison looks.
     pub compare: CompareLook,
-    /// The comparison that is shown.
     pub compared: Option<ShownComparison>,
     /// Why there is none.
     pub compare_trouble: Option<String>,
-    /// What was measured.
     pub charts: Charts,
-    /// The camera path.
     pub path: CameraPath,
     /// The command palette, while it is open.
     pub palette: Option<CommandPalette>,
@@ -81,11 +74,9 @@ pub(crate) struct Inspector {
     pub saved: Option<Settings>,
     /// What stands between the person and closing the window.
     pub closing: Closing,
-    /// What happened, the latest last.
     pub log: VecDeque<LogLine>,
     /// What could not be read of the open store, as far as it was told.
     pub told_damage: BTreeSet<String>,
-    /// What the window's own work takes.
     pub meter: Meter,
 }
 

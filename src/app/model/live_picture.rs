@@ -14,14 +14,10 @@ use crate::store::playback::Playback;
 /// What the colors of the right view tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) enum ColorBy {
-    /// The colors of the samples.
     #[default]
     Picture,
-    /// Which camera's sample is shown.
     Camera,
-    /// For how long the sample is stored.
     Span,
-    /// How densely samples lie beside the pixels of this view.
     SamplingRate,
 }
 
@@ -42,17 +38,13 @@ impl ColorBy {
 /// What a right picture was made from; a picture with an equal key is the same picture.
 #[derive(Clone)]
 pub(crate) struct LiveKey {
-    /// The scene.
     pub scene: u64,
-    /// The samples.
     pub samples: Arc<SampleSet>,
     /// What reads the frame's samples from a file, where they are not all in memory.
     pub playback: Option<Arc<Playback>>,
     /// Where from, and when.
     pub vantage: Vantage,
-    /// How.
     pub settings: RenderSettings,
-    /// What colors tell.
     pub color_by: ColorBy,
     /// Dark or light, as holes use a color of the theme.
     pub dark: bool,
@@ -90,11 +82,8 @@ pub(crate) struct LivePicture {
     pub samples: Arc<SampleSet>,
     /// Columns and rows.
     pub size: [usize; 2],
-    /// Its pixels.
     pub pixels: PixelSource,
-    /// What it took.
     pub stats: RenderStats,
-    /// What painted.
     pub painter: Painter,
     /// Why something else painted than was asked for.
     pub notice: Option<String>,
@@ -106,9 +95,7 @@ pub(crate) struct LivePicture {
 pub(crate) enum PixelSource {
     /// On the device that draws the window.
     OnAdapter(ScreenTexture),
-    /// In memory.
     InMemory {
-        /// As shown.
         image: Arc<ColorImage>,
         /// What the renderer gave: depths, and whose samples are shown.
         rendered: Arc<Picture>,

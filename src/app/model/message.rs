@@ -22,50 +22,110 @@ use crate::settings::Settings;
 pub(crate) enum Message {
     /// A capture, demo or store is open.
     Opened(Arc<OpenScene>),
-    /// The pass over all frames is done.
-    Scanned { scene: u64, scan: Arc<PreparedScan> },
+    Scanned {
+        scene: u64,
+        scan: Arc<PreparedScan>,
+    },
     /// The whole capture is pruned.
-    Pruned { scene: u64, settings: Settings, result: Arc<Preprocessed> },
+    Pruned {
+        scene: u64,
+        settings: Settings,
+        result: Arc<Preprocessed>,
+    },
     /// One frame is pruned, with reasons.
-    Inspected { scene: u64, inspected: Inspected },
+    Inspected {
+        scene: u64,
+        inspected: Inspected,
+    },
     /// One frame is ready for thresholds to be turned.
     Prepared,
-    /// The left picture.
-    SourcePainted { key: SourceKey, picture: Arc<SourcePicture> },
-    /// The right picture.
-    LivePainted { key: LiveKey, picture: Arc<LivePicture> },
+    SourcePainted {
+        key: SourceKey,
+        picture: Arc<SourcePicture>,
+    },
+    LivePainted {
+        key: LiveKey,
+        picture: Arc<LivePicture>,
+    },
     /// Accuracy at vantages with truth; `None` where there is none.
-    Measured { scene: u64, settings: Settings, accuracy: Option<Accuracy> },
+    Measured {
+        scene: u64,
+        settings: Settings,
+        accuracy: Option<Accuracy>,
+    },
     /// What there is to say about a pixel; `None` where there is nothing, or for a hole.
-    Probed { scene: u64, spot: Spot, probed: Option<Arc<Probed>>, is_hole: bool },
-    /// Every camera small.
-    Thumbnails { scene: u64, pictures: Vec<Arc<egui::ColorImage>> },
-    /// The quantities that thresholds cut.
-    Histograms { scene: u64, histograms: Vec<ThresholdHistogram> },
+    Probed {
+        scene: u64,
+        spot: Spot,
+        probed: Option<Arc<Probed>>,
+        is_hole: bool,
+    },
+    Thumbnails {
+        scene: u64,
+        pictures: Vec<Arc<egui::ColorImage>>,
+    },
+    Histograms {
+        scene: u64,
+        histograms: Vec<ThresholdHistogram>,
+    },
     /// Two pictures of one place, or why there are none.
-    Compared { key: Box<CompareKey>, outcome: Result<PictureDifference, String> },
-    /// What takes the memory.
-    MemoryMapped { scene: u64, cameras: Vec<CameraMemory> },
+    Compared {
+        key: Box<CompareKey>,
+        outcome: Result<PictureDifference, String>,
+    },
+    MemoryMapped {
+        scene: u64,
+        cameras: Vec<CameraMemory>,
+    },
     /// A file is written; `bytes` where it is a store, `holds` where that holds what was pruned of a scene, by which settings.
-    Saved { path: PathBuf, bytes: Option<u64>, holds: Option<(u64, Settings)> },
+    Saved {
+        path: PathBuf,
+        bytes: Option<u64>,
+        holds: Option<(u64, Settings)>,
+    },
     /// A point of a sweep, and how many are known, of how many.
-    Swept { scene: u64, point: Box<Point>, known: (usize, usize) },
+    Swept {
+        scene: u64,
+        point: Box<Point>,
+        known: (usize, usize),
+    },
     /// A point of a stress test, and how many are known, of how many.
-    Stressed { scene: u64, point: Box<StressPoint>, known: (usize, usize) },
+    Stressed {
+        scene: u64,
+        point: Box<StressPoint>,
+        known: (usize, usize),
+    },
     /// A sweep or a stress test is done.
     Studied,
     /// The pictures or the film of the camera path are written.
-    Exported { path: PathBuf, exported: Exported },
-    /// Settings were read from a file.
-    SettingsLoaded { path: PathBuf, settings: Settings },
+    Exported {
+        path: PathBuf,
+        exported: Exported,
+    },
+    SettingsLoaded {
+        path: PathBuf,
+        settings: Settings,
+    },
     /// A dialog was answered; `None` where it was closed.
-    PathChosen { purpose: Purpose, path: Option<PathBuf> },
+    PathChosen {
+        purpose: Purpose,
+        path: Option<PathBuf>,
+    },
     /// Whether something stands where something is to be written.
-    Looked { destination: Destination, taken: bool },
+    Looked {
+        destination: Destination,
+        taken: bool,
+    },
     /// A file, pictures or a film were given up as the person asked.
-    Stopped { title: &'static str, text: String },
+    Stopped {
+        title: &'static str,
+        text: String,
+    },
     /// A job failed or was cancelled.
-    Failed { what: &'static str, error: Error },
+    Failed {
+        what: &'static str,
+        error: Error,
+    },
 }
 
 impl Message {
@@ -85,16 +145,7 @@ impl Message {
             Self::SourcePainted { key, .. } => Some(key.scene),
             Self::LivePainted { key, .. } => Some(key.scene),
             Self::Compared { key, .. } => Some(key.scene.id),
-            Self::Opened(_)
-            | Self::Prepared
-            | Self::Saved { .. }
-            | Self::Studied
-            | Self::Exported { .. }
-            | Self::SettingsLoaded { .. }
-            | Self::PathChosen { .. }
-            | Self::Looked { .. }
-            | Self::Stopped { .. }
-            | Self::Failed { .. } => None,
+            _ => None,
         }
     }
 }

@@ -5,26 +5,20 @@ use std::time::Instant;
 /// How loud a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NoticeKind {
-    /// Something failed.
     Error,
-    /// Something is odd.
     Warning,
-    /// Something worked.
     Done,
 }
 
 /// A message to the person.
 #[derive(Clone, Debug)]
 pub(crate) struct Notice {
-    /// Identity.
     pub id: u64,
-    /// How loud.
     pub kind: NoticeKind,
     /// What was tried.
     pub title: String,
     /// What happened, and what to do.
     pub text: String,
-    /// When it came up.
     pub since: Instant,
     /// The scene it speaks of, with which it ends; `None` where it holds whatever is open.
     pub scene: Option<u64>,
@@ -32,11 +26,8 @@ pub(crate) struct Notice {
 
 /// A line of the log.
 pub(crate) struct LogLine {
-    /// When.
     pub at: Instant,
-    /// How loud.
     pub kind: NoticeKind,
-    /// What.
     pub text: String,
 }
 

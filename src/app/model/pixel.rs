@@ -16,29 +16,15 @@ use crate::samples::{SampleSet, Span};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Spot {
     /// A pixel of a camera.
-    Source {
-        /// Index of the camera.
-        camera: usize,
-        /// Column.
-        x: usize,
-        /// Row.
-        y: usize,
-    },
+    Source { camera: usize, x: usize, y: usize },
     /// A pixel of the live picture.
-    Live {
-        /// Column.
-        x: usize,
-        /// Row.
-        y: usize,
-    },
+    Live { x: usize, y: usize },
 }
 
 /// What the answer depends on.
 #[derive(Clone)]
 pub(crate) struct ProbeKey {
-    /// What is open.
     pub scene: Arc<OpenScene>,
-    /// Where.
     pub spot: Spot,
     /// The verdicts at the frame shown; `None` where there are none.
     pub inspection: Option<Arc<FrameInspection>>,
@@ -78,9 +64,7 @@ pub(crate) struct Probed {
     pub spot: Spot,
     /// The camera whose sample it is.
     pub camera: usize,
-    /// Column in that camera's picture.
     pub x: usize,
-    /// Row in that camera's picture.
     pub y: usize,
     /// The surface point; `None` at infinity and where there is no depth.
     pub point_in_world: Option<DVec3>,

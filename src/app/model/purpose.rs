@@ -9,7 +9,6 @@ pub(crate) enum Purpose {
     OpenFile,
     /// Open the folder of a capture.
     OpenFolder,
-    /// Write the store.
     SaveStore,
     /// Write the settings as TOML.
     SaveSettings,
@@ -55,18 +54,14 @@ impl Purpose {
 /// Somewhere to write, before anything is written there.
 #[derive(Clone, Debug)]
 pub(crate) struct Destination {
-    /// What is written.
     pub purpose: Purpose,
-    /// Where.
     pub path: PathBuf,
 }
 
 /// A path that is being typed.
 #[derive(Clone, Debug)]
 pub(crate) struct TypedPath {
-    /// What it is for.
     pub purpose: Purpose,
-    /// The text so far.
     pub text: String,
     /// Why the field is shown in place of the system's dialog, if it is.
     pub reason: Option<String>,

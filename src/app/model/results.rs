@@ -9,19 +9,14 @@ use crate::settings::{CaptureSettings, RenderSettings, Settings};
 
 /// The whole capture, pruned.
 pub(crate) struct Whole {
-    /// The kept samples.
     pub samples: Arc<SampleSet>,
-    /// The account.
     pub report: Arc<Report>,
-    /// The settings they came from.
     pub settings: Settings,
 }
 
 /// One frame, pruned, with reasons.
 pub(crate) struct Inspected {
-    /// The verdicts.
     pub inspection: Arc<FrameInspection>,
-    /// The settings they came from.
     pub settings: Settings,
     /// Whether it was known what is the same over all frames.
     pub with_scan: bool,
@@ -36,14 +31,12 @@ pub(crate) struct Accuracy {
     pub psnr_db: f64,
     /// Mean PSNR of all samples, nothing pruned, dB.
     pub unpruned_psnr_db: f64,
-    /// Vantages compared.
     pub views: usize,
 }
 
 /// Memory of one camera's samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct CameraMemory {
-    /// Samples.
     pub samples: u64,
     /// Bytes of samples that are stored for several frames.
     pub lasting_bytes: u64,

@@ -18,9 +18,7 @@ static NEXT_ID: AtomicU64 = AtomicU64::new(1);
 /// Where a scene came from.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Origin {
-    /// A built-in scene.
     Demo(String),
-    /// A file or folder.
     Path(PathBuf),
 }
 
@@ -28,7 +26,6 @@ pub(crate) enum Origin {
 pub(crate) enum Content {
     /// Source frames, to be pruned here.
     Capture {
-        /// The capture.
         capture: Box<Capture>,
         /// Vantages whose truth is known.
         truth: Vec<TruthView>,
@@ -50,13 +47,10 @@ pub(crate) enum Content {
 pub(crate) struct OpenScene {
     /// Differs between any two scenes that were ever open, so that late answers are recognized.
     pub id: u64,
-    /// Where it came from.
     pub origin: Origin,
     /// Name for titles.
     pub name: String,
-    /// Frames or samples.
     pub content: Content,
-    /// The cameras.
     pub cameras: Vec<Camera>,
     /// Number of each frame.
     pub frame_numbers: Vec<i64>,

@@ -10,22 +10,14 @@ use crate::preprocess::inspect::FrameInspection;
 /// What the left view shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) enum Overlay {
-    /// The picture as recorded.
     #[default]
     Color,
-    /// Depth.
     Depth,
-    /// Surface normals.
     Normals,
-    /// The sampling rate against another camera.
     SamplingRatio,
-    /// Which camera's sample stands for each pruned one.
     WhoWon,
-    /// Where the two rate models name different cameras.
     RateDisputes,
-    /// For how long samples are stored.
     Split,
-    /// What is kept in each tile of the store.
     Tiles,
 }
 
@@ -71,13 +63,9 @@ pub(crate) const MOTION: &str = "For how long samples are stored: once for all f
 /// What a left picture was made from; a picture with an equal key is the same picture.
 #[derive(Clone)]
 pub(crate) struct SourceKey {
-    /// The scene.
     pub scene: u64,
-    /// The camera.
     pub camera: usize,
-    /// The frame.
     pub frame: usize,
-    /// What is shown.
     pub overlay: Overlay,
     /// For the sampling ratio: against which camera, or the best other.
     pub against: Option<usize>,
@@ -103,17 +91,11 @@ pub(crate) enum Legend {
     /// Colors are colors.
     Plain,
     /// Depth from `near` to `far`, in the capture's unit.
-    Depth {
-        /// Nearest depth on the scale.
-        near: f32,
-        /// Farthest depth on the scale.
-        far: f32,
-    },
+    Depth { near: f32, far: f32 },
     /// log₂ r from −[`RATIO_RANGE`] to [`RATIO_RANGE`].
     Ratio,
     /// Pixels that each camera won, and those that were kept.
     Winners {
-        /// Kept pixels.
         kept: u64,
         /// Pixels lost to each camera.
         lost_to: Vec<u64>,
@@ -135,7 +117,6 @@ pub(crate) enum Legend {
         lasting: u64,
         /// Of this frame alone.
         foreground: u64,
-        /// Without depth.
         invalid: u64,
     },
     /// Kept share of each tile, 0 to 1.
@@ -151,6 +132,5 @@ pub(crate) struct SourcePicture {
     pub image: Arc<ColorImage>,
     /// Columns and rows of the picture itself.
     pub size: [usize; 2],
-    /// What they mean.
     pub legend: Legend,
 }

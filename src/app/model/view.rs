@@ -3,33 +3,19 @@
 /// Something to look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub(crate) enum DockView {
-    /// What a camera saw.
     Source,
-    /// What is left, from anywhere.
     Live,
-    /// Two pictures of one place.
     Compare,
-    /// Why one pixel stays or goes.
     Pixel,
-    /// Every camera as a thumbnail.
     Cameras,
-    /// Who stands for whom.
     Matrix,
-    /// What is stored for how long.
     Time,
-    /// What takes the memory.
     Memory,
-    /// The thresholds.
     Thresholds,
-    /// What was pruned, and why.
     Report,
-    /// Accuracy against cost.
     Tradeoff,
-    /// Accuracy against disturbances.
     Stability,
-    /// The camera path.
     Path,
-    /// What happened.
     Log,
 }
 

@@ -5,6 +5,7 @@ use egui::{RichText, Ui};
 use super::matrix::{self, PairCell};
 use crate::app::model;
 use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{note, weak};
 use crate::preprocess::diagnostics::{PairResiduals, Report, Residual};
 
 /// Residuals from here on are as light as can be, in footprints: a tenth of a footprint can be told from none.
@@ -17,8 +18,7 @@ pub(crate) fn ui(ui: &mut Ui, report: &Report) {
     let help = "How far samples of the row's camera lie off what the column's camera saw there, in pixel footprints. Where all of one camera's pairs are light, that camera is wrong.";
     let doubts = report.doubts();
     if doubts.is_empty() {
-        ui.label(RichText::new("No camera contradicts the others.").color(tokens.text_weak))
-            .on_hover_text(help);
+        weak(ui, "No camera contradicts the others.").on_hover_text(help);
     }
     for doubt in doubts {
         ui.label(RichText::new(model::sentence(&doubt)).color(tokens.warning)).on_hover_text(help);
@@ -37,8 +37,7 @@ fn residuals_ui(
     of: impl Fn(&PairResiduals) -> Option<Residual>,
     footprints: impl Fn(&Residual) -> f32,
 ) {
-    let tokens = Tokens::in_ui(ui);
-    ui.label(RichText::new(title).small().color(tokens.text_weak));
+    note(ui, title);
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
     matrix::ui(ui, &names, |row, column| {
         let residual = of(report.residuals.get(row)?.get(column)?)?;

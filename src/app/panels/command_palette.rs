@@ -6,7 +6,8 @@ use crate::app::control;
 use crate::app::model::{
     ColorBy, Command, CommandPalette, DockView, Overlay, PRESETS, Purpose, State, Study,
 };
-use crate::app::theme::{Tokens, space};
+use crate::app::theme::space;
+use crate::app::widgets::weak;
 use crate::demo::SCENES;
 use crate::settings::{Settings, ValueKind};
 
@@ -62,9 +63,8 @@ pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<
 }
 
 fn entries_ui(ui: &mut Ui, entries: &[PaletteEntry], chosen: usize) -> Option<usize> {
-    let tokens = Tokens::in_ui(ui);
     if entries.is_empty() {
-        ui.label(RichText::new("Nothing of that name.").color(tokens.text_weak));
+        weak(ui, "Nothing of that name.");
         return None;
     }
     let mut clicked = None;

@@ -1,17 +1,15 @@
 //! The memory that kept samples take: one bar per camera.
 
-use egui::{RichText, ScrollArea, Ui};
+use egui::{ScrollArea, Ui};
 use egui_material_icons::icons::ICON_MEMORY;
 
 use super::report::{share_ui, stale_ui};
 use crate::app::colormap;
 use crate::app::model::{self, CameraMemory, State};
-use crate::app::theme::Tokens;
-use crate::app::widgets::empty_ui;
+use crate::app::widgets::{empty_ui, note};
 
 /// The view.
 pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
-    let tokens = Tokens::in_ui(ui);
     let (Some(scene), Some(cameras)) = (&state.scene, &state.inspector.memory) else {
         let (title, text) = if state.scene.is_none() || state.has_capture() {
             ("No samples yet", "What the kept samples take is known once the whole capture is pruned.")
@@ -27,7 +25,7 @@ pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
     let bytes = |camera: &CameraMemory| camera.lasting_bytes + camera.frame_bytes;
     let total: u64 = cameras.iter().map(bytes).sum();
     let words = format!("{} of samples in memory, by camera.", model::bytes(total));
-    ui.label(RichText::new(words).small().color(tokens.text_weak));
+    note(ui, words);
     stale_ui(ui, state);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         for (index, (memory, camera)) in cameras.iter().zip(&scene.cameras).enumerate() {

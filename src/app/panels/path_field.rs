@@ -4,6 +4,7 @@ use egui::{Id, Key, Modal, RichText, TextEdit};
 
 use crate::app::model::{Command, Purpose, State, TypedPath};
 use crate::app::theme::{Tokens, space};
+use crate::app::widgets::weak;
 
 /// The question before something is replaced.
 fn replaced_words(typed: &TypedPath) -> String {
@@ -36,7 +37,7 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut V
         ui.set_width(480.0);
         ui.heading(title);
         if let Some(reason) = &typed.reason {
-            ui.label(RichText::new(reason).color(Tokens::in_ui(ui).text_weak));
+            weak(ui, reason);
         }
         ui.add_space(space::MEDIUM);
         let mut text = typed.text.clone();

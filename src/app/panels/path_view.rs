@@ -4,8 +4,8 @@ use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
 use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
 
 use crate::app::model::{Command, Purpose, SIDES, State};
-use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{empty_ui, icon_button};
+use crate::app::theme::space;
+use crate::app::widgets::{empty_ui, icon_button, weak};
 
 /// What the path can become.
 fn export_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -57,7 +57,6 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         });
         return;
     }
-    let tokens = Tokens::in_ui(ui);
     ui.horizontal(|ui| {
         if ui.button("Add key here (K)").clicked() {
             commands.push(Command::AddKey);
@@ -79,13 +78,12 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.add_enabled_ui(ready, |ui| export_menu_ui(ui, commands));
         let [width, height] = state.export_size();
         let facts = format!("{} pictures, {width}×{height}", path.pictures());
-        ui.label(RichText::new(facts).color(tokens.text_weak));
+        weak(ui, facts);
     });
     keys_ui(ui, state, commands);
 }
 
 fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let tokens = Tokens::in_ui(ui);
     let keys = &state.inspector.path.keys;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {
@@ -96,7 +94,7 @@ fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 }
                 let at = key.rig.world_from_camera.translation;
                 ui.label(RichText::new(format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z)).monospace());
-                ui.label(RichText::new(format!("frame {}", key.frame + 1)).color(tokens.text_weak));
+                weak(ui, format!("frame {}", key.frame + 1));
                 ui.horizontal(|ui| {
                     let here = format!("Put key {number} here");
                     if icon_button(ui, ICON_UPDATE, &here, "Put this key where the view stands now").clicked()

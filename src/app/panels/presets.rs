@@ -1,11 +1,11 @@
 //! Settings to start from: those that come along, one's own, and a field to name new ones.
 
-use egui::{Button, Id, Key, Modal, RichText, TextEdit, Ui};
+use egui::{Button, Id, Key, Modal, TextEdit, Ui};
 use egui_material_icons::icons::ICON_DELETE;
 
 use crate::app::model::{Command, PRESETS, State};
-use crate::app::theme::{Tokens, space};
-use crate::app::widgets::icon_button;
+use crate::app::theme::space;
+use crate::app::widgets::{icon_button, note, weak};
 
 /// The menu, as wide as there is room.
 pub(crate) fn menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -18,7 +18,7 @@ pub(crate) fn menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         }
         ui.separator();
-        ui.label(RichText::new("Your own").small().color(Tokens::in_ui(ui).text_weak));
+        note(ui, "Your own");
         for (index, (name, _)) in state.inspector.presets.iter().enumerate() {
             ui.horizontal(|ui| {
                 if ui.button(name).clicked() {
@@ -48,7 +48,7 @@ pub(crate) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<C
         let taken = state.inspector.presets.iter().any(|(known, _)| known == name.trim());
         let words =
             if taken { "This name is taken: its settings will be replaced." } else { "Under which name?" };
-        ui.label(RichText::new(words).color(Tokens::in_ui(ui).text_weak));
+        weak(ui, words);
         ui.add_space(space::MEDIUM);
         let mut text = name.clone();
         let field = TextEdit::singleline(&mut text).desired_width(f32::INFINITY).margin(egui::vec2(8.0, 6.0));

@@ -9,17 +9,14 @@ use super::matrix::{self, PairCell};
 use crate::app::colormap;
 use crate::app::model::{self, State};
 use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{note, weak};
 use crate::preprocess::diagnostics::{CameraReport, Report};
 
 /// The panel.
 pub(crate) fn report_ui(ui: &mut Ui, state: &State) {
     let Some(report) = state.report() else {
-        let tokens = Tokens::in_ui(ui);
         ui.add_space(space::MEDIUM);
-        ui.label(
-            RichText::new("The report appears here once the whole capture is pruned.")
-                .color(tokens.text_weak),
-        );
+        weak(ui, "The report appears here once the whole capture is pruned.");
         return;
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -94,7 +91,7 @@ fn rules_ui(ui: &mut Ui, report: &Report) {
     let mut rules: Vec<_> = report.pruned.iter().filter(|(_, count)| **count > 0).collect();
     rules.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
     if rules.is_empty() {
-        ui.label(RichText::new("Nothing was pruned.").color(tokens.text_weak));
+        weak(ui, "Nothing was pruned.");
     }
     for (rule, &count) in rules {
         let (words, help) = rule_words(rule);
@@ -140,12 +137,8 @@ pub(crate) fn share_ui(
 }
 
 fn matrix_ui(ui: &mut Ui, report: &Report) {
-    let tokens = Tokens::in_ui(ui);
     ui.heading("Who stands for whom");
-    ui.label(
-        RichText::new("Rows lose samples, columns keep the ones that stand for them.")
-            .color(tokens.text_weak),
-    );
+    weak(ui, "Rows lose samples, columns keep the ones that stand for them.");
     let most = report.witnesses.iter().flatten().copied().max().unwrap_or(0).max(1) as f32;
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
     matrix::ui(ui, &names, |loser, winner| {
@@ -178,7 +171,6 @@ fn measured(camera: &CameraReport) -> String {
 }
 
 fn cameras_ui(ui: &mut Ui, report: &Report) {
-    let tokens = Tokens::in_ui(ui);
     ui.heading("Cameras");
     Grid::new("cameras").num_columns(4).min_col_width(62.0).striped(true).spacing(Vec2::new(12.0, 4.0)).show(
         ui,
@@ -189,7 +181,7 @@ fn cameras_ui(ui: &mut Ui, report: &Report) {
                 ("Still", "Share of its pixels that are the same over all frames."),
                 ("Noise", "Measured color noise of still pixels, in 8-bit steps."),
             ] {
-                ui.label(RichText::new(title).small().color(tokens.text_weak)).on_hover_text(help);
+                note(ui, title).on_hover_text(help);
             }
             ui.end_row();
             let frames = report.foreground_per_frame.len().max(1) as u64;

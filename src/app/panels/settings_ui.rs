@@ -8,7 +8,7 @@ use crate::app::control::gave_up_number;
 use crate::app::model::setting_names::SECTIONS;
 use crate::app::model::{self, CUT, Command, SettingsSlot, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, icon_button};
+use crate::app::widgets::{choice_ui, icon_button, note, weak};
 use crate::settings::{Field, Settings, ValueKind};
 
 /// Width of the number beside a slider: as much as `65536` needs.
@@ -26,13 +26,12 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
             1 => "1 setting differs from its default".to_owned(),
             count => format!("{count} settings differ from their defaults"),
         };
-        ui.label(RichText::new(words).small().color(Tokens::in_ui(ui).text_weak));
+        note(ui, words);
     }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if !editable {
-            let tokens = Tokens::in_ui(ui);
             let text = "A store keeps the thresholds it was made with; only painting can be changed.";
-            ui.label(RichText::new(text).color(tokens.text_weak));
+            weak(ui, text);
         }
         for (section, heading, open) in SECTIONS {
             let fields: Vec<_> = fields_of(section).collect();
@@ -43,7 +42,7 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
                     if *section == "capture" {
                         let text =
                             "For captures that are opened from now on: the one that is open stays as it is.";
-                        ui.label(RichText::new(text).small().color(Tokens::in_ui(ui).text_weak));
+                        note(ui, text);
                     }
                     ui.add_enabled_ui(editable || *section == "render", |ui| {
                         for field in fields {
@@ -119,7 +118,6 @@ fn fields_of(section: &str) -> impl Iterator<Item = &'static Field> {
 
 fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, commands: &mut Vec<Command>) {
     let Some((value, default)) = values.of_field(field) else { return };
-    let tokens = Tokens::in_ui(ui);
     let (section, name) = field.path.split_once('.').unwrap_or(("", field.path));
     let full_name = model::words(&format!("{section} {name}"));
     let name = model::words(name);
@@ -130,7 +128,7 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
         ui.add_space(2.0);
         ui.horizontal(|ui| {
             ui.label(RichText::new(&name)).on_hover_text(field.help);
-            ui.label(RichText::new(field.unit).small().color(tokens.text_weak)).on_hover_text(field.help);
+            note(ui, field.unit).on_hover_text(field.help);
             if let (ValueKind::Switch, toml::Value::Boolean(on)) = (field.kind, value) {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     ui.add_space(space::MEDIUM);

@@ -6,7 +6,7 @@ use egui_material_icons::icons::ICON_TIMELINE;
 use crate::app::colormap::sequential;
 use crate::app::model::{self, Command, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::empty_ui;
+use crate::app::widgets::{empty_ui, note};
 use crate::preprocess::diagnostics::SpanReport;
 
 /// Room for the names of the rows.
@@ -24,7 +24,7 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let caption =
             "Samples by the span of frames they are stored for; light is many. Click to go to a frame.";
-        ui.label(RichText::new(caption).small().color(tokens.text_weak));
+        note(ui, caption);
         if state.is_stale() {
             ui.label(RichText::new("Out of date.").small().color(tokens.warning));
         }

@@ -5,7 +5,7 @@ use egui_material_icons::icons::{ICON_PAUSE, ICON_PLAY_ARROW, ICON_SKIP_NEXT, IC
 
 use crate::app::model::{self, Command, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::icon_button;
+use crate::app::widgets::{icon_button, weak};
 
 /// The area.
 pub(crate) fn timeline_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -16,7 +16,6 @@ pub(crate) fn timeline_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
 }
 
 fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let tokens = Tokens::in_ui(ui);
     let timeline = &state.timeline;
     if icon_button(ui, ICON_SKIP_PREVIOUS, "Step back", "Step back (,)").clicked() {
         commands.push(Command::Step(-1));
@@ -51,7 +50,7 @@ fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
             None => "bars show what does not hold for all frames, once the capture is pruned".to_owned(),
         };
-        ui.label(RichText::new(caption).color(tokens.text_weak));
+        weak(ui, caption);
     });
 }
 

@@ -8,7 +8,7 @@ use egui_material_icons::icons::{
 
 use crate::app::model::{self, Command, CommandPalette, DockView, Origin, Purpose, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::icon_button;
+use crate::app::widgets::{icon_button, note, weak};
 use crate::demo::SCENES;
 
 /// The bar at the top.
@@ -81,7 +81,7 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             return;
         }
         ui.separator();
-        ui.label(RichText::new("Recent").small().color(Tokens::in_ui(ui).text_weak));
+        note(ui, "Recent");
         for path in &state.recent {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
             if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
@@ -148,7 +148,6 @@ fn views_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
 }
 
 fn title_ui(ui: &mut Ui, state: &State) {
-    let tokens = Tokens::in_ui(ui);
     let Some(scene) = &state.scene else { return };
     let kind = match (&scene.origin, scene.capture().is_some()) {
         (Origin::Demo(_), _) => "built-in capture",
@@ -164,7 +163,7 @@ fn title_ui(ui: &mut Ui, state: &State) {
         scene.frame_count(),
         if scene.frame_count() == 1 { "frame" } else { "frames" },
     );
-    let response = ui.label(RichText::new(facts).color(tokens.text_weak));
+    let response = weak(ui, facts);
     if let Origin::Path(path) = &scene.origin {
         response.on_hover_text(path.display().to_string());
     }

@@ -8,7 +8,7 @@ use crate::app::colormap;
 use crate::app::model::verdict_text as words;
 use crate::app::model::{self, Command, OpenScene, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::empty_ui;
+use crate::app::widgets::{self, empty_ui, waiting};
 
 /// Height of the two lines below a thumbnail.
 const CAPTION: f32 = 34.0;
@@ -55,10 +55,9 @@ fn card_ui(
     painter.rect_filled(picture, 4.0, tokens.canvas);
     let texture = state.inspector.thumbs.get(index);
     if let Some(texture) = texture {
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(texture.id(), picture, whole, egui::Color32::WHITE);
+        widgets::picture(&painter, texture.id(), picture);
     } else {
-        egui::Spinner::new().paint_at(ui, Rect::from_center_size(picture.center(), vec2(18.0, 18.0)));
+        waiting(ui, picture, 18.0);
     }
     let selected = index == state.source.camera;
     if selected || response.hovered() {

@@ -20,11 +20,8 @@ const MARK: f32 = 12.0;
 /// What an entry of the legend shows.
 #[derive(Clone, Copy)]
 pub(crate) enum Mark {
-    /// Points of one shape.
     Points(MarkerShape),
-    /// A line.
     Line,
-    /// A ring.
     Ring,
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use egui::{RichText, Ui};
+use egui::Ui;
 use egui_material_icons::icons::ICON_SCATTER_PLOT;
 use egui_plot::{Line, Plot, Points};
 
@@ -11,7 +11,7 @@ use crate::app::colormap;
 use crate::app::model::setting_names;
 use crate::app::model::{self, Command, Quantity, State, Study, point_name, series_name, settings_alone};
 use crate::app::theme::Tokens;
-use crate::app::widgets::choice_ui;
+use crate::app::widgets::{choice_ui, weak};
 use crate::evaluate::sweep::{Point, Series};
 
 /// Names of the line and of the ring in the chart.
@@ -78,7 +78,7 @@ fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let quantities: Vec<_> =
             Quantity::ALL.iter().map(|(of, name, _)| (*of, (*name).to_owned(), String::new())).collect();
         for (index, caption, name) in [(0, "Along", "Along axis"), (1, "Up", "Up axis")] {
-            ui.label(RichText::new(caption).color(Tokens::in_ui(ui).text_weak));
+            weak(ui, caption);
             if let Some(quantity) = choice_ui(ui, name, axes[index], &quantities, 124.0) {
                 let mut axes = axes;
                 axes[index] = quantity;

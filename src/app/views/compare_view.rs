@@ -1,6 +1,6 @@
 //! Two pictures of one place: wiped over each other, flipped, or as their difference. One zoom for both.
 
-use egui::{Align2, Key, Rect, RichText, Sense, Stroke, Ui, Vec2, pos2, vec2};
+use egui::{Align2, Key, Rect, RichText, Sense, Stroke, Ui, Vec2, vec2};
 use egui_material_icons::icons::{ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
 use super::legend;
@@ -10,7 +10,7 @@ use crate::app::model::{
     PictureDifference, PictureZoom, ShownComparison, State,
 };
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, empty_ui, icon_button, scrolled, segments_ui};
+use crate::app::widgets::{self, choice_ui, empty_ui, icon_button, scrolled, segments_ui, waiting};
 
 /// Height of the lines below the picture.
 const FOOTER: f32 = 48.0;
@@ -104,7 +104,7 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
     let painter = ui.painter_at(canvas);
     painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.canvas);
     let Some(compared) = &state.inspector.compared else {
-        egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+        waiting(ui, canvas, 28.0);
         return None;
     };
     let size = Vec2::from(compared.comparison.images[0].size.map(|side| side as f32));
@@ -123,7 +123,7 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
     };
     if !is_of(compared, look) {
         painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.scrim);
-        egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+        waiting(ui, canvas, 28.0);
     }
     let (left, right) = (canvas.left_top() + vec2(6.0, 6.0), canvas.right_top() + vec2(-6.0, 6.0));
     for (index, (texture, _)) in parts.iter().enumerate() {
@@ -166,12 +166,11 @@ fn draw(
     compared: &ShownComparison,
     parts: &[(usize, [f32; 2])],
 ) {
-    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
     let column = |share: f32| canvas.left() + canvas.width() * share;
     for (texture, [from, to]) in parts {
         let clip = Rect::from_x_y_ranges(column(*from)..=column(*to), canvas.y_range());
         let texture = compared.textures[*texture].id();
-        painter.with_clip_rect(clip).image(texture, picture, whole, egui::Color32::WHITE);
+        widgets::picture(&painter.with_clip_rect(clip), texture, picture);
     }
     for (_, [from, _]) in parts.iter().skip(1) {
         for (width, color) in [(3.0, egui::Color32::BLACK), (1.5, egui::Color32::WHITE)] {

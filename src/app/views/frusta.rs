@@ -10,7 +10,6 @@ const NEAR: f64 = 1e-3;
 
 /// A camera's pyramid as line segments in the live picture's pixels, and where its name belongs.
 pub(crate) struct Frustum {
-    /// Line segments.
     pub lines: Vec<[Pos2; 2]>,
     /// The apex, where it is in view.
     pub apex: Option<Pos2>,

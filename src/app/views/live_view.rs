@@ -1,6 +1,6 @@
 //! The right view: what is left of the capture, seen from anywhere.
 
-use egui::{PointerButton, Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
+use egui::{PointerButton, Rect, RichText, Sense, Ui, vec2};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
@@ -11,7 +11,7 @@ use crate::app::colormap;
 use crate::app::model::verdict_text as words;
 use crate::app::model::{self, ColorBy, Command, Spot, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, icon_button, scrolled, segments_ui};
+use crate::app::widgets::{choice_ui, icon_button, picture, scrolled, segments_ui, waiting};
 
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
@@ -80,10 +80,9 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Vec<Comma
         commands.push(Command::LiveSize(size));
     }
     if let Some(shown) = &state.live_shown {
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(shown.texture.id(), canvas, whole, egui::Color32::WHITE);
+        picture(&painter, shown.texture.id(), canvas);
     } else if !state.is_frame_failed() {
-        egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+        waiting(ui, canvas, 28.0);
     }
     if state.live.show_cameras {
         cameras_overlay(ui, &painter, canvas, state);

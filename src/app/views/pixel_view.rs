@@ -7,7 +7,7 @@ use crate::app::colormap;
 use crate::app::model::verdict_text as words;
 use crate::app::model::{Command, OpenScene, Probed, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{empty_ui, icon_button};
+use crate::app::widgets::{empty_ui, icon_button, note, weak};
 use crate::preprocess::inspect::CameraEvidence;
 
 /// Width of the summary beside the table.
@@ -115,7 +115,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         None => Some("Infinitely far, or without depth".to_owned()),
     };
     if let Some(point) = point {
-        ui.label(RichText::new(point).small().color(tokens.text_weak));
+        note(ui, point);
     }
     spans_ui(ui, state, probed);
 }
@@ -134,7 +134,7 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
             format!("Stored for {stored} of {frames} frames, by {} {samples}", spans.len())
         }
     };
-    ui.label(RichText::new(&caption).small().color(tokens.text_weak));
+    note(ui, &caption);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 14.0), Sense::hover());
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 3.0, tokens.raised);
@@ -164,13 +164,9 @@ fn dot_ui(ui: &mut Ui, camera: usize) {
 }
 
 fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Vec<Command>) {
-    let tokens = Tokens::in_ui(ui);
     let Some(argument) = &probed.argument else { return };
     if argument.testimonies.is_empty() {
-        ui.label(
-            RichText::new("The pixel has no depth, so no camera can be asked about it.")
-                .color(tokens.text_weak),
-        );
+        weak(ui, "The pixel has no depth, so no camera can be asked about it.");
         return;
     }
     let narrow = ui.available_width() < TABLE;
@@ -184,7 +180,7 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, comm
     }
     Grid::new("testimonies").striped(true).spacing(spacing).min_row_height(row).show(ui, |ui| {
         for (name, help) in COLUMNS {
-            ui.label(RichText::new(name).small().color(tokens.text_weak)).on_hover_text(help);
+            note(ui, name).on_hover_text(help);
         }
         ui.end_row();
         for row in &argument.testimonies {

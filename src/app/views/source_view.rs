@@ -1,12 +1,12 @@
 //! The left view: what a camera saw, and what became of each of its pixels.
 
-use egui::{Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
+use egui::{Rect, Sense, Ui, Vec2, vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
 
 use super::{legend, marks, readout};
 use crate::app::model::{Command, Legend, Overlay, PictureZoom, Purpose, Spot, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, empty_ui, scrolled, segments_ui};
+use crate::app::widgets::{self, choice_ui, empty_ui, scrolled, segments_ui, waiting, weak};
 use crate::grid::Grid;
 use crate::samples::TILE;
 
@@ -68,7 +68,7 @@ pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>
         if let Some(against) = choice_ui(ui, "Against", state.source.against, &others, CAMERA_LIST) {
             commands.push(Command::Against(against));
         }
-        ui.label(RichText::new("vs").color(Tokens::in_ui(ui).text_weak));
+        weak(ui, "vs");
     }
     if let Some(camera) = choice_ui(ui, "Source camera", state.source.camera, &cameras, CAMERA_LIST) {
         commands.push(Command::SourceCamera(camera));
@@ -89,7 +89,7 @@ fn picture_ui(
     painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.canvas);
     let Some(shown) = &state.source_shown else {
         if !state.is_frame_failed() {
-            egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+            waiting(ui, canvas, 28.0);
         }
         return None;
     };
@@ -98,8 +98,7 @@ fn picture_ui(
     let scale = (canvas.width() / size.x).min(canvas.height() / size.y) * part.zoom;
     let drawn = size * scale;
     let picture = Rect::from_min_size(canvas.center() - drawn * part.center, drawn);
-    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    painter.image(shown.texture.id(), picture, whole, egui::Color32::WHITE);
+    widgets::picture(&painter, shown.texture.id(), picture);
     if let Legend::Tiles(shares) = &shown.picture.legend {
         legend::tile_shares(&painter, picture, size, shares, tokens);
     }

@@ -30,7 +30,6 @@ pub(crate) struct PruneRequest {
     pub scene: Arc<OpenScene>,
     /// The pass over all frames, where it is done.
     pub scan: Option<Arc<PreparedScan>>,
-    /// With which settings.
     pub settings: Settings,
     /// The frame; of no meaning for the whole capture.
     pub frame: usize,
@@ -42,22 +41,34 @@ pub(crate) struct MeasureRequest {
     pub scene: Arc<OpenScene>,
     /// What was kept.
     pub samples: Arc<SampleSet>,
-    /// With which settings.
     pub settings: Settings,
 }
 
 /// A file to read or write.
 pub(crate) enum FileRequest {
     /// Write what was pruned of a scene as a store.
-    SaveStore { path: PathBuf, scene: Arc<OpenScene>, samples: Arc<SampleSet>, report: Arc<Report> },
+    SaveStore {
+        path: PathBuf,
+        scene: Arc<OpenScene>,
+        samples: Arc<SampleSet>,
+        report: Arc<Report>,
+    },
     /// The open store again, under another name.
-    SaveAgain { path: PathBuf, playback: Arc<Playback> },
-    /// Write settings.
-    SaveSettings { path: PathBuf, settings: Settings },
-    /// Write a picture.
-    SavePicture { path: PathBuf, picture: Arc<egui::ColorImage> },
-    /// Read settings.
-    LoadSettings { path: PathBuf },
+    SaveAgain {
+        path: PathBuf,
+        playback: Arc<Playback>,
+    },
+    SaveSettings {
+        path: PathBuf,
+        settings: Settings,
+    },
+    SavePicture {
+        path: PathBuf,
+        picture: Arc<egui::ColorImage>,
+    },
+    LoadSettings {
+        path: PathBuf,
+    },
 }
 
 impl FileRequest {
@@ -89,7 +100,6 @@ pub(crate) struct HistogramRequest {
 pub(crate) struct StudyRequest {
     /// What is open, a capture.
     pub scene: Arc<OpenScene>,
-    /// What is measured.
     pub study: Study,
     /// The settings to start from.
     pub settings: Settings,
@@ -101,14 +111,10 @@ pub(crate) struct StudyRequest {
 
 /// What is exported.
 pub(crate) struct ExportRequest {
-    /// The path.
     pub path: CameraPath,
-    /// What is painted.
     pub reel: Reel,
-    /// How.
     pub settings: RenderSettings,
     /// Columns and rows of the pictures.
     pub size: [u32; 2],
-    /// As what.
     pub target: ExportTarget,
 }

@@ -22,9 +22,9 @@ const DEBOUNCE: Duration = Duration::from_millis(400);
 const REST: Duration = Duration::from_millis(200);
 
 #[derive(Clone, PartialEq)]
-struct InspectKey {
+pub(crate) struct InspectKey {
     scene: u64,
-    frame: usize,
+    pub frame: usize,
     method: Settings,
     /// Whether there is a scan, and whether it serves the settings or is shown until one does.
     scan_serves: Option<bool>,
@@ -40,22 +40,22 @@ fn prune_request(state: &State, scene: &Arc<OpenScene>) -> PruneRequest {
     }
 }
 
-/// What was asked for last, per worker.
+/// What each worker was asked for last; what is `None` is asked for again.
 #[derive(Default)]
 pub(crate) struct Scheduled {
-    inspect: Option<InspectKey>,
+    pub inspect: Option<InspectKey>,
     prepare: Option<InspectKey>,
     /// When an inspection was last asked for.
     inspect_at: Option<Instant>,
-    source: Option<SourceKey>,
+    pub source: Option<SourceKey>,
     live: Option<LiveKey>,
     /// Where the live view looks from and when, as it is painted in motion.
     place: Option<Vantage>,
     /// Whether it is painted otherwise once it rests.
     live_will_change: bool,
-    whole: Option<(u64, Settings)>,
-    measure: Option<(Arc<SampleSet>, Settings)>,
-    probe: Option<ProbeKey>,
+    pub whole: Option<(u64, Settings)>,
+    pub measure: Option<(Arc<SampleSet>, Settings)>,
+    pub probe: Option<ProbeKey>,
     thumbs: Option<Arc<FrameInspection>>,
     memory: Option<Arc<SampleSet>>,
     histograms: Option<(Arc<FrameInspection>, bool)>,
@@ -67,32 +67,6 @@ pub(crate) struct Scheduled {
 }
 
 impl Scheduled {
-    /// Forgets that the whole capture was asked for, so that it is asked for again.
-    pub(crate) fn forget_whole(&mut self) {
-        self.whole = None;
-    }
-
-    /// Forgets that the frame shown was asked for, so that it is asked for again.
-    pub(crate) fn forget_frame(&mut self) {
-        self.inspect = None;
-        self.source = None;
-    }
-
-    /// Forgets that the pixel was asked about, so that it is asked about again.
-    pub(crate) fn forget_probe(&mut self) {
-        self.probe = None;
-    }
-
-    /// The frame whose inspection was asked for last.
-    pub(crate) fn inspected_frame(&self) -> Option<usize> {
-        self.inspect.as_ref().map(|key| key.frame)
-    }
-
-    /// Forgets that accuracy was asked for, so that it is asked for again.
-    pub(crate) fn forget_accuracy(&mut self) {
-        self.measure = None;
-    }
-
     /// Whether everything that the state calls for was asked for and came back, whole-capture work aside where the person
     /// stopped it.
     pub(crate) fn is_settled(&self, state: &State) -> bool {

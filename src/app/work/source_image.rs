@@ -4,11 +4,10 @@ use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
 
-use crate::app::colormap::{camera as camera_color, dimmed, diverging, mix, sequential};
+use crate::app::colormap::{camera as camera_color, dimmed, diverging, mix, recorded, sequential};
 use crate::app::model::{Legend, Message, OpenScene, Overlay, RATIO_RANGE, SourceKey, SourcePicture};
 use crate::app::theme::Tokens;
 use crate::capture::Frame;
-use crate::color::steps_from_linear;
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::preprocess::inspect::{CameraInspection, PixelClass};
@@ -39,7 +38,7 @@ pub(crate) fn paint_source(
 
 fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
     let tokens = Tokens::of(key.dark);
-    let picture = frame.color.map(|c| display_color(*c));
+    let picture = frame.color.map(|c| recorded(*c));
     let verdicts = key.inspection.as_ref().map(|inspection| &inspection.cameras[key.camera]);
     let (pixels, legend) = match (key.overlay, verdicts) {
         (Overlay::Depth, _) => depth(frame, tokens),
@@ -66,11 +65,6 @@ fn thinned(pixels: Grid<Color32>) -> Grid<Color32> {
     Grid::from_fn(pixels.width().div_ceil(step), pixels.height().div_ceil(step), |x, y| {
         pixels[(x * step, y * step)]
     })
-}
-
-fn display_color(linear: [half::f16; 3]) -> Color32 {
-    let [r, g, b] = linear.map(|c| steps_from_linear(c).clamp(0.0, 255.0).round() as u8);
-    Color32::from_rgb(r, g, b)
 }
 
 fn depth(frame: &Frame, tokens: &Tokens) -> (Grid<Color32>, Legend) {
@@ -124,13 +118,18 @@ fn who_won(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) 
             dropped += 1;
             return tokens.hole;
         }
-        if lost_to.len() <= winner {
-            lost_to.resize(winner + 1, 0);
-        }
-        lost_to[winner] += 1;
+        count(&mut lost_to, winner);
         mix(dimmed(own, 0.8), camera_color(winner), 0.72)
     });
     (pixels, Legend::Winners { kept, lost_to, dropped })
+}
+
+/// Counts one more pixel for a camera.
+fn count(pixels: &mut Vec<u64>, camera: usize) {
+    if pixels.len() <= camera {
+        pixels.resize(camera + 1, 0);
+    }
+    pixels[camera] += 1;
 }
 
 fn rate_disputes(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Color32>, Legend) {
@@ -141,10 +140,7 @@ fn rate_disputes(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Co
             agreed += 1;
             return dimmed(picture[(x, y)], 0.35);
         };
-        if won_by.len() <= winner {
-            won_by.resize(winner + 1, 0);
-        }
-        won_by[winner] += 1;
+        count(&mut won_by, winner);
         mix(picture[(x, y)], camera_color(winner), 0.72)
     });
     (pixels, Legend::RateDisputes { agreed, won_by })

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, ColorImage};
+use egui::ColorImage;
 
-use crate::app::colormap::dimmed;
-use crate::color::steps_from_linear;
+use crate::app::colormap::{dimmed, recorded};
 use crate::preprocess::inspect::{CameraInspection, FrameInspection};
 
 /// Largest side of a thumbnail, pixels.
@@ -26,9 +25,7 @@ fn thumbnail(camera: &CameraInspection) -> ColorImage {
     let mut pixels = Vec::with_capacity(size[0] * size[1]);
     for y in (0..height).step_by(step) {
         for x in (0..width).step_by(step) {
-            let linear = camera.frame.color[(x, y)];
-            let [r, g, b] = linear.map(|c| steps_from_linear(c).clamp(0.0, 255.0).round() as u8);
-            let own = Color32::from_rgb(r, g, b);
+            let own = recorded(camera.frame.color[(x, y)]);
             pixels.push(if camera.verdict[(x, y)].is_kept() { own } else { dimmed(own, DIMMED) });
         }
     }

@@ -21,39 +21,26 @@ use crate::samples::SampleSet;
 
 /// The workers.
 pub(crate) struct Workers {
-    /// Opening.
     pub open: Worker<OpenRequest>,
     /// The whole capture: scan, then prune.
     pub whole: Worker<PruneRequest>,
-    /// One frame.
     pub inspect: Worker<PruneRequest>,
     /// The same frame, before a threshold is turned.
     pub prepare: Worker<PruneRequest>,
-    /// The left picture.
     pub source: Worker<(Arc<OpenScene>, SourceKey)>,
-    /// The right picture.
     pub live: Worker<LiveKey>,
-    /// Accuracy.
     pub measure: Worker<MeasureRequest>,
-    /// Files.
     pub file: Worker<FileRequest>,
     /// The system's dialogs, and the name that they suggest.
     pub dialog: Worker<(Purpose, String)>,
     /// What stands where something is to be written.
     pub look: Worker<Destination>,
-    /// What is known of a pixel.
     pub probe: Worker<ProbeKey>,
-    /// Every camera small.
     pub thumbs: Worker<(u64, Arc<FrameInspection>)>,
-    /// Memory by camera.
     pub memory: Worker<(u64, Arc<SampleSet>)>,
-    /// The quantities that thresholds cut.
     pub histograms: Worker<HistogramRequest>,
-    /// Two pictures of one place.
     pub compare: Worker<Box<CompareKey>>,
-    /// The pictures of the camera path.
     pub export: Worker<ExportRequest>,
-    /// Sweeps and stress tests.
     pub study: Worker<StudyRequest>,
 }
 
