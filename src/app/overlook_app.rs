@@ -176,58 +176,58 @@ impl OverlookApp {
         self.state.notices.iter().map(|notice| format!("{}: {}", notice.title, notice.text)).collect()
     }
 
-    fn advance_time(&mut self, ctx: &egui::Context) {
+    fn advance_time(&mut self) {
         if !self.state.timeline.playing {
             return;
         }
         let timeline = &mut self.state.timeline;
         let period = 1.0 / timeline.frames_per_second;
-        timeline.elapsed_secs += ctx.input(|input| input.unstable_dt).min(0.5);
+        timeline.elapsed_secs += self.ctx.input(|input| input.unstable_dt).min(0.5);
         let frames = (timeline.elapsed_secs / period) as i64;
         timeline.elapsed_secs -= frames as f32 * period;
         let wait = (period - timeline.elapsed_secs).max(0.0);
         if frames > 0 {
             self.apply(Command::Step(frames));
         }
-        ctx.request_repaint_after(Duration::from_secs_f32(wait));
+        self.ctx.request_repaint_after(Duration::from_secs_f32(wait));
     }
 
     /// Moves along the camera path, at the frame rate of the timeline.
-    fn advance_path(&mut self, ctx: &egui::Context) {
+    fn advance_path(&mut self) {
         let path = &mut self.state.inspector.path;
         let Some(picture) = path.playing else { return };
         let Some(key) = path.at(picture) else { return };
-        let next =
-            picture + ctx.input(|input| input.unstable_dt).min(0.5) * self.state.timeline.frames_per_second;
+        let next = picture
+            + self.ctx.input(|input| input.unstable_dt).min(0.5) * self.state.timeline.frames_per_second;
         path.playing = (picture < path.pictures() as f32 - 1.0).then_some(next);
         self.stand_at(key);
-        ctx.request_repaint();
+        self.ctx.request_repaint();
     }
 
     /// Asks before the window closes with something unsaved, half written or half measured.
-    fn watch_closing(&mut self, ctx: &egui::Context) {
+    fn watch_closing(&mut self) {
         let is_unsaved = self.state.is_unsaved();
         let inspector = &mut self.state.inspector;
         let closing = &mut inspector.closing;
         closing.writing = !self.workers.file.is_idle() || !self.workers.export.is_idle();
-        if closing.anyway || !ctx.input(|input| input.viewport().close_requested()) {
+        if closing.anyway || !self.ctx.input(|input| input.viewport().close_requested()) {
             return;
         }
         if is_unsaved || inspector.closing.writing || inspector.losses().is_some() {
-            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             inspector.closing.asks = true;
         }
     }
 
-    fn take_dropped_files(&mut self, ctx: &egui::Context) {
+    fn take_dropped_files(&mut self) {
         let dropped =
-            ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
+            self.ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
         if let Some(path) = dropped {
             self.apply(Command::OpenPath(path));
         }
     }
 
-    pub(super) fn watch_work(&mut self, ctx: &egui::Context) {
+    pub(super) fn watch_work(&mut self) {
         let workers = &self.workers;
         let watched = [
             (StoppableWork::Open, workers.open.progress(), true),
@@ -251,14 +251,14 @@ impl OverlookApp {
         let busy = &self.state.busy;
         self.stages.retain(|stage, _| busy.iter().any(|busy| busy.progress.stage == *stage));
         if !self.state.busy.is_empty() {
-            ctx.request_repaint_after(WATCH);
+            self.ctx.request_repaint_after(WATCH);
         }
         let before = self.state.notices.len();
         self.state
             .notices
             .retain(|notice| notice.kind != NoticeKind::Done || notice.since.elapsed() < DONE_STAYS);
         if before > 0 {
-            ctx.request_repaint_after(Duration::from_secs(1));
+            self.ctx.request_repaint_after(Duration::from_secs(1));
         }
     }
 }
@@ -267,19 +267,19 @@ impl eframe::App for OverlookApp {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         let watch = Stopwatch::start();
         while let Ok(message) = self.inbox.try_recv() {
-            self.receive(message, ctx);
+            self.receive(message);
         }
         for command in std::mem::take(&mut self.commands) {
             self.apply(command);
         }
-        self.take_dropped_files(ctx);
-        self.advance_time(ctx);
-        self.advance_path(ctx);
-        self.watch_closing(ctx);
+        self.take_dropped_files();
+        self.advance_time();
+        self.advance_path();
+        self.watch_closing();
         if let Some(wait) = self.plan.ask(&self.state, &self.dock.visible(), &self.workers) {
             ctx.request_repaint_after(wait);
         }
-        self.watch_work(ctx);
+        self.watch_work();
         let theme = if self.state.dark { egui::Theme::Dark } else { egui::Theme::Light };
         if ctx.theme() != theme {
             ctx.set_theme(theme);

@@ -22,10 +22,10 @@ const LIVE: (&str, TextureFilter) = ("live", TextureFilter::Linear);
 
 impl OverlookApp {
     /// The texture that shows a picture of the live view; `None` where nothing draws the window that could.
-    fn texture_of(&mut self, ctx: &egui::Context, picture: &LivePicture) -> Option<Texture> {
+    fn texture_of(&mut self, picture: &LivePicture) -> Option<Texture> {
         let replaced = self.state.live_shown.take().map(|shown| shown.texture);
         match &picture.pixels {
-            PixelSource::InMemory { image, .. } => Some(Texture::send(ctx, LIVE, image, replaced)),
+            PixelSource::InMemory { image, .. } => Some(Texture::send(&self.ctx, LIVE, image, replaced)),
             PixelSource::OnAdapter(painted) => {
                 Some(Texture::painted(self.window.as_ref()?, painted, replaced))
             }
@@ -33,12 +33,12 @@ impl OverlookApp {
     }
 
     /// Takes in one answer, unless it is about a scene that is no longer open.
-    pub(crate) fn receive(&mut self, message: Message, ctx: &egui::Context) {
+    pub(crate) fn receive(&mut self, message: Message) {
         let current = self.state.scene.as_ref().map(|scene| scene.id);
         if message.scene().is_some_and(|scene| Some(scene) != current) {
             return;
         }
-        let Self { state, .. } = self;
+        let Self { state, ctx, .. } = self;
         match message {
             Message::Opened(scene) => self.opened(&scene),
             Message::Scanned { scan, .. } => self.scanned(scan),
@@ -54,7 +54,7 @@ impl OverlookApp {
             }
             Message::LivePainted { key, picture } => {
                 state.tell_damage(&picture.damage);
-                let texture = self.texture_of(ctx, &picture);
+                let texture = self.texture_of(&picture);
                 self.state.live_shown = texture.map(|texture| ShownPicture { key, picture, texture });
             }
             Message::Measured { settings, accuracy, .. } => self.measured(&settings, accuracy),
@@ -65,7 +65,7 @@ impl OverlookApp {
                 state.inspector.thumbs = textures.collect();
             }
             Message::Histograms { histograms, .. } => state.inspector.histograms = histograms,
-            Message::Compared { key, outcome } => self.compared(&key, outcome, ctx),
+            Message::Compared { key, outcome } => self.compared(&key, outcome),
             Message::MemoryMapped { cameras, .. } => state.inspector.memory = Some(cameras),
             Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
             Message::Swept { point, known, .. } => state.inspector.charts.add(*point, known),
@@ -153,18 +153,13 @@ impl OverlookApp {
         probe.shown = probed;
     }
 
-    fn compared(
-        &mut self,
-        key: &CompareKey,
-        outcome: Result<PictureDifference, String>,
-        ctx: &egui::Context,
-    ) {
+    fn compared(&mut self, key: &CompareKey, outcome: Result<PictureDifference, String>) {
         let inspector = &mut self.state.inspector;
         match outcome {
             Ok(comparison) => {
                 let [left, right] = comparison.images.clone();
                 let textures = [left, right, comparison.difference.clone()]
-                    .map(|image| ctx.load_texture("comparison", image, TextureOptions::NEAREST));
+                    .map(|image| self.ctx.load_texture("comparison", image, TextureOptions::NEAREST));
                 inspector.compared =
                     Some(ShownComparison { sides: key.sides, place: key.place, comparison, textures });
                 inspector.compare_trouble = None;

@@ -37,6 +37,20 @@ impl Purpose {
         }
     }
 
+    /// The title of the dialog that asks for the path.
+    pub(crate) fn title(self) -> &'static str {
+        match self {
+            Self::OpenFile => "Open a store or a transforms.json",
+            Self::OpenFolder => "Open a capture folder",
+            Self::SaveStore => "Save the store",
+            Self::SaveSettings => "Save the settings",
+            Self::LoadSettings => "Load settings",
+            Self::SavePicture => "Save the picture",
+            Self::ExportPictures => "Export pictures into a folder",
+            Self::ExportFilm => "Export a film",
+        }
+    }
+
     /// The entry of a menu by which the path is typed.
     pub(crate) fn typed_entry(self) -> &'static str {
         match self {

@@ -48,43 +48,36 @@ pub(crate) fn column_and_row(camera: &Camera, pixel: u32) -> (u32, u32) {
     (pixel % width, pixel / width)
 }
 
-/// Whether a camera sees the point, in a few words; `None` for the camera whose pixel it is.
-pub(crate) fn sees(outcome: Option<Outcome>) -> &'static str {
+/// Whether a camera sees the point, in a few words, and the rule behind that as a sentence; `None` for the camera whose pixel it
+/// is.
+pub(crate) fn sees(outcome: Option<Outcome>) -> (&'static str, &'static str) {
     match outcome {
-        None => "its own pixel",
-        Some(Outcome::Same(_)) => "sees it",
-        Some(Outcome::Behind) => "behind it",
-        Some(Outcome::OutsideView) => "out of view",
-        Some(Outcome::NoDepth) => "no depth there",
-        Some(Outcome::ShorterSpan) => "not as long",
-        Some(Outcome::Occluded) => "hidden from it",
-        Some(Outcome::SeesPast) => "looks past it",
-        Some(Outcome::NormalDiffers) => "other normal",
-        Some(Outcome::ColorDiffers) => "other color",
-        Some(Outcome::Seam) => "at its seam",
-    }
-}
-
-/// The rule behind [`sees`], as a sentence.
-pub(crate) fn why(outcome: Option<Outcome>) -> &'static str {
-    match outcome {
-        None => "The pixel that is argued about.",
-        Some(Outcome::Same(_)) => {
-            "Depth, normal and color agree within the tolerances: it shows the same surface point."
+        None => ("its own pixel", "The pixel that is argued about."),
+        Some(Outcome::Same(_)) => (
+            "sees it",
+            "Depth, normal and color agree within the tolerances: it shows the same surface point.",
+        ),
+        Some(Outcome::Behind) => ("behind it", "The point lies behind this camera."),
+        Some(Outcome::OutsideView) => ("out of view", "The point falls outside this camera's picture."),
+        Some(Outcome::NoDepth) => ("no depth there", "The camera recorded no depth where the point falls."),
+        Some(Outcome::ShorterSpan) => (
+            "not as long",
+            "It shows the same surface point, but for a shorter span: it is decided after this sample and cannot stand for it.",
+        ),
+        Some(Outcome::Occluded) => {
+            ("hidden from it", "The camera recorded something nearer where the point falls.")
         }
-        Some(Outcome::Behind) => "The point lies behind this camera.",
-        Some(Outcome::OutsideView) => "The point falls outside this camera's picture.",
-        Some(Outcome::NoDepth) => "The camera recorded no depth where the point falls.",
-        Some(Outcome::ShorterSpan) => {
-            "It shows the same surface point, but for a shorter span: it is decided after this sample and cannot stand for it."
+        Some(Outcome::SeesPast) => {
+            ("looks past it", "The camera recorded something farther where the point falls.")
         }
-        Some(Outcome::Occluded) => "The camera recorded something nearer where the point falls.",
-        Some(Outcome::SeesPast) => "The camera recorded something farther where the point falls.",
-        Some(Outcome::NormalDiffers) => "The depth agrees, but the surfaces face different ways.",
-        Some(Outcome::ColorDiffers) => "The depth agrees, but the colors differ.",
-        Some(Outcome::Seam) => {
-            "The surface ends beside the pixel, so that it cannot be interpolated there: it may not stand for another."
+        Some(Outcome::NormalDiffers) => {
+            ("other normal", "The depth agrees, but the surfaces face different ways.")
         }
+        Some(Outcome::ColorDiffers) => ("other color", "The depth agrees, but the colors differ."),
+        Some(Outcome::Seam) => (
+            "at its seam",
+            "The surface ends beside the pixel, so that it cannot be interpolated there: it may not stand for another.",
+        ),
     }
 }
 
@@ -181,7 +174,7 @@ pub(crate) fn argument(scene: &OpenScene, probed: &Probed) -> String {
 
 fn line(cameras: &[Camera], row: &CameraEvidence) -> String {
     let name = cameras.get(row.camera).map_or("", |camera| &camera.name);
-    let mut cells = vec![name.to_owned(), sees(row.outcome).to_owned()];
+    let mut cells = vec![name.to_owned(), sees(row.outcome).0.to_owned()];
     cells.extend(
         [row.depth_expected, row.depth_found, row.plane_distance_footprints, row.incidence_degrees]
             .map(number),

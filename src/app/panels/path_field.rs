@@ -22,17 +22,17 @@ fn replaced_words(typed: &TypedPath) -> String {
 /// The field, while one is asked for.
 pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
     let Some(typed) = &state.typed_path else { return };
-    let (title, action, hint) = match typed.purpose {
-        Purpose::OpenFile | Purpose::OpenFolder => {
-            ("Open a capture or a store", "Open", "folder, transforms.json or .ovl file")
-        }
-        Purpose::SaveStore => ("Save the store", "Save", ".ovl file"),
-        Purpose::SaveSettings => ("Save the settings", "Save", ".toml file"),
-        Purpose::SavePicture => ("Save the picture", "Save", ".png file"),
-        Purpose::ExportPictures => ("Export pictures into a folder", "Export", "folder"),
-        Purpose::ExportFilm => ("Export a film", "Export", ".mp4, .mkv or .mov file"),
-        Purpose::LoadSettings => ("Load settings", "Load", ".toml file"),
+    let purpose = typed.purpose;
+    let (action, hint) = match purpose {
+        Purpose::OpenFile | Purpose::OpenFolder => ("Open", "folder, transforms.json or .ovl file"),
+        Purpose::SaveStore => ("Save", ".ovl file"),
+        Purpose::SaveSettings => ("Save", ".toml file"),
+        Purpose::SavePicture => ("Save", ".png file"),
+        Purpose::ExportPictures => ("Export", "folder"),
+        Purpose::ExportFilm => ("Export", ".mp4, .mkv or .mov file"),
+        Purpose::LoadSettings => ("Load", ".toml file"),
     };
+    let title = if action == "Open" { "Open a capture or a store" } else { purpose.title() };
     let modal = Modal::new(Id::unique("path field")).show(ctx, |ui| {
         ui.set_width(480.0);
         ui.heading(title);

@@ -129,39 +129,20 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
         ui.horizontal(|ui| {
             ui.label(RichText::new(&name)).on_hover_text(field.help);
             note(ui, field.unit).on_hover_text(field.help);
-            if let (ValueKind::Switch, toml::Value::Boolean(on)) = (field.kind, value) {
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    ui.add_space(space::MEDIUM);
-                    let mut on = *on;
-                    let switch =
-                        ui.checkbox(&mut on, "").on_hover_text(field.help).accessible_name(&full_name);
-                    if switch.changed() {
-                        commands.push(Command::Set { path: field.path, value: on.into() });
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                ui.add_space(space::MEDIUM);
+                let changed_to = match (field.kind, value) {
+                    (ValueKind::Switch, toml::Value::Boolean(on)) => switch_ui(ui, field, &full_name, *on),
+                    (ValueKind::Number { min, max, .. }, toml::Value::Float(number)) if cuts => {
+                        number_ui(ui, field, &full_name, *number, [min, max])
                     }
-                    reset_ui(ui, field, changed, commands);
-                });
-            } else {
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    ui.add_space(space::MEDIUM);
-                    if let (true, ValueKind::Number { min, max, .. }, toml::Value::Float(number)) =
-                        (cuts, field.kind, value)
-                    {
-                        let mut number = *number;
-                        let speed = 0.01 * number.abs().max(max * 1e-4);
-                        let drag = DragValue::new(&mut number)
-                            .range(min..=max)
-                            .speed(speed)
-                            .update_while_editing(false)
-                            .custom_formatter(|value, _| shown_number(value));
-                        ui.spacing_mut().interact_size.x = NUMBER_BOX;
-                        let drag = ui.add(drag).on_hover_text(field.help).accessible_name(&full_name);
-                        if drag.changed() && !gave_up_number(ui.ctx()) {
-                            commands.push(Command::Set { path: field.path, value: number.into() });
-                        }
-                    }
-                    reset_ui(ui, field, changed, commands);
-                });
-            }
+                    _ => None,
+                };
+                if let Some(value) = changed_to {
+                    commands.push(Command::Set { path: field.path, value });
+                }
+                reset_ui(ui, field, changed, commands);
+            });
         });
         if let (Some(value), true) = (value.as_float(), cuts) {
             histogram::histogram_ui(ui, field, &full_name, value, state, commands);
@@ -169,6 +150,30 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
             commands.push(Command::Set { path: field.path, value });
         }
     });
+}
+
+fn switch_ui(ui: &mut Ui, field: &Field, name: &str, mut on: bool) -> Option<toml::Value> {
+    let switch = ui.checkbox(&mut on, "").on_hover_text(field.help).accessible_name(name);
+    switch.changed().then(|| on.into())
+}
+
+/// The number of a threshold whose slider is the line on its histogram.
+fn number_ui(
+    ui: &mut Ui,
+    field: &Field,
+    name: &str,
+    mut number: f64,
+    [min, max]: [f64; 2],
+) -> Option<toml::Value> {
+    let speed = 0.01 * number.abs().max(max * 1e-4);
+    let drag = DragValue::new(&mut number)
+        .range(min..=max)
+        .speed(speed)
+        .update_while_editing(false)
+        .custom_formatter(|value, _| shown_number(value));
+    ui.spacing_mut().interact_size.x = NUMBER_BOX;
+    let drag = ui.add(drag).on_hover_text(field.help).accessible_name(name);
+    (drag.changed() && !gave_up_number(ui.ctx())).then(|| number.into())
 }
 
 fn reset_ui(ui: &mut Ui, field: &'static Field, changed: bool, commands: &mut Vec<Command>) {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use super::{set_method, settle, start, step, wait};
+use super::{ready, set_method, settle, start, step, wait};
 use crate::app::model::{ColorBy, Command, DockView, Message, Purpose, Spot, Study};
 use crate::app::overlook_app::OverlookApp;
 use crate::settings::{PruningMethod, Settings};
@@ -29,12 +29,10 @@ fn add_path(app: &mut OverlookApp) {
 
 #[test]
 fn a_dialog_that_gives_no_path_is_never_silent() {
-    let mut app = start(2, 2);
-    settle(&mut app);
-    let ctx = app.ctx.clone();
+    let mut app = ready(2, 2);
     let mut answer = |after: u64| {
         app.asked_at = Instant::now().checked_sub(Duration::from_millis(after));
-        app.receive(Message::PathChosen { purpose: Purpose::SaveStore, path: None }, &ctx);
+        app.receive(Message::PathChosen { purpose: Purpose::SaveStore, path: None });
         (app.state.typed_path.take().map(|typed| typed.text), app.notices())
     };
     for soon in [0, 900] {
@@ -50,8 +48,7 @@ fn a_file_that_stands_at_a_typed_path_is_replaced_only_after_a_question() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("settings.toml");
     std::fs::write(&path, "old").unwrap();
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     type_path(&mut app, Purpose::SaveSettings, &path);
     wait(&mut app, "the question", asks_to_replace);
     app.apply(Command::TypedPath("other.toml".into()));
@@ -76,14 +73,12 @@ fn pictures_are_put_beside_other_files_only_after_a_question() {
     std::fs::create_dir(&used).unwrap();
     std::fs::create_dir(&empty).unwrap();
     std::fs::write(used.join("0001.png"), "old").unwrap();
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     add_path(&mut app);
     type_path(&mut app, Purpose::ExportPictures, &used);
     wait(&mut app, "the question", asks_to_replace);
     app.apply(Command::CloseTypedPath);
-    let ctx = app.ctx.clone();
-    app.receive(Message::PathChosen { purpose: Purpose::ExportPictures, path: Some(used.clone()) }, &ctx);
+    app.receive(Message::PathChosen { purpose: Purpose::ExportPictures, path: Some(used.clone()) });
     wait(&mut app, "the question after the dialog", asks_to_replace);
     app.apply(Command::Escape);
     assert_eq!(std::fs::read_to_string(used.join("0001.png")).unwrap(), "old");
@@ -97,8 +92,7 @@ fn pictures_are_put_beside_other_files_only_after_a_question() {
 fn a_typed_path_that_cannot_be_written_comes_back_to_be_mended() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("missing/small.ovl");
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     type_path(&mut app, Purpose::SaveStore, &path);
     wait(&mut app, "the error", |app| !app.state.notices.is_empty());
     let typed = app.state.typed_path.take().unwrap();
@@ -109,8 +103,7 @@ fn a_typed_path_that_cannot_be_written_comes_back_to_be_mended() {
 
 #[test]
 fn no_path_is_asked_for_where_there_is_no_camera_path_to_export() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::AddKey);
     for purpose in [Purpose::ExportPictures, Purpose::ExportFilm] {
         app.apply(Command::TypePath(purpose));
@@ -141,8 +134,7 @@ fn exported_pictures_are_as_large_as_the_largest_camera_or_as_was_chosen() {
 
 #[test]
 fn a_key_of_a_camera_path_that_nobody_sees_is_told() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::AddKey);
     assert!(app.notices()[0].starts_with("Key 1 added") && app.notices()[0].contains("Camera path"));
     app.state.notices.clear();
@@ -153,8 +145,7 @@ fn a_key_of_a_camera_path_that_nobody_sees_is_told() {
 
 #[test]
 fn the_pixel_that_is_looked_at_is_framed_and_without_one_nothing_moves() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::Orbit(glam::DVec2::new(0.3, 0.1)));
     let before = app.state.live.rig.clone();
     app.apply(Command::FramePoint);
@@ -169,8 +160,7 @@ fn the_pixel_that_is_looked_at_is_framed_and_without_one_nothing_moves() {
 
 #[test]
 fn escape_stops_work_before_it_lets_go_of_a_pixel() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::Probe(Some(Spot::Source { camera: 0, x: 24, y: 18 })));
     app.apply(Command::Pin(true));
     app.apply(Command::Study(Study::Sweep));
@@ -187,8 +177,7 @@ fn escape_stops_work_before_it_lets_go_of_a_pixel() {
 
 #[test]
 fn a_stress_test_keeps_the_points_of_the_one_before_until_it_has_its_own() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::Study(Study::Stress));
     wait(&mut app, "three points", |app| app.state.inspector.charts.stress.len() > 2);
     app.apply(Command::Escape);
@@ -206,28 +195,25 @@ fn a_stress_test_keeps_the_points_of_the_one_before_until_it_has_its_own() {
 fn settings_loaded_beside_a_store_do_not_claim_to_have_changed_its_thresholds() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.ovl");
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     set_method(&mut app, PruningMethod::Off);
     settle(&mut app);
     app.take_path(Purpose::SaveStore, path.clone());
     settle(&mut app);
     let loaded = || Message::SettingsLoaded { path: "kept.toml".into(), settings: Settings::default() };
-    let ctx = app.ctx.clone();
     app.state.notices.clear();
-    app.receive(loaded(), &ctx);
+    app.receive(loaded());
     assert_eq!(app.notices(), ["Settings loaded: kept.toml"]);
     app.open_path(path);
     wait(&mut app, "the store", |app| !app.state.has_capture());
     app.state.notices.clear();
-    app.receive(loaded(), &ctx);
+    app.receive(loaded());
     assert!(app.notices()[0].contains("captures opened from now on"), "{:?}", app.notices());
 }
 
 #[test]
 fn opening_something_else_asks_only_where_a_camera_path_or_points_are_lost() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::OpenPath("/no/such/capture".into()));
     assert!(app.state.asks_to_open.is_none() && app.state.opening.is_some());
     settle(&mut app);
@@ -247,21 +233,19 @@ fn opening_something_else_asks_only_where_a_camera_path_or_points_are_lost() {
 fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
     let folder = tempfile::tempdir().unwrap();
     let [bare, png, jpg] = ["view", "view.png", "view.jpg"].map(|name| folder.path().join(name));
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::ColorBy(ColorBy::Camera));
     settle(&mut app);
-    let ctx = app.ctx.clone();
     for chosen in [false, true] {
         if chosen {
-            app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(jpg.clone()) }, &ctx);
+            app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(jpg.clone()) });
         } else {
             type_path(&mut app, Purpose::SavePicture, &jpg);
         }
         let typed = app.state.typed_path.take().unwrap();
         assert_eq!(typed.reason.unwrap(), "A picture is written as PNG; name it .png.");
     }
-    app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(bare.clone()) }, &ctx);
+    app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(bare.clone()) });
     wait(&mut app, "the picture", |_| png.is_file());
     type_path(&mut app, Purpose::SavePicture, &bare);
     wait(&mut app, "the question", asks_to_replace);

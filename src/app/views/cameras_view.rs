@@ -80,7 +80,7 @@ fn card_ui(
     let says = probed
         .and_then(|probed| probed.argument.as_ref())
         .and_then(|argument| argument.testimonies.get(index))
-        .map(|row| words::sees(row.outcome));
+        .map(|row| words::sees(row.outcome).0);
     let second = says.map_or_else(|| kept.clone(), |says| format!("{kept}, {says}"));
     line(
         11.0,

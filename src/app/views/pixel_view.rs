@@ -217,9 +217,8 @@ fn row_ui(
     });
     let tolerance = &state.settings.pruning;
     let same = words::is_same_point(row);
-    let sees =
-        RichText::new(words::sees(row.outcome)).color(if same { tokens.text } else { tokens.text_weak });
-    ui.label(sees).on_hover_text(words::why(row.outcome));
+    let (sees, why) = words::sees(row.outcome);
+    ui.label(RichText::new(sees).color(if same { tokens.text } else { tokens.text_weak })).on_hover_text(why);
     let cell = |ui: &mut Ui, text: String, over: bool| {
         let color = if over { tokens.warning } else { tokens.text };
         ui.label(RichText::new(text).monospace().color(color))

@@ -123,26 +123,18 @@ pub(crate) fn look(destination: Destination) -> Message {
 
 /// The path that is chosen in the system's dialog; `None` where it is closed.
 pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
-    let dialog = rfd::FileDialog::new().set_file_name(name);
+    let dialog = rfd::FileDialog::new().set_file_name(name).set_title(purpose.title());
     match purpose {
+        Purpose::OpenFolder | Purpose::ExportPictures => dialog.pick_folder(),
         Purpose::OpenFile => dialog
-            .set_title("Open a store or a transforms.json")
             .add_filter("Stores and captures", &["ovl", "json"])
             .add_filter("All files", &["*"])
             .pick_file(),
-        Purpose::OpenFolder => dialog.set_title("Open a capture folder").pick_folder(),
-        Purpose::SaveStore => dialog.set_title("Save the store").add_filter("Store", &["ovl"]).save_file(),
-        Purpose::SaveSettings => {
-            dialog.set_title("Save the settings").add_filter("Settings", &["toml"]).save_file()
-        }
-        Purpose::SavePicture => dialog.set_title("Save the picture").add_filter("PNG", &["png"]).save_file(),
-        Purpose::ExportPictures => dialog.set_title("Export pictures into a folder").pick_folder(),
-        Purpose::ExportFilm => {
-            dialog.set_title("Export a film").add_filter("Film", &["mp4", "mkv", "mov"]).save_file()
-        }
-        Purpose::LoadSettings => {
-            dialog.set_title("Load settings").add_filter("Settings", &["toml"]).pick_file()
-        }
+        Purpose::LoadSettings => dialog.add_filter("Settings", &["toml"]).pick_file(),
+        Purpose::SaveStore => dialog.add_filter("Store", &["ovl"]).save_file(),
+        Purpose::SaveSettings => dialog.add_filter("Settings", &["toml"]).save_file(),
+        Purpose::SavePicture => dialog.add_filter("PNG", &["png"]).save_file(),
+        Purpose::ExportFilm => dialog.add_filter("Film", &["mp4", "mkv", "mov"]).save_file(),
     }
 }
 

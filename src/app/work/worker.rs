@@ -250,21 +250,31 @@ mod tests {
         receiver.recv_timeout(Duration::from_secs(20)).unwrap()
     }
 
-    #[test]
-    fn the_latest_request_wins_and_the_running_one_is_cancelled() {
-        let (worker, receiver) = worker(Supersede::Always, |number, job| {
-            if number != 1 {
-                return Ok(saved(number));
-            }
-            loop {
-                job.check()?;
-                std::thread::yield_now();
-            }
-        });
-        worker.submit(1);
+    /// Work that only ends when it is cancelled.
+    fn endless(job: &Job) -> Result<Message> {
+        loop {
+            job.check()?;
+            std::thread::yield_now();
+        }
+    }
+
+    fn wait_for_start(worker: &Worker<u32>) {
         while worker.shared.lock().running.is_none() {
             std::thread::yield_now();
         }
+    }
+
+    #[test]
+    fn the_latest_request_wins_and_the_running_one_is_cancelled() {
+        let (worker, receiver) =
+            worker(
+                Supersede::Always,
+                |number, job| {
+                    if number == 1 { endless(job) } else { Ok(saved(number)) }
+                },
+            );
+        worker.submit(1);
+        wait_for_start(&worker);
         worker.submit(2);
         assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
         assert!(matches!(received(&receiver), Message::Saved { bytes: Some(2), .. }));
@@ -340,19 +350,15 @@ mod tests {
 
     #[test]
     fn what_queues_is_all_done_in_turn_and_cancelling_ends_only_what_runs() {
-        let (worker, receiver) = worker(Supersede::Queue, |number, job| {
-            if number != 1 {
-                return Ok(saved(number));
-            }
-            loop {
-                job.check()?;
-                std::thread::yield_now();
-            }
-        });
+        let (worker, receiver) =
+            worker(
+                Supersede::Queue,
+                |number, job| {
+                    if number == 1 { endless(job) } else { Ok(saved(number)) }
+                },
+            );
         (1..4).for_each(|number| worker.submit(number));
-        while worker.shared.lock().running.is_none() {
-            std::thread::yield_now();
-        }
+        wait_for_start(&worker);
         worker.cancel();
         assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
         assert!(matches!(received(&receiver), Message::Saved { bytes: Some(2), .. }));
@@ -374,16 +380,9 @@ mod tests {
 
     #[test]
     fn cancelling_ends_a_job_that_looks_at_its_flag() {
-        let (worker, receiver) = worker(Supersede::Never, |_, job| {
-            loop {
-                job.check()?;
-                std::thread::sleep(Duration::from_millis(1));
-            }
-        });
+        let (worker, receiver) = worker(Supersede::Never, |_, job| endless(job));
         worker.submit(1);
-        while worker.shared.lock().running.is_none() {
-            std::thread::yield_now();
-        }
+        wait_for_start(&worker);
         worker.cancel();
         assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
     }
