@@ -139,7 +139,7 @@ impl<F: FnMut(&mut Ui, DockView, DockPart)> Behavior<DockView> for DockBehavior<
     }
 
     fn tab_title_for_pane(&mut self, view: &DockView) -> WidgetText {
-        view.name().into()
+        view.name_and_help().0.into()
     }
 
     fn on_tab_button(
@@ -149,7 +149,7 @@ impl<F: FnMut(&mut Ui, DockView, DockPart)> Behavior<DockView> for DockBehavior<
         response: egui::Response,
     ) -> egui::Response {
         match tiles.get_pane(&tile) {
-            Some(view) => response.on_hover_text(view.help()),
+            Some(view) => response.on_hover_text(view.name_and_help().1),
             None => response,
         }
     }

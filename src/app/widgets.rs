@@ -6,7 +6,9 @@ use egui::{
 };
 use egui_material_icons::MaterialIcon;
 
+use super::colormap;
 use super::theme::{Tokens, space};
+use crate::capture::Camera;
 
 /// Size of a button with an icon.
 pub(crate) const ICON_BUTTON: Vec2 = Vec2::new(34.0, space::CONTROL);
@@ -52,6 +54,11 @@ pub(crate) fn choice_ui<T: Copy + PartialEq>(
         response.on_hover_text(hover);
     }
     picked
+}
+
+/// Cameras as choices for [`choice_ui`], by their index.
+pub(crate) fn camera_choices(cameras: &[Camera]) -> impl Iterator<Item = (usize, String, String)> {
+    cameras.iter().enumerate().map(|(index, camera)| (index, camera.name.clone(), String::new()))
 }
 
 /// A row of choices of which one is on; gives the one that was clicked. `name` names the row for screen readers.
@@ -137,4 +144,15 @@ pub(crate) fn note(ui: &mut Ui, text: impl Into<String>) -> Response {
 /// A line of text that explains.
 pub(crate) fn weak(ui: &mut Ui, text: impl Into<String>) -> Response {
     ui.label(RichText::new(text).color(Tokens::in_ui(ui).text_weak))
+}
+
+/// A line of small text that is cut off where it has no room.
+pub(crate) fn one_line(ui: &mut Ui, text: impl Into<String>, color: Color32) -> Response {
+    ui.add(egui::Label::new(RichText::new(text).small().color(color)).truncate())
+}
+
+/// The color of a camera as a dot beside its name.
+pub(crate) fn dot(ui: &mut Ui, camera: usize) {
+    let (dot, _) = ui.allocate_exact_size(Vec2::splat(10.0), Sense::hover());
+    ui.painter().circle_filled(dot.center(), 4.5, colormap::camera(camera));
 }

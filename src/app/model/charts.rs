@@ -236,7 +236,7 @@ mod tests {
         settings.pruning.depth_tolerance = 2.0;
         let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((16, 12));
         let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
-        for planned in crate::evaluate::sweep::SweepPlan::standard(&settings, &capture).trials {
+        for planned in sweep::SweepPlan::standard(&settings, &capture).trials {
             let point = Point::new(&planned.trial, planned.series, &TrialResult::default());
             assert!(!series_name(point.series).contains("default"), "{:?}", point.series);
             assert!(!point_name(&point).contains("default"), "{}", point.label);

@@ -142,6 +142,11 @@ impl State {
         self.scene.as_ref().map_or(0, |scene| scene.frame_count())
     }
 
+    /// Frames or samples of what is open.
+    pub(crate) fn content(&self) -> Option<&Content> {
+        self.scene.as_ref().map(|scene| &scene.content)
+    }
+
     /// Whether a capture (not a store) is open.
     pub(crate) fn has_capture(&self) -> bool {
         self.scene.as_ref().is_some_and(|scene| scene.capture().is_some())
@@ -179,7 +184,7 @@ impl State {
 
     /// The account of the open capture or store.
     pub(crate) fn report(&self) -> Option<&Report> {
-        match self.scene.as_ref().map(|scene| &scene.content) {
+        match self.content() {
             Some(Content::Store { report, .. }) => Some(report),
             _ => self.whole.as_ref().map(|whole| whole.report.as_ref()),
         }
@@ -193,7 +198,7 @@ impl State {
 
     /// The settings that the panel shows: a store's own where one is open, with the painting that is on now.
     pub(crate) fn shown_settings(&self) -> Settings {
-        match self.scene.as_ref().map(|scene| &scene.content) {
+        match self.content() {
             Some(Content::Store { samples, .. }) => {
                 Settings { render: self.settings.render.clone(), ..samples.settings.clone() }
             }
@@ -214,7 +219,7 @@ impl State {
 
     /// The best account of the frame shown: the whole capture's samples, or while those are stale this frame's.
     pub(crate) fn samples_here(&self) -> Option<&Arc<SampleSet>> {
-        if let Some(Content::Store { samples, .. }) = self.scene.as_ref().map(|scene| &scene.content) {
+        if let Some(Content::Store { samples, .. }) = self.content() {
             return Some(samples);
         }
         let own = || self.inspection_here().map(|inspection| &inspection.samples);
@@ -231,7 +236,7 @@ impl State {
 
     /// Whether the samples of all frames are there, made with the settings on the sliders or played from a store.
     pub(crate) fn is_whole_ready(&self) -> bool {
-        match self.scene.as_ref().map(|scene| &scene.content) {
+        match self.content() {
             Some(Content::Store { .. }) => true,
             Some(Content::Capture { .. }) => self.current_whole().is_some(),
             None => false,
@@ -240,7 +245,7 @@ impl State {
 
     /// The samples of the whole capture or store, perhaps by older settings.
     pub(crate) fn whole_samples(&self) -> Option<&Arc<SampleSet>> {
-        match self.scene.as_ref().map(|scene| &scene.content) {
+        match self.content() {
             Some(Content::Store { samples, .. }) => Some(samples),
             _ => self.whole.as_ref().map(|whole| &whole.samples),
         }

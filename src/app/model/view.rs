@@ -46,14 +46,9 @@ impl DockView {
         (Self::Log, "Log", "What happened, in order."),
     ];
 
-    /// Its name on its tab.
-    pub(crate) fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(of, ..)| *of == self).map_or("", |(_, name, _)| name)
-    }
-
-    /// What it shows, in a sentence.
-    pub(crate) fn help(self) -> &'static str {
-        Self::ALL.iter().find(|(of, ..)| *of == self).map_or("", |(_, _, help)| help)
+    /// Its name on its tab, and what it shows.
+    pub(crate) fn name_and_help(self) -> (&'static str, &'static str) {
+        Self::ALL.iter().find(|(of, ..)| *of == self).map_or(("", ""), |(_, name, help)| (*name, *help))
     }
 
     /// The view beside which it opens.

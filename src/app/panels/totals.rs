@@ -4,6 +4,7 @@ use egui::{Align, Layout, RichText, Ui};
 
 use crate::app::model::{self, Content, State};
 use crate::app::theme::{Tokens, figure_style};
+use crate::app::widgets::one_line;
 
 /// Height of a figure with its name.
 const FIGURE: f32 = 38.0;
@@ -73,7 +74,7 @@ fn figure_ui(ui: &mut Ui, figure: &Figure, stale: bool) {
             ui.horizontal(|ui| {
                 ui.label(RichText::new(&figure.value).text_style(figure_style()).color(color));
                 let note_color = if stale { tokens.warning } else { tokens.text_weak };
-                ui.add(egui::Label::new(RichText::new(note).small().color(note_color)).truncate());
+                one_line(ui, note, note_color);
             });
         })
         .response;
@@ -98,7 +99,7 @@ fn figures(state: &State) -> Vec<Figure> {
         help: help.to_owned(),
         of_whole: true,
     };
-    let memory_note = match state.scene.as_ref().map(|scene| &scene.content) {
+    let memory_note = match state.content() {
         Some(Content::Store { bytes, .. }) => format!("file {}", model::bytes(*bytes)),
         _ => report.map_or(String::new(), |r| format!("of {}", model::bytes(r.bytes_raw))),
     };

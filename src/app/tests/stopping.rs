@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::{orrery, ready, set_method, settle, start, step, wait};
+use super::{orrery, ready, set_method, settle, step, wait};
 use crate::app::model::{Command, Purpose, Spot, StoppableWork, Study};
 use crate::app::overlook_app::{OverlookApp, Start};
 use crate::settings::{PruningMethod, Settings};

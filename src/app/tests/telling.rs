@@ -5,7 +5,7 @@ use std::time::Duration;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use super::{ready, settle, start, wait};
+use super::{ready, start, wait};
 use crate::app::dock::Dock;
 use crate::app::model::{self, Busy, Command, DockView, State, StoppableWork, Study, verdict_text};
 use crate::app::overlook_app::{OverlookApp, secs_left};
@@ -119,7 +119,7 @@ fn of_a_pixel_that_is_kept_in_motion_nobody_is_asked_to_click_it() {
 
 #[test]
 fn samples_of_shorter_spans_are_not_said_to_be_of_one_frame() {
-    let mut app = ready(2, 4);
+    let app = ready(2, 4);
     let counted = app.state.report().unwrap().foreground_per_frame[0];
     let words = format!("{} samples that do not hold for all frames", model::count(counted));
     let mut dock = Dock::new();

@@ -1,6 +1,6 @@
 //! Two pictures of one place: wiped over each other, flipped, or as their difference. One zoom for both.
 
-use egui::{Align2, Key, Rect, RichText, Sense, Stroke, Ui, Vec2, vec2};
+use egui::{Align2, Key, Rect, Sense, Stroke, Ui, Vec2, vec2};
 use egui_material_icons::icons::{ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
 use super::legend;
@@ -10,7 +10,7 @@ use crate::app::model::{
     PictureDifference, PictureZoom, ShownComparison, State,
 };
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{self, choice_ui, empty_ui, icon_button, scrolled, segments_ui, waiting};
+use crate::app::widgets::{self, choice_ui, empty_ui, icon_button, one_line, scrolled, segments_ui, waiting};
 
 /// Height of the lines below the picture.
 const FOOTER: f32 = 48.0;
@@ -226,7 +226,7 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
                 }
                 _ => "Hold X, or the mouse button, for the right side.",
             };
-            ui.add(egui::Label::new(RichText::new(hint).small().color(tokens.text_weak)).truncate());
+            one_line(ui, hint, tokens.text_weak);
         }
     });
     let words = pointed.and_then(|at| about_pixel(comparison, at)).unwrap_or_else(|| figures(comparison));
@@ -236,7 +236,7 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
         let [left, right] = compared.sides.map(side_name);
         (format!("{left} and {right}: {words}"), tokens.text_weak)
     };
-    ui.add(egui::Label::new(RichText::new(words).small().color(color)).truncate());
+    one_line(ui, words, color);
 }
 
 /// What the colors of the map stand for.

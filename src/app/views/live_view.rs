@@ -1,6 +1,6 @@
 //! The right view: what is left of the capture, seen from anywhere.
 
-use egui::{PointerButton, Rect, RichText, Sense, Ui, vec2};
+use egui::{PointerButton, Rect, Sense, Ui, vec2};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
@@ -11,7 +11,9 @@ use crate::app::colormap;
 use crate::app::model::verdict_text as words;
 use crate::app::model::{self, ColorBy, Command, Spot, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, icon_button, picture, scrolled, segments_ui, waiting};
+use crate::app::widgets::{
+    camera_choices, choice_ui, icon_button, one_line, picture, scrolled, segments_ui, waiting,
+};
 
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
@@ -59,9 +61,7 @@ pub(crate) fn places_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>)
         commands.push(Command::Home);
     }
     let mut places = vec![(usize::MAX, "Go to…".to_owned(), "Stand where a camera stood.".to_owned())];
-    places.extend(
-        scene.cameras.iter().enumerate().map(|(index, camera)| (index, camera.name.clone(), String::new())),
-    );
+    places.extend(camera_choices(&scene.cameras));
     if let Some(camera) = choice_ui(ui, "Go to camera", usize::MAX, &places, CAMERA_LIST) {
         commands.push(Command::JumpTo(camera));
     }
@@ -259,5 +259,5 @@ fn facts_ui(ui: &mut Ui, state: &State) {
         Some(notice) => (notice.clone(), tokens.warning),
         None => (facts, tokens.text_weak),
     };
-    ui.add(egui::Label::new(RichText::new(facts).small().color(color)).truncate()).on_hover_text(help);
+    one_line(ui, facts, color).on_hover_text(help);
 }

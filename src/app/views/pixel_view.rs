@@ -3,11 +3,10 @@
 use egui::{Align, Button, Grid, Label, Layout, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING};
 
-use crate::app::colormap;
 use crate::app::model::verdict_text as words;
 use crate::app::model::{Command, OpenScene, Probed, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{empty_ui, icon_button, note, weak};
+use crate::app::widgets::{dot, empty_ui, icon_button, note, weak};
 use crate::preprocess::inspect::CameraEvidence;
 
 /// Width of the summary beside the table.
@@ -73,7 +72,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
     ui.spacing_mut().item_spacing.y = 3.0;
     let name = scene.cameras.get(probed.camera).map_or("", |camera| &camera.name);
     ui.horizontal(|ui| {
-        dot_ui(ui, probed.camera);
+        dot(ui, probed.camera);
         ui.label(RichText::new(format!("{name}  {}, {}", probed.x, probed.y)).heading());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, ICON_CONTENT_COPY, "Copy argument", "Copy all of this as text (Ctrl+Shift+C)")
@@ -158,11 +157,6 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
     );
 }
 
-fn dot_ui(ui: &mut Ui, camera: usize) {
-    let (dot, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-    ui.painter().circle_filled(dot.center(), 4.5, colormap::camera(camera));
-}
-
 fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Vec<Command>) {
     let Some(argument) = &probed.argument else { return };
     if argument.testimonies.is_empty() {
@@ -201,7 +195,7 @@ fn row_ui(
     let tokens = Tokens::in_ui(ui);
     let name = scene.cameras.get(row.camera).map_or("", |camera| &camera.name);
     ui.horizontal(|ui| {
-        dot_ui(ui, row.camera);
+        dot(ui, row.camera);
         let text = RichText::new(name).color(if wins { tokens.accent } else { tokens.text });
         let button = Button::new(if wins { text.strong() } else { text }).small().frame(false);
         let help = "See the point in this camera's picture; with Shift, stand where the camera stood";

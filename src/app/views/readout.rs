@@ -1,10 +1,11 @@
 //! The pixel under the pointer, in one line; the Pixel view says the rest.
 
-use egui::{Label, RichText, Ui};
+use egui::Ui;
 
 use crate::app::model::verdict_text as words;
 use crate::app::model::{self, State};
 use crate::app::theme::Tokens;
+use crate::app::widgets::one_line;
 use crate::color::srgb8_from_linear;
 use crate::preprocess::inspect::CameraInspection;
 
@@ -21,7 +22,7 @@ pub(crate) fn readout_ui(ui: &mut Ui, state: &State, pixel: Option<(usize, usize
         }
         None => (camera_facts(state), MOUSE.to_owned(), tokens.text_weak),
     };
-    ui.add(Label::new(RichText::new(line).small().color(color)).truncate()).on_hover_text(&more);
+    one_line(ui, line, color).on_hover_text(&more);
 }
 
 /// The camera shown at this frame, in figures.

@@ -6,7 +6,7 @@ use egui_material_icons::icons::ICON_HIDE_IMAGE;
 use super::{legend, marks, readout};
 use crate::app::model::{Command, Legend, Overlay, PictureZoom, Purpose, Spot, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{self, choice_ui, empty_ui, scrolled, segments_ui, waiting, weak};
+use crate::app::widgets::{self, camera_choices, choice_ui, empty_ui, scrolled, segments_ui, waiting, weak};
 use crate::grid::Grid;
 use crate::samples::TILE;
 
@@ -51,20 +51,12 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 /// Which camera, and for the sampling ratio against which; from right to left.
 pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
-    let cameras: Vec<_> = scene
-        .cameras
-        .iter()
-        .enumerate()
-        .map(|(index, camera)| (index, camera.name.clone(), String::new()))
-        .collect();
+    let cameras: Vec<_> = camera_choices(&scene.cameras).collect();
     if state.source.overlay == Overlay::SamplingRatio {
-        let mut others = vec![(None, "best other".to_owned(), String::new())];
-        others.extend(
-            cameras
-                .iter()
-                .filter(|(index, ..)| *index != state.source.camera)
-                .map(|(index, name, _)| (Some(*index), name.clone(), String::new())),
-        );
+        let others = cameras.iter().filter(|(index, ..)| *index != state.source.camera);
+        let others = others.map(|(index, name, help)| (Some(*index), name.clone(), help.clone()));
+        let best = (None, "best other".to_owned(), String::new());
+        let others: Vec<_> = std::iter::once(best).chain(others).collect();
         if let Some(against) = choice_ui(ui, "Against", state.source.against, &others, CAMERA_LIST) {
             commands.push(Command::Against(against));
         }

@@ -52,9 +52,6 @@ impl Comparer {
     }
 
     /// Makes the comparison, or says why there is none.
-    ///
-    /// # Errors
-    /// `Cancelled` alone.
     pub(crate) fn answer(&mut self, key: Box<CompareKey>, job: &Job) -> Result<Message> {
         let outcome = match self.compare(&key, job) {
             Ok(comparison) => Ok(comparison),

@@ -44,9 +44,6 @@ fn write_picture(path: &Path, picture: &ColorImage) -> Result<()> {
 }
 
 /// Reads or writes a file.
-///
-/// # Errors
-/// `Io` where that fails, whatever is wrong with settings that are read, and `Cancelled`.
 pub(crate) fn file(request: FileRequest, job: &Job) -> Result<Message> {
     match request {
         FileRequest::SaveStore { path, scene, samples, report } => {

@@ -21,9 +21,6 @@ use crate::settings::RenderSettings;
 const FRAMES_AHEAD: usize = 2;
 
 /// Renders and colors the picture that `key` asks for.
-///
-/// # Errors
-/// As [`Renderer::render`].
 pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
     let next = key.vantage.frame + 1;
     let samples = match &key.playback {

@@ -5,12 +5,12 @@
 //! ```
 
 mod accuracy;
+mod camera_facts;
 mod compare;
 mod difference;
 mod files;
 mod histograms;
 mod live_image;
-mod memory_map;
 mod opening;
 mod probe;
 mod pruning;
@@ -18,7 +18,6 @@ mod requests;
 mod scheduler;
 mod source_image;
 mod study;
-mod thumbnails;
 mod worker;
 mod workers;
 

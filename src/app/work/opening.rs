@@ -14,9 +14,6 @@ use crate::store;
 use crate::store::playback::Playback;
 
 /// Opens a built-in scene, a capture or a store.
-///
-/// # Errors
-/// Whatever reading gives, and `Cancelled`.
 pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
     let opened = match request {
         OpenRequest::Demo { spec, settings } => {

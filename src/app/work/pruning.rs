@@ -10,9 +10,6 @@ use crate::job::Job;
 use crate::preprocess;
 
 /// Prunes a whole capture, after the pass over its frames.
-///
-/// # Errors
-/// Whatever reading frames gives, `Invalid` for a store, and `Cancelled`.
 pub(crate) fn prune_whole(request: PruneRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
     let PruneRequest { scene, scan, settings, .. } = request;
     let capture = scene.source()?;
@@ -28,9 +25,6 @@ pub(crate) fn prune_whole(request: PruneRequest, outbox: &Outbox, job: &Job) -> 
 }
 
 /// Prunes one frame, with reasons.
-///
-/// # Errors
-/// As [`prune_whole`].
 pub(crate) fn inspect(request: PruneRequest, job: &Job) -> Result<Message> {
     let PruneRequest { scene, scan, settings, frame } = request;
     let inspection = preprocess::inspect_frame(scene.source()?, scan.as_deref(), &settings, frame, job)?;
@@ -43,9 +37,6 @@ pub(crate) fn inspect(request: PruneRequest, job: &Job) -> Result<Message> {
 }
 
 /// Makes a frame ready for its thresholds to be turned.
-///
-/// # Errors
-/// As [`prune_whole`].
 pub(crate) fn prepare(request: &PruneRequest, job: &Job) -> Result<Message> {
     if let (capture, Some(scan)) = (request.scene.source()?, &request.scan) {
         preprocess::prepare_frame(capture, scan, &request.settings, request.frame, job)?;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::requests::{HistogramRequest, MeasureRequest, PruneRequest};
+use super::worker::Worker;
 use super::workers::Workers;
 use crate::app::model::{
     ColorBy, CompareKey, DockView, LiveKey, OpenScene, ProbeKey, SettingsSlot, SourceKey, Spot, State,
@@ -28,6 +29,14 @@ pub(crate) struct InspectKey {
     method: Settings,
     /// Whether there is a scan, and whether it serves the settings or is shown until one does.
     scan_serves: Option<bool>,
+}
+
+/// Asks for what differs from what was asked for last.
+fn submit_new<K: Clone + PartialEq + Send + 'static>(worker: &Worker<K>, last: &mut Option<K>, key: K) {
+    if last.as_ref() != Some(&key) {
+        worker.submit(key.clone());
+        *last = Some(key);
+    }
 }
 
 /// What is pruned as the state is: the open capture, or its frame that is shown.
@@ -197,10 +206,7 @@ impl Scheduled {
             in_motion,
             per_coarse_pixel: f64::from(width) / f64::from(coarse[0]),
         };
-        if self.live.as_ref() != Some(&key) {
-            workers.live.submit(key.clone());
-            self.live = Some(key);
-        }
+        submit_new(&workers.live, &mut self.live, key);
         self.live_will_change = rested < REST && (in_motion || coarse != fine);
         self.live_will_change.then(|| REST.saturating_sub(rested))
     }
@@ -274,10 +280,7 @@ impl Scheduled {
             range: look.range,
             dark: state.dark,
         });
-        if self.compare.as_ref() != Some(&key) {
-            workers.compare.submit(key.clone());
-            self.compare = Some(key);
-        }
+        submit_new(&workers.compare, &mut self.compare, key);
     }
 
     fn ask_histograms(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
@@ -318,11 +321,9 @@ impl Scheduled {
                 .then(|| state.live_shown.as_ref().map(|shown| (shown.key.clone(), shown.picture.clone())))
                 .flatten(),
         });
-        if self.probe != key {
-            if let Some(key) = &key {
-                workers.probe.submit(key.clone());
-            }
-            self.probe = key;
+        match key {
+            Some(key) => submit_new(&workers.probe, &mut self.probe, key),
+            None => self.probe = None,
         }
     }
 

@@ -18,9 +18,6 @@ use crate::samples::TILE;
 const LARGEST_TEXTURE: usize = 4096;
 
 /// Paints the picture that `key` asks for, of a frame that `decoder` reads where no verdicts come with it.
-///
-/// # Errors
-/// Whatever reading the frame gives, and `Invalid` for a store.
 pub(crate) fn paint_source(
     scene: &OpenScene,
     key: SourceKey,

@@ -8,9 +8,7 @@ use super::requests::{
     ExportRequest, FileRequest, HistogramRequest, MeasureRequest, OpenRequest, PruneRequest, StudyRequest,
 };
 use super::worker::{Outbox, Supersede, Worker};
-use super::{
-    files, histograms, live_image, memory_map, opening, probe, pruning, source_image, study, thumbnails,
-};
+use super::{camera_facts, files, histograms, live_image, opening, probe, pruning, source_image, study};
 use crate::app::model::{CompareKey, Destination, LiveKey, Message, OpenScene, ProbeKey, Purpose, SourceKey};
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -46,9 +44,6 @@ pub(crate) struct Workers {
 
 impl Workers {
     /// Starts all workers; on the `shared` device of a window the GPU paints the live view.
-    ///
-    /// # Errors
-    /// `Io` where the operating system gives no thread.
     pub(crate) fn start(outbox: &Outbox, shared: Option<SharedDevice>) -> Result<Self> {
         let background = pool("prune", rayon::current_num_threads(), true)?;
         // A frame that this worker decodes may be awaited by every thread of the shared pool; its own thread finishes it.
@@ -102,7 +97,7 @@ impl Workers {
                 Supersede::Never,
                 outbox,
                 |(scene, inspection): (u64, Arc<FrameInspection>), _| {
-                    Ok(Message::Thumbnails { scene, pictures: thumbnails::paint(&inspection) })
+                    Ok(Message::Thumbnails { scene, pictures: camera_facts::thumbnails(&inspection) })
                 },
             )?,
             memory: Worker::start(
@@ -110,7 +105,7 @@ impl Workers {
                 Supersede::Never,
                 outbox,
                 |(scene, samples): (u64, Arc<SampleSet>), _| {
-                    Ok(Message::MemoryMapped { scene, cameras: memory_map::by_camera(&samples) })
+                    Ok(Message::MemoryMapped { scene, cameras: camera_facts::memory(&samples) })
                 },
             )?,
             histograms: Worker::start("Histograms", Supersede::Never, outbox, |request, _| {

@@ -1,11 +1,13 @@
-//! Every camera small: its picture with what was pruned dimmed.
+//! Facts about every camera: its picture with what was pruned dimmed, and the memory of its samples.
 
 use std::sync::Arc;
 
 use egui::ColorImage;
 
 use crate::app::colormap::{dimmed, recorded};
+use crate::app::model::CameraMemory;
 use crate::preprocess::inspect::{CameraInspection, FrameInspection};
+use crate::samples::SampleSet;
 
 /// Largest side of a thumbnail, pixels.
 const SIDE: usize = 256;
@@ -14,7 +16,7 @@ const SIDE: usize = 256;
 const DIMMED: f32 = 0.45;
 
 /// One picture per camera, in the capture's order.
-pub(crate) fn paint(inspection: &FrameInspection) -> Vec<Arc<ColorImage>> {
+pub(crate) fn thumbnails(inspection: &FrameInspection) -> Vec<Arc<ColorImage>> {
     inspection.cameras.iter().map(|camera| Arc::new(thumbnail(camera))).collect()
 }
 
@@ -30,4 +32,16 @@ fn thumbnail(camera: &CameraInspection) -> ColorImage {
         }
     }
     ColorImage::new(size, pixels)
+}
+
+/// The memory of each camera's samples, in the order of the cameras.
+pub(crate) fn memory(samples: &SampleSet) -> Vec<CameraMemory> {
+    let mut cameras = vec![CameraMemory::default(); samples.cameras.len()];
+    for image in &samples.images {
+        let Some(camera) = cameras.get_mut(image.camera as usize) else { continue };
+        camera.samples += image.len() as u64;
+        let bytes = if image.span.len() > 1 { &mut camera.lasting_bytes } else { &mut camera.frame_bytes };
+        *bytes += image.bytes() as u64;
+    }
+    cameras
 }
