@@ -1,8 +1,8 @@
 //! Small widgets that several areas share.
 
 use egui::{
-    Button, Color32, ComboBox, Painter, Rect, Response, RichText, ScrollArea, Sense, TextureId, Ui, Vec2,
-    pos2,
+    Button, Color32, ComboBox, Key, Painter, Rect, Response, RichText, ScrollArea, Sense, TextEdit,
+    TextureId, Ui, Vec2, pos2,
 };
 use egui_material_icons::MaterialIcon;
 
@@ -24,11 +24,11 @@ pub(crate) fn icon_button(ui: &mut Ui, icon: MaterialIcon, name: &str, help: &st
 }
 
 /// A drop-down list of named choices with their explanations; gives the one that was picked.
-pub(crate) fn choice_ui<T: Copy + PartialEq>(
+pub(crate) fn choice_ui<T: Copy + PartialEq, S: AsRef<str>>(
     ui: &mut Ui,
     name: &str,
     current: T,
-    choices: &[(T, String, String)],
+    choices: &[(T, S, S)],
     width: f32,
 ) -> Option<T> {
     let shown = choices.iter().find(|(value, ..)| *value == current);
@@ -37,9 +37,10 @@ pub(crate) fn choice_ui<T: Copy + PartialEq>(
         .width(width)
         .height(340.0)
         .truncate()
-        .selected_text(shown.map_or("–", |(_, text, _)| text))
+        .selected_text(shown.map_or("–", |(_, text, _)| text.as_ref()))
         .show_ui(ui, |ui| {
             for (value, text, help) in choices {
+                let (text, help) = (text.as_ref(), help.as_ref());
                 let option = ui.selectable_label(*value == current, text);
                 let option = if help.is_empty() { option } else { option.on_hover_text(help) };
                 if option.clicked() {
@@ -50,6 +51,7 @@ pub(crate) fn choice_ui<T: Copy + PartialEq>(
         .response
         .accessible_name(name);
     if let Some((_, text, help)) = shown {
+        let (text, help) = (text.as_ref(), help.as_ref());
         let hover = if help.is_empty() { format!("{name}: {text}") } else { format!("{name}: {help}") };
         response.on_hover_text(hover);
     }
@@ -57,8 +59,8 @@ pub(crate) fn choice_ui<T: Copy + PartialEq>(
 }
 
 /// Cameras as choices for [`choice_ui`], by their index.
-pub(crate) fn camera_choices(cameras: &[Camera]) -> impl Iterator<Item = (usize, String, String)> {
-    cameras.iter().enumerate().map(|(index, camera)| (index, camera.name.clone(), String::new()))
+pub(crate) fn camera_choices(cameras: &[Camera]) -> impl Iterator<Item = (usize, &str, &str)> {
+    cameras.iter().enumerate().map(|(index, camera)| (index, camera.name.as_str(), ""))
 }
 
 /// A row of choices of which one is on; gives the one that was clicked. `name` names the row for screen readers.
@@ -155,4 +157,16 @@ pub(crate) fn one_line(ui: &mut Ui, text: impl Into<String>, color: Color32) -> 
 pub(crate) fn dot(ui: &mut Ui, camera: usize) {
     let (dot, _) = ui.allocate_exact_size(Vec2::splat(10.0), Sense::hover());
     ui.painter().circle_filled(dot.center(), 4.5, colormap::camera(camera));
+}
+
+/// A field for a line of text, which has the keyboard while nothing else has; `name` names it for screen readers. Gives whether
+/// the text was changed, and whether Enter was pressed.
+pub(crate) fn text_field_ui(ui: &mut Ui, text: &mut String, hint: &str, name: &str) -> (bool, bool) {
+    let field = TextEdit::singleline(text).desired_width(f32::INFINITY).margin(Vec2::new(8.0, 6.0));
+    let field = ui.add(field.hint_text(hint)).accessible_name(name);
+    let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    if !entered && ui.memory(|memory| memory.focused().is_none()) {
+        field.request_focus();
+    }
+    (field.changed(), entered)
 }

@@ -49,19 +49,20 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
     {
         commands.push(Command::Escape);
     }
-    let shortcut = |key| KeyboardShortcut::new(Modifiers::COMMAND, key);
-    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::O))) {
-        commands.push(Command::AskPath(Purpose::OpenFile));
+    let palette = state.inspector.palette.is_none().then(CommandPalette::default);
+    let with_shift = Modifiers::COMMAND | Modifiers::SHIFT;
+    for (modifiers, key, command) in [
+        (Modifiers::COMMAND, Key::O, Command::AskPath(Purpose::OpenFile)),
+        (Modifiers::COMMAND, Key::S, Command::AskPath(Purpose::SaveStore)),
+        (Modifiers::COMMAND, Key::P, Command::Palette(palette)),
+        (with_shift, Key::C, Command::CopyArgument),
+    ] {
+        if pressed(ctx, modifiers, key) {
+            commands.push(command);
+        }
     }
-    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::S))) {
-        commands.push(Command::AskPath(Purpose::SaveStore));
-    }
-    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::Q))) {
+    if pressed(ctx, Modifiers::COMMAND, Key::Q) {
         ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-    }
-    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::P))) {
-        let open = state.inspector.palette.is_none().then(CommandPalette::default);
-        commands.push(Command::Palette(open));
     }
     if edits && ctx.input(|input| input.key_pressed(Key::Escape)) {
         let frame = ctx.cumulative_frame_nr();
@@ -69,17 +70,11 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
     }
     // What is typed is undone by the field it is typed into.
     if state.has_capture() && !typing && !edits {
-        let shift = Modifiers::COMMAND | Modifiers::SHIFT;
-        let redo = [shortcut(Key::Y), KeyboardShortcut::new(shift, Key::Z)];
-        if redo.iter().any(|keys| ctx.input_mut(|input| input.consume_shortcut(keys))) {
+        if pressed(ctx, Modifiers::COMMAND, Key::Y) || pressed(ctx, with_shift, Key::Z) {
             commands.push(Command::Redo);
-        } else if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::Z))) {
+        } else if pressed(ctx, Modifiers::COMMAND, Key::Z) {
             commands.push(Command::Undo);
         }
-    }
-    let copy = KeyboardShortcut::new(Modifiers::COMMAND | Modifiers::SHIFT, Key::C);
-    if ctx.input_mut(|input| input.consume_shortcut(&copy)) {
-        commands.push(Command::CopyArgument);
     }
     let held = held_keys(ctx);
     if ctx.egui_wants_keyboard_input() || typing || state.scene.is_none() {
@@ -111,6 +106,11 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
         commands.push(Command::Fly(steps));
         ctx.request_repaint();
     }
+}
+
+/// Whether a shortcut was pressed, which nobody else takes then.
+fn pressed(ctx: &egui::Context, modifiers: Modifiers, key: Key) -> bool {
+    ctx.input_mut(|input| input.consume_shortcut(&KeyboardShortcut::new(modifiers, key)))
 }
 
 fn given_up_id() -> egui::Id {

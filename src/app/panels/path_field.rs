@@ -1,10 +1,10 @@
 //! A field for typing a path: for people who know it, and for systems without file dialogs.
 
-use egui::{Id, Key, Modal, RichText, TextEdit};
+use egui::{Id, Modal, RichText};
 
 use crate::app::model::{Command, Purpose, State, TypedPath};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::weak;
+use crate::app::widgets::{text_field_ui, weak};
 
 /// The question before something is replaced.
 fn replaced_words(typed: &TypedPath) -> String {
@@ -41,21 +41,12 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut V
         }
         ui.add_space(space::MEDIUM);
         let mut text = typed.text.clone();
-        let field = ui
-            .add(
-                TextEdit::singleline(&mut text)
-                    .desired_width(f32::INFINITY)
-                    .margin(egui::vec2(8.0, 6.0))
-                    .hint_text(hint),
-            )
-            .accessible_name("Path");
-        if field.changed() {
+        let (changed, entered) = text_field_ui(ui, &mut text, hint, "Path");
+        if changed {
             commands.push(Command::TypedPath(text));
         }
-        if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
+        if entered {
             commands.push(Command::TakeTypedPath);
-        } else if ui.memory(|memory| memory.focused().is_none()) {
-            field.request_focus();
         }
         if typed.replaces {
             ui.label(RichText::new(replaced_words(typed)).color(Tokens::in_ui(ui).warning));

@@ -1,11 +1,11 @@
 //! Settings to start from: those that come along, one's own, and a field to name new ones.
 
-use egui::{Button, Id, Key, Modal, TextEdit, Ui};
+use egui::{Button, Id, Modal, Ui};
 use egui_material_icons::icons::ICON_DELETE;
 
 use crate::app::model::{Command, PRESETS, State};
 use crate::app::theme::space;
-use crate::app::widgets::{icon_button, note, weak};
+use crate::app::widgets::{icon_button, note, text_field_ui, weak};
 
 /// The menu, as wide as there is room.
 pub(crate) fn menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -51,15 +51,10 @@ pub(crate) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<C
         weak(ui, words);
         ui.add_space(space::MEDIUM);
         let mut text = name.clone();
-        let field = TextEdit::singleline(&mut text).desired_width(f32::INFINITY).margin(egui::vec2(8.0, 6.0));
-        let field = ui.add(field).accessible_name("Name of the preset");
+        let (changed, entered) = text_field_ui(ui, &mut text, "", "Name of the preset");
         let named = !text.trim().is_empty();
-        if field.changed() {
+        if changed {
             commands.push(Command::NamePreset(Some(text.clone())));
-        }
-        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        if ui.memory(|memory| memory.focused().is_none()) {
-            field.request_focus();
         }
         ui.add_space(space::MEDIUM);
         ui.horizontal(|ui| {

@@ -75,8 +75,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
 fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let axes = state.inspector.charts.axes();
     ui.horizontal_wrapped(|ui| {
-        let quantities: Vec<_> =
-            Quantity::ALL.iter().map(|(of, name, _)| (*of, (*name).to_owned(), String::new())).collect();
+        let quantities = Quantity::ALL.map(|(of, name, _)| (of, name, ""));
         for (index, caption, name) in [(0, "Along", "Along axis"), (1, "Up", "Up axis")] {
             weak(ui, caption);
             if let Some(quantity) = choice_ui(ui, name, axes[index], &quantities, 124.0) {

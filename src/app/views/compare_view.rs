@@ -47,12 +47,8 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Com
 /// What is compared above, how below: rows that wrap break each other apart in a narrow view.
 fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
     ui.horizontal(|ui| {
-        let sides: Vec<_> = CompareSide::ALL
-            .iter()
-            .map(|(side, name, help)| (*side, (*name).to_owned(), (*help).to_owned()))
-            .collect();
         for (index, name) in [(0, "Left side"), (1, "Right side")] {
-            if let Some(side) = choice_ui(ui, name, look.sides[index], &sides, SIDES) {
+            if let Some(side) = choice_ui(ui, name, look.sides[index], &CompareSide::ALL, SIDES) {
                 look.sides[index] = side;
             }
         }

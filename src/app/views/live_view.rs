@@ -60,7 +60,7 @@ pub(crate) fn places_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>)
     if icon_button(ui, ICON_HOME, "Reset view", "Back to the first vantage (Home)").clicked() {
         commands.push(Command::Home);
     }
-    let mut places = vec![(usize::MAX, "Go to…".to_owned(), "Stand where a camera stood.".to_owned())];
+    let mut places = vec![(usize::MAX, "Go to…", "Stand where a camera stood.")];
     places.extend(camera_choices(&scene.cameras));
     if let Some(camera) = choice_ui(ui, "Go to camera", usize::MAX, &places, CAMERA_LIST) {
         commands.push(Command::JumpTo(camera));

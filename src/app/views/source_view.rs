@@ -54,8 +54,8 @@ pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>
     let cameras: Vec<_> = camera_choices(&scene.cameras).collect();
     if state.source.overlay == Overlay::SamplingRatio {
         let others = cameras.iter().filter(|(index, ..)| *index != state.source.camera);
-        let others = others.map(|(index, name, help)| (Some(*index), name.clone(), help.clone()));
-        let best = (None, "best other".to_owned(), String::new());
+        let others = others.map(|(index, name, help)| (Some(*index), *name, *help));
+        let best = (None, "best other", "");
         let others: Vec<_> = std::iter::once(best).chain(others).collect();
         if let Some(against) = choice_ui(ui, "Against", state.source.against, &others, CAMERA_LIST) {
             commands.push(Command::Against(against));
