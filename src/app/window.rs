@@ -9,7 +9,6 @@ use super::theme::{Tokens, space};
 use super::widgets::empty_ui;
 use super::{panels, views};
 
-/// The whole window.
 pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, commands: &mut Vec<Command>) {
     let tokens = Tokens::in_ui(ui);
     let bar = Frame::new().fill(tokens.surface).inner_margin(Margin::symmetric(space::PANEL, 0));
@@ -50,7 +49,6 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
     drop_hint_ui(ui);
 }
 
-/// One view.
 pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands: &mut Vec<Command>) {
     match view {
         DockView::Source => views::source_view_ui(ui, state, commands),

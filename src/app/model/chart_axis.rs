@@ -29,7 +29,6 @@ impl Quantity {
         (Self::Seconds, "Preprocessing, s", true),
     ];
 
-    /// Its name.
     pub(crate) fn name(self) -> &'static str {
         Self::ALL.iter().find(|(of, ..)| *of == self).map_or("", |(_, name, _)| name)
     }
@@ -40,7 +39,6 @@ impl Quantity {
         format!("{} ({better} is better)", self.name())
     }
 
-    /// Whether more of it is better.
     pub(crate) fn is_gain(self) -> bool {
         matches!(self, Self::Psnr | Self::Ssim | Self::Coverage)
     }

@@ -16,7 +16,6 @@ pub(crate) enum Study {
 }
 
 impl Study {
-    /// Its name.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Sweep => "Sweep",
@@ -96,7 +95,6 @@ impl Charts {
         self.axes
     }
 
-    /// Chooses what is along and up.
     pub(crate) fn set_axes(&mut self, axes: [Quantity; 2]) {
         self.axes = axes;
         self.mark_front();
@@ -138,7 +136,6 @@ impl Charts {
         if self.of_the_test_before { Vec::new() } else { self.stress.clone() }
     }
 
-    /// All is measured.
     pub(crate) fn complete(&mut self) {
         if let Some(run) = self.study.and_then(|study| self.runs[study as usize].as_mut()) {
             run.is_complete = true;

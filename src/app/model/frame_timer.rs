@@ -20,7 +20,6 @@ pub(crate) struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Starts.
     pub(crate) fn start() -> Self {
         Self { wall: Instant::now(), cpu: cpu_time() }
     }

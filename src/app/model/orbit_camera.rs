@@ -165,14 +165,17 @@ impl OrbitCamera {
         self.world_from_camera.translation = point_in_world - forward * distance;
     }
 
-    /// A rig for the tests of others.
+    /// Five units from the origin, for tests.
     #[cfg(test)]
     pub(crate) fn for_tests() -> Self {
+        let lens = Intrinsics::from_horizontal_angle(64, 48, 1.0);
+        let camera = Camera::look_at("c", lens, DVec3::new(0.0, -5.0, 1.0), DVec3::ZERO, DVec3::Z);
+        let distance = camera.position_in_world().length();
         Self {
-            world_from_camera: DAffine3::IDENTITY,
-            pivot_distance: 2.0,
-            home_distance: 2.0,
-            lens: Intrinsics::from_horizontal_angle(64, 48, 1.0),
+            world_from_camera: camera.world_from_camera,
+            pivot_distance: distance,
+            home_distance: distance,
+            lens,
             up_in_world: DVec3::Z,
         }
     }
@@ -201,21 +204,9 @@ fn home_distance(scene: &OpenScene) -> f64 {
 mod tests {
     use super::*;
 
-    fn rig() -> OrbitCamera {
-        let lens = Intrinsics::from_horizontal_angle(64, 48, 1.0);
-        let camera = Camera::look_at("c", lens, DVec3::new(0.0, -5.0, 1.0), DVec3::ZERO, DVec3::Z);
-        OrbitCamera {
-            world_from_camera: camera.world_from_camera,
-            pivot_distance: camera.position_in_world().length(),
-            home_distance: camera.position_in_world().length(),
-            lens,
-            up_in_world: DVec3::Z,
-        }
-    }
-
     #[test]
     fn orbiting_keeps_the_pivot_and_its_distance() {
-        let mut rig = rig();
+        let mut rig = OrbitCamera::for_tests();
         for i in 0..1000 {
             rig.orbit(DVec2::new(0.1, if i % 3 == 0 { 0.2 } else { -0.05 }));
         }
@@ -226,7 +217,7 @@ mod tests {
 
     #[test]
     fn orbiting_never_goes_over_the_top() {
-        let mut rig = rig();
+        let mut rig = OrbitCamera::for_tests();
         for _ in 0..200 {
             rig.orbit(DVec2::new(0.0, 0.05));
         }
@@ -235,14 +226,16 @@ mod tests {
 
     #[test]
     fn the_lens_fits_into_a_picture_of_another_shape() {
-        let camera = rig().camera(200, 48);
-        assert!((camera.intrinsics.fx - rig().lens.fx).abs() < 1e-9);
+        let camera = OrbitCamera::for_tests().camera(200, 48);
+        assert!((camera.intrinsics.fx - OrbitCamera::for_tests().lens.fx).abs() < 1e-9);
         assert_eq!(camera.intrinsics.cx, 100.0);
     }
 
     #[test]
     fn a_view_in_motion_is_painted_no_finer_than_it_was_recorded_and_one_at_rest_as_fine_as_it_helps() {
-        let both = |size| [rig().size_in_motion(size), rig().size_at_rest(size)];
+        let both = |size| {
+            [OrbitCamera::for_tests().size_in_motion(size), OrbitCamera::for_tests().size_at_rest(size)]
+        };
         assert_eq!(both([640, 480]), [[64, 48], [128, 96]]);
         assert_eq!(both([1280, 480]), [[128, 48], [256, 96]]);
         assert_eq!(both([96, 72]), [[64, 48], [96, 72]]);
@@ -251,7 +244,7 @@ mod tests {
 
     #[test]
     fn zooming_to_a_point_leaves_it_where_it_is_and_framing_puts_it_in_the_middle() {
-        let mut rig = rig();
+        let mut rig = OrbitCamera::for_tests();
         let point = DVec3::new(0.4, 0.1, 0.3);
         let before = rig.camera(64, 48).project(point).unwrap();
         rig.dolly_to(0.5, point);
@@ -266,7 +259,7 @@ mod tests {
     #[test]
     fn tiny_and_huge_scenes_are_zoomed_as_ordinary_ones_are() {
         for unit in [1e-9, 1.0, 1e9] {
-            let mut rig = rig();
+            let mut rig = OrbitCamera::for_tests();
             rig.world_from_camera.translation *= unit;
             rig.pivot_distance *= unit;
             rig.home_distance *= unit;
@@ -288,7 +281,7 @@ mod tests {
 
     #[test]
     fn flying_and_zooming_move_along_the_line_of_sight() {
-        let mut rig = rig();
+        let mut rig = OrbitCamera::for_tests();
         let before = rig.pivot_distance;
         rig.dolly(0.5);
         assert!(rig.pivot().length() < 1e-9 && (rig.pivot_distance - before / 2.0).abs() < 1e-9);

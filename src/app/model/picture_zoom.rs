@@ -1,6 +1,6 @@
 //! How a picture lies in a view: which part of it is shown, and how large.
 
-use egui::Vec2;
+use egui::{Rect, Vec2};
 
 /// Largest magnification.
 const MOST: f32 = 64.0;
@@ -25,6 +25,12 @@ impl PictureZoom {
     /// Magnified by `zoom` about `center`, as far as that is possible.
     pub(crate) fn new(zoom: f32, center: Vec2) -> Self {
         Self { zoom: zoom.clamp(1.0, MOST), center: center.clamp(Vec2::ZERO, Vec2::splat(1.0)) }
+    }
+
+    /// Where a picture of `size` lies in the view `canvas`.
+    pub(crate) fn placed(self, size: Vec2, canvas: Rect) -> Rect {
+        let drawn = size * (canvas.width() / size.x).min(canvas.height() / size.y) * self.zoom;
+        Rect::from_min_size(canvas.center() - drawn * self.center, drawn)
     }
 
     /// Shifted by shares of the picture's size, where it does not fit the view.

@@ -6,7 +6,6 @@ use crate::app::model::{self, BARS, Command, State, ThresholdAxis, ThresholdHist
 use crate::app::theme::Tokens;
 use crate::settings::Field;
 
-/// Height of the bars.
 const BARS_HEIGHT: f32 = 40.0;
 /// Height of the figures above them.
 const FIGURES: f32 = 14.0;

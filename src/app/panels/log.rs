@@ -7,7 +7,6 @@ use crate::app::model::{NoticeKind, State};
 use crate::app::theme::Tokens;
 use crate::app::widgets::empty_ui;
 
-/// The log.
 pub(crate) fn log_ui(ui: &mut Ui, state: &State) {
     let tokens = Tokens::in_ui(ui);
     let log = &state.inspector.log;

@@ -8,7 +8,6 @@ use crate::app::colormap;
 use crate::app::model::{self, CameraMemory, State};
 use crate::app::widgets::{empty_ui, note};
 
-/// The view.
 pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
     let (Some(scene), Some(cameras)) = (&state.scene, &state.inspector.memory) else {
         let (title, text) = if state.scene.is_none() || state.has_capture() {

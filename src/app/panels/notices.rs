@@ -12,7 +12,6 @@ const SHOWN: usize = 3;
 
 const WIDTH: f32 = 430.0;
 
-/// The messages.
 pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
     if state.notices.is_empty() {
         return;

@@ -27,7 +27,6 @@ fn export_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
 const PICTURES: &str = "A folder of numbered PNG pictures.";
 const FILM: &str = "A film at the frame rate of the timeline, through the ffmpeg on this machine.";
 
-/// How large exported pictures are.
 fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Vec<Command>) {
     let mut chosen = size;
     let [width, height] = &mut chosen;
@@ -44,7 +43,6 @@ fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Vec<Command>) {
 
 const SIZE: &str = "Columns and rows of exported pictures, at first those of the largest camera. What the lens sees fits inside.";
 
-/// The view.
 pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let path = &state.inspector.path;
     if path.keys.is_empty() {

@@ -12,7 +12,6 @@ use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{note, weak};
 use crate::preprocess::diagnostics::{CameraReport, Report};
 
-/// The panel.
 pub(crate) fn report_ui(ui: &mut Ui, state: &State) {
     let Some(report) = state.report() else {
         ui.add_space(space::MEDIUM);

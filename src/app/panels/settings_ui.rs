@@ -14,7 +14,6 @@ use crate::settings::{Field, Settings, ValueKind};
 /// Width of the number beside a slider: as much as `65536` needs.
 const NUMBER_BOX: f32 = 58.0;
 
-/// The panel.
 pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let settings = state.shown_settings();
     let values = Values::of(&settings);

@@ -7,7 +7,6 @@ use crate::app::model::{self, Busy, Command, State, StoppableWork};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::weak;
 
-/// The line at the bottom.
 pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let tokens = Tokens::in_ui(ui);
     ui.horizontal_centered(|ui| {

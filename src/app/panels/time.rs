@@ -12,7 +12,6 @@ use crate::preprocess::diagnostics::SpanReport;
 /// Room for the names of the rows.
 const NAMES: f32 = 128.0;
 
-/// The view.
 pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let tokens = Tokens::in_ui(ui);
     let frames = state.frame_count();

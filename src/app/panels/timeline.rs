@@ -7,7 +7,6 @@ use crate::app::model::{self, Command, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, weak};
 
-/// The area.
 pub(crate) fn timeline_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.add_enabled_ui(state.scene.is_some(), |ui| {
         ui.horizontal(|ui| controls_ui(ui, state, commands));

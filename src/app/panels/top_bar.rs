@@ -11,7 +11,6 @@ use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note, weak};
 use crate::demo::SCENES;
 
-/// The bar at the top.
 pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let tokens = Tokens::in_ui(ui);
     ui.horizontal_centered(|ui| {

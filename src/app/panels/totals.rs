@@ -24,7 +24,6 @@ struct Figure {
     of_whole: bool,
 }
 
-/// The strip.
 pub(crate) fn totals_ui(ui: &mut Ui, state: &State) {
     let figures = figures(state);
     let widths = widths(ui, &figures);

@@ -13,7 +13,6 @@ use crate::app::widgets::{self, empty_ui, waiting};
 /// Height of the two lines below a thumbnail.
 const CAPTION: f32 = 34.0;
 
-/// The view.
 pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(scene) = &state.scene else { return };
     if !state.has_capture() {

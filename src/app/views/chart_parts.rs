@@ -1,6 +1,6 @@
 //! What charts share: a legend that hides no point, the point under the pointer, and the button that measures.
 
-use egui::{Color32, Pos2, RichText, Sense, Shape, Stroke, Ui, vec2};
+use egui::{Color32, Pos2, Sense, Shape, Stroke, Ui, vec2};
 use egui_material_icons::MaterialIcon;
 use egui_plot::{MarkerShape, PlotPoint, PlotUi};
 
@@ -127,10 +127,4 @@ pub(crate) fn no_points_ui(
         Study::Stress => "No stress test yet",
     };
     empty_ui(ui, icon, title, text, |ui| study_button(ui, state, study, commands));
-}
-
-/// A line below a plot.
-pub(crate) fn hint_ui(ui: &mut Ui, hint: &str) {
-    let hint = RichText::new(hint).small().color(Tokens::in_ui(ui).text_weak);
-    ui.add(egui::Label::new(hint).truncate());
 }

@@ -6,19 +6,18 @@ use egui::Ui;
 use egui_material_icons::icons::ICON_SCATTER_PLOT;
 use egui_plot::{Line, Plot, Points};
 
-use super::chart_parts::{HINT, Mark, hint_ui, legend_ui, nearest, no_points_ui, shape, study_button};
+use super::chart_parts::{HINT, Mark, legend_ui, nearest, no_points_ui, shape, study_button};
 use crate::app::colormap;
 use crate::app::model::setting_names;
 use crate::app::model::{self, Command, Quantity, State, Study, point_name, series_name, settings_alone};
 use crate::app::theme::Tokens;
-use crate::app::widgets::{choice_ui, weak};
+use crate::app::widgets::{choice_ui, one_line, weak};
 use crate::evaluate::sweep::{Point, Series};
 
 /// Names of the line and of the ring in the chart.
 const FRONT: &str = "best lossless by both axes";
 const ON_NOW: &str = "on now";
 
-/// The view.
 pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let charts = &state.inspector.charts;
     if charts.sweep.is_empty() {
@@ -59,7 +58,8 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
         }
         nearest(plot_ui, places.into_iter())
     });
-    hint_ui(ui, &format!("{} settings; click one to put it on", charts.sweep.len()));
+    let hint = format!("{} settings; click one to put it on", charts.sweep.len());
+    one_line(ui, hint, tokens.text_weak);
     shown
         .response
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Speed and accuracy chart"));

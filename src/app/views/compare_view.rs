@@ -15,13 +15,10 @@ use crate::app::widgets::{self, choice_ui, empty_ui, icon_button, one_line, scro
 /// Height of the lines below the picture.
 const FOOTER: f32 = 48.0;
 
-/// Width of a list of sides.
-const SIDES: f32 = 106.0;
+const LIST_WIDTH: f32 = 106.0;
 
-/// Width of the color bar.
-const BAR: f32 = 150.0;
+const BAR_WIDTH: f32 = 150.0;
 
-/// The view.
 pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let before = &state.inspector.compare;
     let mut look = before.clone();
@@ -48,11 +45,11 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Com
 fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
     ui.horizontal(|ui| {
         for (index, name) in [(0, "Left side"), (1, "Right side")] {
-            if let Some(side) = choice_ui(ui, name, look.sides[index], &CompareSide::ALL, SIDES) {
+            if let Some(side) = choice_ui(ui, name, look.sides[index], &CompareSide::ALL, LIST_WIDTH) {
                 look.sides[index] = side;
             }
         }
-        if let Some(place) = choice_ui(ui, "From", look.place, &places(state), SIDES) {
+        if let Some(place) = choice_ui(ui, "From", look.place, &places(state), LIST_WIDTH) {
             look.place = place;
         }
     });
@@ -104,8 +101,7 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
         return None;
     };
     let size = Vec2::from(compared.comparison.images[0].size.map(|side| side as f32));
-    let scale = (canvas.width() / size.x).min(canvas.height() / size.y) * look.part.zoom;
-    let picture = Rect::from_min_size(canvas.center() - size * scale * look.part.center, size * scale);
+    let picture = look.part.placed(size, canvas);
     let flipped = response.is_pointer_button_down_on() && look.mode == Mode::Flip
         || ui.input(|input| input.key_down(Key::X));
     let parts = parts(look, flipped);
@@ -239,15 +235,15 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
 fn bar_ui(ui: &mut Ui, comparison: &PictureDifference) {
     let range = model::significant(f64::from(comparison.range));
     match comparison.measure {
-        CompareMeasure::Steps => legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR, sequential),
+        CompareMeasure::Steps => legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR_WIDTH, sequential),
         CompareMeasure::Brightness => legend::bar(
             ui,
             &format!("darker −{range}"),
             &format!("+{range} brighter, 8-bit steps"),
-            BAR,
+            BAR_WIDTH,
             |position| diverging(position * 2.0 - 1.0),
         ),
-        CompareMeasure::Flip => legend::bar(ui, "FLIP 0", &range, BAR, sequential),
+        CompareMeasure::Flip => legend::bar(ui, "FLIP 0", &range, BAR_WIDTH, sequential),
     }
 }
 

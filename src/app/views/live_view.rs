@@ -5,7 +5,7 @@ use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
 use super::frusta::frustum;
-use super::source_view::{self, CAMERA_LIST, FOOTER};
+use super::source_view::{self, CAMERA_LIST_WIDTH, FOOTER};
 use super::{legend, marks};
 use crate::app::colormap;
 use crate::app::model::verdict_text as words;
@@ -27,7 +27,6 @@ const PYRAMID: f64 = 0.12;
 /// Depths that differ by less than this share are taken for one surface.
 const NEARLY: f64 = 0.03;
 
-/// The view.
 pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     header_ui(ui, state, commands);
     let available = ui.available_rect_before_wrap();
@@ -62,7 +61,7 @@ pub(crate) fn places_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>)
     }
     let mut places = vec![(usize::MAX, "Go to…", "Stand where a camera stood.")];
     places.extend(camera_choices(&scene.cameras));
-    if let Some(camera) = choice_ui(ui, "Go to camera", usize::MAX, &places, CAMERA_LIST) {
+    if let Some(camera) = choice_ui(ui, "Go to camera", usize::MAX, &places, CAMERA_LIST_WIDTH) {
         commands.push(Command::JumpTo(camera));
     }
 }

@@ -40,7 +40,6 @@ const COLUMNS: [(&str, &str); 9] = [
     ),
 ];
 
-/// The view.
 pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let shown = state.scene.as_ref().zip(state.inspector.probe.shown.as_ref());
     let Some((scene, probed)) = shown else {

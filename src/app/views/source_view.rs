@@ -13,10 +13,8 @@ use crate::samples::TILE;
 /// Height of the legend and the read-out below a picture.
 pub(crate) const FOOTER: f32 = 46.0;
 
-/// Width of a list of cameras.
-pub(crate) const CAMERA_LIST: f32 = 104.0;
+pub(crate) const CAMERA_LIST_WIDTH: f32 = 104.0;
 
-/// The view.
 pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if !state.has_capture() {
         let text = "A store keeps only what was not redundant. Open the capture it was made from to see the source \
@@ -57,12 +55,12 @@ pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>
         let others = others.map(|(index, name, help)| (Some(*index), *name, *help));
         let best = (None, "best other", "");
         let others: Vec<_> = std::iter::once(best).chain(others).collect();
-        if let Some(against) = choice_ui(ui, "Against", state.source.against, &others, CAMERA_LIST) {
+        if let Some(against) = choice_ui(ui, "Against", state.source.against, &others, CAMERA_LIST_WIDTH) {
             commands.push(Command::Against(against));
         }
         weak(ui, "vs");
     }
-    if let Some(camera) = choice_ui(ui, "Source camera", state.source.camera, &cameras, CAMERA_LIST) {
+    if let Some(camera) = choice_ui(ui, "Source camera", state.source.camera, &cameras, CAMERA_LIST_WIDTH) {
         commands.push(Command::SourceCamera(camera));
     }
 }
@@ -86,10 +84,8 @@ fn picture_ui(
         return None;
     };
     let size = Vec2::from(shown.picture.size.map(|side| side as f32));
-    let part = state.source.part;
-    let scale = (canvas.width() / size.x).min(canvas.height() / size.y) * part.zoom;
-    let drawn = size * scale;
-    let picture = Rect::from_min_size(canvas.center() - drawn * part.center, drawn);
+    let picture = state.source.part.placed(size, canvas);
+    let scale = picture.width() / size.x;
     widgets::picture(&painter, shown.texture.id(), picture);
     if let Legend::Tiles(shares) = &shown.picture.legend {
         legend::tile_shares(&painter, picture, size, shares, tokens);

@@ -13,7 +13,6 @@ use crate::app::theme::Tokens;
 use crate::app::widgets::choice_ui;
 use crate::evaluate::stress::StressPoint;
 
-/// The view.
 pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let charts = &state.inspector.charts;
     let mut names: Vec<&str> = Vec::new();

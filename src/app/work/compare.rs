@@ -146,10 +146,7 @@ impl Comparer {
         }
         let capture = capture_of(&key.scene)?;
         let scan = self.threads.install(|| preprocess::scan(capture, settings, job))?;
-        if self.scans.len() == KEPT_SCANS {
-            self.scans.remove(0);
-        }
-        self.scans.push((key.scene.id, scan.clone()));
+        keep(&mut self.scans, KEPT_SCANS, (key.scene.id, scan.clone()));
         Ok(Some(scan))
     }
 
@@ -175,12 +172,17 @@ impl Comparer {
         let others = left_out.map(|left_out| capture.with_cameras(|index, _| index != left_out));
         let capture = others.as_ref().unwrap_or(capture);
         let samples = preprocess::inspect_frame(capture, scan, settings, frame, job)?.samples;
-        if self.made.len() == KEPT {
-            self.made.remove(0);
-        }
-        self.made.push((made, samples.clone()));
+        keep(&mut self.made, KEPT, (made, samples.clone()));
         Ok(samples)
     }
+}
+
+/// Adds the latest; of more than `most` the first goes.
+fn keep<T>(kept: &mut Vec<T>, most: usize, latest: T) {
+    if kept.len() == most {
+        kept.remove(0);
+    }
+    kept.push(latest);
 }
 
 fn capture_of(scene: &OpenScene) -> Result<&Capture> {
