@@ -62,7 +62,7 @@ impl OverlookApp {
             Command::CopyArgument => self.copy_argument(),
             Command::CopyPicture => self.copy_picture(),
             Command::FramePoint => self.frame_point(),
-            other => return self.apply_to_path(other),
+            other => return Some(other),
         }
         None
     }
@@ -174,7 +174,7 @@ impl OverlookApp {
         }
     }
 
-    fn apply_to_path(&mut self, command: Command) -> Option<Command> {
+    pub(super) fn apply_to_path(&mut self, command: Command) -> Option<Command> {
         let here =
             self.state.live.rig.clone().map(|rig| SavedPathKey { rig, frame: self.state.timeline.frame });
         let path = &mut self.state.inspector.path;
@@ -184,9 +184,11 @@ impl OverlookApp {
                     self.add_key(key);
                 }
             }
-            Command::RemoveKey(index) if index < path.keys.len() => {
-                path.keys.remove(index);
-                path.playing = None;
+            Command::RemoveKey(index) => {
+                if index < path.keys.len() {
+                    path.keys.remove(index);
+                    path.playing = None;
+                }
             }
             Command::ReplaceKey(index) => {
                 if let (Some(key), Some(here)) = (path.keys.get_mut(index), here) {
@@ -201,7 +203,6 @@ impl OverlookApp {
             Command::PicturesPerLeg(pictures) => path.pictures_per_leg = pictures.clamp(1, 2000),
             Command::PictureSize(size) => path.size = Some(size),
             Command::PlayPath(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
-            Command::RemoveKey(_) => {}
             other => return Some(other),
         }
         None
@@ -227,55 +228,5 @@ impl OverlookApp {
         let reel = playback.map_or(Reel::Memory(samples), Reel::Disk);
         let request = ExportRequest { path, reel, settings, size, target };
         self.workers.export.submit(request);
-    }
-
-    /// Takes, names, saves and removes presets.
-    pub(crate) fn apply_to_presets(&mut self, command: Command) {
-        let own = &mut self.state.inspector.presets;
-        match command {
-            Command::Preset(index) => {
-                let mut settings = Settings::default();
-                let Some((_, _, change)) = PRESETS.get(index) else { return };
-                change(&mut settings);
-                self.take_preset(settings);
-            }
-            Command::OwnPreset(index) => {
-                if let Some((_, settings)) = own.get(index).cloned() {
-                    self.take_preset(settings);
-                }
-            }
-            Command::NamePreset(name) => self.state.inspector.naming = name,
-            Command::SavePreset(name) => {
-                self.state.inspector.naming = None;
-                let shown = self.state.shown_settings();
-                model::keep(&mut self.state.inspector.presets, name.trim(), &shown);
-            }
-            Command::RemovePreset(index) if index < own.len() => {
-                own.remove(index);
-            }
-            _ => {}
-        }
-    }
-
-    /// Puts the settings of a preset on. How frames are read and what paints are matters of the machine.
-    fn take_preset(&mut self, preset: Settings) {
-        let now = &self.state.settings;
-        let mut settings = Settings { capture: now.capture.clone(), ..preset };
-        settings.render.backend = now.render.backend;
-        self.change_settings("preset", settings);
-    }
-
-    /// Undoes, redoes, or switches between two settings.
-    pub(crate) fn apply_to_history(&mut self, command: &Command) {
-        let now = self.state.settings.clone();
-        let history = &mut self.state.inspector.history;
-        let settings = match command {
-            Command::Undo => history.undo(&now),
-            Command::Redo => history.redo(&now),
-            _ => Some(history.switch(&now)),
-        };
-        if let Some(settings) = settings {
-            self.put_settings(settings);
-        }
     }
 }

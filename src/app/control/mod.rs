@@ -5,6 +5,7 @@ mod keyboard;
 mod paths;
 mod receive;
 mod remembered;
+mod settings;
 mod update;
 
 pub(crate) use keyboard::{HELP, commands, gave_up_number};

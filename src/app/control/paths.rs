@@ -21,7 +21,7 @@ const OTHER_ENDING: &str = "A picture is written as PNG; name it .png.";
 
 impl OverlookApp {
     /// Carries out what concerns a path that is asked for or typed.
-    pub(crate) fn apply_to_typed_path(&mut self, command: Command) {
+    pub(crate) fn apply_to_typed_path(&mut self, command: Command) -> Option<Command> {
         match command {
             // Before a path is chosen for nothing.
             Command::AskPath(purpose) | Command::TypePath(purpose) if self.refuses(purpose) => {}
@@ -36,8 +36,10 @@ impl OverlookApp {
                 }
             }
             Command::TakeTypedPath => self.take_typed_path(),
-            _ => self.state.typed_path = None,
+            Command::CloseTypedPath => self.state.typed_path = None,
+            other => return Some(other),
         }
+        None
     }
 
     fn type_path(&mut self, purpose: Purpose, reason: Option<String>) {

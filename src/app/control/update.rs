@@ -1,69 +1,49 @@
 //! Carries out commands. Here and where answers are taken in is the only place where the state changes.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
 use super::paths::lasting;
 use crate::app::dock::Dock;
-use crate::app::model::{self, Command, NoticeKind, OrbitCamera, PictureZoom, StoppableWork, method_of};
+use crate::app::model::{self, Command, OrbitCamera, PictureZoom, StoppableWork};
 use crate::app::overlook_app::OverlookApp;
 use crate::app::work::OpenRequest;
 use crate::demo::DemoSpec;
-use crate::settings::Settings;
 
 impl OverlookApp {
     /// Carries out one command.
     pub(crate) fn apply(&mut self, command: Command) {
         self.state.timeline.will_play &= leaves_time_alone(&command);
-        match command {
-            Command::OpenDemo(_) | Command::OpenPath(_) => self.ask_to_open(command),
-            Command::AskPath(_)
-            | Command::TypePath(_)
-            | Command::TypedPath(_)
-            | Command::TakeTypedPath
-            | Command::CloseTypedPath => self.apply_to_typed_path(command),
-            Command::ForgetRecent => self.state.recent.clear(),
-            Command::Set { path, value } => self.set(path, value),
-            Command::Reset(path) => {
-                if let Some(value) = Settings::default().get(path) {
-                    self.set(path, value);
-                }
-            }
-            Command::ResetAll => self.change_settings("all", Settings::default()),
-            Command::Preset(_)
-            | Command::OwnPreset(_)
-            | Command::NamePreset(_)
-            | Command::SavePreset(_)
-            | Command::RemovePreset(_) => self.apply_to_presets(command),
-            Command::Undo | Command::Redo | Command::SwitchSettings => self.apply_to_history(&command),
-            Command::Rerun => {
+        let rest = self
+            .apply_to_typed_path(command)
+            .and_then(|command| self.apply_to_settings(command))
+            .and_then(|command| self.apply_to_timeline(command))
+            .and_then(|command| self.apply_to_inspector(command))
+            .and_then(|command| self.apply_to_path(command))
+            .and_then(|command| self.apply_to_views(command));
+        match rest {
+            Some(command @ (Command::OpenDemo(_) | Command::OpenPath(_))) => self.ask_to_open(command),
+            Some(Command::ForgetRecent) => self.state.recent.clear(),
+            Some(Command::Rerun) => {
                 self.state.stopped = false;
                 self.state.failed_frame = None;
                 (self.plan.inspect, self.plan.source) = (None, None);
                 (self.plan.whole, self.plan.measure) = (None, None);
                 self.plan.changed_at = None;
             }
-            Command::Cancel => self.cancel(),
-            Command::Escape => self.escape(),
-            Command::Frame(_) | Command::Step(_) | Command::TogglePlay | Command::FramesPerSecond(_) => {
-                self.apply_to_timeline(&command);
-            }
-            Command::OpenView(view) => self.dock.open(view),
-            Command::ResetLayout => self.dock = Dock::new(),
-            Command::Dark(dark) => self.state.dark = dark,
-            Command::Dismiss(id) => self.state.notices.retain(|notice| notice.id != id),
-            other => {
-                if let Some(looks) = self.apply_to_inspector(other) {
-                    self.apply_to_views(looks);
-                }
-            }
+            Some(Command::Cancel) => self.cancel(),
+            Some(Command::Escape) => self.escape(),
+            Some(Command::OpenView(view)) => self.dock.open(view),
+            Some(Command::ResetLayout) => self.dock = Dock::new(),
+            Some(Command::Dark(dark)) => self.state.dark = dark,
+            Some(Command::Dismiss(id)) => self.state.notices.retain(|notice| notice.id != id),
+            _ => {}
         }
     }
 
-    fn apply_to_timeline(&mut self, command: &Command) {
+    fn apply_to_timeline(&mut self, command: Command) -> Option<Command> {
         let frames = self.state.frame_count();
         let timeline = &mut self.state.timeline;
-        match *command {
+        match command {
             Command::Frame(frame) => timeline.frame = frame.min(frames.saturating_sub(1)),
             Command::Step(by) if frames > 0 => {
                 timeline.frame = (timeline.frame as i64 + by).rem_euclid(frames as i64) as usize;
@@ -73,11 +53,12 @@ impl OverlookApp {
                 timeline.elapsed_secs = 0.0;
             }
             Command::FramesPerSecond(rate) => timeline.frames_per_second = rate.clamp(1.0, 120.0),
-            _ => {}
+            other => return Some(other),
         }
+        None
     }
 
-    fn apply_to_views(&mut self, command: Command) {
+    fn apply_to_views(&mut self, command: Command) -> Option<Command> {
         let state = &mut self.state;
         match command {
             Command::SourceCamera(camera) => {
@@ -104,17 +85,18 @@ impl OverlookApp {
             Command::ShowCameras(show) => state.live.show_cameras = show,
             Command::LiveSize(size) => state.live.size = size,
             motion => {
-                let Some(rig) = &mut state.live.rig else { return };
+                let Some(rig) = &mut state.live.rig else { return Some(motion) };
                 match motion {
                     Command::Orbit(angles) => rig.orbit(angles),
                     Command::Pan(share) => rig.pan(share),
                     Command::Dolly(factor) => rig.dolly(factor),
                     Command::DollyTo { factor, point_in_world } => rig.dolly_to(factor, point_in_world),
                     Command::Fly(steps) => rig.fly(steps),
-                    _ => {}
+                    other => return Some(other),
                 }
             }
         }
+        None
     }
 
     /// Opens something, after a question where a camera path or measured points are lost by it.
@@ -160,38 +142,6 @@ impl OverlookApp {
         let path = lasting(path);
         self.state.opening = Some(path.display().to_string());
         self.workers.open.submit(OpenRequest::Path { path, settings: self.state.settings.capture.clone() });
-    }
-
-    fn set(&mut self, path: &'static str, value: toml::Value) {
-        let mut settings = self.state.settings.clone();
-        match settings.set(path, value) {
-            Ok(()) => self.change_settings(path, settings),
-            Err(error) => self.state.notify(NoticeKind::Error, "Setting not changed", error.to_string()),
-        }
-    }
-
-    /// Changes settings; `what` tells one change from the next.
-    pub(crate) fn change_settings(&mut self, what: &'static str, settings: Settings) {
-        if settings != self.state.settings {
-            self.state.inspector.history.record(&self.state.settings, what, Instant::now());
-            self.put_settings(settings);
-        }
-    }
-
-    pub(crate) fn put_settings(&mut self, settings: Settings) {
-        if method_of(&settings) != method_of(&self.state.settings) {
-            self.plan.changed_at = Some(Instant::now());
-            self.state.stopped = false;
-            self.state.failed_frame = None;
-        }
-        if settings.render != self.state.settings.render {
-            // It was that of pictures painted otherwise.
-            self.state.accuracy = None;
-        }
-        if self.state.accuracy.is_none() {
-            self.plan.measure = None;
-        }
-        self.state.settings = settings;
     }
 
     /// Stops the work that the line at the bottom names, and nothing beside it.
