@@ -1,6 +1,6 @@
 //! Carries out the commands of the inspector: the pixel, settings as they were, the camera path.
 
-use crate::app::model::{self, Command, ExportTarget, NoticeKind, PRESETS, Purpose, SavedPathKey, Study};
+use crate::app::model::{Command, ExportTarget, NoticeKind, Purpose, SavedPathKey, Study};
 use crate::app::model::{DockView, PictureZoom, Spot, setting_names, verdict_text};
 use crate::app::overlook_app::OverlookApp;
 use crate::app::work::{ExportRequest, StudyRequest};

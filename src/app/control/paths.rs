@@ -133,10 +133,10 @@ impl OverlookApp {
                 Some(picture) => self.workers.file.submit(FileRequest::SavePicture { path, picture }),
                 None => self.tell_of_motion(),
             },
-            Purpose::ExportPictures => self.export_path(ExportTarget::Pictures(path)),
+            Purpose::ExportPictures => self.export_path(ExportTarget { path, film_rate: None }),
             Purpose::ExportFilm => {
-                let rate = f64::from(self.state.timeline.frames_per_second);
-                self.export_path(ExportTarget::Film(path, rate));
+                let film_rate = Some(f64::from(self.state.timeline.frames_per_second));
+                self.export_path(ExportTarget { path, film_rate });
             }
         }
     }

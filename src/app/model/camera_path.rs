@@ -3,7 +3,7 @@
 //! Between keys the camera moves as [`crate::render::film::pose_at`] says; every leg takes as many pictures, and time and lens change evenly
 //! from one key's to the next one's.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::orbit_camera::OrbitCamera;
 use crate::capture::Intrinsics;
@@ -99,29 +99,22 @@ fn lens_between([from, to]: [Intrinsics; 2], share: f64) -> Intrinsics {
 
 /// What a camera path is exported as.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum ExportTarget {
-    /// A folder that receives `0001.png`, `0002.png`, …
-    Pictures(PathBuf),
-    /// A film, and how many pictures it shows a second.
-    Film(PathBuf, f64),
+pub(crate) struct ExportTarget {
+    /// A folder that receives `0001.png`, `0002.png`, …, or a film.
+    pub path: PathBuf,
+    /// How many pictures a film shows a second; `None` for a folder.
+    pub film_rate: Option<f64>,
 }
 
 impl ExportTarget {
-    /// The folder or file.
-    pub(crate) fn path(&self) -> &Path {
-        match self {
-            Self::Pictures(path) | Self::Film(path, _) => path,
-        }
-    }
-
     /// What is left of an export that was stopped, in words.
     pub(crate) fn stopped(&self) -> String {
-        match self {
-            Self::Pictures(folder) => {
-                format!("Only the pictures painted until then were written to {}.", folder.display())
-            }
-            Self::Film(path, _) => format!("Nothing was written to {}.", path.display()),
-        }
+        let written = if self.film_rate.is_some() {
+            "Nothing was"
+        } else {
+            "Only the pictures painted until then were"
+        };
+        format!("{written} written to {}.", self.path.display())
     }
 }
 

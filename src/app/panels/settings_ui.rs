@@ -5,7 +5,7 @@ use egui_material_icons::icons::{ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 
 use super::{histogram, presets};
 use crate::app::control::gave_up_number;
-use crate::app::model::setting_names::SECTIONS;
+use crate::app::model::setting_names::{SECTIONS, SettingPairs};
 use crate::app::model::{self, CUT, Command, SettingsSlot, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, icon_button, note, weak};
@@ -16,11 +16,11 @@ const NUMBER_BOX: f32 = 58.0;
 
 pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let settings = state.shown_settings();
-    let values = Values::of(&settings);
+    let values = SettingPairs::new(&settings, &Settings::default());
     let editable = state.has_thresholds();
     if editable {
         history_ui(ui, state, commands);
-        let words = match values.changed() {
+        let words = match values.differing().count() {
             0 => "Every setting has its default".to_owned(),
             1 => "1 setting differs from its default".to_owned(),
             count => format!("{count} settings differ from their defaults"),
@@ -86,37 +86,18 @@ fn history_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.add_space(space::SMALL);
 }
 
-/// Settings and their defaults as tables: converted once a frame, not once a field.
-struct Values {
-    now: toml::Table,
-    default: toml::Table,
-}
-
-impl Values {
-    fn of(settings: &Settings) -> Self {
-        let table = |settings: &Settings| toml::Table::try_from(settings).unwrap_or_default();
-        Self { now: table(settings), default: table(&Settings::default()) }
-    }
-
-    /// How many settings differ from their defaults.
-    fn changed(&self) -> usize {
-        let differs = |field: &&Field| self.of_field(field).is_some_and(|(now, default)| now != default);
-        Settings::fields().filter(differs).count()
-    }
-
-    /// The value of a setting, and its default.
-    fn of_field(&self, field: &Field) -> Option<(&toml::Value, &toml::Value)> {
-        let (section, name) = field.path.split_once('.')?;
-        Some((self.now.get(section)?.get(name)?, self.default.get(section)?.get(name)?))
-    }
-}
-
 fn fields_of(section: &str) -> impl Iterator<Item = &'static Field> {
     Settings::fields().filter(move |field| field.path.split_once('.').is_some_and(|(of, _)| of == section))
 }
 
-fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, commands: &mut Vec<Command>) {
-    let Some((value, default)) = values.of_field(field) else { return };
+fn field_ui(
+    ui: &mut Ui,
+    field: &'static Field,
+    values: &SettingPairs,
+    state: &State,
+    commands: &mut Vec<Command>,
+) {
+    let Some([value, default]) = values.of(field) else { return };
     let (section, name) = field.path.split_once('.').unwrap_or(("", field.path));
     let full_name = model::words(&format!("{section} {name}"));
     let name = model::words(name);

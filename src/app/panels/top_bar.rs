@@ -45,21 +45,17 @@ pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>
     });
 }
 
-fn menu_button(icon: egui_material_icons::MaterialIcon, name: &str) -> Button<'_> {
-    Button::new((icon.rich_text().size(16.0), name))
-}
-
 fn item<'a>(name: &'a str, keys: &'a str) -> Button<'a> {
     let button = Button::new(name);
     if keys.is_empty() { button } else { button.shortcut_text(keys) }
 }
 
 fn menu_ui(ui: &mut Ui, icon: egui_material_icons::MaterialIcon, name: &str, contents: impl FnOnce(&mut Ui)) {
-    let (response, _) =
-        egui::containers::menu::MenuButton::from_button(menu_button(icon, name)).ui(ui, |ui| {
-            ui.set_min_width(210.0);
-            contents(ui);
-        });
+    let button = Button::new((icon.rich_text().size(16.0), name));
+    let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        ui.set_min_width(210.0);
+        contents(ui);
+    });
     response.accessible_name(name);
 }
 

@@ -2,9 +2,9 @@
 
 use egui::{Color32, Pos2, Sense, Shape, Stroke, Ui, vec2};
 use egui_material_icons::MaterialIcon;
-use egui_plot::{MarkerShape, PlotPoint, PlotUi};
+use egui_plot::{MarkerShape, Plot, PlotPoint, PlotUi};
 
-use crate::app::model::{Command, State, Study};
+use crate::app::model::{self, Command, State, Study};
 use crate::app::theme::Tokens;
 use crate::app::widgets::empty_ui;
 
@@ -127,4 +127,15 @@ pub(crate) fn no_points_ui(
         Study::Stress => "No stress test yet",
     };
     empty_ui(ui, icon, title, text, |ui| study_button(ui, state, study, commands));
+}
+
+/// A plot whose axes have names, and round marks: whether they are logarithmic says `log`.
+pub(crate) fn plot<'a>(id: &'static str, ui: &Ui, [x, y]: [String; 2], log: [bool; 2]) -> Plot<'a> {
+    Plot::new(id)
+        .x_axis_label(x)
+        .y_axis_label(y)
+        .x_grid_spacer(move |grid| model::marks(grid.bounds, log[0]))
+        .y_grid_spacer(move |grid| model::marks(grid.bounds, log[1]))
+        .grid_color(Tokens::in_ui(ui).border)
+        .allow_scroll(false)
 }

@@ -6,7 +6,7 @@ use egui::Ui;
 use egui_material_icons::icons::ICON_SCATTER_PLOT;
 use egui_plot::{Line, Plot, Points};
 
-use super::chart_parts::{HINT, Mark, legend_ui, nearest, no_points_ui, shape, study_button};
+use super::chart_parts::{HINT, Mark, legend_ui, nearest, no_points_ui, plot, shape, study_button};
 use crate::app::colormap;
 use crate::app::model::setting_names;
 use crate::app::model::{self, Command, Quantity, State, Study, point_name, series_name, settings_alone};
@@ -44,7 +44,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
     legend_ui(ui, names.chain(lines.iter().copied()));
     let places: Vec<_> = charts.sweep.iter().map(place).collect();
     let height = (ui.available_height() - HINT).max(40.0);
-    let plot = plot("tradeoff", [along, up], &places, &tokens).height(height);
+    let plot = sweep_plot(ui, [along, up], &places).height(height);
     let shown = plot.show(ui, |plot_ui| {
         plot_ui.line(Line::new(FRONT, charts.front()).color(tokens.text_weak).width(1.0));
         for (index, (series, places)) in series.into_values().enumerate() {
@@ -112,8 +112,7 @@ fn words(point: &Point, axes: [Quantity; 2]) -> String {
     lines.join("\n")
 }
 
-fn plot<'a>(id: &'static str, axes: [Quantity; 2], places: &[[f64; 2]], tokens: &Tokens) -> Plot<'a> {
-    let [along, up] = axes;
+fn sweep_plot<'a>(ui: &Ui, axes: [Quantity; 2], places: &[[f64; 2]]) -> Plot<'a> {
     let axis = |quantity: Quantity| {
         move |mark: egui_plot::GridMark, range: &std::ops::RangeInclusive<f64>| {
             let whole = |mark: egui_plot::GridMark| 10_f64.powf(mark.value) as u64;
@@ -124,20 +123,14 @@ fn plot<'a>(id: &'static str, axes: [Quantity; 2], places: &[[f64; 2]], tokens: 
             }
         }
     };
-    let mut plot = Plot::new(id)
-        .x_axis_label(along.axis_name())
-        .y_axis_label(up.axis_name())
-        .x_axis_formatter(axis(along))
-        .y_axis_formatter(axis(up))
-        .x_grid_spacer(move |grid| model::marks(grid.bounds, along.is_log()))
-        .y_grid_spacer(move |grid| model::marks(grid.bounds, up.is_log()))
-        .grid_color(tokens.border)
-        .allow_scroll(false)
+    let mut plot = plot("tradeoff", ui, axes.map(Quantity::axis_name), axes.map(Quantity::is_log))
+        .x_axis_formatter(axis(axes[0]))
+        .y_axis_formatter(axis(axes[1]))
         .set_margin_fraction(egui::vec2(0.06, 0.08));
-    if let Some([low, high]) = around(places.iter().map(|place| place[0]), along.is_log()) {
+    if let Some([low, high]) = around(places.iter().map(|place| place[0]), axes[0].is_log()) {
         plot = plot.include_x(low).include_x(high);
     }
-    if let Some([low, high]) = around(places.iter().map(|place| place[1]), up.is_log()) {
+    if let Some([low, high]) = around(places.iter().map(|place| place[1]), axes[1].is_log()) {
         plot = plot.include_y(low).include_y(high);
     }
     plot

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use egui::{RichText, Ui};
 use egui_material_icons::icons::ICON_MONITORING;
-use egui_plot::{Line, Plot, PlotPoints, Points};
+use egui_plot::{Line, PlotPoints, Points};
 
-use super::chart_parts::{Mark, legend_ui, nearest, no_points_ui, shape, study_button};
+use super::chart_parts::{Mark, legend_ui, nearest, no_points_ui, plot, shape, study_button};
 use crate::app::colormap;
 use crate::app::model::{self, Command, Quantity, State, Study, method_name};
 use crate::app::theme::Tokens;
@@ -59,13 +59,8 @@ fn plot_ui(ui: &mut Ui, disturbance: &str, here: &[&StressPoint]) {
         .collect();
     legend_ui(ui, curves.iter().map(|(shape, color, name, _)| (Mark::Points(*shape), *color, *name)));
     let unit = here.first().map_or("", |point| point.unit.as_str());
-    let plot = Plot::new("stability")
-        .x_axis_label(format!("{} ({unit})", model::words(disturbance)))
-        .y_axis_label(Quantity::Psnr.axis_name())
-        .x_grid_spacer(|grid| model::marks(grid.bounds, false))
-        .y_grid_spacer(|grid| model::marks(grid.bounds, false))
-        .grid_color(Tokens::in_ui(ui).border)
-        .allow_scroll(false);
+    let names = [format!("{} ({unit})", model::words(disturbance)), Quantity::Psnr.axis_name()];
+    let plot = plot("stability", ui, names, [false; 2]);
     let shown = plot.show(ui, |plot_ui| {
         for (shape, color, name, places) in curves {
             plot_ui.line(Line::new(name, PlotPoints::from(places.clone())).color(color).width(2.0));

@@ -87,17 +87,14 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
     let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| {
         film::paint(&request.reel, &vantages, &mut renderer, &request.settings, job, take)
     };
-    match &request.target {
-        ExportTarget::Pictures(folder) => {
-            std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
-            paint(&mut |nth, picture| write_png(&folder.join(format!("{:04}.png", nth + 1)), picture))?;
-        }
-        ExportTarget::Film(path, frames_per_second) => {
-            let size = request.size.map(|side| side as usize);
-            let mut encoder = FilmEncoder::start(path, size, *frames_per_second)?;
-            paint(&mut |_, picture| encoder.add(picture))?;
-            encoder.finish(job)?;
-        }
+    let ExportTarget { path, film_rate } = &request.target;
+    if let Some(rate) = film_rate {
+        let mut encoder = FilmEncoder::start(path, request.size.map(|side| side as usize), *rate)?;
+        paint(&mut |_, picture| encoder.add(picture))?;
+        encoder.finish(job)?;
+    } else {
+        std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
+        paint(&mut |nth, picture| write_png(&path.join(format!("{:04}.png", nth + 1)), picture))?;
     }
     let damage = match &request.reel {
         Reel::Memory(_) => Vec::new(),
@@ -105,7 +102,7 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
     };
     let exported =
         Exported { pictures: vantages.len(), notice: renderer.notice().map(str::to_owned), damage };
-    Ok(Message::Exported { path: request.target.path().to_path_buf(), exported })
+    Ok(Message::Exported { path: path.clone(), exported })
 }
 
 /// Whether something stands at a destination that would be replaced.
