@@ -170,3 +170,12 @@ pub(crate) fn text_field_ui(ui: &mut Ui, text: &mut String, hint: &str, name: &s
     }
     (field.changed(), entered)
 }
+
+/// The area of a picture, which is pointed at and dragged; `name` names it for screen readers.
+pub(crate) fn canvas_ui(ui: &Ui, canvas: Rect, id: &str, name: &str) -> (Response, Painter) {
+    let response = ui.interact(canvas, ui.scope_id().with(id), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
+    let painter = ui.painter_at(canvas);
+    painter.rect_filled(canvas, f32::from(space::RADIUS), Tokens::in_ui(ui).canvas);
+    (response, painter)
+}

@@ -41,8 +41,8 @@ impl OverlookApp {
                 }
             }
             Command::Compare(look) => {
-                let before = &state.inspector.compare;
-                if (look.sides, look.place) != (before.sides, before.place) {
+                let before = &state.inspector.compare.choice;
+                if (look.choice.sides, look.choice.from) != (before.sides, before.from) {
                     state.inspector.compare_trouble = None;
                 }
                 state.inspector.compare = *look;

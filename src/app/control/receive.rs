@@ -7,9 +7,9 @@ use egui::{TextureFilter, TextureOptions};
 
 use super::remembered::remember_recent;
 use crate::app::model::{
-    self, Accuracy, CompareKey, Exported, LivePicture, Message, NoticeKind, OpenScene, OrbitCamera, Origin,
-    PictureDifference, PixelSource, Probed, ShownComparison, ShownPicture, SourceLook, Spot, Texture, Whole,
-    and_others, method_of,
+    self, Accuracy, CompareChoice, CompareKey, Exported, LivePicture, Message, NoticeKind, OpenScene,
+    OrbitCamera, Origin, PictureDifference, PixelSource, Probed, ShownComparison, ShownPicture, SourceLook,
+    Spot, Texture, Whole, and_others, method_of,
 };
 use crate::app::overlook_app::OverlookApp;
 use crate::error::Error;
@@ -160,8 +160,8 @@ impl OverlookApp {
                 let [left, right] = comparison.images.clone();
                 let textures = [left, right, comparison.difference.clone()]
                     .map(|image| self.ctx.load_texture("comparison", image, TextureOptions::NEAREST));
-                inspector.compared =
-                    Some(ShownComparison { sides: key.sides, place: key.place, comparison, textures });
+                let CompareChoice { sides, from, .. } = key.choice;
+                inspector.compared = Some(ShownComparison { sides, from, comparison, textures });
                 inspector.compare_trouble = None;
             }
             Err(trouble) => inspector.compare_trouble = Some(trouble),

@@ -100,34 +100,34 @@ impl CompareMeasure {
     ];
 }
 
+/// What is compared, and what the map of the difference shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CompareChoice {
+    pub sides: [CompareSide; 2],
+    /// From where.
+    pub from: CompareVantage,
+    pub measure: CompareMeasure,
+    /// The difference at the map's upper end, in the unit of the measure; `None` to fit it.
+    pub range: Option<f32>,
+}
+
 /// How the comparison looks.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CompareLook {
-    pub sides: [CompareSide; 2],
-    /// From where.
-    pub place: CompareVantage,
+    pub choice: CompareChoice,
     /// How the two are shown.
     pub mode: Mode,
     /// Where the line is, as a share of the width.
     pub wipe: f32,
     pub part: PictureZoom,
-    /// What the map of their difference shows.
-    pub measure: CompareMeasure,
-    /// See [`CompareKey::range`].
-    pub range: Option<f32>,
 }
 
 impl Default for CompareLook {
     fn default() -> Self {
-        Self {
-            sides: [CompareSide::Everything, CompareSide::Kept],
-            place: CompareVantage::Live,
-            mode: Mode::Wipe,
-            wipe: 0.5,
-            part: PictureZoom::default(),
-            measure: CompareMeasure::Steps,
-            range: None,
-        }
+        let sides = [CompareSide::Everything, CompareSide::Kept];
+        let (from, measure) = (CompareVantage::Live, CompareMeasure::Steps);
+        let choice = CompareChoice { sides, from, measure, range: None };
+        Self { choice, mode: Mode::Wipe, wipe: 0.5, part: PictureZoom::default() }
     }
 }
 
@@ -135,9 +135,7 @@ impl Default for CompareLook {
 #[derive(Clone)]
 pub(crate) struct CompareKey {
     pub scene: Arc<OpenScene>,
-    pub sides: [CompareSide; 2],
-    /// From where.
-    pub place: CompareVantage,
+    pub choice: CompareChoice,
     /// Where the live view stands, and when.
     pub vantage: Vantage,
     /// The kept samples that the live view shows.
@@ -148,31 +146,24 @@ pub(crate) struct CompareKey {
     pub scan: Option<Arc<PreparedScan>>,
     /// The settings on the sliders, A and B.
     pub settings: [Settings; 3],
-    /// What the map of their difference shows.
-    pub measure: CompareMeasure,
-    /// The difference that the map's upper end stands for, in the unit of the measure; `None` to fit it.
-    pub range: Option<f32>,
     /// Dark or light, as holes use a color of the theme.
     pub dark: bool,
 }
 
 impl PartialEq for CompareKey {
     fn eq(&self, other: &Self) -> bool {
-        let uses = |side: CompareSide| self.sides.contains(&side);
+        let uses = |side: CompareSide| self.choice.sides.contains(&side);
         self.scene.id == other.scene.id
-            && self.sides == other.sides
-            && self.place == other.place
+            && self.choice == other.choice
             && Arc::ptr_eq(&self.samples, &other.samples)
             && self.whole == other.whole
             && self.scan.as_ref().map(Arc::as_ptr) == other.scan.as_ref().map(Arc::as_ptr)
             && self.settings[0] == other.settings[0]
             && (!uses(CompareSide::A) || self.settings[1] == other.settings[1])
             && (!uses(CompareSide::B) || self.settings[2] == other.settings[2])
-            && self.measure == other.measure
-            && self.range == other.range
             && self.dark == other.dark
             && self.vantage.frame == other.vantage.frame
-            && (self.place != CompareVantage::Live || self.vantage == other.vantage)
+            && (self.choice.from != CompareVantage::Live || self.vantage == other.vantage)
     }
 }
 
@@ -181,7 +172,7 @@ pub(crate) struct ShownComparison {
     /// Whose pictures these are.
     pub sides: [CompareSide; 2],
     /// From where.
-    pub place: CompareVantage,
+    pub from: CompareVantage,
     pub comparison: PictureDifference,
     /// Left, right and difference on the graphics card.
     pub textures: [egui::TextureHandle; 3],

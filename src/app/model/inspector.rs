@@ -87,7 +87,7 @@ impl Inspector {
         self.thumbs.clear();
         self.memory = None;
         self.histograms.clear();
-        self.compare.place = CompareVantage::Live;
+        self.compare.choice.from = CompareVantage::Live;
         self.compared = None;
         self.path = CameraPath::default();
         self.charts = Charts::default();

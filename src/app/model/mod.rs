@@ -39,7 +39,7 @@ pub(crate) use chart_axis::Quantity;
 pub(crate) use charts::{Study, method_name, point_name, series_name, settings_alone};
 pub(crate) use command::{Command, CommandPalette};
 pub(crate) use comparison::{
-    CompareKey, CompareLook, CompareMeasure, CompareSide, CompareVantage, DisplayColors, Mode,
+    CompareChoice, CompareKey, CompareLook, CompareMeasure, CompareSide, CompareVantage, DisplayColors, Mode,
     PictureDifference, ShownComparison,
 };
 pub(crate) use document::{Busy, SIDES, ShownPicture, SourceLook, State, StoppableWork};

@@ -6,9 +6,7 @@ mod telling;
 
 use std::time::{Duration, Instant};
 
-use super::model::{
-    Command, CompareLook, CompareSide, DockView, Exported, Message, NoticeKind, Purpose, Spot, Study,
-};
+use super::model::{Command, CompareSide, DockView, Exported, Message, NoticeKind, Purpose, Spot, Study};
 use super::overlook_app::{OverlookApp, Start};
 use crate::demo::DemoSpec;
 use crate::error::Error;
@@ -304,11 +302,12 @@ fn pictures_are_named_after_what_they_show_until_those_that_were_chosen_are_ther
     wait(&mut app, "the comparison", |app| app.state.inspector.compared.is_some());
     let sides = |app: &OverlookApp| app.state.inspector.compared.as_ref().map(|compared| compared.sides);
     let before = app.state.inspector.compare.clone();
-    let look = CompareLook { sides: [CompareSide::Point, CompareSide::Kept], ..before.clone() };
+    let mut look = before.clone();
+    look.choice.sides = [CompareSide::Point, CompareSide::Kept];
     app.state.inspector.compare_trouble = Some("of those before".into());
     app.apply(Command::Compare(Box::new(look.clone())));
-    assert_eq!((sides(&app), &app.state.inspector.compare_trouble), (Some(before.sides), &None));
-    wait(&mut app, "the other comparison", |app| sides(app) == Some(look.sides));
+    assert_eq!((sides(&app), &app.state.inspector.compare_trouble), (Some(before.choice.sides), &None));
+    wait(&mut app, "the other comparison", |app| sides(app) == Some(look.choice.sides));
 }
 
 #[test]

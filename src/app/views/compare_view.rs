@@ -45,12 +45,12 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Com
 fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
     ui.horizontal(|ui| {
         for (index, name) in [(0, "Left side"), (1, "Right side")] {
-            if let Some(side) = choice_ui(ui, name, look.sides[index], &CompareSide::ALL, LIST_WIDTH) {
-                look.sides[index] = side;
+            if let Some(side) = choice_ui(ui, name, look.choice.sides[index], &CompareSide::ALL, LIST_WIDTH) {
+                look.choice.sides[index] = side;
             }
         }
-        if let Some(place) = choice_ui(ui, "From", look.place, &places(state), LIST_WIDTH) {
-            look.place = place;
+        if let Some(place) = choice_ui(ui, "From", look.choice.from, &places(state), LIST_WIDTH) {
+            look.choice.from = place;
         }
     });
     ui.horizontal(|ui| {
@@ -59,9 +59,10 @@ fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
         }
         if look.mode == Mode::Difference {
             ui.add_space(space::MEDIUM);
-            if let Some(measure) = segments_ui(ui, "Difference in", look.measure, CompareMeasure::ALL) {
+            if let Some(measure) = segments_ui(ui, "Difference in", look.choice.measure, CompareMeasure::ALL)
+            {
                 // A locked range is one of the other unit.
-                (look.measure, look.range) = (measure, None);
+                (look.choice.measure, look.choice.range) = (measure, None);
             }
         }
     });
@@ -92,10 +93,7 @@ fn places(state: &State) -> Vec<(CompareVantage, String, String)> {
 /// The two pictures; gives the pixel under the pointer.
 fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -> Option<[usize; 2]> {
     let tokens = Tokens::in_ui(ui);
-    let response = ui.interact(canvas, ui.scope_id().with("comparison"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Comparison"));
-    let painter = ui.painter_at(canvas);
-    painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.canvas);
+    let (response, painter) = widgets::canvas_ui(ui, canvas, "comparison", "Comparison");
     let Some(compared) = &state.inspector.compared else {
         waiting(ui, canvas, 28.0);
         return None;
@@ -138,7 +136,7 @@ fn side_name(side: CompareSide) -> &'static str {
 
 /// Whether pictures show what is chosen; else what is chosen is being worked out.
 fn is_of(compared: &ShownComparison, look: &CompareLook) -> bool {
-    (compared.sides, compared.place) == (look.sides, look.place)
+    (compared.sides, compared.from) == (look.choice.sides, look.choice.from)
 }
 
 /// What is drawn: which of left, right and difference, and the shares of the width between which.
@@ -204,12 +202,12 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
     ui.horizontal(|ui| {
         if look.mode == Mode::Difference {
             bar_ui(ui, comparison);
-            let locked = look.range.is_some();
+            let locked = look.choice.range.is_some();
             let (icon, name) =
                 if locked { (ICON_LOCK, "Fit the range") } else { (ICON_LOCK_OPEN, "Lock the range") };
             let help = "A locked range stays when the pictures change, so that colors can be compared.";
             if icon_button(ui, icon, name, help).clicked() {
-                look.range = if locked { None } else { Some(comparison.range) };
+                look.choice.range = if locked { None } else { Some(comparison.range) };
             }
         } else {
             let hint = match look.mode {

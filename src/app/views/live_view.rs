@@ -10,9 +10,9 @@ use super::{legend, marks};
 use crate::app::colormap;
 use crate::app::model::verdict_text as words;
 use crate::app::model::{self, ColorBy, Command, Spot, State};
-use crate::app::theme::{Tokens, space};
+use crate::app::theme::Tokens;
 use crate::app::widgets::{
-    camera_choices, choice_ui, icon_button, one_line, picture, scrolled, segments_ui, waiting,
+    self, camera_choices, choice_ui, icon_button, one_line, picture, scrolled, segments_ui, waiting,
 };
 
 /// Radians of orbit per point that the pointer is dragged.
@@ -68,10 +68,7 @@ pub(crate) fn places_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>)
 
 fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Vec<Command>) {
     let tokens = Tokens::in_ui(ui);
-    let response = ui.interact(canvas, ui.scope_id().with("live picture"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Live picture"));
-    let painter = ui.painter_at(canvas);
-    painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.canvas);
+    let (response, painter) = widgets::canvas_ui(ui, canvas, "live picture", "Live picture");
     let pixels = canvas.size() * ui.ctx().pixels_per_point();
     let shrink = (LARGEST_SIDE / pixels.max_elem()).min(1.0);
     let size = [(pixels.x * shrink) as u32, (pixels.y * shrink) as u32].map(|side| side.max(1));

@@ -5,7 +5,7 @@ use egui_material_icons::icons::ICON_HIDE_IMAGE;
 
 use super::{legend, marks, readout};
 use crate::app::model::{Command, Legend, Overlay, PictureZoom, Purpose, Spot, State};
-use crate::app::theme::{Tokens, space};
+use crate::app::theme::Tokens;
 use crate::app::widgets::{self, camera_choices, choice_ui, empty_ui, scrolled, segments_ui, waiting, weak};
 use crate::grid::Grid;
 use crate::samples::TILE;
@@ -73,10 +73,7 @@ fn picture_ui(
     commands: &mut Vec<Command>,
 ) -> Option<(usize, usize)> {
     let tokens = Tokens::in_ui(ui);
-    let response = ui.interact(canvas, ui.scope_id().with("source picture"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Source picture"));
-    let painter = ui.painter_at(canvas);
-    painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.canvas);
+    let (response, painter) = widgets::canvas_ui(ui, canvas, "source picture", "Source picture");
     let Some(shown) = &state.source_shown else {
         if !state.is_frame_failed() {
             waiting(ui, canvas, 28.0);

@@ -67,11 +67,11 @@ impl Comparer {
     /// # Errors
     /// `Invalid` where a side cannot be shown there; whatever loading, pruning and rendering give; `Cancelled`.
     fn compare(&mut self, key: &CompareKey, job: &Job) -> Result<PictureDifference> {
-        let (vantage, truth) = place(key)?;
-        let left = self.side(key, key.sides[0], &vantage, truth.as_deref(), job)?;
+        let (vantage, truth) = vantage_and_truth(key)?;
+        let left = self.side(key, key.choice.sides[0], &vantage, truth.as_deref(), job)?;
         job.check()?;
-        let right = self.side(key, key.sides[1], &vantage, truth.as_deref(), job)?;
-        difference::between([left, right], key.measure, key.range, key.dark)
+        let right = self.side(key, key.choice.sides[1], &vantage, truth.as_deref(), job)?;
+        difference::between([left, right], key.choice.measure, key.choice.range, key.dark)
     }
 
     fn side(
@@ -108,7 +108,7 @@ impl Comparer {
             _ => {}
         }
         let as_shown = method_of(&settings) == method_of(&key.settings[0]);
-        let left_out = match key.place {
+        let left_out = match key.choice.from {
             CompareVantage::HoldOut(camera) => Some(camera),
             _ => None,
         };
@@ -195,8 +195,8 @@ fn capture_of(scene: &OpenScene) -> Result<&Capture> {
 }
 
 /// The vantage, and what was recorded there.
-fn place(key: &CompareKey) -> Result<(Vantage, Option<Arc<Frame>>)> {
-    match key.place {
+fn vantage_and_truth(key: &CompareKey) -> Result<(Vantage, Option<Arc<Frame>>)> {
+    match key.choice.from {
         CompareVantage::Live => Ok((key.vantage.clone(), None)),
         CompareVantage::HoldOut(camera) => {
             let capture = capture_of(&key.scene)?;
@@ -231,7 +231,7 @@ mod tests {
     use crate::settings::{MixedPixels, SpanLevels};
 
     use super::*;
-    use crate::app::model::{CompareMeasure, Origin};
+    use crate::app::model::{CompareChoice, CompareLook, Origin};
     use crate::app::work::workers::pool;
     use crate::demo::{Demo, DemoSpec};
 
@@ -250,15 +250,15 @@ mod tests {
                 demo.truth_views(),
                 1.0,
             )),
-            sides: [CompareSide::A, CompareSide::B],
-            place: CompareVantage::Live,
+            choice: CompareChoice {
+                sides: [CompareSide::A, CompareSide::B],
+                ..CompareLook::default().choice
+            },
             vantage: Vantage { camera: demo.home(), frame: 3 },
             samples,
             whole: true,
             scan: Some(scan),
             settings: [a.clone(), a, b],
-            measure: CompareMeasure::Steps,
-            range: None,
             dark: true,
         }
     }
@@ -291,11 +291,14 @@ mod tests {
     #[test]
     fn at_a_truth_vantage_the_samples_of_its_frame_are_compared_and_not_those_of_the_frame_shown() {
         let key = CompareKey {
-            sides: [CompareSide::Kept, CompareSide::Truth],
-            place: CompareVantage::Truth(0),
+            choice: CompareChoice {
+                sides: [CompareSide::Kept, CompareSide::Truth],
+                from: CompareVantage::Truth(0),
+                ..CompareLook::default().choice
+            },
             ..key(Settings::default())
         };
-        let (vantage, _) = place(&key).unwrap();
+        let (vantage, _) = vantage_and_truth(&key).unwrap();
         assert_ne!(vantage.frame, key.vantage.frame);
         let expected = comparer().compare(&key, &Job::new()).unwrap();
         let capture = capture_of(&key.scene).unwrap();
@@ -313,7 +316,7 @@ mod tests {
     fn all_samples_are_every_pixel_of_the_frame() {
         let (mut comparer, mut key) = (comparer(), key(Settings::default()));
         key.settings[0].pruning.mixed_pixels = MixedPixels::Drop;
-        let key = CompareKey { sides: [CompareSide::Everything, CompareSide::Kept], ..key };
+        key.choice.sides = [CompareSide::Everything, CompareSide::Kept];
         comparer.compare(&key, &Job::new()).unwrap();
         assert_eq!(lengths(&comparer), [1]);
         let (_, samples) = comparer.made.last().unwrap();

@@ -45,33 +45,33 @@ fn write_picture(path: &Path, picture: &ColorImage) -> Result<()> {
 
 /// Reads or writes a file.
 pub(crate) fn file(request: FileRequest, job: &Job) -> Result<Message> {
-    match request {
+    let (path, bytes, holds) = match request {
         FileRequest::SaveStore { path, scene, samples, report } => {
             job.start(format!("Saving {}", path.display()), 0);
             let frames_are_ranked = scene.capture().is_some_and(Capture::frames_are_ranked);
             let provenance = Provenance { frames_are_ranked, ..Provenance::default() };
             let extras = Extras { provenance, ..Extras::default() };
             let bytes = store::file::write_with(&path, &samples, &report, &extras, job)?;
-            let holds = Some((scene.id, samples.settings.clone()));
-            Ok(Message::Saved { path, bytes: Some(bytes), holds })
+            (path, Some(bytes), Some((scene.id, samples.settings.clone())))
         }
         FileRequest::SaveAgain { path, playback } => {
             let bytes = store::write_again(&path, playback.store(), None, job)?;
-            Ok(Message::Saved { path, bytes: Some(bytes), holds: None })
+            (path, Some(bytes), None)
         }
         FileRequest::SaveSettings { path, settings } => {
             whole_file::write_all(&path, settings.to_toml())?;
-            Ok(Message::Saved { path, bytes: None, holds: None })
+            (path, None, None)
         }
         FileRequest::SavePicture { path, picture } => {
             write_picture(&path, &picture)?;
-            Ok(Message::Saved { path, bytes: None, holds: None })
+            (path, None, None)
         }
         FileRequest::LoadSettings { path } => {
             let settings = Settings::load(&path)?;
-            Ok(Message::SettingsLoaded { path, settings })
+            return Ok(Message::SettingsLoaded { path, settings });
         }
-    }
+    };
+    Ok(Message::Saved { path, bytes, holds })
 }
 
 /// Paints and writes all pictures.

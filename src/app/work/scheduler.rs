@@ -59,7 +59,7 @@ pub(crate) struct Scheduled {
     pub source: Option<SourceKey>,
     live: Option<LiveKey>,
     /// Where the live view looks from and when, as it is painted in motion.
-    place: Option<Vantage>,
+    coarse_vantage: Option<Vantage>,
     /// Whether it is painted otherwise once it rests.
     live_will_change: bool,
     pub whole: Option<(u64, Settings)>,
@@ -177,10 +177,10 @@ impl Scheduled {
         };
         let frame = state.timeline.frame;
         let coarse = rig.size_in_motion(state.live.size);
-        let place = Vantage { camera: rig.camera(coarse[0], coarse[1]), frame };
-        if self.place.as_ref() != Some(&place) {
+        let coarse_vantage = Vantage { camera: rig.camera(coarse[0], coarse[1]), frame };
+        if self.coarse_vantage.as_ref() != Some(&coarse_vantage) {
             self.moved_at = Some(Instant::now());
-            self.place = Some(place);
+            self.coarse_vantage = Some(coarse_vantage);
         }
         // While a threshold is dragged the next picture follows at once, too.
         let changes = [self.moved_at, self.changed_at];
@@ -260,12 +260,11 @@ impl Scheduled {
     fn ask_comparison(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
         let shown = state.live_shown.as_ref().filter(|_| visible.contains(&DockView::Compare));
         let (Some(scene), Some(shown)) = (&state.scene, shown) else { return };
-        let (history, look) = (&state.inspector.history, &state.inspector.compare);
+        let history = &state.inspector.history;
         let now = &state.settings;
         let key = Box::new(CompareKey {
             scene: scene.clone(),
-            sides: look.sides,
-            place: look.place,
+            choice: state.inspector.compare.choice,
             vantage: shown.key.vantage.clone(),
             // Of a store played from disk only the picture knows the samples.
             samples: shown.picture.samples.clone(),
@@ -276,8 +275,6 @@ impl Scheduled {
                 history.of(SettingsSlot::A, now).clone(),
                 history.of(SettingsSlot::B, now).clone(),
             ],
-            measure: look.measure,
-            range: look.range,
             dark: state.dark,
         });
         submit_new(&workers.compare, &mut self.compare, key);
