@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::control::{self, Memory};
 use super::dock::Dock;
 use super::model::{Busy, Command, Message, NoticeKind, State, StoppableWork, Stopwatch, Texture, TypedPath};
-use super::work::{Outbox, Scheduled, Workers};
+use super::work::{Outbox, Scheduler, Workers};
 use super::{theme, window};
 use crate::demo::DemoSpec;
 use crate::error::Result;
@@ -39,7 +39,7 @@ pub enum Start {
 pub struct OverlookApp {
     pub(super) state: State,
     pub(super) workers: Workers,
-    pub(super) plan: Scheduled,
+    pub(super) scheduler: Scheduler,
     pub(super) dock: Dock,
     pub(super) inbox: Receiver<Message>,
     pub(super) commands: Vec<Command>,
@@ -84,7 +84,7 @@ impl OverlookApp {
         let mut app = Self {
             state,
             workers,
-            plan: Scheduled::default(),
+            scheduler: Scheduler::default(),
             dock,
             inbox,
             commands: Vec::new(),
@@ -94,7 +94,7 @@ impl OverlookApp {
             window: window.cloned(),
             stages: std::collections::HashMap::new(),
         };
-        app.state.timeline.will_play = matches!(start, Start::Welcome(_));
+        app.state.timeline.plays_once_ready = matches!(start, Start::Welcome(_));
         match start {
             Start::Demo(spec) | Start::Welcome(spec) => app.open_demo(spec),
             Start::Path(path) => app.open_path(path),
@@ -105,7 +105,7 @@ impl OverlookApp {
     /// Whether all work that was asked for is done and shown.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.workers.are_idle() && self.state.opening.is_none() && self.plan.is_settled(&self.state)
+        self.workers.are_idle() && self.state.opening.is_none() && self.scheduler.is_up_to_date(&self.state)
     }
 
     /// Index of the frame shown.
@@ -155,7 +155,7 @@ impl OverlookApp {
     /// Position of the live view in world space; `None` while nothing is open.
     #[must_use]
     pub fn live_position(&self) -> Option<[f64; 3]> {
-        self.state.live.rig.as_ref().map(|rig| rig.world_from_camera.translation.to_array())
+        self.state.live.orbit.as_ref().map(|orbit| orbit.world_from_camera.translation.to_array())
     }
 
     /// Index of the camera whose picture the source view shows.
@@ -200,7 +200,7 @@ impl OverlookApp {
         let next = picture
             + self.ctx.input(|input| input.unstable_dt).min(0.5) * self.state.timeline.frames_per_second;
         path.playing = (picture < path.pictures() as f32 - 1.0).then_some(next);
-        self.stand_at(key);
+        self.go_to_key(key);
         self.ctx.request_repaint();
     }
 
@@ -213,7 +213,7 @@ impl OverlookApp {
         if closing.anyway || !self.ctx.input(|input| input.viewport().close_requested()) {
             return;
         }
-        if is_unsaved || inspector.closing.writing || inspector.losses().is_some() {
+        if is_unsaved || inspector.closing.writing || inspector.unsaved_work().is_some() {
             self.ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             inspector.closing.asks = true;
         }
@@ -276,7 +276,7 @@ impl eframe::App for OverlookApp {
         self.advance_time();
         self.advance_path();
         self.watch_closing();
-        if let Some(wait) = self.plan.ask(&self.state, &self.dock.visible(), &self.workers) {
+        if let Some(wait) = self.scheduler.request_missing(&self.state, &self.dock.visible(), &self.workers) {
             ctx.request_repaint_after(wait);
         }
         self.watch_work();

@@ -34,7 +34,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
                 dock.ui(ui, |ui, view, part| match (part, view) {
                     (DockPart::Contents, _) => view_ui(ui, view, state, commands),
                     (DockPart::TabBar, DockView::Source) => views::cameras_ui(ui, state, commands),
-                    (DockPart::TabBar, DockView::Live) => views::places_ui(ui, state, commands),
+                    (DockPart::TabBar, DockView::Live) => views::go_to_camera_ui(ui, state, commands),
                     (DockPart::TabBar, _) => {}
                 });
             }

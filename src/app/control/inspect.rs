@@ -31,7 +31,7 @@ impl OverlookApp {
                     probe.spot = Some(Spot::Source { camera, x, y });
                 } else {
                     // That it is a hole may have been answered before it was to be kept.
-                    self.plan.probe = None;
+                    self.scheduler.probe = None;
                 }
             }
             Command::ShowPointIn(camera) => self.show_point_in(camera),
@@ -43,7 +43,7 @@ impl OverlookApp {
             Command::Compare(look) => {
                 let before = &state.inspector.compare.choice;
                 if (look.choice.sides, look.choice.from) != (before.sides, before.from) {
-                    state.inspector.compare_trouble = None;
+                    state.inspector.compare_error = None;
                 }
                 state.inspector.compare = *look;
             }
@@ -52,7 +52,7 @@ impl OverlookApp {
             Command::Introduced => state.inspector.introduced = true,
             Command::Stay => {
                 state.inspector.closing.asks = false;
-                state.asks_to_open = None;
+                state.open_after_question = None;
             }
             Command::GoOnAnyway => self.go_on_anyway(),
             Command::Study(study) => self.study(study),
@@ -122,7 +122,7 @@ impl OverlookApp {
     }
 
     /// Says how far a sweep or a stress test came that was stopped.
-    pub(crate) fn tell_stopped_study(&mut self) {
+    pub(crate) fn notify_stopped_study(&mut self) {
         if let Some((title, text)) = self.state.inspector.charts.stopped() {
             self.state.notify(NoticeKind::Done, title, text);
         }
@@ -139,13 +139,13 @@ impl OverlookApp {
         if self.state.live_shown.is_none() {
             return;
         }
-        let Some(image) = self.state.shown_picture() else { return self.tell_of_motion() };
+        let Some(image) = self.state.shown_picture() else { return self.notify_in_motion() };
         self.ctx.copy_image(image.as_ref().clone());
         self.state.notify(NoticeKind::Done, "Copied", "The picture of the live view is on the clipboard.");
     }
 
     /// Pictures in motion may stay on the graphics card, out of reach.
-    pub(crate) fn tell_of_motion(&mut self) {
+    pub(crate) fn notify_in_motion(&mut self) {
         let text = "The live view is in motion; pause it first, and try again.";
         self.state.warn_of_scene("No picture yet", text);
     }
@@ -154,8 +154,8 @@ impl OverlookApp {
     fn frame_point(&mut self) {
         let probed = self.state.inspector.probe.shown.clone();
         let point = probed.as_ref().and_then(|probed| probed.point_in_world);
-        if let (Some(point), Some(rig)) = (point, &mut self.state.live.rig) {
-            rig.look_at(point);
+        if let (Some(point), Some(orbit)) = (point, &mut self.state.live.orbit) {
+            orbit.look_at(point);
             return;
         }
         let (title, text) = match probed {
@@ -175,8 +175,12 @@ impl OverlookApp {
     }
 
     pub(super) fn apply_to_path(&mut self, command: Command) -> Option<Command> {
-        let here =
-            self.state.live.rig.clone().map(|rig| SavedPathKey { rig, frame: self.state.timeline.frame });
+        let here = self
+            .state
+            .live
+            .orbit
+            .clone()
+            .map(|orbit| SavedPathKey { orbit, frame: self.state.timeline.frame });
         let path = &mut self.state.inspector.path;
         match command {
             Command::AddKey => {
@@ -197,7 +201,7 @@ impl OverlookApp {
             }
             Command::GoToKey(index) => {
                 if let Some(key) = path.keys.get(index).cloned() {
-                    self.stand_at(key);
+                    self.go_to_key(key);
                 }
             }
             Command::PicturesPerLeg(pictures) => path.pictures_per_leg = pictures.clamp(1, 2000),
@@ -209,8 +213,8 @@ impl OverlookApp {
     }
 
     /// Stands where a key of the path does.
-    pub(crate) fn stand_at(&mut self, key: SavedPathKey) {
-        self.state.live.rig = Some(key.rig);
+    pub(crate) fn go_to_key(&mut self, key: SavedPathKey) {
+        self.state.live.orbit = Some(key.orbit);
         self.state.timeline.frame = key.frame.min(self.state.frame_count().saturating_sub(1));
     }
 

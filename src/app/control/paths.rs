@@ -56,7 +56,7 @@ impl OverlookApp {
             return;
         };
         if purpose.writes() && !typed.replaces {
-            self.workers.look.submit(Destination { purpose, path });
+            self.workers.check.submit(Destination { purpose, path });
         } else {
             self.last_typed = self.state.typed_path.take();
             self.take_path(purpose, path);
@@ -64,11 +64,11 @@ impl OverlookApp {
     }
 
     /// Takes in whether something stands where the path in the field leads to.
-    pub(crate) fn looked(&mut self, destination: &Destination, taken: bool) {
+    pub(crate) fn destination_checked(&mut self, destination: &Destination, taken: bool) {
         let Destination { purpose, path } = destination;
         let typed = self.state.typed_path.as_mut();
-        let Some(typed) =
-            typed.filter(|typed| typed.purpose == *purpose && typed_place(typed).as_ref() == Some(path))
+        let Some(typed) = typed
+            .filter(|typed| typed.purpose == *purpose && typed_destination(typed).as_ref() == Some(path))
         else {
             return;
         };
@@ -111,7 +111,8 @@ impl OverlookApp {
     pub(crate) fn type_again(&mut self, what: &str, error: &Error) {
         let Error::Io { path, .. } = error else { return };
         let last = self.last_typed.take_if(|last| {
-            last.purpose.worker() == what && typed_place(last).is_some_and(|place| path.starts_with(place))
+            last.purpose.worker() == what
+                && typed_destination(last).is_some_and(|place| path.starts_with(place))
         });
         if let (Some(last), None) = (last, &self.state.typed_path) {
             self.state.typed_path =
@@ -131,7 +132,7 @@ impl OverlookApp {
             Purpose::LoadSettings => self.workers.file.submit(FileRequest::LoadSettings { path }),
             Purpose::SavePicture => match self.state.shown_picture().cloned() {
                 Some(picture) => self.workers.file.submit(FileRequest::SavePicture { path, picture }),
-                None => self.tell_of_motion(),
+                None => self.notify_in_motion(),
             },
             Purpose::ExportPictures => self.export_path(ExportTarget { path, film_rate: None }),
             Purpose::ExportFilm => {
@@ -210,7 +211,7 @@ fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
 }
 
 /// Where the path in the field leads to; `None` where it cannot be taken.
-fn typed_place(typed: &TypedPath) -> Option<PathBuf> {
+fn typed_destination(typed: &TypedPath) -> Option<PathBuf> {
     named(typed.purpose, place(&typed.text)?)
 }
 

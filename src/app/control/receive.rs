@@ -53,7 +53,7 @@ impl OverlookApp {
                 state.source_shown = Some(ShownPicture { key, picture, texture });
             }
             Message::LivePainted { key, picture } => {
-                state.tell_damage(&picture.damage);
+                state.report_damage(&picture.damage);
                 let texture = self.texture_of(&picture);
                 self.state.live_shown = texture.map(|texture| ShownPicture { key, picture, texture });
             }
@@ -72,12 +72,14 @@ impl OverlookApp {
             Message::Stressed { point, known, .. } => state.inspector.charts.add_stressed(*point, known),
             Message::Studied => {
                 state.inspector.charts.complete();
-                self.take_stock();
+                self.refresh_busy();
             }
             Message::Exported { path, exported } => self.exported(&path, &exported),
             Message::SettingsLoaded { path, settings } => self.settings_loaded(&path, settings),
             Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
-            Message::Looked { destination, taken } => self.looked(&destination, taken),
+            Message::DestinationChecked { destination, taken } => {
+                self.destination_checked(&destination, taken)
+            }
             Message::Stopped { title, text } => state.notify(NoticeKind::Warning, title, text),
             Message::Failed { what, error } => self.failed(what, &error),
             // Nobody sees it.
@@ -121,8 +123,8 @@ impl OverlookApp {
             return;
         }
         self.state.accuracy = accuracy;
-        let will_play = std::mem::take(&mut self.state.timeline.will_play);
-        self.state.timeline.playing |= will_play && self.state.frame_count() > 1;
+        let plays_once_ready = std::mem::take(&mut self.state.timeline.plays_once_ready);
+        self.state.timeline.playing |= plays_once_ready && self.state.frame_count() > 1;
     }
 
     fn settings_loaded(&mut self, path: &Path, settings: Settings) {
@@ -162,9 +164,9 @@ impl OverlookApp {
                     .map(|image| self.ctx.load_texture("comparison", image, TextureOptions::NEAREST));
                 let CompareChoice { sides, from, .. } = key.choice;
                 inspector.compared = Some(ShownComparison { sides, from, comparison, textures });
-                inspector.compare_trouble = None;
+                inspector.compare_error = None;
             }
-            Err(trouble) => inspector.compare_trouble = Some(trouble),
+            Err(trouble) => inspector.compare_error = Some(trouble),
         }
     }
 
@@ -188,7 +190,7 @@ impl OverlookApp {
         state.timeline.frame = 0;
         state.timeline.playing = false;
         state.source = SourceLook { overlay: state.source.overlay, ..SourceLook::default() };
-        state.live.rig = OrbitCamera::home(scene);
+        state.live.orbit = OrbitCamera::home(scene);
         state.inspector.saved = scene.capture().map(|_| state.settings.clone());
         state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
         state.scene = Some(scene.clone());
@@ -199,7 +201,7 @@ impl OverlookApp {
             for warning in &playback.store().info().warnings {
                 state.warn_of_scene("While opening", warning.clone());
             }
-            state.tell_damage(&playback.store().damage());
+            state.report_damage(&playback.store().damage());
         }
         state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
         // What is closed needs no more work. Files of it that are being written were asked for, and are finished.
@@ -207,11 +209,11 @@ impl OverlookApp {
         self.workers.measure.cancel();
         self.workers.study.cancel();
         self.workers.compare.cancel();
-        self.plan = crate::app::work::Scheduled::default();
+        self.scheduler = crate::app::work::Scheduler::default();
     }
 
     /// Whether something is being opened or measured: what gave way to newer work of its kind says nothing of that.
-    pub(crate) fn take_stock(&mut self) {
+    pub(crate) fn refresh_busy(&mut self) {
         if self.workers.open.is_idle() {
             self.state.opening = None;
         }
@@ -254,11 +256,11 @@ impl OverlookApp {
 
     fn failed(&mut self, what: &'static str, error: &Error) {
         if matches!(what, "Open" | "Study") {
-            self.take_stock();
+            self.refresh_busy();
         }
         if matches!(error, Error::Cancelled) {
             if what == "Study" {
-                self.tell_stopped_study();
+                self.notify_stopped_study();
             }
             return;
         }
@@ -266,7 +268,7 @@ impl OverlookApp {
             self.state.stopped = true;
         }
         if what == "Inspect frame" && self.workers.inspect.is_idle() {
-            self.state.failed_frame = self.plan.inspect.as_ref().map(|key| key.frame);
+            self.state.failed_frame = self.scheduler.inspect.as_ref().map(|key| key.frame);
             // Nothing goes on from here by itself.
             self.state.stopped |= self.state.inspected.is_none();
         }

@@ -77,7 +77,7 @@ impl OverlookApp {
 
     pub(crate) fn put_settings(&mut self, settings: Settings) {
         if method_of(&settings) != method_of(&self.state.settings) {
-            self.plan.changed_at = Some(Instant::now());
+            self.scheduler.changed_at = Some(Instant::now());
             self.state.stopped = false;
             self.state.failed_frame = None;
         }
@@ -86,7 +86,7 @@ impl OverlookApp {
             self.state.accuracy = None;
         }
         if self.state.accuracy.is_none() {
-            self.plan.measure = None;
+            self.scheduler.measure = None;
         }
         self.state.settings = settings;
     }

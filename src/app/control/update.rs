@@ -12,7 +12,7 @@ use crate::demo::DemoSpec;
 impl OverlookApp {
     /// Carries out one command.
     pub(crate) fn apply(&mut self, command: Command) {
-        self.state.timeline.will_play &= leaves_time_alone(&command);
+        self.state.timeline.plays_once_ready &= only_looks(&command);
         let rest = self
             .apply_to_typed_path(command)
             .and_then(|command| self.apply_to_settings(command))
@@ -26,9 +26,9 @@ impl OverlookApp {
             Some(Command::Rerun) => {
                 self.state.stopped = false;
                 self.state.failed_frame = None;
-                (self.plan.inspect, self.plan.source) = (None, None);
-                (self.plan.whole, self.plan.measure) = (None, None);
-                self.plan.changed_at = None;
+                (self.scheduler.inspect, self.scheduler.source) = (None, None);
+                (self.scheduler.whole, self.scheduler.measure) = (None, None);
+                self.scheduler.changed_at = None;
             }
             Some(Command::Cancel) => self.cancel(),
             Some(Command::Escape) => self.escape(),
@@ -74,24 +74,24 @@ impl OverlookApp {
                 if let Some(scene) = &state.scene
                     && let Some(camera) = scene.cameras.get(index)
                 {
-                    state.live.rig = Some(OrbitCamera::at_camera(scene, camera));
+                    state.live.orbit = Some(OrbitCamera::at_camera(scene, camera));
                 }
             }
             Command::Home => {
-                state.live.rig = state.scene.as_ref().and_then(|scene| OrbitCamera::home(scene));
+                state.live.orbit = state.scene.as_ref().and_then(|scene| OrbitCamera::home(scene));
                 state.source.part = PictureZoom::default();
             }
             Command::ColorBy(color_by) => state.live.color_by = color_by,
             Command::ShowCameras(show) => state.live.show_cameras = show,
             Command::LiveSize(size) => state.live.size = size,
             motion => {
-                let Some(rig) = &mut state.live.rig else { return Some(motion) };
+                let Some(orbit) = &mut state.live.orbit else { return Some(motion) };
                 match motion {
-                    Command::Orbit(angles) => rig.orbit(angles),
-                    Command::Pan(share) => rig.pan(share),
-                    Command::Dolly(factor) => rig.dolly(factor),
-                    Command::DollyTo { factor, point_in_world } => rig.dolly_to(factor, point_in_world),
-                    Command::Fly(steps) => rig.fly(steps),
+                    Command::Orbit(angles) => orbit.orbit(angles),
+                    Command::Pan(share) => orbit.pan(share),
+                    Command::Dolly(factor) => orbit.dolly(factor),
+                    Command::DollyTo { factor, point_in_world } => orbit.dolly_to(factor, point_in_world),
+                    Command::Fly(steps) => orbit.fly(steps),
                     other => return Some(other),
                 }
             }
@@ -101,8 +101,8 @@ impl OverlookApp {
 
     /// Opens something, after a question where a camera path or measured points are lost by it.
     fn ask_to_open(&mut self, command: Command) {
-        if self.state.inspector.losses().is_some() {
-            self.state.asks_to_open = Some(command);
+        if self.state.inspector.unsaved_work().is_some() {
+            self.state.open_after_question = Some(command);
         } else {
             self.open(command);
         }
@@ -120,7 +120,7 @@ impl OverlookApp {
 
     /// Closes, or opens something else, whatever is lost by it.
     pub(crate) fn go_on_anyway(&mut self) {
-        let opens = self.state.asks_to_open.take();
+        let opens = self.state.open_after_question.take();
         if self.state.inspector.closing.asks {
             self.state.inspector.closing.anyway = true;
             self.ctx.send_viewport_cmd(egui::ViewportCommand::Close);
@@ -154,7 +154,7 @@ impl OverlookApp {
                 workers.whole.cancel();
                 if !self.state.is_whole_ready() {
                     self.state.stopped = true;
-                    self.plan.whole = None;
+                    self.scheduler.whole = None;
                 }
             }
             StoppableWork::File => workers.file.cancel(),
@@ -163,11 +163,11 @@ impl OverlookApp {
             StoppableWork::Compare => {
                 workers.compare.cancel();
                 let text = "It was stopped; choose what to compare again.";
-                self.state.inspector.compare_trouble = Some(text.to_owned());
+                self.state.inspector.compare_error = Some(text.to_owned());
             }
             StoppableWork::Measure => workers.measure.cancel(),
         }
-        self.take_stock();
+        self.refresh_busy();
     }
 
     fn escape(&mut self) {
@@ -176,7 +176,7 @@ impl OverlookApp {
             | inspector.naming.take().is_some()
             | inspector.cheat_sheet
             | inspector.closing.asks
-            | self.state.asks_to_open.take().is_some();
+            | self.state.open_after_question.take().is_some();
         (inspector.cheat_sheet, inspector.closing.asks) = (false, false);
         if was_open || self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
             return;
@@ -194,7 +194,7 @@ impl OverlookApp {
 }
 
 /// Whether a command only looks around, so that a scene that was about to move still may.
-fn leaves_time_alone(command: &Command) -> bool {
+fn only_looks(command: &Command) -> bool {
     matches!(
         command,
         Command::Probe(_)

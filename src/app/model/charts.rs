@@ -49,7 +49,7 @@ pub(crate) struct Charts {
     /// The last sweep and the last stress test.
     runs: [Option<StudyRun>; 2],
     /// Whether the points of the stress test are those of the one before, until the first new one takes their place.
-    of_the_test_before: bool,
+    is_of_previous_test: bool,
 }
 
 impl Default for Charts {
@@ -62,7 +62,7 @@ impl Default for Charts {
             studying: false,
             study: None,
             runs: [None, None],
-            of_the_test_before: false,
+            is_of_previous_test: false,
         }
     }
 }
@@ -77,7 +77,7 @@ impl Charts {
 
     /// Adds a point of the stress test; `known` are known then, of how many.
     pub(crate) fn add_stressed(&mut self, point: StressPoint, known: (usize, usize)) {
-        if std::mem::take(&mut self.of_the_test_before) {
+        if std::mem::take(&mut self.is_of_previous_test) {
             self.stress.clear();
         }
         self.stress.push(point);
@@ -124,7 +124,7 @@ impl Charts {
         if known.is_none() {
             *run = Some(StudyRun { settings: settings.clone(), known: (0, 0), is_complete: false });
             if study == Study::Stress {
-                self.of_the_test_before = true;
+                self.is_of_previous_test = true;
             }
         }
         (self.study, self.studying) = (Some(study), true);
@@ -133,7 +133,7 @@ impl Charts {
 
     /// The points of the stress test that was begun.
     pub(crate) fn known_stress(&self) -> Vec<StressPoint> {
-        if self.of_the_test_before { Vec::new() } else { self.stress.clone() }
+        if self.is_of_previous_test { Vec::new() } else { self.stress.clone() }
     }
 
     pub(crate) fn complete(&mut self) {
@@ -157,10 +157,10 @@ impl Charts {
     }
 
     /// What to say of a stress test that was made with other settings than `now`; `None` where it holds.
-    pub(crate) fn stale_stress_words(&self, now: &Settings) -> Option<&'static str> {
+    pub(crate) fn stale_stress_note(&self, now: &Settings) -> Option<&'static str> {
         let made = &self.runs[Study::Stress as usize].as_ref()?.settings;
         let painting = |settings: &Settings| (settings.render.kernel, settings.render.fill);
-        if self.of_the_test_before && !self.stress.is_empty() {
+        if self.is_of_previous_test && !self.stress.is_empty() {
             Some("Of the test before; the first new point takes their place.")
         } else if method_of(made) != method_of(now) {
             Some("Made with other thresholds; run it again to see what these give.")
@@ -290,13 +290,13 @@ mod tests {
     fn a_stress_test_of_other_settings_says_so() {
         let (settings, mut other) = (Settings::default(), Settings::default());
         let mut charts = Charts::default();
-        assert_eq!(charts.stale_stress_words(&settings), None);
+        assert_eq!(charts.stale_stress_note(&settings), None);
         charts.begin(Study::Stress, &settings);
-        assert_eq!(charts.stale_stress_words(&settings), None);
+        assert_eq!(charts.stale_stress_note(&settings), None);
         other.render.kernel = crate::settings::Kernel::Point;
-        assert!(charts.stale_stress_words(&other).is_some_and(|words| words.contains("kernel")));
+        assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("kernel")));
         other.pruning.depth_tolerance = 2.0;
-        assert!(charts.stale_stress_words(&other).is_some_and(|words| words.contains("thresholds")));
+        assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("thresholds")));
         assert_eq!(
             ["ours", "paper", "without defenses"].map(method_name),
             [START, "as in the paper", "without defenses"]

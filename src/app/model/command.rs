@@ -18,7 +18,6 @@ use crate::settings::Settings;
 /// One wish of the person at the window.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Command {
-    /// Open a built-in scene by name.
     OpenDemo(String),
     OpenPath(PathBuf),
     /// Ask for a path by the system's dialog.
@@ -43,7 +42,6 @@ pub(crate) enum Command {
     OwnPreset(usize),
     /// What a new preset is named so far; `None` closes the field.
     NamePreset(Option<String>),
-    /// Keep the settings that are shown as a preset of this name.
     SavePreset(String),
     /// Forget a preset of one's own.
     RemovePreset(usize),
@@ -64,11 +62,9 @@ pub(crate) enum Command {
     FramesPerSecond(f32),
     /// Show another camera on the left.
     SourceCamera(usize),
-    /// Show something else on the left.
     Overlay(Overlay),
     /// Compare sampling rates with this camera, or the best other.
     Against(Option<usize>),
-    /// Zoom and shift of the left picture.
     SourceZoom(PictureZoom),
     /// Orbit by angles in radians.
     Orbit(DVec2),
@@ -89,11 +85,8 @@ pub(crate) enum Command {
     Home,
     ColorBy(ColorBy),
     ShowCameras(bool),
-    /// Size of the right view in pixels.
     LiveSize([u32; 2]),
-    /// Dark or light.
     Dark(bool),
-    /// Bring a view to the front.
     OpenView(DockView),
     ResetLayout,
     /// Point at a pixel, or at nothing.
@@ -103,7 +96,6 @@ pub(crate) enum Command {
     /// Show the point that is looked at in a camera's picture.
     ShowPointIn(usize),
     Compare(Box<CompareLook>),
-    /// Copy the argument for the pixel as text.
     CopyArgument,
     CopyPicture,
     /// Put the pixel that is looked at in the middle of the live view.
@@ -121,23 +113,19 @@ pub(crate) enum Command {
     RemoveKey(usize),
     /// Put a key of the camera path where the view stands.
     ReplaceKey(usize),
-    /// Stand where a key of the camera path is.
     GoToKey(usize),
     /// Pictures from one key of the camera path to the next.
     PicturesPerLeg(usize),
-    /// Columns and rows of exported pictures.
     PictureSize([u32; 2]),
     /// Play the camera path from its beginning, or stop.
     PlayPath(bool),
     Study(Study),
     ChartAxes([Quantity; 2]),
-    /// The disturbance that is shown.
     Disturbance(String),
     /// Put these settings on.
     TakeSettings(Box<Settings>),
     /// Write frame times into the program's log, and count them anew.
     LogFrameTimes,
-    /// Close a message.
     Dismiss(u64),
 }
 

@@ -29,7 +29,7 @@ pub(crate) struct Timeline {
     /// Whether it advances.
     pub playing: bool,
     /// Whether it will by itself, once all is known of what is open.
-    pub will_play: bool,
+    pub plays_once_ready: bool,
     pub frames_per_second: f32,
     /// Seconds since the last advance.
     pub elapsed_secs: f32,
@@ -50,10 +50,9 @@ pub(crate) struct SourceLook {
 #[derive(Clone, Debug)]
 pub(crate) struct LiveLook {
     /// The virtual camera; `None` while nothing is open.
-    pub rig: Option<OrbitCamera>,
+    pub orbit: Option<OrbitCamera>,
     pub color_by: ColorBy,
     pub show_cameras: bool,
-    /// Size of the view in pixels.
     pub size: [u32; 2],
     /// Whether the GPU may paint on the device that draws the window.
     pub shares_device: bool,
@@ -100,9 +99,7 @@ pub(crate) struct ShownPicture<K, P> {
 /// What the window knows.
 pub(crate) struct State {
     pub scene: Option<Arc<OpenScene>>,
-    /// What is being opened, in words.
     pub opening: Option<String>,
-    /// The settings on the sliders.
     pub settings: Settings,
     /// The pass over all frames of the open capture.
     pub scan: Option<Arc<PreparedScan>>,
@@ -114,21 +111,17 @@ pub(crate) struct State {
     pub failed_frame: Option<usize>,
     /// The frame last pruned with reasons.
     pub inspected: Option<Inspected>,
-    /// Accuracy of `whole`.
     pub accuracy: Option<Accuracy>,
     pub timeline: Timeline,
     pub source: SourceLook,
-    /// The left picture.
     pub source_shown: Option<ShownPicture<SourceKey, SourcePicture>>,
     pub live: LiveLook,
-    /// The right picture.
     pub live_shown: Option<ShownPicture<LiveKey, LivePicture>>,
     pub notices: Vec<Notice>,
     pub inspector: Inspector,
     pub typed_path: Option<TypedPath>,
     /// What is to be opened, while the question is whether what is lost by it may be.
-    pub asks_to_open: Option<Command>,
-    /// Dark or light.
+    pub open_after_question: Option<Command>,
     pub dark: bool,
     /// What was open lately, the latest first.
     pub recent: Vec<PathBuf>,
@@ -163,7 +156,7 @@ impl State {
     }
 
     /// What to say of numbers of the whole capture that were made with other settings; `None` where they hold.
-    pub(crate) fn stale_words(&self) -> Option<&'static str> {
+    pub(crate) fn stale_note(&self) -> Option<&'static str> {
         self.is_stale().then_some(if self.stopped {
             "Made with other thresholds; Rerun (below) brings it up to date."
         } else {
@@ -279,8 +272,8 @@ impl State {
     }
 
     /// Says what could not be read of the open store, once: the first of many lines, and all of them in the log.
-    pub(crate) fn tell_damage(&mut self, lines: &[String]) {
-        let told = &mut self.inspector.told_damage;
+    pub(crate) fn report_damage(&mut self, lines: &[String]) {
+        let told = &mut self.inspector.reported_damage;
         let new: Vec<&String> = lines.iter().filter(|line| told.insert((*line).clone())).collect();
         let Some((first, others)) = new.split_first() else { return };
         for line in others {
@@ -306,7 +299,7 @@ impl Default for State {
             source: SourceLook::default(),
             source_shown: None,
             live: LiveLook {
-                rig: None,
+                orbit: None,
                 color_by: ColorBy::Picture,
                 show_cameras: true,
                 size: FIRST_SIZE,
@@ -316,7 +309,7 @@ impl Default for State {
             notices: Vec::new(),
             inspector: Inspector::default(),
             typed_path: None,
-            asks_to_open: None,
+            open_after_question: None,
             dark: true,
             recent: Vec::new(),
             busy: Vec::new(),

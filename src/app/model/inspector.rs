@@ -61,7 +61,7 @@ pub(crate) struct Inspector {
     pub compare: CompareLook,
     pub compared: Option<ShownComparison>,
     /// Why there is none.
-    pub compare_trouble: Option<String>,
+    pub compare_error: Option<String>,
     pub charts: Charts,
     pub path: CameraPath,
     /// The command palette, while it is open.
@@ -76,7 +76,7 @@ pub(crate) struct Inspector {
     pub closing: Closing,
     pub log: VecDeque<LogLine>,
     /// What could not be read of the open store, as far as it was told.
-    pub told_damage: BTreeSet<String>,
+    pub reported_damage: BTreeSet<String>,
     pub meter: Meter,
 }
 
@@ -92,12 +92,12 @@ impl Inspector {
         self.path = CameraPath::default();
         self.charts = Charts::default();
         self.saved = None;
-        self.compare_trouble = None;
-        self.told_damage.clear();
+        self.compare_error = None;
+        self.reported_damage.clear();
     }
 
     /// What stands in no file and ends with the scene, in words; `None` where there is nothing.
-    pub(crate) fn losses(&self) -> Option<String> {
+    pub(crate) fn unsaved_work(&self) -> Option<String> {
         let counted = |count: usize, of: &str| match count {
             0 => None,
             1 => Some(format!("1 {of}")),

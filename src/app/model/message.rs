@@ -112,7 +112,7 @@ pub(crate) enum Message {
         path: Option<PathBuf>,
     },
     /// Whether something stands where something is to be written.
-    Looked {
+    DestinationChecked {
         destination: Destination,
         taken: bool,
     },

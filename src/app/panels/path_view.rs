@@ -90,7 +90,7 @@ fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 if ui.button(format!("Key {number}")).on_hover_text("Go there").clicked() {
                     commands.push(Command::GoToKey(index));
                 }
-                let at = key.rig.world_from_camera.translation;
+                let at = key.orbit.world_from_camera.translation;
                 ui.label(RichText::new(format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z)).monospace());
                 weak(ui, format!("frame {}", key.frame + 1));
                 ui.horizontal(|ui| {

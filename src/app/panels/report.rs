@@ -34,7 +34,7 @@ pub(crate) fn report_ui(ui: &mut Ui, state: &State) {
 
 /// Says that the numbers were made with other settings, where they were.
 pub(crate) fn stale_ui(ui: &mut Ui, state: &State) {
-    if let Some(words) = state.stale_words() {
+    if let Some(words) = state.stale_note() {
         ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
     }
 }

@@ -304,9 +304,9 @@ fn pictures_are_named_after_what_they_show_until_those_that_were_chosen_are_ther
     let before = app.state.inspector.compare.clone();
     let mut look = before.clone();
     look.choice.sides = [CompareSide::Point, CompareSide::Kept];
-    app.state.inspector.compare_trouble = Some("of those before".into());
+    app.state.inspector.compare_error = Some("of those before".into());
     app.apply(Command::Compare(Box::new(look.clone())));
-    assert_eq!((sides(&app), &app.state.inspector.compare_trouble), (Some(before.choice.sides), &None));
+    assert_eq!((sides(&app), &app.state.inspector.compare_error), (Some(before.choice.sides), &None));
     wait(&mut app, "the other comparison", |app| sides(app) == Some(look.choice.sides));
 }
 

@@ -147,15 +147,15 @@ fn a_key_of_a_camera_path_that_nobody_sees_is_told() {
 fn the_pixel_that_is_looked_at_is_framed_and_without_one_nothing_moves() {
     let mut app = ready(2, 2);
     app.apply(Command::Orbit(glam::DVec2::new(0.3, 0.1)));
-    let before = app.state.live.rig.clone();
+    let before = app.state.live.orbit.clone();
     app.apply(Command::FramePoint);
-    assert_eq!(app.state.live.rig, before);
+    assert_eq!(app.state.live.orbit, before);
     assert!(app.notices()[0].starts_with("Point at a pixel first"));
     app.apply(Command::Probe(Some(Spot::Source { camera: 0, x: 20, y: 22 })));
     wait(&mut app, "the pixel", |app| app.state.inspector.probe.shown.is_some());
     assert!(!app.state.inspector.probe.pinned);
     app.apply(Command::FramePoint);
-    assert_ne!(app.state.live.rig, before);
+    assert_ne!(app.state.live.orbit, before);
 }
 
 #[test]
@@ -215,12 +215,12 @@ fn settings_loaded_beside_a_store_do_not_claim_to_have_changed_its_thresholds() 
 fn opening_something_else_asks_only_where_a_camera_path_or_points_are_lost() {
     let mut app = ready(2, 2);
     app.apply(Command::OpenPath("/no/such/capture".into()));
-    assert!(app.state.asks_to_open.is_none() && app.state.opening.is_some());
+    assert!(app.state.open_after_question.is_none() && app.state.opening.is_some());
     settle(&mut app);
     app.apply(Command::AddKey);
     let demo = Command::OpenDemo("orrery".into());
     app.apply(demo.clone());
-    assert!(app.state.asks_to_open.as_ref() == Some(&demo) && app.state.opening.is_none());
+    assert!(app.state.open_after_question.as_ref() == Some(&demo) && app.state.opening.is_none());
     app.apply(Command::Stay);
     app.apply(Command::GoOnAnyway);
     assert!(app.state.opening.is_none(), "nothing is asked any more");

@@ -69,11 +69,11 @@ fn a_change_taken_back_while_the_capture_is_pruned_leaves_what_was_there() {
 #[test]
 fn numbers_that_are_out_of_date_say_whether_they_will_be_brought_up_to_date() {
     let mut app = ready(2, 2);
-    assert_eq!(app.state.stale_words(), None);
+    assert_eq!(app.state.stale_note(), None);
     set_method(&mut app, PruningMethod::Off);
-    assert!(app.state.stale_words().unwrap().contains("being brought up to date"));
+    assert!(app.state.stale_note().unwrap().contains("being brought up to date"));
     app.state.stopped = true;
-    assert!(app.state.stale_words().unwrap().contains("Rerun"));
+    assert!(app.state.stale_note().unwrap().contains("Rerun"));
 }
 
 /// Copies the small capture that comes along.

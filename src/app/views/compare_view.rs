@@ -25,12 +25,12 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Com
     header_ui(ui, state, &mut look);
     let area = ui.available_rect_before_wrap();
     let canvas = Rect::from_min_max(area.min, area.max - vec2(0.0, FOOTER));
-    if let Some(trouble) = &state.inspector.compare_trouble {
+    if let Some(trouble) = &state.inspector.compare_error {
         ui.scope_builder(egui::UiBuilder::new().max_rect(canvas), |ui| {
             empty_ui(ui, ICON_COMPARE, "These two cannot be compared here", trouble, |_| {});
         });
     }
-    let pointed = match &state.inspector.compare_trouble {
+    let pointed = match &state.inspector.compare_error {
         Some(_) => None,
         None => canvas_ui(ui, canvas, state, &mut look),
     };
@@ -196,7 +196,7 @@ fn move_ui(ui: &Ui, response: &egui::Response, canvas: Rect, picture: Rect, look
 
 fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option<[usize; 2]>) {
     let tokens = Tokens::in_ui(ui);
-    let compared = state.inspector.compared.as_ref().filter(|_| state.inspector.compare_trouble.is_none());
+    let compared = state.inspector.compared.as_ref().filter(|_| state.inspector.compare_error.is_none());
     let Some(compared) = compared else { return };
     let comparison = &compared.comparison;
     ui.horizontal(|ui| {

@@ -46,7 +46,7 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 /// Places to go to, and whether cameras are drawn; from right to left.
-pub(crate) fn places_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn go_to_camera_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(scene) = &state.scene else { return };
     let (icon, name) = if state.live.show_cameras {
         (ICON_VIDEOCAM, "Hide cameras")
@@ -98,8 +98,8 @@ fn probe_ui(
 ) {
     let probe = &state.inspector.probe;
     let point = probe.shown.as_ref().and_then(|probed| probed.point_in_world);
-    if let (Some(point), Some(rig)) = (point, &state.live.rig) {
-        let vantage = rig.camera(canvas.width() as u32, canvas.height() as u32);
+    if let (Some(point), Some(orbit)) = (point, &state.live.orbit) {
+        let vantage = orbit.camera(canvas.width() as u32, canvas.height() as u32);
         if let Some((position, depth)) = vantage.project(point) {
             let at = canvas.min + vec2(position.x as f32, position.y as f32);
             let painter = painter.with_clip_rect(canvas);
@@ -128,8 +128,8 @@ fn shows(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> bool {
 }
 
 fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State) {
-    let (Some(scene), Some(rig)) = (&state.scene, &state.live.rig) else { return };
-    let vantage = rig.camera(canvas.width() as u32, canvas.height() as u32);
+    let (Some(scene), Some(orbit)) = (&state.scene, &state.live.orbit) else { return };
+    let vantage = orbit.camera(canvas.width() as u32, canvas.height() as u32);
     let mut names = Vec::new();
     for (index, camera) in scene.cameras.iter().enumerate() {
         let to_pivot = (scene.pivot_in_world - camera.position_in_world()).length();

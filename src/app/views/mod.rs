@@ -16,7 +16,7 @@ mod stability_view;
 pub(crate) use cameras_view::cameras_view_ui;
 pub(crate) use chart_view::tradeoff_ui;
 pub(crate) use compare_view::compare_view_ui;
-pub(crate) use live_view::{live_view_ui, places_ui};
+pub(crate) use live_view::{go_to_camera_ui, live_view_ui};
 pub(crate) use pixel_view::pixel_view_ui;
 pub(crate) use source_view::{cameras_ui, source_view_ui};
 pub(crate) use stability_view::stability_ui;

@@ -41,7 +41,7 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comman
         }
         study_button(ui, state, Study::Stress, commands);
     });
-    if let Some(words) = charts.stale_stress_words(&state.settings) {
+    if let Some(words) = charts.stale_stress_note(&state.settings) {
         ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
     }
     let here: Vec<&StressPoint> = charts.stress.iter().filter(|point| point.disturbance == chosen).collect();

@@ -106,13 +106,13 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
 }
 
 /// Whether something stands at a destination that would be replaced.
-pub(crate) fn look(destination: Destination) -> Message {
+pub(crate) fn check(destination: Destination) -> Message {
     let path = &destination.path;
     let taken = match destination.purpose {
         Purpose::ExportPictures => std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some()),
         _ => path.is_file(),
     };
-    Message::Looked { destination, taken }
+    Message::DestinationChecked { destination, taken }
 }
 
 /// The path that is chosen in the system's dialog; `None` where it is closed.

@@ -1,7 +1,7 @@
 //! What the window computes, on threads of its own.
 //!
 //! ```text
-//! State ── Scheduled::ask ──▶ requests ──▶ Workers (a thread each) ── Message ──▶ Outbox ──▶ window
+//! State ── Scheduler ──▶ requests ──▶ Workers (a thread each) ── Message ──▶ Outbox ──▶ window
 //! ```
 
 mod accuracy;
@@ -23,6 +23,6 @@ mod workers;
 
 pub(crate) use files::with_ending;
 pub(crate) use requests::{ExportRequest, FileRequest, OpenRequest, StudyRequest};
-pub(crate) use scheduler::Scheduled;
+pub(crate) use scheduler::Scheduler;
 pub(crate) use worker::Outbox;
 pub(crate) use workers::Workers;

@@ -51,7 +51,7 @@ fn prune_request(state: &State, scene: &Arc<OpenScene>) -> PruneRequest {
 
 /// What each worker was asked for last; what is `None` is asked for again.
 #[derive(Default)]
-pub(crate) struct Scheduled {
+pub(crate) struct Scheduler {
     pub inspect: Option<InspectKey>,
     prepare: Option<InspectKey>,
     /// When an inspection was last asked for.
@@ -75,10 +75,10 @@ pub(crate) struct Scheduled {
     moved_at: Option<Instant>,
 }
 
-impl Scheduled {
+impl Scheduler {
     /// Whether everything that the state calls for was asked for and came back, whole-capture work aside where the person
     /// stopped it.
-    pub(crate) fn is_settled(&self, state: &State) -> bool {
+    pub(crate) fn is_up_to_date(&self, state: &State) -> bool {
         let whole = !state.has_capture() || state.stopped || (state.whole.is_some() && !state.is_stale());
         let source = !state.has_capture()
             || state.source_shown.as_ref().map(|shown| &shown.key) == self.source.as_ref();
@@ -97,21 +97,26 @@ impl Scheduled {
     }
 
     /// Asks the workers for whatever is missing. Gives how long to wait before it should be called again, if so.
-    pub(crate) fn ask(&mut self, state: &State, visible: &[DockView], workers: &Workers) -> Option<Duration> {
-        self.ask_inspection(state, workers);
-        let preparation = self.ask_preparation(state, workers);
-        self.ask_source(state, workers);
-        let rest = self.ask_live(state, workers);
-        self.ask_accuracy(state, workers);
-        self.ask_probe(state, workers);
-        self.ask_thumbs(state, visible, workers);
-        self.ask_memory(state, visible, workers);
-        self.ask_histograms(state, visible, workers);
-        self.ask_comparison(state, visible, workers);
-        self.ask_whole(state, workers).into_iter().chain(rest).chain(preparation).min()
+    pub(crate) fn request_missing(
+        &mut self,
+        state: &State,
+        visible: &[DockView],
+        workers: &Workers,
+    ) -> Option<Duration> {
+        self.request_inspection(state, workers);
+        let preparation = self.request_preparation(state, workers);
+        self.request_source(state, workers);
+        let rest = self.request_live(state, workers);
+        self.request_accuracy(state, workers);
+        self.request_probe(state, workers);
+        self.request_thumbs(state, visible, workers);
+        self.request_memory(state, visible, workers);
+        self.request_histograms(state, visible, workers);
+        self.request_comparison(state, visible, workers);
+        self.request_whole(state, workers).into_iter().chain(rest).chain(preparation).min()
     }
 
-    fn ask_inspection(&mut self, state: &State, workers: &Workers) {
+    fn request_inspection(&mut self, state: &State, workers: &Workers) {
         let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
         if state.skips_verdicts() {
             return;
@@ -131,7 +136,7 @@ impl Scheduled {
 
     /// Once a frame is shown and everything rests, makes it ready for the thresholds to be turned. Gives how long to wait for
     /// that, if so.
-    fn ask_preparation(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
+    fn request_preparation(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
         let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
         let with_scan = state.inspected.as_ref().is_some_and(|inspected| inspected.with_scan);
         if state.timeline.playing || !with_scan || self.prepare == self.inspect || !self.is_inspected(state) {
@@ -146,7 +151,7 @@ impl Scheduled {
         None
     }
 
-    fn ask_source(&mut self, state: &State, workers: &Workers) {
+    fn request_source(&mut self, state: &State, workers: &Workers) {
         let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
         // Verdicts of a frame just passed are better than a flash of another kind: in motion they may never catch up.
         let inspection = state
@@ -169,15 +174,15 @@ impl Scheduled {
         }
     }
 
-    fn ask_live(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
-        let (Some(scene), Some(samples), Some(rig)) =
-            (state.scene.as_ref(), state.samples_here(), state.live.rig.as_ref())
+    fn request_live(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
+        let (Some(scene), Some(samples), Some(orbit)) =
+            (state.scene.as_ref(), state.samples_here(), state.live.orbit.as_ref())
         else {
             return None;
         };
         let frame = state.timeline.frame;
-        let coarse = rig.size_in_motion(state.live.size);
-        let coarse_vantage = Vantage { camera: rig.camera(coarse[0], coarse[1]), frame };
+        let coarse = orbit.size_in_motion(state.live.size);
+        let coarse_vantage = Vantage { camera: orbit.camera(coarse[0], coarse[1]), frame };
         if self.coarse_vantage.as_ref() != Some(&coarse_vantage) {
             self.moved_at = Some(Instant::now());
             self.coarse_vantage = Some(coarse_vantage);
@@ -187,11 +192,11 @@ impl Scheduled {
         let rested = changes.into_iter().flatten().map(|at| at.elapsed()).min().unwrap_or(REST);
         // Colors that tell of samples beside pixels would mean something else in a finer picture.
         let fine = match state.live.color_by {
-            ColorBy::Picture => rig.size_at_rest(state.live.size),
+            ColorBy::Picture => orbit.size_at_rest(state.live.size),
             _ => coarse,
         };
         let [width, height] = if rested < REST { coarse } else { fine };
-        let vantage = Vantage { camera: rig.camera(width, height), frame };
+        let vantage = Vantage { camera: orbit.camera(width, height), frame };
         let on_gpu =
             state.live_shown.as_ref().is_some_and(|shown| shown.picture.painter.backend == Backend::Gpu);
         let in_motion = state.live.shares_device && on_gpu && rested < REST;
@@ -211,7 +216,7 @@ impl Scheduled {
         self.live_will_change.then(|| REST.saturating_sub(rested))
     }
 
-    fn ask_whole(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
+    fn request_whole(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
         let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
         let key = (scene.id, method_of(&state.settings));
         if state.is_whole_ready() {
@@ -238,7 +243,7 @@ impl Scheduled {
         None
     }
 
-    fn ask_accuracy(&mut self, state: &State, workers: &Workers) {
+    fn request_accuracy(&mut self, state: &State, workers: &Workers) {
         let (Some(scene), Some(whole)) = (&state.scene, &state.whole) else { return };
         if state.is_stale() || state.timeline.playing {
             return;
@@ -257,7 +262,7 @@ impl Scheduled {
     }
 
     /// Compares once the live view has come to rest: its picture says from where and of what.
-    fn ask_comparison(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+    fn request_comparison(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
         let shown = state.live_shown.as_ref().filter(|_| visible.contains(&DockView::Compare));
         let (Some(scene), Some(shown)) = (&state.scene, shown) else { return };
         let history = &state.inspector.history;
@@ -280,7 +285,7 @@ impl Scheduled {
         submit_new(&workers.compare, &mut self.compare, key);
     }
 
-    fn ask_histograms(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+    fn request_histograms(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
         let wanted = visible.contains(&DockView::Thresholds) && !state.timeline.playing;
         let Some(inspected) = state.inspected.as_ref().filter(|_| wanted) else { return };
         let asked = self.histograms.as_ref().is_some_and(|(inspection, with_scan)| {
@@ -297,7 +302,7 @@ impl Scheduled {
         }
     }
 
-    fn ask_memory(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+    fn request_memory(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
         // A store plays from disk: its set only says where samples are.
         let wanted = visible.contains(&DockView::Memory) && state.has_capture();
         let samples = state.whole_samples().filter(|_| wanted);
@@ -308,7 +313,7 @@ impl Scheduled {
         }
     }
 
-    fn ask_probe(&mut self, state: &State, workers: &Workers) {
+    fn request_probe(&mut self, state: &State, workers: &Workers) {
         let key = state.scene.as_ref().zip(state.inspector.probe.spot).map(|(scene, spot)| ProbeKey {
             scene: scene.clone(),
             spot,
@@ -324,7 +329,7 @@ impl Scheduled {
         }
     }
 
-    fn ask_thumbs(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+    fn request_thumbs(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
         let Some(inspection) = state.inspection_here().filter(|_| visible.contains(&DockView::Cameras))
         else {
             return;

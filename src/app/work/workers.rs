@@ -32,7 +32,7 @@ pub(crate) struct Workers {
     /// The system's dialogs, and the name that they suggest.
     pub dialog: Worker<(Purpose, String)>,
     /// What stands where something is to be written.
-    pub look: Worker<Destination>,
+    pub check: Worker<Destination>,
     pub probe: Worker<ProbeKey>,
     pub thumbs: Worker<(u64, Arc<FrameInspection>)>,
     pub memory: Worker<(u64, Arc<SampleSet>)>,
@@ -84,8 +84,8 @@ impl Workers {
             dialog: Worker::start("Dialog", Supersede::Never, outbox, |(purpose, name), _| {
                 Ok(Message::PathChosen { purpose, path: files::ask(purpose, name) })
             })?,
-            look: Worker::start("Look", Supersede::Never, outbox, |destination, _| {
-                Ok(files::look(destination))
+            check: Worker::start("Check path", Supersede::Never, outbox, |destination, _| {
+                Ok(files::check(destination))
             })?,
             probe: Worker::start("Pixel argument", Supersede::Never, outbox, |key: ProbeKey, _| {
                 let probed = probe::probe(&key).map(Arc::new);
@@ -133,7 +133,7 @@ impl Workers {
             && self.live.is_idle()
             && self.measure.is_idle()
             && self.file.is_idle()
-            && self.look.is_idle()
+            && self.check.is_idle()
             && self.probe.is_idle()
             && self.thumbs.is_idle()
             && self.memory.is_idle()
