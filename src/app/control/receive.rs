@@ -78,7 +78,7 @@ impl OverlookApp {
             Message::SettingsLoaded { path, settings } => self.settings_loaded(&path, settings),
             Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
             Message::DestinationChecked { destination, taken } => {
-                self.destination_checked(&destination, taken)
+                self.destination_checked(&destination, taken);
             }
             Message::Stopped { title, text } => state.notify(NoticeKind::Warning, title, text),
             Message::Failed { what, error } => self.failed(what, &error),

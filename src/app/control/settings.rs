@@ -21,12 +21,12 @@ impl OverlookApp {
             }
             Command::ResetAll => self.change_settings("all", Settings::default()),
             Command::Undo => {
-                let settings = history.undo(now);
-                settings.into_iter().for_each(|settings| self.put_settings(settings));
+                let settings = history.undo(now)?;
+                self.put_settings(settings);
             }
             Command::Redo => {
-                let settings = history.redo(now);
-                settings.into_iter().for_each(|settings| self.put_settings(settings));
+                let settings = history.redo(now)?;
+                self.put_settings(settings);
             }
             Command::SwitchSettings => {
                 let settings = history.switch(now);
@@ -34,7 +34,7 @@ impl OverlookApp {
             }
             Command::Preset(index) => {
                 let mut settings = Settings::default();
-                let Some((_, _, change)) = PRESETS.get(index) else { return None };
+                let (_, _, change) = PRESETS.get(index)?;
                 change(&mut settings);
                 self.take_preset(settings);
             }

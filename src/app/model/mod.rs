@@ -5,7 +5,6 @@
 //!   └──── keys of what is missing ──▶ work ──▶ Message ── taken in by control ──▶ State
 //! ```
 
-mod axis_marks;
 mod camera_path;
 mod chart_axis;
 mod charts;
@@ -33,9 +32,8 @@ mod undo;
 pub(crate) mod verdict_text;
 mod view;
 
-pub(crate) use axis_marks::{label, marks};
 pub(crate) use camera_path::{CameraPath, ExportTarget, Exported, NO_KEYS, SavedPathKey};
-pub(crate) use chart_axis::Quantity;
+pub(crate) use chart_axis::{Quantity, label, marks};
 pub(crate) use charts::{Study, method_name, point_name, series_name, settings_alone};
 pub(crate) use command::{Command, CommandPalette};
 pub(crate) use comparison::{

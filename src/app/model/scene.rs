@@ -115,10 +115,7 @@ impl OpenScene {
         }
     }
 
-    /// The capture.
-    ///
-    /// # Errors
-    /// `Invalid` where a store is open.
+    /// The capture; `Invalid` where a store is open.
     pub(crate) fn source(&self) -> Result<&Capture> {
         self.capture().ok_or_else(|| Error::invalid(&self.name, "a store holds no source frames"))
     }

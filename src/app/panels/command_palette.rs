@@ -106,7 +106,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
     // Those of a store are not its own, and cannot be seen beside it.
     let turns = state.has_thresholds();
     let mut add = |name: String, keys: &'static str, command: Command| {
-        entries.push(PaletteEntry { name, keys, command })
+        entries.push(PaletteEntry { name, keys, command });
     };
     for (name, keys, command) in [
         ("Open folder", "", Command::AskPath(Purpose::OpenFolder)),

@@ -3,7 +3,6 @@
 mod agreement;
 mod command_palette;
 mod histogram;
-mod log;
 mod matrix;
 mod memory_view;
 mod notices;
@@ -20,9 +19,8 @@ mod totals;
 mod welcome;
 
 pub(crate) use command_palette::{cheat_sheet_ui, palette_ui};
-pub(crate) use log::log_ui;
 pub(crate) use memory_view::memory_ui;
-pub(crate) use notices::notices_ui;
+pub(crate) use notices::{log_ui, notices_ui};
 pub(crate) use path_field::path_field_ui;
 pub(crate) use path_view::path_ui;
 pub(crate) use presets::naming_ui;

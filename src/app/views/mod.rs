@@ -9,7 +9,6 @@ mod legend;
 mod live_view;
 mod marks;
 mod pixel_view;
-mod readout;
 mod source_view;
 mod stability_view;
 

@@ -62,10 +62,7 @@ impl Comparer {
         Ok(Message::Compared { key, outcome })
     }
 
-    /// Makes the comparison.
-    ///
-    /// # Errors
-    /// `Invalid` where a side cannot be shown there; whatever loading, pruning and rendering give; `Cancelled`.
+    /// Makes the comparison; `Invalid` where a side cannot be shown there.
     fn compare(&mut self, key: &CompareKey, job: &Job) -> Result<PictureDifference> {
         let (vantage, truth) = vantage_and_truth(key)?;
         let left = self.side(key, key.choice.sides[0], &vantage, truth.as_deref(), job)?;

@@ -29,10 +29,8 @@ pub(crate) fn of_picture(picture: &Picture) -> DisplayColors {
     })
 }
 
-/// Compares two sides by `measure`. `range` is what the map's upper end stands for; `None` fits it.
-///
-/// # Errors
-/// `Invalid` where the sides differ in size.
+/// Compares two sides by `measure`. `range` is the difference at the map's upper end; `None` fits it. `Invalid` where the sides
+/// differ in size.
 pub(crate) fn between(
     sides: [DisplayColors; 2],
     measure: CompareMeasure,

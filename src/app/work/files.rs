@@ -75,9 +75,6 @@ pub(crate) fn file(request: FileRequest, job: &Job) -> Result<Message> {
 }
 
 /// Paints and writes all pictures.
-///
-/// # Errors
-/// `Invalid` without a path, `Io` where nothing can be written there, whatever rendering and ffmpeg give, and `Cancelled`.
 pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
     let vantages = request.path.vantages(request.size, request.reel.frame_count());
     if vantages.is_empty() {

@@ -10,9 +10,6 @@ use crate::evaluate::truth::Truth;
 use crate::job::Job;
 
 /// Measures, and sends every point as it comes.
-///
-/// # Errors
-/// `Invalid` for a store; whatever measuring gives; `Cancelled`.
 pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
     let scene = request.scene.clone();
     let Content::Capture { capture, truth } = &scene.content else {
