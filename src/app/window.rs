@@ -4,12 +4,12 @@ use egui::{CentralPanel, Frame, Margin, Panel};
 use egui_material_icons::icons::{ICON_FOLDER_OPEN, ICON_HOURGLASS_TOP};
 
 use super::dock::{Dock, DockPart};
-use super::model::{Command, DockView, Purpose, State};
+use super::model::{Command, Commands, DockView, Purpose, State};
 use super::theme::{Tokens, space};
 use super::widgets::empty_ui;
 use super::{panels, views};
 
-pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, commands: &mut Vec<Command>) {
+pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let bar = Frame::new().fill(tokens.surface).inner_margin(Margin::symmetric(space::PANEL, 0));
     Panel::top("top bar")
@@ -49,7 +49,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
     drop_hint_ui(ui);
 }
 
-pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands: &mut Commands) {
     match view {
         DockView::Source => views::source_view_ui(ui, state, commands),
         DockView::Live => views::live_view_ui(ui, state, commands),
@@ -68,7 +68,7 @@ pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands
     }
 }
 
-fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>) {
+fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if let Some(opening) = &state.opening {
         empty_ui(
             ui,

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 
-use crate::app::model::{Command, CommandPalette, Purpose, State};
+use crate::app::model::{Command, CommandPalette, Commands, Purpose, State};
 
 /// Keys and what they do, for the help.
 pub(crate) const HELP: &[(&str, &str)] = &[
@@ -36,7 +36,7 @@ const NUMBERS: [Key; 9] =
     [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
 /// Turns keys into commands.
-pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let ctx = ui.ctx();
     let inspector = &state.inspector;
     let typing = state.typed_path.is_some() || inspector.palette.is_some() || inspector.naming.is_some();

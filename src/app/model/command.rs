@@ -129,6 +129,9 @@ pub(crate) enum Command {
     Dismiss(u64),
 }
 
+/// Commands of one frame, in the order in which they are carried out.
+pub(crate) type Commands = Vec<Command>;
+
 /// What is typed into the palette, and which entry is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct CommandPalette {

@@ -13,7 +13,7 @@ use crate::samples::SampleSet;
 use crate::settings::Settings;
 
 /// What one side shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CompareSide {
     Kept,
     Everything,
@@ -46,10 +46,9 @@ impl CompareSide {
 }
 
 /// From where.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CompareVantage {
     /// Where the live view stands.
-    #[default]
     Live,
     /// A vantage whose truth is known, by its place among those.
     Truth(usize),
@@ -75,9 +74,8 @@ impl Mode {
 }
 
 /// What the map of a difference shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CompareMeasure {
-    #[default]
     Steps,
     Brightness,
     Flip,

@@ -99,7 +99,9 @@ pub(crate) struct ShownPicture<K, P> {
 /// What the window knows.
 pub(crate) struct State {
     pub scene: Option<Arc<OpenScene>>,
+    /// What is being opened, in words.
     pub opening: Option<String>,
+    /// The settings on the sliders.
     pub settings: Settings,
     /// The pass over all frames of the open capture.
     pub scan: Option<Arc<PreparedScan>>,

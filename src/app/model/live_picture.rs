@@ -12,9 +12,8 @@ use crate::settings::RenderSettings;
 use crate::store::playback::Playback;
 
 /// What the colors of the right view tell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ColorBy {
-    #[default]
     Picture,
     Camera,
     Span,

@@ -35,7 +35,7 @@ mod view;
 pub(crate) use camera_path::{CameraPath, ExportTarget, Exported, NO_KEYS, SavedPathKey};
 pub(crate) use chart_axis::{Quantity, label, marks};
 pub(crate) use charts::{Study, method_name, point_name, series_name, settings_alone};
-pub(crate) use command::{Command, CommandPalette};
+pub(crate) use command::{Command, CommandPalette, Commands};
 pub(crate) use comparison::{
     CompareChoice, CompareKey, CompareLook, CompareMeasure, CompareSide, CompareVantage, DisplayColors, Mode,
     PictureDifference, ShownComparison,

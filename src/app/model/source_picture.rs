@@ -8,7 +8,7 @@ use crate::grid::Grid;
 use crate::preprocess::inspect::FrameInspection;
 
 /// What the left view shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) enum Overlay {
     #[default]
     Color,

@@ -4,7 +4,7 @@ use egui::{Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::app::control;
 use crate::app::model::{
-    ColorBy, Command, CommandPalette, DockView, Overlay, PRESETS, Purpose, State, Study,
+    ColorBy, Command, CommandPalette, Commands, DockView, Overlay, PRESETS, Purpose, State, Study,
 };
 use crate::app::theme::space;
 use crate::app::widgets::weak;
@@ -22,7 +22,7 @@ struct PaletteEntry {
 const SHOWN: usize = 200;
 
 /// The palette, while it is open.
-pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let Some(palette) = &state.inspector.palette else { return };
     let mut next = Some(palette.clone());
     let modal = Modal::new(Id::unique("palette")).show(ctx, |ui| {
@@ -183,7 +183,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// The sheet of keys, while it is open.
-pub(crate) fn cheat_sheet_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn cheat_sheet_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     if !state.inspector.cheat_sheet {
         return;
     }

@@ -1,6 +1,5 @@
 //! The areas of the window around the views.
 
-mod agreement;
 mod command_palette;
 mod histogram;
 mod matrix;

@@ -3,7 +3,7 @@
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, ScrollArea, Stroke, Ui};
 use egui_material_icons::icons::{ICON_CHECK_CIRCLE, ICON_CLOSE, ICON_ERROR, ICON_NOTES, ICON_WARNING};
 
-use crate::app::model::{Command, Notice, NoticeKind, State};
+use crate::app::model::{Command, Commands, Notice, NoticeKind, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{empty_ui, icon_button};
 
@@ -12,7 +12,7 @@ const SHOWN: usize = 3;
 
 const WIDTH: f32 = 430.0;
 
-pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     if state.notices.is_empty() {
         return;
     }
@@ -33,7 +33,7 @@ pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<
     });
 }
 
-fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Vec<Command>) {
+fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let (icon, color, fill) = match notice.kind {
         NoticeKind::Error => (ICON_ERROR, tokens.error, tokens.error_faint),

@@ -2,7 +2,7 @@
 
 use egui::{Id, Modal, RichText};
 
-use crate::app::model::{Command, Purpose, State, TypedPath};
+use crate::app::model::{Command, Commands, Purpose, State, TypedPath};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{text_field_ui, weak};
 
@@ -20,7 +20,7 @@ fn replaced_words(typed: &TypedPath) -> String {
 }
 
 /// The field, while one is asked for.
-pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let Some(typed) = &state.typed_path else { return };
     let purpose = typed.purpose;
     let (action, hint) = match purpose {

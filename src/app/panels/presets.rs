@@ -3,12 +3,12 @@
 use egui::{Button, Id, Modal, Ui};
 use egui_material_icons::icons::ICON_DELETE;
 
-use crate::app::model::{Command, PRESETS, State};
+use crate::app::model::{Command, Commands, PRESETS, State};
 use crate::app::theme::space;
 use crate::app::widgets::{icon_button, note, text_field_ui, weak};
 
 /// The menu, as wide as there is room.
-pub(crate) fn menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let button = Button::new("Presets…").min_size(egui::vec2(ui.available_width() - space::MEDIUM, 0.0));
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
         ui.set_min_width(220.0);
@@ -40,7 +40,7 @@ pub(crate) fn menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 /// The field for a name, while a new preset is named.
-pub(crate) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let Some(name) = &state.inspector.naming else { return };
     let modal = Modal::new(Id::unique("naming a preset")).show(ctx, |ui| {
         ui.set_width(360.0);

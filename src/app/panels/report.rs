@@ -4,8 +4,7 @@ use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2, vec2};
 
 use egui_material_icons::icons::ICON_GRID_ON;
 
-use super::agreement;
-use super::matrix::{self, PairCell};
+use super::matrix::{PairCell, agreement_ui, pairs_ui, short};
 use crate::app::colormap;
 use crate::app::model::{self, State};
 use crate::app::theme::{Tokens, space};
@@ -25,7 +24,7 @@ pub(crate) fn report_ui(ui: &mut Ui, state: &State) {
         ui.add_space(space::LARGE);
         matrix_ui(ui, report);
         ui.add_space(space::LARGE);
-        agreement::ui(ui, report);
+        agreement_ui(ui, report);
         ui.add_space(space::LARGE);
         cameras_ui(ui, report);
         ui.add_space(space::LARGE);
@@ -55,11 +54,11 @@ pub(crate) fn matrix_view_ui(ui: &mut Ui, state: &State) {
         if ui.available_width() < TWO_COLUMNS {
             matrix_ui(ui, report);
             ui.add_space(space::LARGE);
-            agreement::ui(ui, report);
+            agreement_ui(ui, report);
         } else {
             ui.columns(2, |columns| {
                 matrix_ui(&mut columns[0], report);
-                agreement::ui(&mut columns[1], report);
+                agreement_ui(&mut columns[1], report);
             });
         }
     });
@@ -140,7 +139,7 @@ fn matrix_ui(ui: &mut Ui, report: &Report) {
     weak(ui, "Rows lose samples, columns keep the ones that stand for them.");
     let most = report.witnesses.iter().flatten().copied().max().unwrap_or(0).max(1) as f32;
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
-    matrix::ui(ui, &names, |loser, winner| {
+    pairs_ui(ui, &names, |loser, winner| {
         let count = *report.witnesses.get(loser)?.get(winner)?;
         Some(PairCell {
             // The square root lets small counts be told from none.
@@ -188,7 +187,7 @@ fn cameras_ui(ui: &mut Ui, report: &Report) {
                 ui.horizontal(|ui| {
                     let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
                     ui.painter().circle_filled(dot.center(), 4.0, colormap::camera(index));
-                    ui.label(matrix::short(&camera.name, 12)).on_hover_text(&camera.name);
+                    ui.label(short(&camera.name, 12)).on_hover_text(&camera.name);
                 });
                 ui.label(model::count(camera.background_kept + camera.foreground_kept));
                 ui.label(model::percent(camera.background_pixels, camera.pixels / frames));

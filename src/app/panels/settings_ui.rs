@@ -6,7 +6,7 @@ use egui_material_icons::icons::{ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 use super::{histogram, presets};
 use crate::app::control::gave_up_number;
 use crate::app::model::setting_names::{SECTIONS, SettingPairs};
-use crate::app::model::{self, CUT, Command, SettingsSlot, State};
+use crate::app::model::{self, CUT, Command, Commands, SettingsSlot, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, icon_button, note, weak};
 use crate::settings::{Field, Settings, ValueKind};
@@ -14,7 +14,7 @@ use crate::settings::{Field, Settings, ValueKind};
 /// Width of the number beside a slider: as much as `65536` needs.
 const NUMBER_BOX: f32 = 58.0;
 
-pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let settings = state.shown_settings();
     let values = SettingPairs::new(&settings, &Settings::default());
     let editable = state.has_thresholds();
@@ -60,7 +60,7 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
 }
 
 /// Undo and redo, two settings that take turns, and settings to start from.
-fn history_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn history_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let history = &state.inspector.history;
     ui.horizontal(|ui| {
         for (icon, name, keys, able, command) in [
@@ -95,7 +95,7 @@ fn field_ui(
     field: &'static Field,
     values: &SettingPairs,
     state: &State,
-    commands: &mut Vec<Command>,
+    commands: &mut Commands,
 ) {
     let Some([value, default]) = values.of(field) else { return };
     let (section, name) = field.path.split_once('.').unwrap_or(("", field.path));
@@ -156,7 +156,7 @@ fn number_ui(
     (drag.changed() && !gave_up_number(ui.ctx())).then(|| number.into())
 }
 
-fn reset_ui(ui: &mut Ui, field: &'static Field, changed: bool, commands: &mut Vec<Command>) {
+fn reset_ui(ui: &mut Ui, field: &'static Field, changed: bool, commands: &mut Commands) {
     if !changed {
         return;
     }

@@ -3,11 +3,11 @@
 use egui::{Align, Button, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons::{ICON_CANCEL, ICON_REPLAY};
 
-use crate::app::model::{self, Busy, Command, State, StoppableWork};
+use crate::app::model::{self, Busy, Command, Commands, State, StoppableWork};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::weak;
 
-pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     ui.horizontal_centered(|ui| {
         if let Some(busy) = state.busy.first() {

@@ -4,7 +4,7 @@ use egui::{Align2, Rect, RichText, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_TIMELINE;
 
 use crate::app::colormap::sequential;
-use crate::app::model::{self, Command, State};
+use crate::app::model::{self, Command, Commands, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{empty_ui, note};
 use crate::preprocess::diagnostics::SpanReport;
@@ -12,7 +12,7 @@ use crate::preprocess::diagnostics::SpanReport;
 /// Room for the names of the rows.
 const NAMES: f32 = 128.0;
 
-pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let frames = state.frame_count();
     let Some(report) = state.report().filter(|report| !report.spans.is_empty() && frames > 0) else {

@@ -6,12 +6,12 @@ use egui_material_icons::icons::{
     ICON_SCIENCE, ICON_TERMINAL,
 };
 
-use crate::app::model::{self, Command, CommandPalette, DockView, Origin, Purpose, State};
+use crate::app::model::{self, Command, CommandPalette, Commands, DockView, Origin, Purpose, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note, weak};
 use crate::demo::SCENES;
 
-pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     ui.horizontal_centered(|ui| {
         ui.label(RichText::new("Overlook").heading().color(tokens.text));
@@ -59,7 +59,7 @@ fn menu_ui(ui: &mut Ui, icon: egui_material_icons::MaterialIcon, name: &str, con
     response.accessible_name(name);
 }
 
-fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     menu_ui(ui, ICON_FOLDER_OPEN, "Open", |ui| {
         for (name, keys, command) in [
             ("Open folder…", "", Command::AskPath(Purpose::OpenFolder)),
@@ -89,7 +89,7 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
-fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     menu_ui(ui, ICON_SAVE, "Save", |ui| {
         let (ready, shown) = (state.is_whole_ready(), state.live_shown.is_some());
         for (name, keys, enabled, command) in [
@@ -117,7 +117,7 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
-fn demo_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+fn demo_menu_ui(ui: &mut Ui, commands: &mut Commands) {
     menu_ui(ui, ICON_SCIENCE, "Demo", |ui| {
         for (name, help) in SCENES {
             if ui.button(model::words(name)).on_hover_text(*help).clicked() {
@@ -127,7 +127,7 @@ fn demo_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
     });
 }
 
-fn views_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+fn views_menu_ui(ui: &mut Ui, commands: &mut Commands) {
     menu_ui(ui, ICON_DASHBOARD, "Views", |ui| {
         for (view, name, help) in DockView::ALL {
             let button = ui.button(name).on_hover_text(help);

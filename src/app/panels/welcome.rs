@@ -2,7 +2,7 @@
 
 use egui::{Align2, Area, Frame, Id, Margin, Modal, Order, RichText, Stroke, vec2};
 
-use crate::app::model::{Command, Purpose, State};
+use crate::app::model::{Command, Commands, Purpose, State};
 use crate::app::theme::{Tokens, space};
 
 /// What a first run explains: title and text.
@@ -23,7 +23,7 @@ const HINTS: [(&str, &str); 3] = [
 ];
 
 /// The introduction, until it is dismissed.
-pub(crate) fn introduction_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn introduction_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     // It speaks of what cameras recorded and of thresholds, which a store does not have: it waits for a capture.
     if state.inspector.introduced || !state.has_capture() {
         return;
@@ -52,7 +52,7 @@ const WRITING: &str = "A file, pictures or a film are still being written. Closi
 const WRITTEN: &str = "What was being written is done.";
 
 /// The question before closing or before opening something else, while it is asked.
-pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let closes = state.inspector.closing.asks;
     if !closes && state.open_after_question.is_none() {
         return;

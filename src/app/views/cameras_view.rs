@@ -6,14 +6,14 @@ use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
 use super::marks;
 use crate::app::colormap;
 use crate::app::model::verdict_text as words;
-use crate::app::model::{self, Command, OpenScene, State};
+use crate::app::model::{self, Command, Commands, OpenScene, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{self, empty_ui, waiting};
 
 /// Height of the two lines below a thumbnail.
 const CAPTION: f32 = 34.0;
 
-pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(scene) = &state.scene else { return };
     if !state.has_capture() {
         let text = "A store keeps only what was not redundant; there are no source pictures in it.";
@@ -41,7 +41,7 @@ fn card_ui(
     scene: &OpenScene,
     index: usize,
     height: f32,
-    commands: &mut Vec<Command>,
+    commands: &mut Commands,
 ) {
     let tokens = Tokens::in_ui(ui);
     let camera = &scene.cameras[index];

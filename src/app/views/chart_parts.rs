@@ -4,7 +4,7 @@ use egui::{Color32, Pos2, Sense, Shape, Stroke, Ui, vec2};
 use egui_material_icons::MaterialIcon;
 use egui_plot::{MarkerShape, Plot, PlotPoint, PlotUi};
 
-use crate::app::model::{self, Command, State, Study};
+use crate::app::model::{self, Command, Commands, State, Study};
 use crate::app::theme::Tokens;
 use crate::app::widgets::empty_ui;
 
@@ -83,7 +83,7 @@ pub(crate) fn nearest(plot_ui: &PlotUi<'_>, places: impl Iterator<Item = [f64; 2
 }
 
 /// The button that measures, or goes on where it was stopped.
-pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &mut Vec<Command>) {
+pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &mut Commands) {
     let charts = &state.inspector.charts;
     let (name, help) = match study {
         _ if charts.goes_on(study, &state.settings) => {
@@ -113,7 +113,7 @@ pub(crate) fn no_points_ui(
     state: &State,
     study: Study,
     (icon, text): (MaterialIcon, &str),
-    commands: &mut Vec<Command>,
+    commands: &mut Commands,
 ) {
     if state.inspector.charts.under_way() == Some(study) {
         let text = "Points appear one by one, as they are measured.";

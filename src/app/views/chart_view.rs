@@ -8,8 +8,8 @@ use egui_plot::{Line, Plot, Points};
 
 use super::chart_parts::{HINT, Mark, legend_ui, nearest, no_points_ui, plot, shape, study_button};
 use crate::app::colormap;
-use crate::app::model::setting_names;
 use crate::app::model::{self, Command, Quantity, State, Study, point_name, series_name, settings_alone};
+use crate::app::model::{Commands, setting_names};
 use crate::app::theme::Tokens;
 use crate::app::widgets::{choice_ui, one_line, weak};
 use crate::evaluate::sweep::{Point, Series};
@@ -18,7 +18,7 @@ use crate::evaluate::sweep::{Point, Series};
 const FRONT: &str = "best lossless by both axes";
 const ON_NOW: &str = "on now";
 
-pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let charts = &state.inspector.charts;
     if charts.sweep.is_empty() {
         let text = "A sweep tries many settings and other methods on this capture, and draws what each costs and how close \
@@ -72,7 +72,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
 }
 
 /// What is along and up, and the button that measures.
-fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let axes = state.inspector.charts.axes();
     ui.horizontal_wrapped(|ui| {
         let quantities = Quantity::ALL.map(|(of, name, _)| (of, name, ""));

@@ -1,12 +1,12 @@
 //! Two pictures of one place: wiped over each other, flipped, or as their difference. One zoom for both.
 
-use egui::{Align2, Key, Rect, Sense, Stroke, Ui, Vec2, vec2};
+use egui::{Align2, Key, Painter, Rect, Response, Sense, Stroke, Ui, Vec2, vec2};
 use egui_material_icons::icons::{ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
 use super::legend;
 use crate::app::colormap::{diverging, sequential};
 use crate::app::model::{
-    self, Command, CompareLook, CompareMeasure, CompareSide, CompareVantage, Content, Mode,
+    self, Command, Commands, CompareLook, CompareMeasure, CompareSide, CompareVantage, Content, Mode,
     PictureDifference, PictureZoom, ShownComparison, State,
 };
 use crate::app::theme::{Tokens, space};
@@ -19,7 +19,7 @@ const LIST_WIDTH: f32 = 106.0;
 
 const BAR_WIDTH: f32 = 150.0;
 
-pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let before = &state.inspector.compare;
     let mut look = before.clone();
     header_ui(ui, state, &mut look);
@@ -150,7 +150,7 @@ fn parts(look: &CompareLook, flipped: bool) -> Vec<(usize, [f32; 2])> {
 }
 
 fn draw(
-    painter: &egui::Painter,
+    painter: &Painter,
     picture: Rect,
     canvas: Rect,
     compared: &ShownComparison,
@@ -170,7 +170,7 @@ fn draw(
 }
 
 /// Drags the line of the wipe, or the picture; the wheel zooms to the pointer.
-fn move_ui(ui: &Ui, response: &egui::Response, canvas: Rect, picture: Rect, look: &mut CompareLook) {
+fn move_ui(ui: &Ui, response: &Response, canvas: Rect, picture: Rect, look: &mut CompareLook) {
     if response.double_clicked() {
         look.part = PictureZoom::default();
         return;

@@ -1,6 +1,6 @@
 //! The right view: what is left of the capture, seen from anywhere.
 
-use egui::{PointerButton, Rect, Sense, Ui, vec2};
+use egui::{Painter, PointerButton, Rect, Response, Sense, Ui, vec2};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
@@ -9,7 +9,7 @@ use super::source_view::{self, CAMERA_LIST_WIDTH, FOOTER};
 use super::{legend, marks};
 use crate::app::colormap;
 use crate::app::model::verdict_text as words;
-use crate::app::model::{self, ColorBy, Command, Spot, State};
+use crate::app::model::{self, ColorBy, Command, Commands, Spot, State};
 use crate::app::theme::Tokens;
 use crate::app::widgets::{
     self, camera_choices, choice_ui, icon_button, one_line, picture, scrolled, segments_ui, waiting,
@@ -27,7 +27,7 @@ const PYRAMID: f64 = 0.12;
 /// Depths that differ by less than this share are taken for one surface.
 const NEARLY: f64 = 0.03;
 
-pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     header_ui(ui, state, commands);
     let available = ui.available_rect_before_wrap();
     let canvas = Rect::from_min_max(available.min, available.max - vec2(0.0, FOOTER));
@@ -39,14 +39,14 @@ pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comman
     facts_ui(ui, state);
 }
 
-fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, ColorBy::ALL) {
         commands.push(Command::ColorBy(color_by));
     }
 }
 
 /// Places to go to, and whether cameras are drawn; from right to left.
-pub(crate) fn go_to_camera_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn go_to_camera_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(scene) = &state.scene else { return };
     let (icon, name) = if state.live.show_cameras {
         (ICON_VIDEOCAM, "Hide cameras")
@@ -66,8 +66,7 @@ pub(crate) fn go_to_camera_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Com
     }
 }
 
-fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Vec<Command>) {
-    let tokens = Tokens::in_ui(ui);
+fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands) {
     let (response, painter) = widgets::canvas_ui(ui, canvas, "live picture", "Live picture");
     let pixels = canvas.size() * ui.ctx().pixels_per_point();
     let shrink = (LARGEST_SIDE / pixels.max_elem()).min(1.0);
@@ -84,18 +83,11 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Vec<Comma
         cameras_overlay(ui, &painter, canvas, state);
     }
     motion(ui, &response, canvas, state, commands);
-    probe_ui(&response, &painter, canvas, state, commands, tokens);
+    probe_ui(&response, &painter, canvas, state, commands);
 }
 
 /// Marks the pixel that is looked at, and looks at the one under the pointer.
-fn probe_ui(
-    response: &egui::Response,
-    painter: &egui::Painter,
-    canvas: Rect,
-    state: &State,
-    commands: &mut Vec<Command>,
-    tokens: &Tokens,
-) {
+fn probe_ui(response: &Response, painter: &Painter, canvas: Rect, state: &State, commands: &mut Commands) {
     let probe = &state.inspector.probe;
     let point = probe.shown.as_ref().and_then(|probed| probed.point_in_world);
     if let (Some(point), Some(orbit)) = (point, &state.live.orbit) {
@@ -103,7 +95,8 @@ fn probe_ui(
         if let Some((position, depth)) = vantage.project(point) {
             let at = canvas.min + vec2(position.x as f32, position.y as f32);
             let painter = painter.with_clip_rect(canvas);
-            marks::mark(&painter, at, shows(state, canvas, at, depth), probe.pinned, tokens);
+            let is_seen = shows(state, canvas, at, depth);
+            marks::mark(&painter, at, is_seen, probe.pinned, Tokens::of(state.dark));
         }
     }
     let (Some(pointer), Some(shown)) = (response.hover_pos(), &state.live_shown) else { return };
@@ -127,7 +120,7 @@ fn shows(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> bool {
     picture.get(x, y).is_some_and(|inverse| (f64::from(*inverse) * depth - 1.0).abs() < NEARLY)
 }
 
-fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State) {
+fn cameras_overlay(ui: &Ui, painter: &Painter, canvas: Rect, state: &State) {
     let (Some(scene), Some(orbit)) = (&state.scene, &state.live.orbit) else { return };
     let vantage = orbit.camera(canvas.width() as u32, canvas.height() as u32);
     let mut names = Vec::new();
@@ -167,7 +160,7 @@ struct CameraLabel<'a> {
 }
 
 /// Names that would lie over one another cannot be read: the chosen camera's and the nearest go first.
-fn names_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, mut names: Vec<CameraLabel<'_>>) {
+fn names_overlay(ui: &Ui, painter: &Painter, canvas: Rect, mut names: Vec<CameraLabel<'_>>) {
     let tokens = Tokens::in_ui(ui);
     let font = egui::TextStyle::Small.resolve(ui.style());
     names.sort_by(|a, b| b.is_chosen.cmp(&a.is_chosen).then(a.apart.total_cmp(&b.apart)));
@@ -198,7 +191,7 @@ fn point_under(state: &State, canvas: Rect, at: egui::Pos2) -> Option<glam::DVec
     (inverse_depth > 0.0).then(|| shown.key.vantage.camera.unproject(place, 1.0 / inverse_depth))
 }
 
-fn motion(ui: &Ui, response: &egui::Response, canvas: Rect, state: &State, commands: &mut Vec<Command>) {
+fn motion(ui: &Ui, response: &Response, canvas: Rect, state: &State, commands: &mut Commands) {
     if response.double_clicked() {
         commands.push(Command::Home);
         return;

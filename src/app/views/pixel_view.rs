@@ -4,7 +4,7 @@ use egui::{Align, Button, Grid, Label, Layout, Rect, RichText, ScrollArea, Sense
 use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING};
 
 use crate::app::model::verdict_text as words;
-use crate::app::model::{Command, OpenScene, Probed, State};
+use crate::app::model::{Command, Commands, OpenScene, Probed, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{dot, empty_ui, icon_button, note, weak};
 use crate::preprocess::inspect::CameraEvidence;
@@ -40,7 +40,7 @@ const COLUMNS: [(&str, &str); 9] = [
     ),
 ];
 
-pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let shown = state.scene.as_ref().zip(state.inspector.probe.shown.as_ref());
     let Some((scene, probed)) = shown else {
         let text = if state.inspector.probe.spot.is_some() {
@@ -66,7 +66,7 @@ pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comma
     ui.allocate_rect(area, Sense::hover());
 }
 
-fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Vec<Command>) {
+fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     ui.spacing_mut().item_spacing.y = 3.0;
     let name = scene.cameras.get(probed.camera).map_or("", |camera| &camera.name);
@@ -156,7 +156,7 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
     );
 }
 
-fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Vec<Command>) {
+fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Commands) {
     let Some(argument) = &probed.argument else { return };
     if argument.testimonies.is_empty() {
         weak(ui, "The pixel has no depth, so no camera can be asked about it.");
@@ -189,7 +189,7 @@ fn row_ui(
     scene: &OpenScene,
     row: &CameraEvidence,
     wins: bool,
-    commands: &mut Vec<Command>,
+    commands: &mut Commands,
 ) {
     let tokens = Tokens::in_ui(ui);
     let name = scene.cameras.get(row.camera).map_or("", |camera| &camera.name);

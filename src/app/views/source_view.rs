@@ -1,11 +1,11 @@
 //! The left view: what a camera saw, and what became of each of its pixels; the Pixel view says the rest.
 
-use egui::{Rect, Sense, Ui, Vec2, vec2};
+use egui::{Rect, Response, Sense, Ui, Vec2, vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
 
 use super::{legend, marks};
 use crate::app::model::{
-    self, Command, Legend, Overlay, PictureZoom, Purpose, Spot, State, verdict_text as words,
+    self, Command, Commands, Legend, Overlay, PictureZoom, Purpose, Spot, State, verdict_text as words,
 };
 use crate::app::theme::Tokens;
 use crate::app::widgets::{
@@ -21,7 +21,7 @@ pub(crate) const FOOTER: f32 = 46.0;
 
 pub(crate) const CAMERA_LIST_WIDTH: f32 = 104.0;
 
-pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if !state.has_capture() {
         let text = "A store keeps only what was not redundant. Open the capture it was made from to see the source \
                     pictures and why each pixel went.";
@@ -46,14 +46,14 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comm
     readout_ui(ui, state, hovered);
 }
 
-fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, Overlay::ALL) {
         commands.push(Command::Overlay(overlay));
     }
 }
 
 /// Which camera, and for the sampling ratio against which; from right to left.
-pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
     let cameras: Vec<_> = camera_choices(&scene.cameras).collect();
     if state.source.overlay == Overlay::SamplingRatio {
@@ -72,12 +72,7 @@ pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>
 }
 
 /// Draws the picture and gives the pixel under the pointer.
-fn picture_ui(
-    ui: &mut Ui,
-    canvas: Rect,
-    state: &State,
-    commands: &mut Vec<Command>,
-) -> Option<(usize, usize)> {
+fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands) -> Option<(usize, usize)> {
     let tokens = Tokens::in_ui(ui);
     let (response, painter) = widgets::canvas_ui(ui, canvas, "source picture", "Source picture");
     let Some(shown) = &state.source_shown else {
@@ -122,7 +117,7 @@ fn picture_ui(
 
 /// Says how much of the tile under the pointer is kept.
 fn tile_tooltip(
-    response: egui::Response,
+    response: Response,
     shares: &Grid<f32>,
     [x, y]: [usize; 2],
     [width, height]: [usize; 2],
@@ -138,7 +133,7 @@ fn tile_tooltip(
 }
 
 /// Looks at the spot under the pointer; a click keeps it.
-pub(crate) fn point_at(response: &egui::Response, spot: Spot, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn point_at(response: &Response, spot: Spot, state: &State, commands: &mut Commands) {
     let probe = &state.inspector.probe;
     if response.clicked() {
         commands.push(Command::Probe(Some(spot)));
@@ -148,13 +143,7 @@ pub(crate) fn point_at(response: &egui::Response, spot: Spot, state: &State, com
     }
 }
 
-fn zoom_and_pan(
-    ui: &Ui,
-    response: &egui::Response,
-    picture: Rect,
-    state: &State,
-    commands: &mut Vec<Command>,
-) {
+fn zoom_and_pan(ui: &Ui, response: &Response, picture: Rect, state: &State, commands: &mut Commands) {
     let part = state.source.part;
     if response.double_clicked() {
         commands.push(Command::SourceZoom(PictureZoom::default()));

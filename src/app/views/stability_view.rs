@@ -8,12 +8,12 @@ use egui_plot::{Line, PlotPoints, Points};
 
 use super::chart_parts::{Mark, legend_ui, nearest, no_points_ui, plot, shape, study_button};
 use crate::app::colormap;
-use crate::app::model::{self, Command, Quantity, State, Study, method_name};
+use crate::app::model::{self, Command, Commands, Quantity, State, Study, method_name};
 use crate::app::theme::Tokens;
 use crate::app::widgets::choice_ui;
 use crate::evaluate::stress::StressPoint;
 
-pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let charts = &state.inspector.charts;
     let mut names: Vec<&str> = Vec::new();
     for point in &charts.stress {
