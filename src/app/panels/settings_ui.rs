@@ -1,14 +1,14 @@
-//! The thresholds: generated from the one table of settings, so that none is ever missing here.
+//! The thresholds, generated from the one table of settings, so that none is ever missing here; and settings to start from.
 
-use egui::{Align, Button, CollapsingHeader, DragValue, Layout, RichText, ScrollArea, Slider, Ui};
-use egui_material_icons::icons::{ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
+use egui::{Align, Button, CollapsingHeader, DragValue, Id, Layout, Modal, RichText, ScrollArea, Slider, Ui};
+use egui_material_icons::icons::{ICON_DELETE, ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 
-use super::{histogram, presets};
+use super::histogram;
 use crate::app::control::gave_up_number;
 use crate::app::model::setting_names::{SECTIONS, SettingPairs};
-use crate::app::model::{self, CUT, Command, Commands, SettingsSlot, State};
+use crate::app::model::{self, CUT, Command, Commands, PRESETS, SettingsSlot, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, icon_button, note, weak};
+use crate::app::widgets::{choice_ui, icon_button, note, text_field_ui, weak};
 use crate::settings::{Field, Settings, ValueKind};
 
 /// Width of the number beside a slider: as much as `65536` needs.
@@ -81,7 +81,7 @@ fn history_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 commands.push(Command::SwitchSettings);
             }
         }
-        presets::menu_ui(ui, state, commands);
+        presets_menu_ui(ui, state, commands);
     });
     ui.add_space(space::SMALL);
 }
@@ -208,6 +208,71 @@ fn shown_number(value: f64) -> String {
         v if v >= 9.95 => format!("{value:.1}"),
         v if v >= 0.1 || v == 0.0 => format!("{value:.2}"),
         _ => format!("{value:.4}"),
+    }
+}
+
+/// The menu, as wide as there is room.
+fn presets_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let button = Button::new("Presets…").min_size(egui::vec2(ui.available_width() - space::MEDIUM, 0.0));
+    let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        ui.set_min_width(220.0);
+        for (index, (name, help, _)) in PRESETS.iter().enumerate() {
+            if ui.button(*name).on_hover_text(*help).clicked() {
+                commands.push(Command::Preset(index));
+            }
+        }
+        ui.separator();
+        note(ui, "Your own");
+        for (index, (name, _)) in state.inspector.presets.iter().enumerate() {
+            ui.horizontal(|ui| {
+                if ui.button(name).clicked() {
+                    commands.push(Command::OwnPreset(index));
+                    ui.close();
+                }
+                let forget = format!("Forget preset {name}");
+                if icon_button(ui, ICON_DELETE, &forget, &forget).clicked() {
+                    commands.push(Command::RemovePreset(index));
+                }
+            });
+        }
+        if ui.button("Keep these settings…").on_hover_text("Keeps them under a name, for next time").clicked()
+        {
+            commands.push(Command::NamePreset(Some(String::new())));
+        }
+    });
+    response.accessible_name("Presets");
+}
+
+/// The field for a name, while a new preset is named.
+pub(crate) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
+    let Some(name) = &state.inspector.naming else { return };
+    let modal = Modal::new(Id::unique("naming a preset")).show(ctx, |ui| {
+        ui.set_width(360.0);
+        ui.heading("Keep these settings");
+        let taken = state.inspector.presets.iter().any(|(known, _)| known == name.trim());
+        let words =
+            if taken { "This name is taken: its settings will be replaced." } else { "Under which name?" };
+        weak(ui, words);
+        ui.add_space(space::MEDIUM);
+        let mut text = name.clone();
+        let (changed, entered) = text_field_ui(ui, &mut text, "", "Name of the preset");
+        let named = !text.trim().is_empty();
+        if changed {
+            commands.push(Command::NamePreset(Some(text.clone())));
+        }
+        ui.add_space(space::MEDIUM);
+        ui.horizontal(|ui| {
+            let keep = ui.add_enabled(named, Button::new("Keep")).accessible_name("Keep this preset");
+            if (keep.clicked() || entered) && named {
+                commands.push(Command::SavePreset(text));
+            }
+            if ui.button("Close").clicked() {
+                commands.push(Command::NamePreset(None));
+            }
+        });
+    });
+    if modal.should_close() {
+        commands.push(Command::NamePreset(None));
     }
 }
 

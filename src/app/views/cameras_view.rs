@@ -3,7 +3,7 @@
 use egui::{Align2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
 
-use super::marks;
+use super::overlays;
 use crate::app::colormap;
 use crate::app::model::verdict_text as words;
 use crate::app::model::{self, Command, Commands, OpenScene, State};
@@ -67,7 +67,13 @@ fn card_ui(
     if let Some((at, sees)) = probed.and_then(|probed| probed.in_camera(&scene.cameras, index)) {
         let scale = vec2(picture.width() / columns as f32, picture.height() / rows as f32);
         let clipped = painter.with_clip_rect(picture);
-        marks::mark(&clipped, picture.min + at.to_vec2() * scale, sees, state.inspector.probe.pinned, tokens);
+        overlays::mark(
+            &clipped,
+            picture.min + at.to_vec2() * scale,
+            sees,
+            state.inspector.probe.pinned,
+            tokens,
+        );
     }
     let left = picture.left();
     painter.circle_filled(pos2(left + 5.0, picture.bottom() + 11.0), 4.0, colormap::camera(index));

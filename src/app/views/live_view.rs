@@ -4,9 +4,9 @@ use egui::{Painter, PointerButton, Rect, Response, Sense, Ui, vec2};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
-use super::frusta::frustum;
+use super::legend;
+use super::overlays::{self, frustum};
 use super::source_view::{self, CAMERA_LIST_WIDTH, FOOTER};
-use super::{legend, marks};
 use crate::app::colormap;
 use crate::app::model::verdict_text as words;
 use crate::app::model::{self, ColorBy, Command, Commands, Spot, State};
@@ -96,7 +96,7 @@ fn probe_ui(response: &Response, painter: &Painter, canvas: Rect, state: &State,
             let at = canvas.min + vec2(position.x as f32, position.y as f32);
             let painter = painter.with_clip_rect(canvas);
             let is_seen = shows(state, canvas, at, depth);
-            marks::mark(&painter, at, is_seen, probe.pinned, Tokens::of(state.dark));
+            overlays::mark(&painter, at, is_seen, probe.pinned, Tokens::of(state.dark));
         }
     }
     let (Some(pointer), Some(shown)) = (response.hover_pos(), &state.live_shown) else { return };

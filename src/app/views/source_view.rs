@@ -3,7 +3,7 @@
 use egui::{Rect, Response, Sense, Ui, Vec2, vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
 
-use super::{legend, marks};
+use super::{legend, overlays};
 use crate::app::model::{
     self, Command, Commands, Legend, Overlay, PictureZoom, Purpose, Spot, State, verdict_text as words,
 };
@@ -95,7 +95,7 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands)
     if let Some((at, sees)) =
         probed.and_then(|(scene, probed)| probed.in_camera(&scene.cameras, shown_camera))
     {
-        marks::mark(&painter, picture.min + at.to_vec2() * scale, sees, probe.pinned, tokens);
+        overlays::mark(&painter, picture.min + at.to_vec2() * scale, sees, probe.pinned, tokens);
     }
     let pointer = response.hover_pos()?;
     let at = (pointer - picture.min) / scale;
@@ -116,12 +116,7 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands)
 }
 
 /// Says how much of the tile under the pointer is kept.
-fn tile_tooltip(
-    response: Response,
-    shares: &Grid<f32>,
-    [x, y]: [usize; 2],
-    [width, height]: [usize; 2],
-) {
+fn tile_tooltip(response: Response, shares: &Grid<f32>, [x, y]: [usize; 2], [width, height]: [usize; 2]) {
     let (column, row) = (x / TILE, y / TILE);
     let Some(share) = shares.get(column, row) else { return };
     let (columns, rows) = (TILE.min(width - column * TILE), TILE.min(height - row * TILE));

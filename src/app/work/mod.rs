@@ -5,14 +5,13 @@
 //! ```
 
 mod accuracy;
-mod camera_facts;
 mod compare;
 mod difference;
+mod facts;
 mod files;
 mod histograms;
 mod live_image;
 mod opening;
-mod probe;
 mod pruning;
 mod requests;
 mod scheduler;

@@ -8,7 +8,7 @@ use super::requests::{
     ExportRequest, FileRequest, HistogramRequest, MeasureRequest, OpenRequest, PruneRequest, StudyRequest,
 };
 use super::worker::{Outbox, Supersede, Worker};
-use super::{camera_facts, files, histograms, live_image, opening, probe, pruning, source_image, study};
+use super::{facts, files, histograms, live_image, opening, pruning, source_image, study};
 use crate::app::model::{CompareKey, Destination, LiveKey, Message, OpenScene, ProbeKey, Purpose, SourceKey};
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -88,7 +88,7 @@ impl Workers {
                 Ok(files::check(destination))
             })?,
             probe: Worker::start("Pixel argument", Supersede::Never, outbox, |key: ProbeKey, _| {
-                let probed = probe::probe(&key).map(Arc::new);
+                let probed = facts::probe(&key).map(Arc::new);
                 let is_hole = probed.is_none() && key.has_picture();
                 Ok(Message::Probed { scene: key.scene.id, spot: key.spot, probed, is_hole })
             })?,
@@ -97,7 +97,7 @@ impl Workers {
                 Supersede::Never,
                 outbox,
                 |(scene, inspection): (u64, Arc<FrameInspection>), _| {
-                    Ok(Message::Thumbnails { scene, pictures: camera_facts::thumbnails(&inspection) })
+                    Ok(Message::Thumbnails { scene, pictures: facts::thumbnails(&inspection) })
                 },
             )?,
             memory: Worker::start(
@@ -105,7 +105,7 @@ impl Workers {
                 Supersede::Never,
                 outbox,
                 |(scene, samples): (u64, Arc<SampleSet>), _| {
-                    Ok(Message::MemoryMapped { scene, cameras: camera_facts::memory(&samples) })
+                    Ok(Message::MemoryMapped { scene, cameras: facts::memory(&samples) })
                 },
             )?,
             histograms: Worker::start("Histograms", Supersede::Never, outbox, |request, _| {
