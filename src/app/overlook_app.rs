@@ -1,4 +1,4 @@
-//! The window's contents: takes in answers, carries out commands, asks for what is missing, and draws.
+//! The window's contents: takes in answers, carries out commands, requests what is missing, and draws.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -18,7 +18,7 @@ use crate::settings::Settings;
 /// Answers that may wait for the window at once: more than there are workers, so that none of them waits.
 const MESSAGES: usize = 32;
 
-/// How often progress is looked at while long work is under way.
+/// How often progress is updated while long work is under way.
 const WATCH: Duration = Duration::from_millis(100);
 
 /// How long a message of success stays.
@@ -43,7 +43,7 @@ pub struct OverlookApp {
     pub(super) dock: Dock,
     pub(super) inbox: Receiver<Message>,
     pub(super) commands: Vec<Command>,
-    /// When the system's dialog was asked for.
+    /// When the system's dialog was requested.
     pub(super) asked_at: Option<Instant>,
     /// The path that was taken from the field last.
     pub(super) last_typed: Option<TypedPath>,
@@ -102,7 +102,7 @@ impl OverlookApp {
         Ok(app)
     }
 
-    /// Whether all work that was asked for is done and shown.
+    /// Whether all requested work is done and shown.
     #[must_use]
     pub fn is_idle(&self) -> bool {
         self.workers.are_idle() && self.state.opening.is_none() && self.scheduler.is_up_to_date(&self.state)
@@ -164,7 +164,7 @@ impl OverlookApp {
         self.state.source.camera
     }
 
-    /// Camera, column and row of the pixel that is looked at; `None` while there is none.
+    /// Camera, column and row of the selected pixel; `None` while there is none.
     #[must_use]
     pub fn probed_pixel(&self) -> Option<(usize, usize, usize)> {
         self.state.inspector.probe.shown.as_ref().map(|probed| (probed.camera, probed.x, probed.y))
@@ -302,14 +302,14 @@ impl eframe::App for OverlookApp {
     }
 }
 
-/// How long the rest takes at the pace so far; `None` while too little is done to tell.
+/// How long the rest takes at the pace so far; `None` while too little is done to estimate it.
 pub(super) fn secs_left(
     work: StoppableWork,
     progress: &crate::job::Progress,
     elapsed: Duration,
 ) -> Option<f32> {
     let share = progress.fraction();
-    // Measuring is a row of stages, of which each would tell only its own end.
+    // A study is a row of stages; the progress is that of one of them.
     (work != StoppableWork::Study && share > 0.02 && elapsed > Duration::from_millis(500))
         .then(|| elapsed.as_secs_f32() * (1.0 - share) / share)
 }

@@ -58,7 +58,7 @@ pub(crate) struct Tokens {
     pub scrim: Color32,
     /// Text that lies on a picture, on the scrim.
     pub on_scrim: Color32,
-    /// The mark of the pixel that is looked at, on pictures of any color.
+    /// The mark of the selected pixel, on pictures of any color.
     pub mark: Color32,
 }
 

@@ -7,7 +7,7 @@ use crate::app::work::{ExportRequest, StudyRequest};
 use crate::render::film::Reel;
 use crate::settings::Settings;
 
-/// Changes of settings that a message tells one by one.
+/// Changes of settings that a message lists one by one.
 const CHANGES: usize = 5;
 
 impl OverlookApp {
@@ -19,7 +19,7 @@ impl OverlookApp {
             Command::Probe(spot) => probe.spot = spot,
             Command::Pin(pinned) => {
                 probe.pinned = pinned && probe.spot.is_some();
-                // A pixel that is kept while frames pass is meant at this one, and its verdict takes longer than a frame.
+                // Pinning stops playback: the pixel is one of this frame, and its verdict takes longer than a frame.
                 state.timeline.playing &= !probe.pinned;
                 if !pinned {
                     (probe.spot, probe.shown) = (None, None);
@@ -67,7 +67,7 @@ impl OverlookApp {
         None
     }
 
-    /// Shows the point that is looked at in the middle of a camera's picture.
+    /// Shows the selected point in the middle of a camera's picture.
     fn show_point_in(&mut self, camera: usize) {
         let Some(scene) = &self.state.scene else { return };
         let Some(intrinsics) = scene.cameras.get(camera).map(|camera| camera.intrinsics) else { return };
@@ -107,7 +107,7 @@ impl OverlookApp {
         self.workers.study.submit(request);
     }
 
-    /// Puts the settings of a chart's point on, and says which that changes.
+    /// Applies the settings of a chart's point, and lists what changes.
     fn take_point(&mut self, settings: Settings) {
         let changes = setting_names::changes(&self.state.settings, &settings);
         if changes.is_empty() {
@@ -150,7 +150,7 @@ impl OverlookApp {
         self.state.warn_of_scene("No picture yet", text);
     }
 
-    /// Puts the point that is looked at in the middle of the live view.
+    /// Centers the live view on the selected point.
     fn frame_point(&mut self) {
         let probed = self.state.inspector.probe.shown.clone();
         let point = probed.as_ref().and_then(|probed| probed.point_in_world);

@@ -109,7 +109,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// Whether a shortcut was pressed, which nobody else takes then.
+/// Whether a shortcut was pressed; consumes it.
 fn pressed(ctx: &egui::Context, modifiers: Modifiers, key: Key) -> bool {
     ctx.input_mut(|input| input.consume_shortcut(&KeyboardShortcut::new(modifiers, key)))
 }
@@ -118,8 +118,8 @@ fn given_up_id() -> egui::Id {
     egui::Id::unique("number given up")
 }
 
-/// Whether Escape ended the typing of a number in this frame or the one before. egui takes the number in one frame after the
-/// key was pressed, where nothing says any more that it was this one.
+/// Whether Escape ended the typing of a number in this frame or the one before: egui commits the number one frame after the key,
+/// without naming the key.
 pub(crate) fn gave_up_number(ctx: &egui::Context) -> bool {
     let now = ctx.cumulative_frame_nr();
     ctx.data(|data| data.get_temp::<u64>(given_up_id())).is_some_and(|frame| now <= frame + 1)
@@ -151,7 +151,7 @@ fn number_key(event: &egui::Event) -> Option<Command> {
     }
 }
 
-/// The keys held down, by their place on the keyboard: W A S D lie side by side on every layout.
+/// The keys held down, by their position on the keyboard: W A S D are neighbors on every layout.
 fn held_keys(ctx: &egui::Context) -> HashSet<Key> {
     let events = ctx.input(|input| input.events.clone());
     ctx.data_mut(|data| {

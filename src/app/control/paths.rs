@@ -11,8 +11,7 @@ use crate::app::overlook_app::OverlookApp;
 use crate::app::work::{FileRequest, with_ending};
 use crate::error::Error;
 
-/// A dialog that is answered faster than this was hardly seen by a person: where there is none, a busy machine takes a while to
-/// find that out.
+/// A dialog that closes faster than this was not shown: a system without one may take that long to find out.
 const NO_DIALOG: Duration = Duration::from_secs(2);
 
 const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it here instead.";
@@ -20,7 +19,7 @@ const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it he
 const OTHER_ENDING: &str = "A picture is written as PNG; name it .png.";
 
 impl OverlookApp {
-    /// Carries out what concerns a path that is asked for or typed.
+    /// Carries out what concerns a path that is chosen or typed; gives back what does not.
     pub(crate) fn apply_to_typed_path(&mut self, command: Command) -> Option<Command> {
         match command {
             // Before a path is chosen for nothing.
@@ -84,8 +83,7 @@ impl OverlookApp {
     pub(crate) fn path_chosen(&mut self, purpose: Purpose, path: Option<PathBuf>) {
         let asked_at = self.asked_at.take();
         match path {
-            // The dialog asks before a file is replaced, not before pictures are put beside others, and it knows the name that
-            // was chosen alone.
+            // The dialog asks before a file of the chosen name is replaced; not for folders, nor for a name with an added ending.
             Some(path)
                 if (purpose == Purpose::ExportPictures
                     || named(purpose, path.clone()).as_ref() != Some(&path))
@@ -150,7 +148,7 @@ impl OverlookApp {
         if let Content::Store { playback, .. } = &scene.content {
             self.workers.file.submit(FileRequest::SaveAgain { path, playback: playback.clone() });
         } else if let Some(whole) = &self.state.whole {
-            // How it is painted may have changed since; whoever opens it paints it as it was seen here.
+            // The store records the rendering settings of now, so that it looks the same when it is opened.
             let mut samples = (*whole.samples).clone();
             samples.settings.render = self.state.settings.render.clone();
             let (scene, samples, report) = (scene.clone(), Arc::new(samples), whole.report.clone());
@@ -158,7 +156,7 @@ impl OverlookApp {
         }
     }
 
-    /// Whether there is nothing yet that a file of this purpose could hold; says so.
+    /// Whether there is nothing yet to write for this purpose; warns then.
     pub(crate) fn refuses(&mut self, purpose: Purpose) -> bool {
         let title = match purpose {
             Purpose::SaveStore => "Nothing to save yet",

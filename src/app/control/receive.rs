@@ -16,7 +16,7 @@ use crate::error::Error;
 use crate::preprocess::{PreparedScan, Preprocessed};
 use crate::settings::Settings;
 
-/// Pixels of the recording are looked at one by one; those of the live view are only as fine as there are samples.
+/// The source view shows single pixels sharply; the live view is interpolated.
 const SOURCE: (&str, TextureFilter) = ("source", TextureFilter::Nearest);
 const LIVE: (&str, TextureFilter) = ("live", TextureFilter::Linear);
 
@@ -148,7 +148,7 @@ impl OverlookApp {
             Some(probed) if is_kept => {
                 probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
             }
-            // There is no pixel to keep: what appears here later, nobody meant.
+            // A hole cannot be pinned: what appears there later is another pixel.
             None if is_kept && is_hole => (probe.pinned, probe.spot) = (false, None),
             _ => {}
         }
@@ -204,7 +204,7 @@ impl OverlookApp {
             state.report_damage(&playback.store().damage());
         }
         state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
-        // What is closed needs no more work. Files of it that are being written were asked for, and are finished.
+        // Work for the closed scene stops, except for files that are being written.
         self.workers.whole.cancel();
         self.workers.measure.cancel();
         self.workers.study.cancel();
@@ -212,7 +212,7 @@ impl OverlookApp {
         self.scheduler = crate::app::work::Scheduler::default();
     }
 
-    /// Whether something is being opened or measured: what gave way to newer work of its kind says nothing of that.
+    /// Updates whether something is being opened or measured: superseded work sends no message of its end.
     pub(crate) fn refresh_busy(&mut self) {
         if self.workers.open.is_idle() {
             self.state.opening = None;

@@ -67,7 +67,7 @@ impl OverlookApp {
         }
     }
 
-    /// Changes settings; `what` tells one change from the next.
+    /// Changes settings; successive changes of one `what` are undone together.
     pub(crate) fn change_settings(&mut self, what: &'static str, settings: Settings) {
         if settings != self.state.settings {
             self.state.inspector.history.record(&self.state.settings, what, Instant::now());

@@ -122,7 +122,7 @@ impl ExportTarget {
 pub(crate) struct Exported {
     /// Pictures painted and written.
     pub pictures: usize,
-    /// Why something else painted than was asked for.
+    /// Why the renderer of the settings did not paint.
     pub notice: Option<String>,
     /// What could not be read of a store so far, one line each.
     pub damage: Vec<String>,

@@ -135,7 +135,7 @@ pub(crate) fn marks((low, high): (f64, f64), log: bool) -> Vec<GridMark> {
     inside.map(|value| GridMark { value, step_size }).collect()
 }
 
-/// The value at a mark of the axis that shows `range`, with as many decimals as its marks need to be told apart.
+/// The value at a mark of the axis that shows `range`, with as many decimals as its marks need to differ.
 pub(crate) fn label(mark: GridMark, range: &RangeInclusive<f64>, log: bool) -> String {
     let shown = |value: f64| if log { 10_f64.powf(value) } else { value };
     let (low, high) = (shown(*range.start()), shown(*range.end()));

@@ -156,7 +156,7 @@ impl Charts {
         self.run(study).is_some_and(|run| run.known.0 > 0 && !run.is_complete && run.settings == *settings)
     }
 
-    /// What to say of a stress test that was made with other settings than `now`; `None` where it holds.
+    /// Note for a stress test that was made with other settings than `now`; `None` where it holds.
     pub(crate) fn stale_stress_note(&self, now: &Settings) -> Option<&'static str> {
         let made = &self.runs[Study::Stress as usize].as_ref()?.settings;
         let painting = |settings: &Settings| (settings.render.kernel, settings.render.fill);
@@ -171,7 +171,7 @@ impl Charts {
         }
     }
 
-    /// What there is to say once measuring was stopped: title and text.
+    /// Title and text of the message once measuring was stopped.
     pub(crate) fn stopped(&self) -> Option<(String, String)> {
         let study = self.study.filter(|_| !self.studying)?;
         let text = match self.run(study)?.known {

@@ -1,4 +1,4 @@
-//! Everything a person can ask for. Panels send these; `update` carries them out.
+//! Everything that a person can do. Panels send commands; `control` carries them out.
 
 use std::path::PathBuf;
 
@@ -36,18 +36,18 @@ pub(crate) enum Command {
     },
     Reset(&'static str),
     ResetAll,
-    /// Take the settings of a preset, by its place in the list.
+    /// Take the settings of a built-in preset, by its index.
     Preset(usize),
-    /// Take the settings of a preset of one's own, by its place in the list.
+    /// Take the settings of the person's own preset, by its index.
     OwnPreset(usize),
     /// What a new preset is named so far; `None` closes the field.
     NamePreset(Option<String>),
     SavePreset(String),
-    /// Forget a preset of one's own.
+    /// Forget the person's own preset of an index.
     RemovePreset(usize),
     Undo,
     Redo,
-    /// Put the other of two settings on.
+    /// Switch to the other of settings A and B.
     SwitchSettings,
     /// Prune the whole capture again.
     Rerun,
@@ -56,7 +56,7 @@ pub(crate) enum Command {
     /// Close the topmost thing: a field, a message; else as `Cancel`.
     Escape,
     Frame(usize),
-    /// Go some frames on or back, around the ends.
+    /// Step forward or back, around the ends.
     Step(i64),
     TogglePlay,
     FramesPerSecond(f32),
@@ -91,23 +91,23 @@ pub(crate) enum Command {
     ResetLayout,
     /// Point at a pixel, or at nothing.
     Probe(Option<Spot>),
-    /// Keep the pixel that is looked at, or let go of it.
+    /// Pin the selected pixel, or unpin it.
     Pin(bool),
-    /// Show the point that is looked at in a camera's picture.
+    /// Show the selected point in a camera's picture.
     ShowPointIn(usize),
     Compare(Box<CompareLook>),
     CopyArgument,
     CopyPicture,
-    /// Put the pixel that is looked at in the middle of the live view.
+    /// Center the live view on the selected pixel.
     FramePoint,
     /// Open, change or close the command palette.
     Palette(Option<CommandPalette>),
     CheatSheet(bool),
     /// The introduction of the first run was read.
     Introduced,
-    /// Neither close nor open something else.
+    /// Cancel the question before closing or opening.
     Stay,
-    /// Close, or open something else, whatever is lost by it.
+    /// Close or open in spite of what is lost.
     GoOnAnyway,
     AddKey,
     RemoveKey(usize),

@@ -179,7 +179,7 @@ pub(crate) struct ShownComparison {
 /// One side as displayed colors (0 to 255 a channel); `None` where there is nothing.
 pub(crate) type DisplayColors = Grid<Option<[u8; 3]>>;
 
-/// Two pictures and what tells them apart.
+/// Two pictures and their difference.
 pub(crate) struct PictureDifference {
     /// The two sides, of one size.
     pub sides: [DisplayColors; 2],
@@ -191,7 +191,7 @@ pub(crate) struct PictureDifference {
     pub measure: CompareMeasure,
     /// How far every pixel is apart, in the unit of the measure; `None` where a side has nothing.
     pub apart: Grid<Option<f32>>,
-    /// The difference that the map's upper end stands for.
+    /// The difference at the map's upper end.
     pub range: f32,
     /// Mean of the map, signs aside, where both sides have something.
     pub mean: f64,

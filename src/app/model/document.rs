@@ -83,7 +83,7 @@ pub(crate) struct Busy {
     pub progress: Progress,
     /// Whether cancelling it leaves something to be rerun.
     pub cancellable: bool,
-    /// How long the rest takes at the pace so far; `None` while too little is done to tell.
+    /// How long the rest takes at the pace so far; `None` while too little is done to estimate it.
     pub secs_left: Option<f32>,
 }
 
@@ -157,7 +157,7 @@ impl State {
         self.whole.as_ref().filter(|_| !self.is_stale()).map(|whole| &whole.samples)
     }
 
-    /// What to say of numbers of the whole capture that were made with other settings; `None` where they hold.
+    /// Note for numbers of the whole capture that were made with other settings; `None` where they hold.
     pub(crate) fn stale_note(&self) -> Option<&'static str> {
         self.is_stale().then_some(if self.stopped {
             "Made with other thresholds; Rerun (below) brings it up to date."

@@ -24,21 +24,21 @@ impl Stopwatch {
         Self { wall: Instant::now(), cpu: cpu_time() }
     }
 
-    /// Time since the start: as it passed, and as the processor spent it; the latter zero where the system does not tell.
+    /// Time since the start: as it passed, and as the processor spent it; the latter zero where the system does not know.
     pub(crate) fn spent(&self) -> [Duration; 2] {
         let cpu = cpu_time().zip(self.cpu).map(|(now, then)| now.saturating_sub(then));
         [self.wall.elapsed(), cpu.unwrap_or_default()]
     }
 }
 
-/// Processor time that the calling thread has spent so far; `None` where the system does not tell.
+/// Processor time that the calling thread has spent so far; `None` where the system does not know.
 #[cfg(target_os = "linux")]
 fn cpu_time() -> Option<Duration> {
     let spent = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Some(Duration::new(spent.tv_sec.try_into().ok()?, spent.tv_nsec.try_into().ok()?))
 }
 
-/// Processor time that the calling thread has spent so far; `None` where the system does not tell.
+/// Processor time that the calling thread has spent so far; `None` where the system does not know.
 #[cfg(not(target_os = "linux"))]
 fn cpu_time() -> Option<Duration> {
     None

@@ -5,7 +5,7 @@ use crate::settings::{Field, Settings, ValueKind};
 /// Bars of a histogram.
 pub(crate) const BARS: usize = 56;
 
-/// On logarithmic axes that begin at 0: the smallest value told apart, as a share of the largest.
+/// Lower end of logarithmic axes that begin at 0, as a share of the upper end.
 const SMALLEST_SHARE: f64 = 1e-4;
 
 /// The axis of a threshold: that of its slider.
@@ -39,7 +39,7 @@ impl ThresholdAxis {
         share as f32
     }
 
-    /// The value at a place, with three digits: nobody drags more finely.
+    /// The value at a position, rounded to three digits.
     pub(crate) fn value(self, position: f32) -> f64 {
         let share = f64::from(position.clamp(0.0, 1.0));
         let value = if self.log {

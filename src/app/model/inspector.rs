@@ -22,7 +22,7 @@ use crate::settings::Settings;
 /// Entries the log keeps.
 const LOG: usize = 500;
 
-/// The pixel that is looked at.
+/// The selected pixel.
 #[derive(Default)]
 pub(crate) struct InspectedPixel {
     /// Where somebody points.
@@ -35,7 +35,7 @@ pub(crate) struct InspectedPixel {
 /// What stands between the person and closing the window.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Closing {
-    /// Whether the question before closing is asked.
+    /// Whether the question before closing is open.
     pub asks: bool,
     /// Whether the window closes whatever is lost by it.
     pub anyway: bool,
@@ -54,7 +54,7 @@ pub(crate) struct Inspector {
     /// The quantities that thresholds cut; empty before the first.
     pub histograms: Vec<ThresholdHistogram>,
     pub history: History,
-    /// Settings of one's own to start from.
+    /// Presets of the person.
     pub presets: Vec<OwnPreset>,
     /// What a new preset is named so far, while it is named.
     pub naming: Option<String>,
@@ -75,7 +75,7 @@ pub(crate) struct Inspector {
     /// What stands between the person and closing the window.
     pub closing: Closing,
     pub log: VecDeque<LogLine>,
-    /// What could not be read of the open store, as far as it was told.
+    /// What could not be read of the open store, as far as it was reported.
     pub reported_damage: BTreeSet<String>,
     pub meter: Meter,
 }

@@ -11,7 +11,7 @@ use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
 use crate::store::playback::Playback;
 
-/// What the colors of the right view tell.
+/// What the colors of the right view mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ColorBy {
     Picture,
@@ -47,7 +47,7 @@ pub(crate) struct LiveKey {
     pub color_by: ColorBy,
     /// Dark or light, as holes use a color of the theme.
     pub dark: bool,
-    /// Whether the next one follows at once: then nobody asks what its pixels show, and they may stay where they are.
+    /// Whether the next picture follows at once: then its pixels are not read back, and may stay on the GPU.
     pub in_motion: bool,
     /// How many of its pixels lie along one of a picture in motion.
     pub per_coarse_pixel: f64,
@@ -84,7 +84,7 @@ pub(crate) struct LivePicture {
     pub pixels: PixelSource,
     pub stats: RenderStats,
     pub painter: Painter,
-    /// Why something else painted than was asked for.
+    /// Why the renderer of the settings did not paint.
     pub notice: Option<String>,
     /// What could not be read of a store played from disk so far, one line each.
     pub damage: Vec<String>,

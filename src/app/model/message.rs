@@ -53,7 +53,7 @@ pub(crate) enum Message {
         settings: Settings,
         accuracy: Option<Accuracy>,
     },
-    /// What there is to say about a pixel; `None` where there is nothing, or for a hole.
+    /// What is known of a pixel; `None` where nothing is, or for a hole.
     Probed {
         scene: u64,
         spot: Spot,
@@ -116,7 +116,7 @@ pub(crate) enum Message {
         destination: Destination,
         taken: bool,
     },
-    /// A file, pictures or a film were given up as the person asked.
+    /// Writing was stopped by the person.
     Stopped {
         title: &'static str,
         text: String,
@@ -129,7 +129,7 @@ pub(crate) enum Message {
 }
 
 impl Message {
-    /// The scene that it is an answer about, where nobody wants the answer once another is open.
+    /// The scene of the answer, where the answer is of no use once another scene is open.
     pub(crate) fn scene(&self) -> Option<u64> {
         match self {
             Self::Scanned { scene, .. }

@@ -37,7 +37,7 @@ pub(crate) struct OrbitCamera {
 }
 
 impl OrbitCamera {
-    /// Where nobody stood: a step from the first camera toward the second, on their circle about what they look at. With
+    /// The first view: a step from the first camera toward the second, on their circle about what they look at. With
     /// one camera, a step to its side.
     pub(crate) fn home(scene: &OpenScene) -> Option<Self> {
         let first = scene.cameras.first()?;

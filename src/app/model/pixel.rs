@@ -1,4 +1,4 @@
-//! The pixel that is looked at, and what is known of it.
+//! The selected pixel, and what is known of it.
 
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ pub(crate) struct ProbeKey {
     pub spot: Spot,
     /// The verdicts at the frame shown; `None` where there are none.
     pub inspection: Option<Arc<FrameInspection>>,
-    /// The whole capture's samples, whose spans are told; `None` while there are none.
+    /// The whole capture's samples, for the spans of the pixel; `None` while there are none.
     pub whole: Option<Arc<SampleSet>>,
     /// The live picture, for a spot in it.
     pub live: Option<(LiveKey, Arc<LivePicture>)>,
@@ -51,16 +51,16 @@ impl PartialEq for ProbeKey {
 }
 
 impl ProbeKey {
-    /// Whether the live picture can be asked. While it is in motion it may stay out of reach.
+    /// Whether the pixels of the live picture can be read: in motion they may stay on the GPU.
     pub(crate) fn has_picture(&self) -> bool {
         self.live.as_ref().is_some_and(|(_, picture)| picture.rendered().is_some())
     }
 }
 
-/// What there is to say about a spot.
+/// What is known of a spot.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Probed {
-    /// Where it was asked for.
+    /// Where the person pointed.
     pub spot: Spot,
     /// The camera whose sample it is.
     pub camera: usize,
@@ -68,7 +68,7 @@ pub(crate) struct Probed {
     pub y: usize,
     /// The surface point; `None` at infinity and where there is no depth.
     pub point_in_world: Option<DVec3>,
-    /// What every camera says; `None` where there are no verdicts.
+    /// The evidence of every camera; `None` where there are no verdicts.
     pub argument: Option<PixelExplanation>,
     /// The spans in which the pixel is stored; `None` while the whole capture is not pruned, and for stores.
     pub spans: Option<Vec<Span>>,

@@ -29,7 +29,7 @@ pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
 /// What stands where a frame could not be worked out.
 pub(crate) const FAILED_FRAME: &str = "This frame could not be worked out: the Log view says why.";
 
-/// What stands for a verdict that is not known yet, of the pixel that is kept or of one under the pointer.
+/// Shown while a verdict is not known yet, of the pinned pixel or of the one under the pointer.
 pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {
     if state.is_frame_failed() {
         FAILED_FRAME
@@ -113,7 +113,7 @@ pub(crate) fn rates(row: &CameraEvidence) -> [String; 2] {
     [row.paper_r, row.footprint_r].map(|rate| number(if is_same_point(row) { rate } else { f64::NAN }))
 }
 
-/// A number that is held against a tolerance of about one: of what is far below it, nothing but hundredths is told.
+/// A number that is compared with a tolerance of about one: far below it, rounded to hundredths.
 pub(crate) fn distance(value: f64) -> String {
     if value.abs() < 0.1 { format!("{:.2}", value.abs()) } else { number(value) }
 }

@@ -84,7 +84,7 @@ pub(crate) fn short(name: &str, length: usize) -> String {
     text
 }
 
-/// Residuals from here on are as light as can be, in footprints: a tenth of a footprint can be told from none.
+/// Residual at the light end of the color map, footprints; a tenth of a footprint still differs from none.
 const LIGHTEST_FOOTPRINTS: f32 = 2.0;
 
 /// Both matrices, and what is to be said about cameras that do not fit.

@@ -19,7 +19,7 @@ fn replaced_words(typed: &TypedPath) -> String {
     }
 }
 
-/// The field, while one is asked for.
+/// The field, while it is open.
 pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let Some(typed) = &state.typed_path else { return };
     let purpose = typed.purpose;

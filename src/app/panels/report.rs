@@ -142,7 +142,7 @@ fn matrix_ui(ui: &mut Ui, report: &Report) {
     pairs_ui(ui, &names, |loser, winner| {
         let count = *report.witnesses.get(loser)?.get(winner)?;
         Some(PairCell {
-            // The square root lets small counts be told from none.
+            // The square root makes small counts differ from none.
             strength: (count > 0).then(|| (count as f32 / most).sqrt()),
             text: model::count(count),
             help: format!("{}: {} samples dropped for {}", names[loser], model::count(count), names[winner]),

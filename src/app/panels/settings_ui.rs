@@ -202,7 +202,7 @@ fn value_ui(ui: &mut Ui, field: &'static Field, name: &str, value: &toml::Value)
     }
 }
 
-/// A threshold with as many digits as tell it apart.
+/// A threshold with as many digits as matter.
 fn shown_number(value: f64) -> String {
     match value.abs() {
         v if v >= 9.95 => format!("{value:.1}"),

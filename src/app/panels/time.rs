@@ -62,7 +62,7 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             let from = left + span.span.start as f32 * step;
             let to = left + span.span.end as f32 * step - if step > 3.0 { 1.0 } else { 0.0 };
             let cell = Rect::from_min_max(pos2(from, top + 1.0), pos2(to, top + height - 1.0));
-            // The square root lets small counts be told from none.
+            // The square root makes small counts differ from none.
             painter.rect_filled(cell, 2.0, sequential((span.samples as f32 / most).sqrt()));
             if response.hover_pos().is_some_and(|at| cell.contains(at)) {
                 hovered = Some(**span);

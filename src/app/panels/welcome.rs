@@ -51,7 +51,7 @@ const WRITING: &str = "A file, pictures or a film are still being written. Closi
      they are.";
 const WRITTEN: &str = "What was being written is done.";
 
-/// The question before closing or before opening something else, while it is asked.
+/// The question before closing or before opening something else, while it is open.
 pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let closes = state.inspector.closing.asks;
     if !closes && state.open_after_question.is_none() {

@@ -1,4 +1,4 @@
-//! Every camera as a thumbnail: its kept share, and where it sees the pixel that is looked at.
+//! Every camera as a thumbnail: its kept share, and where it sees the selected pixel.
 
 use egui::{Align2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_PHOTO_LIBRARY;

@@ -8,7 +8,7 @@ use crate::app::model::{self, Command, Commands, State, Study};
 use crate::app::theme::Tokens;
 use crate::app::widgets::empty_ui;
 
-/// A point this near to the pointer is meant, points on the screen.
+/// How near the pointer selects a point, points on the screen.
 const NEAR: f32 = 12.0;
 
 /// Room below a plot for a line of text.
@@ -129,7 +129,7 @@ pub(crate) fn no_points_ui(
     empty_ui(ui, icon, title, text, |ui| study_button(ui, state, study, commands));
 }
 
-/// A plot whose axes have names, and round marks: whether they are logarithmic says `log`.
+/// A plot with named axes and round marks; `log` says which axes are logarithmic.
 pub(crate) fn plot<'a>(id: &'static str, ui: &Ui, [x, y]: [String; 2], log: [bool; 2]) -> Plot<'a> {
     Plot::new(id)
         .x_axis_label(x)

@@ -229,7 +229,7 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
     one_line(ui, words, color);
 }
 
-/// What the colors of the map stand for.
+/// What the colors of the map mean.
 fn bar_ui(ui: &mut Ui, comparison: &PictureDifference) {
     let range = model::significant(f64::from(comparison.range));
     match comparison.measure {

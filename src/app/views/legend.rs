@@ -187,7 +187,7 @@ fn bar_ui(ui: &mut Ui, low: &str, high: &str, color: impl Fn(f32) -> Color32) {
     bar(ui, low, high, width, color);
 }
 
-/// The diverging bar, with the ratios that its ends and middle stand for.
+/// The diverging bar, with the ratios at its ends and middle.
 fn ratio_ui(ui: &mut Ui, low: &str, high: &str) {
     ui.label(RichText::new(low).small());
     let (rect, response) = ui.allocate_exact_size(vec2(120.0, LINE), Sense::hover());

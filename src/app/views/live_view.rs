@@ -86,7 +86,7 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands)
     probe_ui(&response, &painter, canvas, state, commands);
 }
 
-/// Marks the pixel that is looked at, and looks at the one under the pointer.
+/// Marks the selected pixel, and selects the one under the pointer.
 fn probe_ui(response: &Response, painter: &Painter, canvas: Rect, state: &State, commands: &mut Commands) {
     let probe = &state.inspector.probe;
     let point = probe.shown.as_ref().and_then(|probed| probed.point_in_world);
@@ -159,7 +159,7 @@ struct CameraLabel<'a> {
     presence: f32,
 }
 
-/// Names that would lie over one another cannot be read: the chosen camera's and the nearest go first.
+/// Of names that overlap only one is drawn: the chosen camera's, then the nearest.
 fn names_overlay(ui: &Ui, painter: &Painter, canvas: Rect, mut names: Vec<CameraLabel<'_>>) {
     let tokens = Tokens::in_ui(ui);
     let font = egui::TextStyle::Small.resolve(ui.style());
@@ -240,7 +240,6 @@ fn facts_ui(ui: &mut Ui, state: &State) {
         None if state.is_frame_failed() => words::FAILED_FRAME.to_owned(),
         None => "The first look is on its way.".to_owned(),
     };
-    // Whoever reads the notice has found out how to move about.
     let help = "Drag to orbit, Shift + drag to shift, wheel to zoom, W A S D to fly, double-click for home, click to keep \
                 the pixel.";
     let notice = state.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref());

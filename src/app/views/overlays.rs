@@ -1,4 +1,4 @@
-//! What is drawn over pictures: cameras as wire pyramids, and the mark of the pixel that is looked at.
+//! What is drawn over pictures: cameras as wire pyramids, and the mark of the selected pixel.
 
 use egui::{Color32, Painter, Pos2, Stroke, pos2, vec2};
 use glam::{DVec2, DVec3};

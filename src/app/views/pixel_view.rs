@@ -1,4 +1,4 @@
-//! The argument for one pixel: its verdict, who stands for it, when it is stored, and what every camera says.
+//! The explanation of one pixel: its verdict, which sample represents it, when it is stored, and the evidence of every camera.
 
 use egui::{Align, Button, Grid, Label, Layout, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING};
@@ -108,7 +108,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
     }
     let point = match probed.point_in_world {
         Some(p) => Some(format!("Point {:.3}, {:.3}, {:.3}", p.x, p.y, p.z)),
-        // Before the capture was asked, nothing is known of it.
+        // Not known until the capture was searched.
         None if probed.argument.is_none() && state.has_capture() => None,
         None => Some("Infinitely far, or without depth".to_owned()),
     };

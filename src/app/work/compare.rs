@@ -113,7 +113,7 @@ impl Comparer {
         let samples = if as_shown && shown_there && left_out.is_none() {
             key.samples.clone()
         } else {
-            // What is known about time counts all cameras, and where every pixel is one of this frame it says nothing.
+            // The scan is of all cameras, so that it does not fit a left-out one; without pruning no span is used.
             let frame_alone = left_out.is_some() || side == CompareSide::Everything;
             let scan = if frame_alone { None } else { self.scan(key, &settings, job)? };
             self.samples(key, &settings, (vantage.frame, left_out), scan.as_deref(), job)?

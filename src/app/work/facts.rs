@@ -47,7 +47,7 @@ pub(crate) fn memory(samples: &SampleSet) -> Vec<CameraMemory> {
     cameras
 }
 
-/// Works out what there is to say; `None` where the spot shows nothing.
+/// Explains a spot; `None` where it shows nothing.
 pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
     let (camera, x, y, seen) = match key.spot {
         Spot::Source { camera, x, y } => (camera, x, y, None),

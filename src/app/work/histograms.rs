@@ -9,7 +9,7 @@ use crate::preprocess::registration::Outcome;
 use crate::preprocess::temporal::{SequenceRanges, StaticTest};
 use crate::settings::Settings;
 
-/// Pairs of samples, and pixels, that are looked at.
+/// Largest number of pairs of samples, and of pixels, that are counted.
 const AT_MOST: usize = 30_000;
 
 /// Standard deviations of the difference of two colors that the same-surface test grants.

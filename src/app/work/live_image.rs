@@ -17,10 +17,10 @@ use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, WindowPic
 use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
 
-/// Frames whose samples are sent to a GPU before they are asked for.
+/// Frames whose samples are sent to a GPU in advance.
 const FRAMES_AHEAD: usize = 2;
 
-/// Renders and colors the picture that `key` asks for.
+/// Renders and colors the picture of `key`.
 pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
     let next = key.vantage.frame + 1;
     let samples = match &key.playback {
@@ -29,7 +29,7 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
     };
     let (shown, _) = rayon::join(
         || shown(renderer, &samples, key, job),
-        // What cannot be read ahead says so when it is shown.
+        // Errors of reading ahead are reported when the frame is shown.
         || {
             let ahead = next..next + FRAMES_AHEAD;
             key.playback.as_ref().map(|playback| playback.read_ahead_from(&key.vantage.camera, ahead, job))
@@ -58,7 +58,7 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
     })
 }
 
-/// Has the picture painted: into memory once the view is at rest or its colors tell of samples, else wherever that is fastest.
+/// Renders into memory if the view is at rest or is colored by samples, else wherever that is fastest.
 fn shown(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,

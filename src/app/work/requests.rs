@@ -1,4 +1,4 @@
-//! What workers are asked for.
+//! The requests that workers take.
 
 use std::path::PathBuf;
 use std::sync::Arc;

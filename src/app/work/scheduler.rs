@@ -1,4 +1,4 @@
-//! Decides what work the state calls for. Called after every change; asks for nothing twice.
+//! Requests what the state needs and does not have, after every change; nothing is requested twice.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -18,8 +18,8 @@ use crate::settings::{Backend, Settings};
 /// How long a slider must rest before the whole capture is pruned again.
 const DEBOUNCE: Duration = Duration::from_millis(400);
 
-/// The live view is still once it has shown one place and frame for so long; then it is painted as fine as it helps, into memory,
-/// where its pixels can be asked about. Of a frame that was shown for so long thresholds may be turned.
+/// The live view is at rest after this long at one vantage: then it is rendered in full resolution into memory, where its pixels
+/// can be read. After the same time the frame shown is prepared for interactive thresholds.
 const REST: Duration = Duration::from_millis(200);
 
 #[derive(Clone, PartialEq)]
@@ -31,7 +31,7 @@ pub(crate) struct InspectKey {
     scan_serves: Option<bool>,
 }
 
-/// Asks for what differs from what was asked for last.
+/// Submits a request that differs from the last one.
 fn submit_new<K: Clone + PartialEq + Send + 'static>(worker: &Worker<K>, last: &mut Option<K>, key: K) {
     if last.as_ref() != Some(&key) {
         worker.submit(key.clone());
@@ -49,12 +49,12 @@ fn prune_request(state: &State, scene: &Arc<OpenScene>) -> PruneRequest {
     }
 }
 
-/// What each worker was asked for last; what is `None` is asked for again.
+/// The last request to each worker; `None` requests again.
 #[derive(Default)]
 pub(crate) struct Scheduler {
     pub inspect: Option<InspectKey>,
     prepare: Option<InspectKey>,
-    /// When an inspection was last asked for.
+    /// When an inspection was last requested.
     inspect_at: Option<Instant>,
     pub source: Option<SourceKey>,
     live: Option<LiveKey>,
@@ -76,8 +76,7 @@ pub(crate) struct Scheduler {
 }
 
 impl Scheduler {
-    /// Whether everything that the state calls for was asked for and came back, whole-capture work aside where the person
-    /// stopped it.
+    /// Whether everything that the state needs came back, except for whole-capture work that was stopped.
     pub(crate) fn is_up_to_date(&self, state: &State) -> bool {
         let whole = !state.has_capture() || state.stopped || (state.whole.is_some() && !state.is_stale());
         let source = !state.has_capture()
@@ -87,7 +86,7 @@ impl Scheduler {
         whole && source && live && (self.is_inspected(state) || !state.has_capture())
     }
 
-    /// Whether the inspection that was asked for last came back.
+    /// Whether the last inspection that was requested came back.
     fn is_inspected(&self, state: &State) -> bool {
         state.inspected.as_ref().is_some_and(|inspected| {
             self.inspect.as_ref().is_some_and(|key| {
@@ -190,7 +189,7 @@ impl Scheduler {
         // While a threshold is dragged the next picture follows at once, too.
         let changes = [self.moved_at, self.changed_at];
         let rested = changes.into_iter().flatten().map(|at| at.elapsed()).min().unwrap_or(REST);
-        // Colors that tell of samples beside pixels would mean something else in a finer picture.
+        // Sampling colors compare samples with pixels, so that they depend on the resolution.
         let fine = match state.live.color_by {
             ColorBy::Picture => orbit.size_at_rest(state.live.size),
             _ => coarse,
@@ -233,7 +232,7 @@ impl Scheduler {
         }
         let rested = self.changed_at.map_or(DEBOUNCE, |at| at.elapsed());
         if rested < DEBOUNCE {
-            // What runs now works with settings that no longer hold; should they come back, it is asked for again.
+            // The running work is out of date; should its settings return, it is requested again.
             workers.whole.cancel();
             self.whole = None;
             return Some(DEBOUNCE.saturating_sub(rested));
@@ -261,7 +260,7 @@ impl Scheduler {
         }
     }
 
-    /// Compares once the live view has come to rest: its picture says from where and of what.
+    /// Compares at the vantage, and with the samples, of the last live picture.
     fn request_comparison(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
         let shown = state.live_shown.as_ref().filter(|_| visible.contains(&DockView::Compare));
         let (Some(scene), Some(shown)) = (&state.scene, shown) else { return };
@@ -303,7 +302,7 @@ impl Scheduler {
     }
 
     fn request_memory(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
-        // A store plays from disk: its set only says where samples are.
+        // A store plays from disk: its sample set is an outline.
         let wanted = visible.contains(&DockView::Memory) && state.has_capture();
         let samples = state.whole_samples().filter(|_| wanted);
         let (Some(scene), Some(samples)) = (&state.scene, samples) else { return };

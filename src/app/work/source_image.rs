@@ -17,7 +17,7 @@ use crate::samples::TILE;
 /// Largest side of a texture that every graphics card of the last ten years takes.
 const LARGEST_TEXTURE: usize = 4096;
 
-/// Paints the picture that `key` asks for, of a frame that `decoder` reads where no verdicts come with it.
+/// Paints the picture of `key`; where it comes without verdicts, `decoder` reads the frame.
 pub(crate) fn paint_source(
     scene: &OpenScene,
     key: SourceKey,

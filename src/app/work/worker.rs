@@ -27,7 +27,7 @@ pub(crate) enum Supersede {
     Alternate,
     /// It finishes, as it takes no longer than a picture on the screen does.
     Never,
-    /// It finishes, and so does all that waits: everyone who asked for a file wants that file.
+    /// It finishes, and so does all that waits: every file that was requested is written.
     Queue,
 }
 
@@ -124,7 +124,7 @@ impl<R: Send + 'static> Worker<R> {
         Ok(Self { shared, supersede, thread: Some(thread) })
     }
 
-    /// Asks for work: after what was asked for before where requests queue, else in its place as far as it is not done.
+    /// Submits a request: behind those that wait where requests queue, else in their place.
     pub(crate) fn submit(&self, request: R) {
         let mut slot = self.shared.lock();
         if let Some(job) = slot.running.clone() {
@@ -208,7 +208,7 @@ fn run<R>(
     let outcome = catch_unwind(AssertUnwindSafe(|| work(request, job)));
     match outcome {
         Ok(Ok(message)) => message,
-        // Whatever went wrong, nobody waits for it any more.
+        // The error of a cancelled job is of no use.
         Ok(Err(_)) if job.is_cancelled() => Message::Failed { what, error: Error::Cancelled },
         Ok(Err(error)) => Message::Failed { what, error },
         Err(panic) => {

@@ -144,7 +144,7 @@ impl Workers {
     }
 }
 
-/// Does work whose end is waited for: where it is stopped, says so.
+/// Does work, and sends a message where it is stopped.
 fn or_stopped(
     job: &Job,
     title: &'static str,
@@ -174,8 +174,8 @@ pub(crate) fn pool(name: &'static str, threads: usize, makes_way: bool) -> Resul
 }
 
 /// Lets the thread that draws, and those whose pictures are waited for, go before the calling one, which works for minutes.
-/// Linux keeps a niceness per thread; other systems put the threads of the window in front first anyway. It is a wish: where it
-/// is refused nothing is lost but evenness.
+/// Linux keeps a niceness per thread; other systems put the threads of the window in front first anyway. Best effort: where it
+/// is refused, the window is only less smooth.
 fn make_way() {
     // A third of the share of others: more, and a window in steady motion would starve the work that it waits for.
     #[cfg(target_os = "linux")]
