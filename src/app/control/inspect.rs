@@ -59,7 +59,7 @@ impl OverlookApp {
             Command::ChartAxes(axes) => state.inspector.charts.set_axes(axes),
             Command::Disturbance(name) => state.inspector.charts.disturbance = name,
             Command::TakeSettings(settings) => self.take_point(*settings),
-            Command::CopyArgument => self.copy_argument(),
+            Command::CopyExplanation => self.copy_explanation(),
             Command::CopyPicture => self.copy_picture(),
             Command::FramePoint => self.frame_point(),
             other => return Some(other),
@@ -128,10 +128,10 @@ impl OverlookApp {
         }
     }
 
-    fn copy_argument(&mut self) {
+    fn copy_explanation(&mut self) {
         let shown = self.state.scene.as_ref().zip(self.state.inspector.probe.shown.as_ref());
         let Some((scene, probed)) = shown else { return };
-        self.ctx.copy_text(verdict_text::argument(scene, probed));
+        self.ctx.copy_text(verdict_text::explanation(scene, probed));
         self.state.notify(NoticeKind::Done, "Copied", "The argument for the pixel is on the clipboard.");
     }
 

@@ -56,7 +56,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         (Modifiers::COMMAND, Key::O, Command::AskPath(Purpose::OpenFile)),
         (Modifiers::COMMAND, Key::S, Command::AskPath(Purpose::SaveStore)),
         (Modifiers::COMMAND, Key::P, Command::Palette(palette)),
-        (with_shift, Key::C, Command::CopyArgument),
+        (with_shift, Key::C, Command::CopyExplanation),
     ] {
         if pressed(ctx, modifiers, key) {
             commands.push(command);

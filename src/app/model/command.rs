@@ -96,7 +96,7 @@ pub(crate) enum Command {
     /// Show the selected point in a camera's picture.
     ShowPointIn(usize),
     Compare(Box<CompareLook>),
-    CopyArgument,
+    CopyExplanation,
     CopyPicture,
     /// Center the live view on the selected pixel.
     FramePoint,

@@ -171,8 +171,7 @@ impl State {
         self.scene.is_none() || self.has_capture()
     }
 
-    /// Whether frames pass without verdicts: in motion the whole capture's samples feed the right view, and the bare picture on
-    /// the left needs none.
+    /// Whether playback needs no verdicts: the live view shows the whole capture's samples, and the source view the bare picture.
     pub(crate) fn skips_verdicts(&self) -> bool {
         self.timeline.playing && self.current_whole().is_some() && !self.source.overlay.needs_verdicts()
     }

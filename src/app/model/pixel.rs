@@ -69,7 +69,7 @@ pub(crate) struct Probed {
     /// The surface point; `None` at infinity and where there is no depth.
     pub point_in_world: Option<DVec3>,
     /// The evidence of every camera; `None` where there are no verdicts.
-    pub argument: Option<PixelExplanation>,
+    pub explanation: Option<PixelExplanation>,
     /// The spans in which the pixel is stored; `None` while the whole capture is not pruned, and for stores.
     pub spans: Option<Vec<Span>>,
 }
@@ -80,7 +80,9 @@ impl Probed {
         if camera == self.camera {
             return Some((pos2(self.x as f32 + 0.5, self.y as f32 + 0.5), true));
         }
-        if let Some(row) = self.argument.as_ref().and_then(|argument| argument.testimonies.get(camera)) {
+        if let Some(row) =
+            self.explanation.as_ref().and_then(|explanation| explanation.testimonies.get(camera))
+        {
             let sees = matches!(row.outcome, Some(Outcome::Same(_)));
             return row.position.map(|position| (pos2(position.x as f32, position.y as f32), sees));
         }

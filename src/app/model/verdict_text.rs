@@ -48,8 +48,7 @@ pub(crate) fn column_and_row(camera: &Camera, pixel: u32) -> (u32, u32) {
     (pixel % width, pixel / width)
 }
 
-/// Whether a camera sees the point, in a few words, and the rule behind that as a sentence; `None` for the camera whose pixel it
-/// is.
+/// Whether a camera sees the point, and the rule behind that; `None` is the camera of the pixel.
 pub(crate) fn sees(outcome: Option<Outcome>) -> (&'static str, &'static str) {
     match outcome {
         None => ("its own pixel", "The pixel that is argued about."),
@@ -140,19 +139,19 @@ pub(crate) fn chain(cameras: &[Camera], links: &[ChainLink]) -> String {
     links.iter().map(link).collect::<Vec<_>>().join(" » ")
 }
 
-/// The argument for a pixel as text, for the clipboard.
-pub(crate) fn argument(scene: &OpenScene, probed: &Probed) -> String {
+/// The explanation for a pixel as text, for the clipboard.
+pub(crate) fn explanation(scene: &OpenScene, probed: &Probed) -> String {
     let cameras = &scene.cameras;
     let name = cameras.get(probed.camera).map_or("", |camera| &camera.name);
     let mut lines = vec![format!("{}: camera {name}, pixel {}, {}", scene.name, probed.x, probed.y)];
     if let Some(point) = probed.point_in_world {
         lines.push(format!("Point: {:.4} {:.4} {:.4}", point.x, point.y, point.z));
     }
-    if let Some(argument) = &probed.argument {
-        lines.push(format!("Frame {}", argument.frame + 1));
-        lines.push(verdict(cameras, argument.verdict));
-        if argument.chain.len() > 1 {
-            lines.push(format!("Chain: {}", chain(cameras, &argument.chain)));
+    if let Some(explanation) = &probed.explanation {
+        lines.push(format!("Frame {}", explanation.frame + 1));
+        lines.push(verdict(cameras, explanation.verdict));
+        if explanation.chain.len() > 1 {
+            lines.push(format!("Chain: {}", chain(cameras, &explanation.chain)));
         }
     }
     if let Some(spans) = &probed.spans {
@@ -161,13 +160,15 @@ pub(crate) fn argument(scene: &OpenScene, probed: &Probed) -> String {
         let stored = if spans.is_empty() { "not stored".to_owned() } else { spans.join(", ") };
         lines.push(format!("Stored in frames: {stored}"));
     }
-    if let Some(argument) = probed.argument.as_ref().filter(|argument| !argument.testimonies.is_empty()) {
+    if let Some(explanation) =
+        probed.explanation.as_ref().filter(|explanation| !explanation.testimonies.is_empty())
+    {
         lines.push(
             "camera\tsees it\tdepth expected\tdepth found\toff (footprints)\tincidence (°)\tr (paper)\tr (footprint)\t\
              color (8-bit steps)\tthere"
                 .to_owned(),
         );
-        lines.extend(argument.testimonies.iter().map(|row| line(cameras, row)));
+        lines.extend(explanation.testimonies.iter().map(|row| line(cameras, row)));
     }
     lines.join("\n")
 }

@@ -120,7 +120,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
         ("Copy picture", "", Command::CopyPicture),
         ("Export pictures of the camera path", "", Command::AskPath(Purpose::ExportPictures)),
         ("Export a film of the camera path", "", Command::AskPath(Purpose::ExportFilm)),
-        ("Copy argument for the pixel", "Ctrl+Shift+C", Command::CopyArgument),
+        ("Copy argument for the pixel", "Ctrl+Shift+C", Command::CopyExplanation),
         ("Undo", "Ctrl+Z", Command::Undo),
         ("Redo", "Ctrl+Y", Command::Redo),
         ("Reset all settings", "", Command::ResetAll),

@@ -83,8 +83,8 @@ fn card_ui(
     };
     let kept = kept_words(state, index);
     let says = probed
-        .and_then(|probed| probed.argument.as_ref())
-        .and_then(|argument| argument.testimonies.get(index))
+        .and_then(|probed| probed.explanation.as_ref())
+        .and_then(|explanation| explanation.testimonies.get(index))
         .map(|row| words::sees(row.outcome).0);
     let second = says.map_or_else(|| kept.clone(), |says| format!("{kept}, {says}"));
     line(

@@ -77,7 +77,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
             if icon_button(ui, ICON_CONTENT_COPY, "Copy argument", "Copy all of this as text (Ctrl+Shift+C)")
                 .clicked()
             {
-                commands.push(Command::CopyArgument);
+                commands.push(Command::CopyExplanation);
             }
             let pinned = state.inspector.probe.pinned;
             let (icon, name) =
@@ -89,12 +89,12 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
             }
         });
     });
-    if let Some(argument) = &probed.argument {
-        let sentence = words::verdict(&scene.cameras, argument.verdict);
-        let color = if argument.verdict.is_kept() { tokens.text } else { tokens.warning };
+    if let Some(explanation) = &probed.explanation {
+        let sentence = words::verdict(&scene.cameras, explanation.verdict);
+        let color = if explanation.verdict.is_kept() { tokens.text } else { tokens.warning };
         ui.add(Label::new(RichText::new(sentence).color(color)).wrap());
-        if argument.chain.len() > 1 {
-            let chain = words::chain(&scene.cameras, &argument.chain);
+        if explanation.chain.len() > 1 {
+            let chain = words::chain(&scene.cameras, &explanation.chain);
             ui.add(Label::new(RichText::new(chain).small().color(tokens.text_weak)).wrap())
                 .on_hover_text("The witness chain: from this pixel to the sample that stands for it.");
         }
@@ -109,7 +109,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
     let point = match probed.point_in_world {
         Some(p) => Some(format!("Point {:.3}, {:.3}, {:.3}", p.x, p.y, p.z)),
         // Not known until the capture was searched.
-        None if probed.argument.is_none() && state.has_capture() => None,
+        None if probed.explanation.is_none() && state.has_capture() => None,
         None => Some("Infinitely far, or without depth".to_owned()),
     };
     if let Some(point) = point {
@@ -157,8 +157,8 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
 }
 
 fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Commands) {
-    let Some(argument) = &probed.argument else { return };
-    if argument.testimonies.is_empty() {
+    let Some(explanation) = &probed.explanation else { return };
+    if explanation.testimonies.is_empty() {
         weak(ui, "The pixel has no depth, so no camera can be asked about it.");
         return;
     }
@@ -176,8 +176,8 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, comm
             note(ui, name).on_hover_text(help);
         }
         ui.end_row();
-        for row in &argument.testimonies {
-            row_ui(ui, state, scene, row, argument.winner == Some(row.camera), commands);
+        for row in &explanation.testimonies {
+            row_ui(ui, state, scene, row, explanation.winner == Some(row.camera), commands);
             ui.end_row();
         }
     });

@@ -57,13 +57,13 @@ pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
             (picked.camera, picked.x, picked.y, picked.point_in_world)
         }
     };
-    let argument = key.inspection.as_ref().and_then(|inspection| pixel_argument(inspection, camera, x, y));
-    let point_in_world = argument.as_ref().map_or(seen, |argument| argument.point_in_world.or(seen));
+    let explanation = key.inspection.as_ref().and_then(|inspection| pixel_argument(inspection, camera, x, y));
+    let point_in_world = explanation.as_ref().map_or(seen, |explanation| explanation.point_in_world.or(seen));
     let samples = match &key.scene.content {
         // Of a store played from disk only the frame shown is in memory.
         Content::Store { .. } => None,
         Content::Capture { .. } => key.whole.as_ref(),
     };
     let spans = samples.map(|samples| spans_of_pixel(samples, camera, x, y));
-    Some(Probed { spot: key.spot, camera, x, y, point_in_world, argument, spans })
+    Some(Probed { spot: key.spot, camera, x, y, point_in_world, explanation, spans })
 }
