@@ -1,113 +1,10 @@
-//! Views that dock: what there is to look at, where it lies, and what opens beside what.
+//! The layout of the views: where each lies, and what opens beside what.
 
 use egui::{Color32, Frame, Margin, Stroke, Style, Ui, Visuals, WidgetText};
 use egui_tiles::{Behavior, Container, Linear, LinearDir, TabState, Tile, TileId, Tiles, Tree, UiResponse};
 
-use super::model::{Command, State};
+use super::model::DockView;
 use super::theme::{Tokens, space};
-use super::{views, window};
-
-/// Something to look at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-pub(crate) enum DockView {
-    /// What a camera saw.
-    Source,
-    /// What is left, from anywhere.
-    Live,
-    /// Two pictures of one place.
-    Compare,
-    /// Why one pixel stays or goes.
-    Pixel,
-    /// Every camera as a thumbnail.
-    Cameras,
-    /// Who stands for whom.
-    Matrix,
-    /// What is stored for how long.
-    Time,
-    /// What takes the memory.
-    Memory,
-    /// The thresholds.
-    Thresholds,
-    /// What was pruned, and why.
-    Report,
-    /// Accuracy against cost.
-    Tradeoff,
-    /// Accuracy against disturbances.
-    Stability,
-    /// The camera path.
-    Path,
-    /// What happened.
-    Log,
-}
-
-impl DockView {
-    /// Every view, in the order of the menu.
-    pub(crate) const ALL: [Self; 14] = [
-        Self::Source,
-        Self::Live,
-        Self::Compare,
-        Self::Pixel,
-        Self::Cameras,
-        Self::Matrix,
-        Self::Time,
-        Self::Memory,
-        Self::Thresholds,
-        Self::Report,
-        Self::Tradeoff,
-        Self::Stability,
-        Self::Path,
-        Self::Log,
-    ];
-
-    /// Its name on its tab.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Source => "Source",
-            Self::Live => "Live view",
-            Self::Compare => "Compare",
-            Self::Pixel => "Pixel",
-            Self::Cameras => "Cameras",
-            Self::Matrix => "Matrix",
-            Self::Time => "Time",
-            Self::Memory => "Memory",
-            Self::Thresholds => "Thresholds",
-            Self::Report => "Report",
-            Self::Tradeoff => "Speed and accuracy",
-            Self::Stability => "Stability",
-            Self::Path => "Camera path",
-            Self::Log => "Log",
-        }
-    }
-
-    /// What it shows, in a sentence.
-    pub(crate) fn help(self) -> &'static str {
-        match self {
-            Self::Source => "What a camera saw, and what became of each of its pixels.",
-            Self::Live => "What is left of the capture, from anywhere.",
-            Self::Compare => "Two pictures of one place: before and after, two settings, the truth, kernels.",
-            Self::Pixel => "The argument for one pixel: what every camera says about it.",
-            Self::Cameras => "Every camera with its kept share, and where it sees the pixel.",
-            Self::Matrix => "Which camera's samples stand for whose.",
-            Self::Time => "For how many frames samples are stored, and when.",
-            Self::Memory => "How much memory the samples of each camera take.",
-            Self::Thresholds => "What counts as redundant, and how what is left is painted.",
-            Self::Report => "What was pruned, by which rule and for which camera.",
-            Self::Tradeoff => "What each setting costs, and how close it comes to the truth.",
-            Self::Stability => "When accuracy breaks under disturbances.",
-            Self::Path => "A camera path: set keys, play it, export it as pictures.",
-            Self::Log => "What happened, in order.",
-        }
-    }
-
-    /// The view beside which it opens.
-    fn neighbor(self) -> Self {
-        match self {
-            Self::Source | Self::Live | Self::Compare | Self::Tradeoff | Self::Stability => Self::Live,
-            Self::Thresholds | Self::Report => Self::Thresholds,
-            _ => Self::Pixel,
-        }
-    }
-}
 
 /// Where the views lie.
 pub(crate) struct Dock {
@@ -211,31 +108,38 @@ impl Dock {
         tabs.first().copied()
     }
 
-    /// Draws all views.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-        let mut desk = Desk { state, commands };
-        self.tree.ui(&mut desk, ui);
+    /// Draws all views: `draw` is given each part of the layout that a view fills.
+    pub(crate) fn ui(&mut self, ui: &mut Ui, draw: impl FnMut(&mut Ui, DockView, DockPart)) {
+        self.tree.ui(&mut DockBehavior { draw }, ui);
     }
 }
 
-/// What the layout asks of us.
-struct Desk<'a> {
-    state: &'a State,
-    commands: &'a mut Vec<Command>,
+/// A part of the layout that a view fills.
+#[derive(Clone, Copy)]
+pub(crate) enum DockPart {
+    /// The view itself.
+    Contents,
+    /// What is beside the tabs, from right to left, while the view is in front.
+    TabBar,
 }
 
-impl Behavior<DockView> for Desk<'_> {
+/// How tabs look and what they hold.
+struct DockBehavior<F> {
+    draw: F,
+}
+
+impl<F: FnMut(&mut Ui, DockView, DockPart)> Behavior<DockView> for DockBehavior<F> {
     fn pane_ui(&mut self, ui: &mut Ui, _tile: TileId, view: &mut DockView) -> UiResponse {
         let tokens = Tokens::in_ui(ui);
         Frame::new().fill(tokens.surface).inner_margin(Margin::same(space::MEDIUM as i8)).show(ui, |ui| {
             ui.set_min_size(ui.available_size());
-            window::view_ui(ui, *view, self.state, self.commands);
+            (self.draw)(ui, *view, DockPart::Contents);
         });
         UiResponse::None
     }
 
     fn tab_title_for_pane(&mut self, view: &DockView) -> WidgetText {
-        view.name().into()
+        view.name_and_help().0.into()
     }
 
     fn on_tab_button(
@@ -245,7 +149,7 @@ impl Behavior<DockView> for Desk<'_> {
         response: egui::Response,
     ) -> egui::Response {
         match tiles.get_pane(&tile) {
-            Some(view) => response.on_hover_text(view.help()),
+            Some(view) => response.on_hover_text(view.name_and_help().1),
             None => response,
         }
     }
@@ -259,10 +163,8 @@ impl Behavior<DockView> for Desk<'_> {
         _scroll: &mut f32,
     ) {
         ui.add_space(space::MEDIUM);
-        match tabs.active.and_then(|active| tiles.get_pane(&active)) {
-            Some(DockView::Source) => views::cameras_ui(ui, self.state, self.commands),
-            Some(DockView::Live) => views::places_ui(ui, self.state, self.commands),
-            _ => {}
+        if let Some(view) = tabs.active.and_then(|active| tiles.get_pane(&active)) {
+            (self.draw)(ui, *view, DockPart::TabBar);
         }
     }
 
@@ -336,7 +238,7 @@ mod tests {
     #[test]
     fn every_view_can_be_opened_once() {
         let mut dock = Dock::new();
-        for view in DockView::ALL.into_iter().chain(DockView::ALL) {
+        for (view, ..) in DockView::ALL.into_iter().chain(DockView::ALL) {
             dock.open(view);
             assert!(dock.holds(view), "{view:?}");
         }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{OverlookApp, Start};
+use super::overlook_app::{OverlookApp, Start};
 use crate::demo::{DemoSpec, SCENES};
 use crate::error::{Error, Result};
 use crate::render::gpu::device_descriptor;

@@ -58,7 +58,7 @@ pub(crate) struct Tokens {
     pub scrim: Color32,
     /// Text that lies on a picture, on the scrim.
     pub on_scrim: Color32,
-    /// The mark of the pixel that is looked at, on pictures of any color.
+    /// The mark of the selected pixel, on pictures of any color.
     pub mark: Color32,
 }
 
@@ -115,7 +115,6 @@ const LIGHT: Tokens = Tokens {
 };
 
 impl Tokens {
-    /// The tokens of a theme.
     pub(crate) fn of(dark: bool) -> &'static Self {
         if dark { &DARK } else { &LIGHT }
     }
@@ -145,13 +144,9 @@ pub(crate) mod space {
     pub(crate) const LARGE: f32 = 16.0;
     /// Inside panels, from the edge.
     pub(crate) const PANEL: i8 = 10;
-    /// Height of the top bar.
     pub(crate) const TOP_BAR: f32 = 44.0;
-    /// Height of the totals strip.
     pub(crate) const TOTALS: f32 = 52.0;
-    /// Height of a row of tabs.
     pub(crate) const TABS: f32 = 30.0;
-    /// Height of the timeline.
     pub(crate) const TIMELINE: f32 = 72.0;
     /// Height of the line that says what is going on.
     pub(crate) const STATUS: f32 = 28.0;

@@ -1,9 +1,14 @@
 //! Small widgets that several areas share.
 
-use egui::{Button, ComboBox, Response, RichText, ScrollArea, Sense, Ui, Vec2};
+use egui::{
+    Button, Color32, ComboBox, Key, Painter, Rect, Response, RichText, ScrollArea, Sense, TextEdit,
+    TextureId, Ui, Vec2, pos2,
+};
 use egui_material_icons::MaterialIcon;
 
+use super::colormap;
 use super::theme::{Tokens, space};
+use crate::capture::Camera;
 
 /// Size of a button with an icon.
 pub(crate) const ICON_BUTTON: Vec2 = Vec2::new(34.0, space::CONTROL);
@@ -19,11 +24,11 @@ pub(crate) fn icon_button(ui: &mut Ui, icon: MaterialIcon, name: &str, help: &st
 }
 
 /// A drop-down list of named choices with their explanations; gives the one that was picked.
-pub(crate) fn choice_ui<T: Copy + PartialEq>(
+pub(crate) fn choice_ui<T: Copy + PartialEq, S: AsRef<str>>(
     ui: &mut Ui,
     name: &str,
     current: T,
-    choices: &[(T, String, String)],
+    choices: &[(T, S, S)],
     width: f32,
 ) -> Option<T> {
     let shown = choices.iter().find(|(value, ..)| *value == current);
@@ -32,9 +37,10 @@ pub(crate) fn choice_ui<T: Copy + PartialEq>(
         .width(width)
         .height(340.0)
         .truncate()
-        .selected_text(shown.map_or("–", |(_, text, _)| text))
+        .selected_text(shown.map_or("–", |(_, text, _)| text.as_ref()))
         .show_ui(ui, |ui| {
             for (value, text, help) in choices {
+                let (text, help) = (text.as_ref(), help.as_ref());
                 let option = ui.selectable_label(*value == current, text);
                 let option = if help.is_empty() { option } else { option.on_hover_text(help) };
                 if option.clicked() {
@@ -45,10 +51,16 @@ pub(crate) fn choice_ui<T: Copy + PartialEq>(
         .response
         .accessible_name(name);
     if let Some((_, text, help)) = shown {
+        let (text, help) = (text.as_ref(), help.as_ref());
         let hover = if help.is_empty() { format!("{name}: {text}") } else { format!("{name}: {help}") };
         response.on_hover_text(hover);
     }
     picked
+}
+
+/// Cameras as choices for [`choice_ui`], by their index.
+pub(crate) fn camera_choices(cameras: &[Camera]) -> impl Iterator<Item = (usize, &str, &str)> {
+    cameras.iter().enumerate().map(|(index, camera)| (index, camera.name.as_str(), ""))
 }
 
 /// A row of choices of which one is on; gives the one that was clicked. `name` names the row for screen readers.
@@ -91,7 +103,7 @@ pub(crate) fn empty_ui(
     // Known from the picture before.
     let id = ui.scope_id().with(title);
     let height = ui.data(|data| data.get_temp(id)).unwrap_or(ROOMY);
-    let column = egui::Rect::from_center_size(area.center(), Vec2::new(width, height.min(area.height())));
+    let column = Rect::from_center_size(area.center(), Vec2::new(width, height.min(area.height())));
     ui.scope_builder(egui::UiBuilder::new().max_rect(column), |ui| {
         let shown = ScrollArea::vertical().id_salt(title).auto_shrink(false).show(ui, |ui| {
             ui.vertical_centered(|ui| {
@@ -108,4 +120,62 @@ pub(crate) fn empty_ui(
         ui.data_mut(|data| data.insert_temp(id, shown.content_size.y));
     });
     ui.allocate_rect(area, Sense::hover());
+}
+
+/// How far the wheel was turned, or two fingers were spread, points.
+pub(crate) fn scrolled(ui: &Ui) -> f32 {
+    ui.input(|input| input.smooth_scroll_delta().y + 200.0 * (input.zoom_delta() - 1.0))
+}
+
+/// Draws a texture over an area.
+pub(crate) fn picture(painter: &Painter, texture: TextureId, area: Rect) {
+    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    painter.image(texture, area, whole, Color32::WHITE);
+}
+
+/// Shows in the middle of an area that its picture is on the way.
+pub(crate) fn waiting(ui: &Ui, area: Rect, size: f32) {
+    egui::Spinner::new().paint_at(ui, Rect::from_center_size(area.center(), Vec2::splat(size)));
+}
+
+/// A line of small text that explains.
+pub(crate) fn note(ui: &mut Ui, text: impl Into<String>) -> Response {
+    ui.label(RichText::new(text).small().color(Tokens::in_ui(ui).text_weak))
+}
+
+/// A line of text that explains.
+pub(crate) fn weak(ui: &mut Ui, text: impl Into<String>) -> Response {
+    ui.label(RichText::new(text).color(Tokens::in_ui(ui).text_weak))
+}
+
+/// A line of small text that is cut off where it has no room.
+pub(crate) fn one_line(ui: &mut Ui, text: impl Into<String>, color: Color32) -> Response {
+    ui.add(egui::Label::new(RichText::new(text).small().color(color)).truncate())
+}
+
+/// The color of a camera as a dot beside its name.
+pub(crate) fn dot(ui: &mut Ui, camera: usize) {
+    let (dot, _) = ui.allocate_exact_size(Vec2::splat(10.0), Sense::hover());
+    ui.painter().circle_filled(dot.center(), 4.5, colormap::camera(camera));
+}
+
+/// A field for a line of text, which has the keyboard while nothing else has; `name` names it for screen readers. Gives whether
+/// the text was changed, and whether Enter was pressed.
+pub(crate) fn text_field_ui(ui: &mut Ui, text: &mut String, hint: &str, name: &str) -> (bool, bool) {
+    let field = TextEdit::singleline(text).desired_width(f32::INFINITY).margin(Vec2::new(8.0, 6.0));
+    let field = ui.add(field.hint_text(hint)).accessible_name(name);
+    let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    if !entered && ui.memory(|memory| memory.focused().is_none()) {
+        field.request_focus();
+    }
+    (field.changed(), entered)
+}
+
+/// The area of a picture, which is pointed at and dragged; `name` names it for screen readers.
+pub(crate) fn canvas_ui(ui: &Ui, canvas: Rect, id: &str, name: &str) -> (Response, Painter) {
+    let response = ui.interact(canvas, ui.scope_id().with(id), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
+    let painter = ui.painter_at(canvas);
+    painter.rect_filled(canvas, f32::from(space::RADIUS), Tokens::in_ui(ui).canvas);
+    (response, painter)
 }

@@ -1,75 +1,74 @@
-//! The areas of the window. Each borrows the state and sends commands; none changes anything itself.
+//! The whole window: its bars, the views, and what lies over them. Areas borrow the state and send commands.
 
 use egui::{CentralPanel, Frame, Margin, Panel};
+use egui_material_icons::icons::{ICON_FOLDER_OPEN, ICON_HOURGLASS_TOP};
 
-use super::dock::{Dock, DockView};
-use super::model::{Command, State};
+use super::dock::{Dock, DockPart};
+use super::model::{Command, Commands, DockView, Purpose, State};
 use super::theme::{Tokens, space};
-use super::views;
 use super::widgets::empty_ui;
+use super::{panels, views};
 
-/// The whole window.
-pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, commands: &mut Vec<Command>) {
+pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let bar = Frame::new().fill(tokens.surface).inner_margin(Margin::symmetric(space::PANEL, 0));
     Panel::top("top bar")
         .exact_size(space::TOP_BAR)
         .frame(bar)
-        .show(ui, |ui| super::panels::top_bar_ui(ui, state, commands));
-    Panel::top("totals")
-        .exact_size(space::TOTALS)
-        .frame(bar)
-        .show(ui, |ui| super::panels::totals_ui(ui, state));
+        .show(ui, |ui| panels::top_bar_ui(ui, state, commands));
+    Panel::top("totals").exact_size(space::TOTALS).frame(bar).show(ui, |ui| panels::totals_ui(ui, state));
     Panel::bottom("status")
         .exact_size(space::STATUS)
         .frame(bar)
-        .show(ui, |ui| super::panels::status_ui(ui, state, commands));
+        .show(ui, |ui| panels::status_ui(ui, state, commands));
     Panel::bottom("timeline")
         .exact_size(space::TIMELINE)
         .frame(bar.inner_margin(Margin::symmetric(space::PANEL, 4)))
-        .show(ui, |ui| super::panels::timeline_ui(ui, state, commands));
+        .show(ui, |ui| panels::timeline_ui(ui, state, commands));
     CentralPanel::no_frame()
         .frame(Frame::new().fill(tokens.background).inner_margin(Margin { top: 4, ..Margin::ZERO }))
         .show(ui, |ui| {
             if state.scene.is_none() {
                 nothing_open_ui(ui, state, commands);
             } else {
-                dock.ui(ui, state, commands);
+                dock.ui(ui, |ui, view, part| match (part, view) {
+                    (DockPart::Contents, _) => view_ui(ui, view, state, commands),
+                    (DockPart::TabBar, DockView::Source) => views::cameras_ui(ui, state, commands),
+                    (DockPart::TabBar, DockView::Live) => views::go_to_camera_ui(ui, state, commands),
+                    (DockPart::TabBar, _) => {}
+                });
             }
         });
-    super::panels::notices_ui(ui.ctx(), state, commands);
-    super::panels::path_field_ui(ui.ctx(), state, commands);
-    super::panels::naming_ui(ui.ctx(), state, commands);
-    super::panels::introduction_ui(ui.ctx(), state, commands);
-    super::panels::palette_ui(ui.ctx(), state, commands);
-    super::panels::cheat_sheet_ui(ui.ctx(), state, commands);
-    super::panels::closing_ui(ui.ctx(), state, commands);
+    panels::notices_ui(ui.ctx(), state, commands);
+    panels::path_field_ui(ui.ctx(), state, commands);
+    panels::naming_ui(ui.ctx(), state, commands);
+    panels::introduction_ui(ui.ctx(), state, commands);
+    panels::palette_ui(ui.ctx(), state, commands);
+    panels::cheat_sheet_ui(ui.ctx(), state, commands);
+    panels::closing_ui(ui.ctx(), state, commands);
     drop_hint_ui(ui);
 }
 
-/// One view.
-pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands: &mut Commands) {
     match view {
         DockView::Source => views::source_view_ui(ui, state, commands),
         DockView::Live => views::live_view_ui(ui, state, commands),
         DockView::Compare => views::compare_view_ui(ui, state, commands),
-        DockView::Path => super::panels::path_ui(ui, state, commands),
+        DockView::Path => panels::path_ui(ui, state, commands),
         DockView::Tradeoff => views::tradeoff_ui(ui, state, commands),
         DockView::Stability => views::stability_ui(ui, state, commands),
         DockView::Pixel => views::pixel_view_ui(ui, state, commands),
         DockView::Cameras => views::cameras_view_ui(ui, state, commands),
-        DockView::Matrix => super::panels::matrix_view_ui(ui, state),
-        DockView::Time => super::panels::time_ui(ui, state, commands),
-        DockView::Memory => super::panels::memory_ui(ui, state),
-        DockView::Thresholds => super::panels::settings_ui(ui, state, commands),
-        DockView::Report => super::panels::report_ui(ui, state),
-        DockView::Log => super::panels::log_ui(ui, state),
+        DockView::Matrix => panels::matrix_view_ui(ui, state),
+        DockView::Time => panels::time_ui(ui, state, commands),
+        DockView::Memory => panels::memory_ui(ui, state),
+        DockView::Thresholds => panels::settings_ui(ui, state, commands),
+        DockView::Report => panels::report_ui(ui, state),
+        DockView::Log => panels::log_ui(ui, state),
     }
 }
 
-fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Vec<Command>) {
-    use super::model::Purpose;
-    use egui_material_icons::icons::{ICON_FOLDER_OPEN, ICON_HOURGLASS_TOP};
+fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if let Some(opening) = &state.opening {
         empty_ui(
             ui,

@@ -1,16 +1,13 @@
 //! Carries out the commands of the inspector: the pixel, settings as they were, the camera path.
 
-use crate::app::dock::DockView;
-use crate::app::model::setting_names;
-use crate::app::model::{
-    self, Command, ExportRequest, ExportTarget, NoticeKind, PRESETS, Purpose, SavedPathKey, Study,
-};
-use crate::app::work::{Spot, StudyRequest};
-use crate::app::{OverlookApp, views};
+use crate::app::model::{Command, ExportTarget, NoticeKind, Purpose, SavedPathKey, Study};
+use crate::app::model::{DockView, PictureZoom, Spot, setting_names, verdict_text};
+use crate::app::overlook_app::OverlookApp;
+use crate::app::work::{ExportRequest, StudyRequest};
 use crate::render::film::Reel;
 use crate::settings::Settings;
 
-/// Changes of settings that a message tells one by one.
+/// Changes of settings that a message lists one by one.
 const CHANGES: usize = 5;
 
 impl OverlookApp {
@@ -22,7 +19,7 @@ impl OverlookApp {
             Command::Probe(spot) => probe.spot = spot,
             Command::Pin(pinned) => {
                 probe.pinned = pinned && probe.spot.is_some();
-                // A pixel that is kept while frames pass is meant at this one, and its verdict takes longer than a frame.
+                // Pinning stops playback: the pixel is one of this frame, and its verdict takes longer than a frame.
                 state.timeline.playing &= !probe.pinned;
                 if !pinned {
                     (probe.spot, probe.shown) = (None, None);
@@ -34,7 +31,7 @@ impl OverlookApp {
                     probe.spot = Some(Spot::Source { camera, x, y });
                 } else {
                     // That it is a hole may have been answered before it was to be kept.
-                    self.plan.forget_probe();
+                    self.scheduler.probe = None;
                 }
             }
             Command::ShowPointIn(camera) => self.show_point_in(camera),
@@ -44,9 +41,9 @@ impl OverlookApp {
                 }
             }
             Command::Compare(look) => {
-                let before = &state.inspector.compare;
-                if (look.sides, look.place) != (before.sides, before.place) {
-                    state.inspector.compare_trouble = None;
+                let before = &state.inspector.compare.choice;
+                if (look.choice.sides, look.choice.from) != (before.sides, before.from) {
+                    state.inspector.compare_error = None;
                 }
                 state.inspector.compare = *look;
             }
@@ -55,22 +52,22 @@ impl OverlookApp {
             Command::Introduced => state.inspector.introduced = true,
             Command::Stay => {
                 state.inspector.closing.asks = false;
-                state.asks_to_open = None;
+                state.open_after_question = None;
             }
             Command::GoOnAnyway => self.go_on_anyway(),
             Command::Study(study) => self.study(study),
             Command::ChartAxes(axes) => state.inspector.charts.set_axes(axes),
             Command::Disturbance(name) => state.inspector.charts.disturbance = name,
             Command::TakeSettings(settings) => self.take_point(*settings),
-            Command::CopyArgument => self.copy_argument(),
+            Command::CopyExplanation => self.copy_explanation(),
             Command::CopyPicture => self.copy_picture(),
             Command::FramePoint => self.frame_point(),
-            other => return self.apply_to_path(other),
+            other => return Some(other),
         }
         None
     }
 
-    /// Shows the point that is looked at in the middle of a camera's picture.
+    /// Shows the selected point in the middle of a camera's picture.
     fn show_point_in(&mut self, camera: usize) {
         let Some(scene) = &self.state.scene else { return };
         let Some(intrinsics) = scene.cameras.get(camera).map(|camera| camera.intrinsics) else { return };
@@ -81,11 +78,11 @@ impl OverlookApp {
             probe.pinned = true;
             probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
         }
-        let place = probed.and_then(|probed| views::in_camera(&self.state, &probed, camera));
+        let cameras = self.state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+        let place = probed.and_then(|probed| probed.in_camera(cameras, camera));
         if let Some((at, _)) = place {
             let center = egui::vec2(at.x / intrinsics.width as f32, at.y / intrinsics.height as f32);
-            let zoom = self.state.source.zoom.max(4.0);
-            self.apply(Command::SourceZoom { zoom, center });
+            self.state.source.part = PictureZoom::new(self.state.source.part.zoom.max(4.0), center);
         }
     }
 
@@ -107,10 +104,10 @@ impl OverlookApp {
         }
         let (known, known_stress) = (charts.sweep.clone(), charts.known_stress());
         let request = StudyRequest { scene, study, settings, known, known_stress };
-        self.lanes.inspector.study.submit(request);
+        self.workers.study.submit(request);
     }
 
-    /// Puts the settings of a chart's point on, and says which that changes.
+    /// Applies the settings of a chart's point, and lists what changes.
     fn take_point(&mut self, settings: Settings) {
         let changes = setting_names::changes(&self.state.settings, &settings);
         if changes.is_empty() {
@@ -125,16 +122,16 @@ impl OverlookApp {
     }
 
     /// Says how far a sweep or a stress test came that was stopped.
-    pub(crate) fn tell_stopped_study(&mut self) {
+    pub(crate) fn notify_stopped_study(&mut self) {
         if let Some((title, text)) = self.state.inspector.charts.stopped() {
             self.state.notify(NoticeKind::Done, title, text);
         }
     }
 
-    fn copy_argument(&mut self) {
+    fn copy_explanation(&mut self) {
         let shown = self.state.scene.as_ref().zip(self.state.inspector.probe.shown.as_ref());
         let Some((scene, probed)) = shown else { return };
-        self.ctx.copy_text(views::argument(scene, probed));
+        self.ctx.copy_text(verdict_text::explanation(scene, probed));
         self.state.notify(NoticeKind::Done, "Copied", "The argument for the pixel is on the clipboard.");
     }
 
@@ -142,23 +139,23 @@ impl OverlookApp {
         if self.state.live_shown.is_none() {
             return;
         }
-        let Some(image) = self.state.shown_picture() else { return self.tell_of_motion() };
+        let Some(image) = self.state.shown_picture() else { return self.notify_in_motion() };
         self.ctx.copy_image(image.as_ref().clone());
         self.state.notify(NoticeKind::Done, "Copied", "The picture of the live view is on the clipboard.");
     }
 
     /// Pictures in motion may stay on the graphics card, out of reach.
-    pub(crate) fn tell_of_motion(&mut self) {
+    pub(crate) fn notify_in_motion(&mut self) {
         let text = "The live view is in motion; pause it first, and try again.";
         self.state.warn_of_scene("No picture yet", text);
     }
 
-    /// Puts the point that is looked at in the middle of the live view.
+    /// Centers the live view on the selected point.
     fn frame_point(&mut self) {
         let probed = self.state.inspector.probe.shown.clone();
         let point = probed.as_ref().and_then(|probed| probed.point_in_world);
-        if let (Some(point), Some(rig)) = (point, &mut self.state.live.rig) {
-            rig.look_at(point);
+        if let (Some(point), Some(orbit)) = (point, &mut self.state.live.orbit) {
+            orbit.look_at(point);
             return;
         }
         let (title, text) = match probed {
@@ -177,9 +174,13 @@ impl OverlookApp {
         }
     }
 
-    fn apply_to_path(&mut self, command: Command) -> Option<Command> {
-        let here =
-            self.state.live.rig.clone().map(|rig| SavedPathKey { rig, frame: self.state.timeline.frame });
+    pub(super) fn apply_to_path(&mut self, command: Command) -> Option<Command> {
+        let here = self
+            .state
+            .live
+            .orbit
+            .clone()
+            .map(|orbit| SavedPathKey { orbit, frame: self.state.timeline.frame });
         let path = &mut self.state.inspector.path;
         match command {
             Command::AddKey => {
@@ -187,9 +188,11 @@ impl OverlookApp {
                     self.add_key(key);
                 }
             }
-            Command::RemoveKey(index) if index < path.keys.len() => {
-                path.keys.remove(index);
-                path.playing = None;
+            Command::RemoveKey(index) => {
+                if index < path.keys.len() {
+                    path.keys.remove(index);
+                    path.playing = None;
+                }
             }
             Command::ReplaceKey(index) => {
                 if let (Some(key), Some(here)) = (path.keys.get_mut(index), here) {
@@ -198,21 +201,20 @@ impl OverlookApp {
             }
             Command::GoToKey(index) => {
                 if let Some(key) = path.keys.get(index).cloned() {
-                    self.stand_at(key);
+                    self.go_to_key(key);
                 }
             }
             Command::PicturesPerLeg(pictures) => path.pictures_per_leg = pictures.clamp(1, 2000),
             Command::PictureSize(size) => path.size = Some(size),
             Command::PlayPath(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
-            Command::RemoveKey(_) => {}
             other => return Some(other),
         }
         None
     }
 
     /// Stands where a key of the path does.
-    pub(crate) fn stand_at(&mut self, key: SavedPathKey) {
-        self.state.live.rig = Some(key.rig);
+    pub(crate) fn go_to_key(&mut self, key: SavedPathKey) {
+        self.state.live.orbit = Some(key.orbit);
         self.state.timeline.frame = key.frame.min(self.state.frame_count().saturating_sub(1));
     }
 
@@ -229,56 +231,6 @@ impl OverlookApp {
         let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
         let reel = playback.map_or(Reel::Memory(samples), Reel::Disk);
         let request = ExportRequest { path, reel, settings, size, target };
-        self.lanes.inspector.export.submit(request);
-    }
-
-    /// Takes, names, saves and removes presets.
-    pub(crate) fn apply_to_presets(&mut self, command: Command) {
-        let own = &mut self.state.inspector.presets;
-        match command {
-            Command::Preset(index) => {
-                let mut settings = Settings::default();
-                let Some((_, _, change)) = PRESETS.get(index) else { return };
-                change(&mut settings);
-                self.take_preset(settings);
-            }
-            Command::OwnPreset(index) => {
-                if let Some((_, settings)) = own.get(index).cloned() {
-                    self.take_preset(settings);
-                }
-            }
-            Command::NamePreset(name) => self.state.inspector.naming = name,
-            Command::SavePreset(name) => {
-                self.state.inspector.naming = None;
-                let shown = self.state.shown_settings();
-                model::keep(&mut self.state.inspector.presets, name.trim(), &shown);
-            }
-            Command::RemovePreset(index) if index < own.len() => {
-                own.remove(index);
-            }
-            _ => {}
-        }
-    }
-
-    /// Puts the settings of a preset on. How frames are read and what paints are matters of the machine.
-    fn take_preset(&mut self, preset: Settings) {
-        let now = &self.state.settings;
-        let mut settings = Settings { capture: now.capture.clone(), ..preset };
-        settings.render.backend = now.render.backend;
-        self.change_settings("preset", settings);
-    }
-
-    /// Undoes, redoes, or switches between two settings.
-    pub(crate) fn apply_to_history(&mut self, command: &Command) {
-        let now = self.state.settings.clone();
-        let history = &mut self.state.inspector.history;
-        let settings = match command {
-            Command::Undo => history.undo(&now),
-            Command::Redo => history.redo(&now),
-            _ => Some(history.switch(&now)),
-        };
-        if let Some(settings) = settings {
-            self.put_settings(settings);
-        }
+        self.workers.export.submit(request);
     }
 }

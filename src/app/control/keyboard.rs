@@ -5,8 +5,7 @@ use std::collections::HashSet;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 
-use crate::app::model::{Command, Purpose, State};
-use crate::app::panels::CommandPalette;
+use crate::app::model::{Command, CommandPalette, Commands, Purpose, State};
 
 /// Keys and what they do, for the help.
 pub(crate) const HELP: &[(&str, &str)] = &[
@@ -37,12 +36,13 @@ const NUMBERS: [Key; 9] =
     [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
 
 /// Turns keys into commands.
-pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let ctx = ui.ctx();
     let inspector = &state.inspector;
     let typing = state.typed_path.is_some() || inspector.palette.is_some() || inspector.naming.is_some();
     let edits = edits_text(ctx);
-    let asks = typing || inspector.cheat_sheet || inspector.closing.asks || state.asks_to_open.is_some();
+    let asks =
+        typing || inspector.cheat_sheet || inspector.closing.asks || state.open_after_question.is_some();
     // An open menu takes the key for itself, and so does a number that is typed: it goes back to what it was.
     if !egui::Popup::is_any_open(ctx)
         && (asks || !edits)
@@ -50,19 +50,20 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
     {
         commands.push(Command::Escape);
     }
-    let shortcut = |key| KeyboardShortcut::new(Modifiers::COMMAND, key);
-    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::O))) {
-        commands.push(Command::AskPath(Purpose::OpenFile));
+    let palette = state.inspector.palette.is_none().then(CommandPalette::default);
+    let with_shift = Modifiers::COMMAND | Modifiers::SHIFT;
+    for (modifiers, key, command) in [
+        (Modifiers::COMMAND, Key::O, Command::AskPath(Purpose::OpenFile)),
+        (Modifiers::COMMAND, Key::S, Command::AskPath(Purpose::SaveStore)),
+        (Modifiers::COMMAND, Key::P, Command::Palette(palette)),
+        (with_shift, Key::C, Command::CopyExplanation),
+    ] {
+        if pressed(ctx, modifiers, key) {
+            commands.push(command);
+        }
     }
-    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::S))) {
-        commands.push(Command::AskPath(Purpose::SaveStore));
-    }
-    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::Q))) {
+    if pressed(ctx, Modifiers::COMMAND, Key::Q) {
         ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-    }
-    if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::P))) {
-        let open = state.inspector.palette.is_none().then(CommandPalette::default);
-        commands.push(Command::Palette(open));
     }
     if edits && ctx.input(|input| input.key_pressed(Key::Escape)) {
         let frame = ctx.cumulative_frame_nr();
@@ -70,17 +71,11 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
     }
     // What is typed is undone by the field it is typed into.
     if state.has_capture() && !typing && !edits {
-        let shift = Modifiers::COMMAND | Modifiers::SHIFT;
-        let redo = [shortcut(Key::Y), KeyboardShortcut::new(shift, Key::Z)];
-        if redo.iter().any(|keys| ctx.input_mut(|input| input.consume_shortcut(keys))) {
+        if pressed(ctx, Modifiers::COMMAND, Key::Y) || pressed(ctx, with_shift, Key::Z) {
             commands.push(Command::Redo);
-        } else if ctx.input_mut(|input| input.consume_shortcut(&shortcut(Key::Z))) {
+        } else if pressed(ctx, Modifiers::COMMAND, Key::Z) {
             commands.push(Command::Undo);
         }
-    }
-    let copy = KeyboardShortcut::new(Modifiers::COMMAND | Modifiers::SHIFT, Key::C);
-    if ctx.input_mut(|input| input.consume_shortcut(&copy)) {
-        commands.push(Command::CopyArgument);
     }
     let held = held_keys(ctx);
     if ctx.egui_wants_keyboard_input() || typing || state.scene.is_none() {
@@ -114,12 +109,17 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Vec<Command>
     }
 }
 
+/// Whether a shortcut was pressed; consumes it.
+fn pressed(ctx: &egui::Context, modifiers: Modifiers, key: Key) -> bool {
+    ctx.input_mut(|input| input.consume_shortcut(&KeyboardShortcut::new(modifiers, key)))
+}
+
 fn given_up_id() -> egui::Id {
     egui::Id::unique("number given up")
 }
 
-/// Whether Escape ended the typing of a number in this frame or the one before. egui takes the number in one frame after the
-/// key was pressed, where nothing says any more that it was this one.
+/// Whether Escape ended the typing of a number in this frame or the one before: egui commits the number one frame after the key,
+/// without naming the key.
 pub(crate) fn gave_up_number(ctx: &egui::Context) -> bool {
     let now = ctx.cumulative_frame_nr();
     ctx.data(|data| data.get_temp::<u64>(given_up_id())).is_some_and(|frame| now <= frame + 1)
@@ -151,7 +151,7 @@ fn number_key(event: &egui::Event) -> Option<Command> {
     }
 }
 
-/// The keys held down, by their place on the keyboard: W A S D lie side by side on every layout.
+/// The keys held down, by their position on the keyboard: W A S D are neighbors on every layout.
 fn held_keys(ctx: &egui::Context) -> HashSet<Key> {
     let events = ctx.input(|input| input.events.clone());
     ctx.data_mut(|data| {

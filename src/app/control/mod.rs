@@ -3,12 +3,10 @@
 mod inspect;
 mod keyboard;
 mod paths;
-mod picture_file;
 mod receive;
 mod remembered;
+mod settings;
 mod update;
 
 pub(crate) use keyboard::{HELP, commands, gave_up_number};
-pub(crate) use paths::Destination;
-pub(crate) use picture_file::write_picture;
 pub(crate) use remembered::Memory;

@@ -4,82 +4,29 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::picture_file::with_ending;
-use crate::app::OverlookApp;
 use crate::app::model::{
-    Command, Content, ExportTarget, Message, NO_KEYS, NoticeKind, Purpose, State, TypedPath,
+    Command, Content, Destination, ExportTarget, NO_KEYS, NoticeKind, Purpose, State, TypedPath,
 };
-use crate::app::work::FileRequest;
+use crate::app::overlook_app::OverlookApp;
+use crate::app::work::{FileRequest, with_ending};
 use crate::error::Error;
 
-/// A dialog that is answered faster than this was hardly seen by a person: where there is none, a busy machine takes a while to
-/// find that out.
+/// A dialog that closes faster than this was not shown: a system without one may take that long to find out.
 const NO_DIALOG: Duration = Duration::from_secs(2);
 
 const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it here instead.";
 
 const OTHER_ENDING: &str = "A picture is written as PNG; name it .png.";
 
-/// Somewhere to write, before anything is written there.
-#[derive(Clone, Debug)]
-pub(crate) struct Destination {
-    /// What is written.
-    pub purpose: Purpose,
-    /// Where.
-    pub path: PathBuf,
-}
-
-impl Destination {
-    /// Looks whether something stands there that would be replaced.
-    pub(crate) fn look(self) -> Message {
-        let taken = match self.purpose {
-            Purpose::ExportPictures => {
-                std::fs::read_dir(&self.path).is_ok_and(|mut entries| entries.next().is_some())
-            }
-            _ => self.path.is_file(),
-        };
-        Message::Looked { destination: self, taken }
-    }
-}
-
-impl Purpose {
-    /// Whether something is written to the path.
-    pub(crate) fn writes(self) -> bool {
-        !matches!(self, Self::OpenFile | Self::OpenFolder | Self::LoadSettings)
-    }
-
-    /// The lane that reads or writes there.
-    fn lane(self) -> &'static str {
-        match self {
-            Self::OpenFile | Self::OpenFolder => "Open",
-            Self::ExportPictures | Self::ExportFilm => "Export",
-            _ => "File",
-        }
-    }
-
-    /// The entry of a menu by which the path is typed.
-    fn typed_entry(self) -> &'static str {
-        match self {
-            Self::OpenFile | Self::OpenFolder => "Open path…",
-            Self::SaveStore => "Save store to path…",
-            Self::SaveSettings => "Save settings to path…",
-            Self::LoadSettings => "Load settings from path…",
-            Self::SavePicture => "Save picture to path…",
-            Self::ExportPictures => "Pictures to path…",
-            Self::ExportFilm => "Film to path…",
-        }
-    }
-}
-
 impl OverlookApp {
-    /// Carries out what concerns a path that is asked for or typed.
-    pub(crate) fn apply_to_typed_path(&mut self, command: Command) {
+    /// Carries out what concerns a path that is chosen or typed; gives back what does not.
+    pub(crate) fn apply_to_typed_path(&mut self, command: Command) -> Option<Command> {
         match command {
             // Before a path is chosen for nothing.
             Command::AskPath(purpose) | Command::TypePath(purpose) if self.refuses(purpose) => {}
             Command::AskPath(purpose) => {
                 self.asked_at = Some(Instant::now());
-                self.lanes.dialog.submit((purpose, suggested_name(&self.state, purpose)));
+                self.workers.dialog.submit((purpose, suggested_name(&self.state, purpose)));
             }
             Command::TypePath(purpose) => self.type_path(purpose, None),
             Command::TypedPath(text) => {
@@ -88,8 +35,10 @@ impl OverlookApp {
                 }
             }
             Command::TakeTypedPath => self.take_typed_path(),
-            _ => self.state.typed_path = None,
+            Command::CloseTypedPath => self.state.typed_path = None,
+            other => return Some(other),
         }
+        None
     }
 
     fn type_path(&mut self, purpose: Purpose, reason: Option<String>) {
@@ -106,7 +55,7 @@ impl OverlookApp {
             return;
         };
         if purpose.writes() && !typed.replaces {
-            self.lanes.look.submit(Destination { purpose, path });
+            self.workers.check.submit(Destination { purpose, path });
         } else {
             self.last_typed = self.state.typed_path.take();
             self.take_path(purpose, path);
@@ -114,11 +63,11 @@ impl OverlookApp {
     }
 
     /// Takes in whether something stands where the path in the field leads to.
-    pub(crate) fn looked(&mut self, destination: &Destination, taken: bool) {
+    pub(crate) fn destination_checked(&mut self, destination: &Destination, taken: bool) {
         let Destination { purpose, path } = destination;
         let typed = self.state.typed_path.as_mut();
-        let Some(typed) =
-            typed.filter(|typed| typed.purpose == *purpose && typed_place(typed).as_ref() == Some(path))
+        let Some(typed) = typed
+            .filter(|typed| typed.purpose == *purpose && typed_destination(typed).as_ref() == Some(path))
         else {
             return;
         };
@@ -134,8 +83,7 @@ impl OverlookApp {
     pub(crate) fn path_chosen(&mut self, purpose: Purpose, path: Option<PathBuf>) {
         let asked_at = self.asked_at.take();
         match path {
-            // The dialog asks before a file is replaced, not before pictures are put beside others, and it knows the name that
-            // was chosen alone.
+            // The dialog asks before a file of the chosen name is replaced; not for folders, nor for a name with an added ending.
             Some(path)
                 if (purpose == Purpose::ExportPictures
                     || named(purpose, path.clone()).as_ref() != Some(&path))
@@ -161,7 +109,8 @@ impl OverlookApp {
     pub(crate) fn type_again(&mut self, what: &str, error: &Error) {
         let Error::Io { path, .. } = error else { return };
         let last = self.last_typed.take_if(|last| {
-            last.purpose.lane() == what && typed_place(last).is_some_and(|place| path.starts_with(place))
+            last.purpose.worker() == what
+                && typed_destination(last).is_some_and(|place| path.starts_with(place))
         });
         if let (Some(last), None) = (last, &self.state.typed_path) {
             self.state.typed_path =
@@ -176,17 +125,17 @@ impl OverlookApp {
             Purpose::SaveStore => self.save_store(path),
             Purpose::SaveSettings => {
                 let settings = self.state.shown_settings();
-                self.lanes.file.submit(FileRequest::SaveSettings { path, settings });
+                self.workers.file.submit(FileRequest::SaveSettings { path, settings });
             }
-            Purpose::LoadSettings => self.lanes.file.submit(FileRequest::LoadSettings { path }),
+            Purpose::LoadSettings => self.workers.file.submit(FileRequest::LoadSettings { path }),
             Purpose::SavePicture => match self.state.shown_picture().cloned() {
-                Some(picture) => self.lanes.file.submit(FileRequest::SavePicture { path, picture }),
-                None => self.tell_of_motion(),
+                Some(picture) => self.workers.file.submit(FileRequest::SavePicture { path, picture }),
+                None => self.notify_in_motion(),
             },
-            Purpose::ExportPictures => self.export_path(ExportTarget::Pictures(path)),
+            Purpose::ExportPictures => self.export_path(ExportTarget { path, film_rate: None }),
             Purpose::ExportFilm => {
-                let rate = f64::from(self.state.timeline.frames_per_second);
-                self.export_path(ExportTarget::Film(path, rate));
+                let film_rate = Some(f64::from(self.state.timeline.frames_per_second));
+                self.export_path(ExportTarget { path, film_rate });
             }
         }
     }
@@ -197,17 +146,17 @@ impl OverlookApp {
         }
         let Some(scene) = &self.state.scene else { return };
         if let Content::Store { playback, .. } = &scene.content {
-            self.lanes.file.submit(FileRequest::SaveAgain { path, playback: playback.clone() });
+            self.workers.file.submit(FileRequest::SaveAgain { path, playback: playback.clone() });
         } else if let Some(whole) = &self.state.whole {
-            // How it is painted may have changed since; whoever opens it paints it as it was seen here.
+            // The store records the rendering settings of now, so that it looks the same when it is opened.
             let mut samples = (*whole.samples).clone();
             samples.settings.render = self.state.settings.render.clone();
             let (scene, samples, report) = (scene.clone(), Arc::new(samples), whole.report.clone());
-            self.lanes.file.submit(FileRequest::SaveStore { path, scene, samples, report });
+            self.workers.file.submit(FileRequest::SaveStore { path, scene, samples, report });
         }
     }
 
-    /// Whether there is nothing yet that a file of this purpose could hold; says so.
+    /// Whether there is nothing yet to write for this purpose; warns then.
     pub(crate) fn refuses(&mut self, purpose: Purpose) -> bool {
         let title = match purpose {
             Purpose::SaveStore => "Nothing to save yet",
@@ -260,7 +209,7 @@ fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
 }
 
 /// Where the path in the field leads to; `None` where it cannot be taken.
-fn typed_place(typed: &TypedPath) -> Option<PathBuf> {
+fn typed_destination(typed: &TypedPath) -> Option<PathBuf> {
     named(typed.purpose, place(&typed.text)?)
 }
 

@@ -1,4 +1,4 @@
-//! Takes in the answers of the lanes.
+//! Takes in the answers of the workers.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -6,28 +6,26 @@ use std::sync::Arc;
 use egui::{TextureFilter, TextureOptions};
 
 use super::remembered::remember_recent;
-use crate::app::OverlookApp;
 use crate::app::model::{
-    self, Accuracy, Exported, Message, NoticeKind, OpenScene, OrbitCamera, Origin, ShownPicture, Texture,
-    Whole, and_others, method_of,
+    self, Accuracy, CompareChoice, CompareKey, Exported, LivePicture, Message, NoticeKind, OpenScene,
+    OrbitCamera, Origin, PictureDifference, PixelSource, Probed, ShownComparison, ShownPicture, SourceLook,
+    Spot, Texture, Whole, and_others, method_of,
 };
-use crate::app::work::{
-    CompareKey, LivePicture, PictureDifference, PixelSource, Probed, ShownComparison, Spot,
-};
+use crate::app::overlook_app::OverlookApp;
 use crate::error::Error;
 use crate::preprocess::{PreparedScan, Preprocessed};
 use crate::settings::Settings;
 
-/// Pixels of the recording are looked at one by one; those of the live view are only as fine as there are samples.
+/// The source view shows single pixels sharply; the live view is interpolated.
 const SOURCE: (&str, TextureFilter) = ("source", TextureFilter::Nearest);
 const LIVE: (&str, TextureFilter) = ("live", TextureFilter::Linear);
 
 impl OverlookApp {
     /// The texture that shows a picture of the live view; `None` where nothing draws the window that could.
-    fn texture_of(&mut self, ctx: &egui::Context, picture: &LivePicture) -> Option<Texture> {
+    fn texture_of(&mut self, picture: &LivePicture) -> Option<Texture> {
         let replaced = self.state.live_shown.take().map(|shown| shown.texture);
         match &picture.pixels {
-            PixelSource::InMemory { image, .. } => Some(Texture::send(ctx, LIVE, image, replaced)),
+            PixelSource::InMemory { image, .. } => Some(Texture::send(&self.ctx, LIVE, image, replaced)),
             PixelSource::OnAdapter(painted) => {
                 Some(Texture::painted(self.window.as_ref()?, painted, replaced))
             }
@@ -35,12 +33,12 @@ impl OverlookApp {
     }
 
     /// Takes in one answer, unless it is about a scene that is no longer open.
-    pub(crate) fn receive(&mut self, message: Message, ctx: &egui::Context) {
+    pub(crate) fn receive(&mut self, message: Message) {
         let current = self.state.scene.as_ref().map(|scene| scene.id);
         if message.scene().is_some_and(|scene| Some(scene) != current) {
             return;
         }
-        let Self { state, .. } = self;
+        let Self { state, ctx, .. } = self;
         match message {
             Message::Opened(scene) => self.opened(&scene),
             Message::Scanned { scan, .. } => self.scanned(scan),
@@ -55,8 +53,8 @@ impl OverlookApp {
                 state.source_shown = Some(ShownPicture { key, picture, texture });
             }
             Message::LivePainted { key, picture } => {
-                state.tell_damage(&picture.damage);
-                let texture = self.texture_of(ctx, &picture);
+                state.report_damage(&picture.damage);
+                let texture = self.texture_of(&picture);
                 self.state.live_shown = texture.map(|texture| ShownPicture { key, picture, texture });
             }
             Message::Measured { settings, accuracy, .. } => self.measured(&settings, accuracy),
@@ -67,19 +65,21 @@ impl OverlookApp {
                 state.inspector.thumbs = textures.collect();
             }
             Message::Histograms { histograms, .. } => state.inspector.histograms = histograms,
-            Message::Compared { key, outcome } => self.compared(&key, outcome, ctx),
+            Message::Compared { key, outcome } => self.compared(&key, outcome),
             Message::MemoryMapped { cameras, .. } => state.inspector.memory = Some(cameras),
             Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
             Message::Swept { point, known, .. } => state.inspector.charts.add(*point, known),
             Message::Stressed { point, known, .. } => state.inspector.charts.add_stressed(*point, known),
             Message::Studied => {
                 state.inspector.charts.complete();
-                self.take_stock();
+                self.refresh_busy();
             }
             Message::Exported { path, exported } => self.exported(&path, &exported),
             Message::SettingsLoaded { path, settings } => self.settings_loaded(&path, settings),
             Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
-            Message::Looked { destination, taken } => self.looked(&destination, taken),
+            Message::DestinationChecked { destination, taken } => {
+                self.destination_checked(&destination, taken);
+            }
             Message::Stopped { title, text } => state.notify(NoticeKind::Warning, title, text),
             Message::Failed { what, error } => self.failed(what, &error),
             // Nobody sees it.
@@ -103,8 +103,8 @@ impl OverlookApp {
             return;
         }
         let report = &result.report;
-        for doubt in report.warnings() {
-            state.warn_of_scene("Check the capture", model::sentence(&doubt));
+        for warning in report.warnings() {
+            state.warn_of_scene("Check the capture", model::sentence(&warning));
         }
         let line = format!(
             "Pruned the capture: {} of {} samples kept in {} s",
@@ -123,8 +123,8 @@ impl OverlookApp {
             return;
         }
         self.state.accuracy = accuracy;
-        let will_play = std::mem::take(&mut self.state.timeline.will_play);
-        self.state.timeline.playing |= will_play && self.state.frame_count() > 1;
+        let plays_once_ready = std::mem::take(&mut self.state.timeline.plays_once_ready);
+        self.state.timeline.playing |= plays_once_ready && self.state.frame_count() > 1;
     }
 
     fn settings_loaded(&mut self, path: &Path, settings: Settings) {
@@ -148,30 +148,25 @@ impl OverlookApp {
             Some(probed) if is_kept => {
                 probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
             }
-            // There is no pixel to keep: what appears here later, nobody meant.
+            // A hole cannot be pinned: what appears there later is another pixel.
             None if is_kept && is_hole => (probe.pinned, probe.spot) = (false, None),
             _ => {}
         }
         probe.shown = probed;
     }
 
-    fn compared(
-        &mut self,
-        key: &CompareKey,
-        outcome: Result<PictureDifference, String>,
-        ctx: &egui::Context,
-    ) {
+    fn compared(&mut self, key: &CompareKey, outcome: Result<PictureDifference, String>) {
         let inspector = &mut self.state.inspector;
         match outcome {
             Ok(comparison) => {
                 let [left, right] = comparison.images.clone();
                 let textures = [left, right, comparison.difference.clone()]
-                    .map(|image| ctx.load_texture("comparison", image, TextureOptions::NEAREST));
-                inspector.compared =
-                    Some(ShownComparison { sides: key.sides, place: key.place, comparison, textures });
-                inspector.compare_trouble = None;
+                    .map(|image| self.ctx.load_texture("comparison", image, TextureOptions::NEAREST));
+                let CompareChoice { sides, from, .. } = key.choice;
+                inspector.compared = Some(ShownComparison { sides, from, comparison, textures });
+                inspector.compare_error = None;
             }
-            Err(trouble) => inspector.compare_trouble = Some(trouble),
+            Err(trouble) => inspector.compare_error = Some(trouble),
         }
     }
 
@@ -180,7 +175,7 @@ impl OverlookApp {
         if let Origin::Path(path) = &scene.origin {
             remember_recent(&mut state.recent, path);
         }
-        if self.lanes.open.is_idle() {
+        if self.workers.open.is_idle() {
             state.opening = None;
         }
         state.scan = None;
@@ -194,11 +189,8 @@ impl OverlookApp {
         state.live_shown = None;
         state.timeline.frame = 0;
         state.timeline.playing = false;
-        state.source.camera = 0;
-        state.source.against = None;
-        state.source.zoom = 1.0;
-        state.source.center = egui::Vec2::splat(0.5);
-        state.live.rig = OrbitCamera::home(scene);
+        state.source = SourceLook { overlay: state.source.overlay, ..SourceLook::default() };
+        state.live.orbit = OrbitCamera::home(scene);
         state.inspector.saved = scene.capture().map(|_| state.settings.clone());
         state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
         state.scene = Some(scene.clone());
@@ -209,23 +201,23 @@ impl OverlookApp {
             for warning in &playback.store().info().warnings {
                 state.warn_of_scene("While opening", warning.clone());
             }
-            state.tell_damage(&playback.store().damage());
+            state.report_damage(&playback.store().damage());
         }
         state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
-        // What is closed needs no more work. Files of it that are being written were asked for, and are finished.
-        self.lanes.whole.cancel();
-        self.lanes.measure.cancel();
-        self.lanes.inspector.study.cancel();
-        self.lanes.inspector.compare.cancel();
-        self.plan = crate::app::work::Scheduled::default();
+        // Work for the closed scene stops, except for files that are being written.
+        self.workers.whole.cancel();
+        self.workers.measure.cancel();
+        self.workers.study.cancel();
+        self.workers.compare.cancel();
+        self.scheduler = crate::app::work::Scheduler::default();
     }
 
-    /// Whether something is being opened or measured: what gave way to newer work of its kind says nothing of that.
-    pub(crate) fn take_stock(&mut self) {
-        if self.lanes.open.is_idle() {
+    /// Updates whether something is being opened or measured: superseded work sends no message of its end.
+    pub(crate) fn refresh_busy(&mut self) {
+        if self.workers.open.is_idle() {
             self.state.opening = None;
         }
-        self.state.inspector.charts.studying = !self.lanes.inspector.study.is_idle();
+        self.state.inspector.charts.studying = !self.workers.study.is_idle();
     }
 
     fn saved(&mut self, path: &Path, bytes: Option<u64>, holds: Option<(u64, Settings)>) {
@@ -264,19 +256,19 @@ impl OverlookApp {
 
     fn failed(&mut self, what: &'static str, error: &Error) {
         if matches!(what, "Open" | "Study") {
-            self.take_stock();
+            self.refresh_busy();
         }
         if matches!(error, Error::Cancelled) {
             if what == "Study" {
-                self.tell_stopped_study();
+                self.notify_stopped_study();
             }
             return;
         }
-        if what == "Prune" && self.lanes.whole.is_idle() {
+        if what == "Prune" && self.workers.whole.is_idle() {
             self.state.stopped = true;
         }
-        if what == "Inspect frame" && self.lanes.inspect.is_idle() {
-            self.state.failed_frame = self.plan.inspected_frame();
+        if what == "Inspect frame" && self.workers.inspect.is_idle() {
+            self.state.failed_frame = self.scheduler.inspect.as_ref().map(|key| key.frame);
             // Nothing goes on from here by itself.
             self.state.stopped |= self.state.inspected.is_none();
         }

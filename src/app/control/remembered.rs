@@ -34,18 +34,7 @@ pub(crate) struct Memory {
 
 impl Default for Memory {
     fn default() -> Self {
-        Self {
-            dark: true,
-            recent: Vec::new(),
-            settings: String::new(),
-            other_settings: String::new(),
-            is_b_on: false,
-            frames_per_second: 24.0,
-            show_cameras: true,
-            layout: String::new(),
-            introduced: false,
-            presets: Vec::new(),
-        }
+        Self::of(&State::default(), &Dock::new())
     }
 }
 
@@ -108,21 +97,19 @@ pub(crate) fn remember_recent(recent: &mut Vec<PathBuf>, path: &Path) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::fresh_state;
-
     #[test]
     fn both_settings_are_remembered_and_which_of_them_is_on() {
-        let mut state = fresh_state();
+        let mut state = State::default();
         state.settings.pruning.depth_tolerance = 2.0;
         let a = state.settings.clone();
         state.settings = state.inspector.history.switch(&a);
         state.settings.pruning.depth_tolerance = 3.0;
         let b = state.settings.clone();
-        let mut next = fresh_state();
+        let mut next = State::default();
         Memory::of(&state, &Dock::new()).restore(&mut next);
         assert_eq!((next.inspector.history.slot, &next.settings), (SettingsSlot::B, &b));
         assert_eq!(next.inspector.history.of(SettingsSlot::A, &next.settings), &a);
-        let mut first = fresh_state();
+        let mut first = State::default();
         Memory::default().restore(&mut first);
         assert_eq!((first.inspector.history.slot, &first.inspector.history.other), (SettingsSlot::A, &None));
     }

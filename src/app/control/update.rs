@@ -1,70 +1,49 @@
 //! Carries out commands. Here and where answers are taken in is the only place where the state changes.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
 use super::paths::lasting;
-use crate::app::OverlookApp;
 use crate::app::dock::Dock;
-use crate::app::model::{self, Command, NoticeKind, OrbitCamera, StoppableWork, method_of};
+use crate::app::model::{self, Command, OrbitCamera, PictureZoom, StoppableWork};
+use crate::app::overlook_app::OverlookApp;
 use crate::app::work::OpenRequest;
 use crate::demo::DemoSpec;
-use crate::settings::Settings;
 
 impl OverlookApp {
     /// Carries out one command.
     pub(crate) fn apply(&mut self, command: Command) {
-        self.state.timeline.will_play &= leaves_time_alone(&command);
-        match command {
-            Command::OpenDemo(_) | Command::OpenPath(_) => self.ask_to_open(command),
-            Command::AskPath(_)
-            | Command::TypePath(_)
-            | Command::TypedPath(_)
-            | Command::TakeTypedPath
-            | Command::CloseTypedPath => self.apply_to_typed_path(command),
-            Command::ForgetRecent => self.state.recent.clear(),
-            Command::Set { path, value } => self.set(path, value),
-            Command::Reset(path) => {
-                if let Some(value) = Settings::default().get(path) {
-                    self.set(path, value);
-                }
-            }
-            Command::ResetAll => self.change_settings("all", Settings::default()),
-            Command::Preset(_)
-            | Command::OwnPreset(_)
-            | Command::NamePreset(_)
-            | Command::SavePreset(_)
-            | Command::RemovePreset(_) => self.apply_to_presets(command),
-            Command::Undo | Command::Redo | Command::SwitchSettings => self.apply_to_history(&command),
-            Command::Rerun => {
+        self.state.timeline.plays_once_ready &= only_looks(&command);
+        let rest = self
+            .apply_to_typed_path(command)
+            .and_then(|command| self.apply_to_settings(command))
+            .and_then(|command| self.apply_to_timeline(command))
+            .and_then(|command| self.apply_to_inspector(command))
+            .and_then(|command| self.apply_to_path(command))
+            .and_then(|command| self.apply_to_views(command));
+        match rest {
+            Some(command @ (Command::OpenDemo(_) | Command::OpenPath(_))) => self.ask_to_open(command),
+            Some(Command::ForgetRecent) => self.state.recent.clear(),
+            Some(Command::Rerun) => {
                 self.state.stopped = false;
                 self.state.failed_frame = None;
-                self.plan.forget_frame();
-                self.plan.forget_whole();
-                self.plan.forget_accuracy();
-                self.plan.changed_at = None;
+                (self.scheduler.inspect, self.scheduler.source) = (None, None);
+                (self.scheduler.whole, self.scheduler.measure) = (None, None);
+                self.scheduler.changed_at = None;
             }
-            Command::Cancel => self.cancel(),
-            Command::Escape => self.escape(),
-            Command::Frame(_) | Command::Step(_) | Command::TogglePlay | Command::FramesPerSecond(_) => {
-                self.apply_to_timeline(&command);
-            }
-            Command::OpenView(view) => self.dock.open(view),
-            Command::ResetLayout => self.dock = Dock::new(),
-            Command::Dark(dark) => self.state.dark = dark,
-            Command::Dismiss(id) => self.state.notices.retain(|notice| notice.id != id),
-            other => {
-                if let Some(looks) = self.apply_to_inspector(other) {
-                    self.apply_to_views(looks);
-                }
-            }
+            Some(Command::Cancel) => self.cancel(),
+            Some(Command::Escape) => self.escape(),
+            Some(Command::OpenView(view)) => self.dock.open(view),
+            Some(Command::ResetLayout) => self.dock = Dock::new(),
+            Some(Command::Dark(dark)) => self.state.dark = dark,
+            Some(Command::Dismiss(id)) => self.state.notices.retain(|notice| notice.id != id),
+            _ => {}
         }
     }
 
-    fn apply_to_timeline(&mut self, command: &Command) {
+    fn apply_to_timeline(&mut self, command: Command) -> Option<Command> {
         let frames = self.state.frame_count();
         let timeline = &mut self.state.timeline;
-        match *command {
+        match command {
             Command::Frame(frame) => timeline.frame = frame.min(frames.saturating_sub(1)),
             Command::Step(by) if frames > 0 => {
                 timeline.frame = (timeline.frame as i64 + by).rem_euclid(frames as i64) as usize;
@@ -74,11 +53,12 @@ impl OverlookApp {
                 timeline.elapsed_secs = 0.0;
             }
             Command::FramesPerSecond(rate) => timeline.frames_per_second = rate.clamp(1.0, 120.0),
-            _ => {}
+            other => return Some(other),
         }
+        None
     }
 
-    fn apply_to_views(&mut self, command: Command) {
+    fn apply_to_views(&mut self, command: Command) -> Option<Command> {
         let state = &mut self.state;
         match command {
             Command::SourceCamera(camera) => {
@@ -89,43 +69,40 @@ impl OverlookApp {
             }
             Command::Overlay(overlay) => state.source.overlay = overlay,
             Command::Against(against) => state.source.against = against,
-            Command::SourceZoom { zoom, center } => {
-                state.source.zoom = zoom.clamp(1.0, 64.0);
-                state.source.center = center.clamp(egui::Vec2::ZERO, egui::Vec2::splat(1.0));
-            }
+            Command::SourceZoom(part) => state.source.part = part,
             Command::JumpTo(index) => {
                 if let Some(scene) = &state.scene
                     && let Some(camera) = scene.cameras.get(index)
                 {
-                    state.live.rig = Some(OrbitCamera::at_camera(scene, camera));
+                    state.live.orbit = Some(OrbitCamera::at_camera(scene, camera));
                 }
             }
             Command::Home => {
-                state.live.rig = state.scene.as_ref().and_then(|scene| OrbitCamera::home(scene));
-                state.source.zoom = 1.0;
-                state.source.center = egui::Vec2::splat(0.5);
+                state.live.orbit = state.scene.as_ref().and_then(|scene| OrbitCamera::home(scene));
+                state.source.part = PictureZoom::default();
             }
             Command::ColorBy(color_by) => state.live.color_by = color_by,
             Command::ShowCameras(show) => state.live.show_cameras = show,
             Command::LiveSize(size) => state.live.size = size,
             motion => {
-                let Some(rig) = &mut state.live.rig else { return };
+                let Some(orbit) = &mut state.live.orbit else { return Some(motion) };
                 match motion {
-                    Command::Orbit(angles) => rig.orbit(angles),
-                    Command::Pan(share) => rig.pan(share),
-                    Command::Dolly(factor) => rig.dolly(factor),
-                    Command::DollyTo { factor, point_in_world } => rig.dolly_to(factor, point_in_world),
-                    Command::Fly(steps) => rig.fly(steps),
-                    _ => {}
+                    Command::Orbit(angles) => orbit.orbit(angles),
+                    Command::Pan(share) => orbit.pan(share),
+                    Command::Dolly(factor) => orbit.dolly(factor),
+                    Command::DollyTo { factor, point_in_world } => orbit.dolly_to(factor, point_in_world),
+                    Command::Fly(steps) => orbit.fly(steps),
+                    other => return Some(other),
                 }
             }
         }
+        None
     }
 
     /// Opens something, after a question where a camera path or measured points are lost by it.
     fn ask_to_open(&mut self, command: Command) {
-        if self.state.inspector.losses().is_some() {
-            self.state.asks_to_open = Some(command);
+        if self.state.inspector.unsaved_work().is_some() {
+            self.state.open_after_question = Some(command);
         } else {
             self.open(command);
         }
@@ -143,7 +120,7 @@ impl OverlookApp {
 
     /// Closes, or opens something else, whatever is lost by it.
     pub(crate) fn go_on_anyway(&mut self) {
-        let opens = self.state.asks_to_open.take();
+        let opens = self.state.open_after_question.take();
         if self.state.inspector.closing.asks {
             self.state.inspector.closing.anyway = true;
             self.ctx.send_viewport_cmd(egui::ViewportCommand::Close);
@@ -157,72 +134,40 @@ impl OverlookApp {
     /// Opens a built-in scene.
     pub(crate) fn open_demo(&mut self, spec: DemoSpec) {
         self.state.opening = Some(model::words(&spec.scene));
-        self.lanes.open.submit(OpenRequest::Demo { spec, settings: self.state.settings.capture.clone() });
+        self.workers.open.submit(OpenRequest::Demo { spec, settings: self.state.settings.capture.clone() });
     }
 
     /// Opens a capture or a store.
     pub(crate) fn open_path(&mut self, path: PathBuf) {
         let path = lasting(path);
         self.state.opening = Some(path.display().to_string());
-        self.lanes.open.submit(OpenRequest::Path { path, settings: self.state.settings.capture.clone() });
-    }
-
-    fn set(&mut self, path: &'static str, value: toml::Value) {
-        let mut settings = self.state.settings.clone();
-        match settings.set(path, value) {
-            Ok(()) => self.change_settings(path, settings),
-            Err(error) => self.state.notify(NoticeKind::Error, "Setting not changed", error.to_string()),
-        }
-    }
-
-    /// Changes settings; `what` tells one change from the next.
-    pub(crate) fn change_settings(&mut self, what: &'static str, settings: Settings) {
-        if settings != self.state.settings {
-            self.state.inspector.history.record(&self.state.settings, what, Instant::now());
-            self.put_settings(settings);
-        }
-    }
-
-    pub(crate) fn put_settings(&mut self, settings: Settings) {
-        if method_of(&settings) != method_of(&self.state.settings) {
-            self.plan.changed_at = Some(Instant::now());
-            self.state.stopped = false;
-            self.state.failed_frame = None;
-        }
-        if settings.render != self.state.settings.render {
-            // It was that of pictures painted otherwise.
-            self.state.accuracy = None;
-        }
-        if self.state.accuracy.is_none() {
-            self.plan.forget_accuracy();
-        }
-        self.state.settings = settings;
+        self.workers.open.submit(OpenRequest::Path { path, settings: self.state.settings.capture.clone() });
     }
 
     /// Stops the work that the line at the bottom names, and nothing beside it.
     fn cancel(&mut self) {
         let Some(work) = self.state.busy.first().map(|busy| busy.work) else { return };
-        let lanes = &self.lanes;
+        let workers = &self.workers;
         match work {
-            StoppableWork::Open => lanes.open.cancel(),
+            StoppableWork::Open => workers.open.cancel(),
             StoppableWork::Whole => {
-                lanes.whole.cancel();
+                workers.whole.cancel();
                 if !self.state.is_whole_ready() {
                     self.state.stopped = true;
-                    self.plan.forget_whole();
+                    self.scheduler.whole = None;
                 }
             }
-            StoppableWork::File => lanes.file.cancel(),
-            StoppableWork::Export => lanes.inspector.export.cancel(),
-            StoppableWork::Study => lanes.inspector.study.cancel(),
+            StoppableWork::File => workers.file.cancel(),
+            StoppableWork::Export => workers.export.cancel(),
+            StoppableWork::Study => workers.study.cancel(),
             StoppableWork::Compare => {
-                lanes.inspector.compare.cancel();
+                workers.compare.cancel();
                 let text = "It was stopped; choose what to compare again.";
-                self.state.inspector.compare_trouble = Some(text.to_owned());
+                self.state.inspector.compare_error = Some(text.to_owned());
             }
-            StoppableWork::Measure => lanes.measure.cancel(),
+            StoppableWork::Measure => workers.measure.cancel(),
         }
-        self.take_stock();
+        self.refresh_busy();
     }
 
     fn escape(&mut self) {
@@ -231,7 +176,7 @@ impl OverlookApp {
             | inspector.naming.take().is_some()
             | inspector.cheat_sheet
             | inspector.closing.asks
-            | self.state.asks_to_open.take().is_some();
+            | self.state.open_after_question.take().is_some();
         (inspector.cheat_sheet, inspector.closing.asks) = (false, false);
         if was_open || self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
             return;
@@ -249,7 +194,7 @@ impl OverlookApp {
 }
 
 /// Whether a command only looks around, so that a scene that was about to move still may.
-fn leaves_time_alone(command: &Command) -> bool {
+fn only_looks(command: &Command) -> bool {
     matches!(
         command,
         Command::Probe(_)

@@ -3,16 +3,12 @@
 //! Between keys the camera moves as [`crate::render::film::pose_at`] says; every leg takes as many pictures, and time and lens change evenly
 //! from one key's to the next one's.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::orbit_camera::OrbitCamera;
 use crate::capture::Intrinsics;
-use crate::error::{Error, Result};
-use crate::job::Job;
-use crate::render::film::{self, FilmEncoder, Reel};
-use crate::render::output::write_png;
-use crate::render::{Picture, Renderer, Vantage};
-use crate::settings::RenderSettings;
+use crate::render::Vantage;
+use crate::render::film;
 
 /// Why a path of fewer than two keys cannot be exported.
 pub(crate) const NO_KEYS: &str =
@@ -21,9 +17,7 @@ pub(crate) const NO_KEYS: &str =
 /// A place on the path.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SavedPathKey {
-    /// Where the view stands.
-    pub rig: OrbitCamera,
-    /// The frame shown there.
+    pub orbit: OrbitCamera,
     pub frame: usize,
 }
 
@@ -61,25 +55,25 @@ impl CameraPath {
         let time = f64::from(picture / self.pictures_per_leg as f32).clamp(0.0, last as f64);
         let timed = self.keys.iter().enumerate().map(|(index, key)| film::PathKey {
             time: index as f64,
-            world_from_camera: key.rig.world_from_camera,
+            world_from_camera: key.orbit.world_from_camera,
         });
         let world_from_camera = film::pose_at(&timed.collect::<Vec<_>>(), time)?;
         let leg = (time as usize).min(last.saturating_sub(1));
         let share = time - leg as f64;
         let (from, to) = (&self.keys[leg], &self.keys[(leg + 1).min(last)]);
         let between = |from: f64, to: f64| from + (to - from) * share;
-        let mut rig = from.rig.clone();
-        rig.world_from_camera = world_from_camera;
-        rig.lens = lens_between([from.rig.lens, to.rig.lens], share);
-        rig.pivot_distance = between(from.rig.pivot_distance, to.rig.pivot_distance);
-        Some(SavedPathKey { rig, frame: between(from.frame as f64, to.frame as f64).round() as usize })
+        let mut orbit = from.orbit.clone();
+        orbit.world_from_camera = world_from_camera;
+        orbit.lens = lens_between([from.orbit.lens, to.orbit.lens], share);
+        orbit.pivot_distance = between(from.orbit.pivot_distance, to.orbit.pivot_distance);
+        Some(SavedPathKey { orbit, frame: between(from.frame as f64, to.frame as f64).round() as usize })
     }
 
     /// Every picture's vantage, for pictures of `width` by `height` pixels of a scene of `frames` frames.
-    fn vantages(&self, [width, height]: [u32; 2], frames: usize) -> Vec<Vantage> {
+    pub(crate) fn vantages(&self, [width, height]: [u32; 2], frames: usize) -> Vec<Vantage> {
         let keys = (0..self.pictures()).filter_map(|picture| self.at(picture as f32));
         let last = frames.saturating_sub(1);
-        keys.map(|key| Vantage { camera: key.rig.camera(width, height), frame: key.frame.min(last) })
+        keys.map(|key| Vantage { camera: key.orbit.camera(width, height), frame: key.frame.min(last) })
             .collect()
     }
 }
@@ -105,86 +99,33 @@ fn lens_between([from, to]: [Intrinsics; 2], share: f64) -> Intrinsics {
 
 /// What a camera path is exported as.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum ExportTarget {
-    /// A folder that receives `0001.png`, `0002.png`, …
-    Pictures(PathBuf),
-    /// A film, and how many pictures it shows a second.
-    Film(PathBuf, f64),
+pub(crate) struct ExportTarget {
+    /// A folder that receives `0001.png`, `0002.png`, …, or a film.
+    pub path: PathBuf,
+    /// How many pictures a film shows a second; `None` for a folder.
+    pub film_rate: Option<f64>,
 }
 
 impl ExportTarget {
-    /// The folder or file.
-    pub(crate) fn path(&self) -> &Path {
-        match self {
-            Self::Pictures(path) | Self::Film(path, _) => path,
-        }
-    }
-
     /// What is left of an export that was stopped, in words.
     pub(crate) fn stopped(&self) -> String {
-        match self {
-            Self::Pictures(folder) => {
-                format!("Only the pictures painted until then were written to {}.", folder.display())
-            }
-            Self::Film(path, _) => format!("Nothing was written to {}.", path.display()),
-        }
+        let written = if self.film_rate.is_some() {
+            "Nothing was"
+        } else {
+            "Only the pictures painted until then were"
+        };
+        format!("{written} written to {}.", self.path.display())
     }
-}
-
-/// What is exported.
-pub(crate) struct ExportRequest {
-    /// The path.
-    pub path: CameraPath,
-    /// What is painted.
-    pub reel: Reel,
-    /// How.
-    pub settings: RenderSettings,
-    /// Columns and rows of the pictures.
-    pub size: [u32; 2],
-    /// As what.
-    pub target: ExportTarget,
 }
 
 /// What came of an export.
 pub(crate) struct Exported {
     /// Pictures painted and written.
     pub pictures: usize,
-    /// Why something else painted than was asked for.
+    /// Why the renderer of the settings did not paint.
     pub notice: Option<String>,
     /// What could not be read of a store so far, one line each.
     pub damage: Vec<String>,
-}
-
-/// Paints and writes all pictures.
-///
-/// # Errors
-/// `Invalid` without a path, `Io` where nothing can be written there, whatever rendering and ffmpeg give, and `Cancelled`.
-pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Exported> {
-    let vantages = request.path.vantages(request.size, request.reel.frame_count());
-    if vantages.is_empty() {
-        return Err(Error::invalid("camera path", NO_KEYS));
-    }
-    let mut renderer = Renderer::new();
-    let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| {
-        film::paint(&request.reel, &vantages, &mut renderer, &request.settings, job, take)
-    };
-    match &request.target {
-        ExportTarget::Pictures(folder) => {
-            std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
-            paint(&mut |nth, picture| write_png(&folder.join(format!("{:04}.png", nth + 1)), picture))?;
-        }
-        ExportTarget::Film(path, frames_per_second) => {
-            let size = request.size.map(|side| side as usize);
-            let mut encoder = FilmEncoder::start(path, size, *frames_per_second)?;
-            paint(&mut |_, picture| encoder.add(picture))?;
-            encoder.finish(job)?;
-        }
-    }
-    let damage = match &request.reel {
-        Reel::Memory(_) => Vec::new(),
-        Reel::Disk(playback) => playback.store().damage(),
-    };
-    Ok(Exported { pictures: vantages.len(), notice: renderer.notice().map(str::to_owned), damage })
 }
 
 #[cfg(test)]
@@ -194,9 +135,9 @@ mod tests {
 
     fn path(positions: &[DVec3]) -> CameraPath {
         let keys = positions.iter().enumerate().map(|(index, position)| {
-            let mut rig = OrbitCamera::for_tests();
-            rig.world_from_camera.translation = *position;
-            SavedPathKey { rig, frame: index * 10 }
+            let mut orbit = OrbitCamera::for_tests();
+            orbit.world_from_camera.translation = *position;
+            SavedPathKey { orbit, frame: index * 10 }
         });
         CameraPath { keys: keys.collect(), pictures_per_leg: 8, size: None, playing: None }
     }
@@ -208,7 +149,7 @@ mod tests {
         assert_eq!(path.pictures(), 17);
         for (index, position) in positions.into_iter().enumerate() {
             let key = path.at(index as f32 * 8.0).unwrap();
-            assert!((key.rig.world_from_camera.translation - position).length() < 1e-9);
+            assert!((key.orbit.world_from_camera.translation - position).length() < 1e-9);
             assert_eq!(key.frame, index * 10);
         }
         assert_eq!(path.at(4.0).unwrap().frame, 5);
@@ -218,12 +159,12 @@ mod tests {
     #[test]
     fn the_lens_zooms_from_each_key_to_the_next_and_the_last_one_is_reached() {
         let mut path = path(&[DVec3::ZERO, DVec3::X]);
-        let wide = path.keys[0].rig.lens;
+        let wide = path.keys[0].orbit.lens;
         let zoomed =
             Intrinsics { fx: 6.0 * wide.fx, fy: 6.0 * wide.fy, cx: 96.0, cy: 72.0, width: 192, height: 144 };
-        path.keys[1].rig.lens = zoomed;
+        path.keys[1].orbit.lens = zoomed;
         let focal = |picture: f32| {
-            let camera = path.at(picture).unwrap().rig.camera(640, 480);
+            let camera = path.at(picture).unwrap().orbit.camera(640, 480);
             assert_eq!([camera.intrinsics.cx, camera.intrinsics.cy], [320.0, 240.0]);
             assert!((camera.intrinsics.fx - camera.intrinsics.fy).abs() < 1e-9);
             camera.intrinsics.fx / (10.0 * wide.fx)
@@ -231,7 +172,7 @@ mod tests {
         for (picture, expected) in [(0.0, 1.0), (4.0, 1.5), (8.0, 2.0), (99.0, 2.0)] {
             assert!((focal(picture) - expected).abs() < 1e-9, "{picture}: {}", focal(picture));
         }
-        assert_eq!(path.at(8.0).unwrap().rig.lens.width, 192);
+        assert_eq!(path.at(8.0).unwrap().orbit.lens.width, 192);
     }
 
     #[test]

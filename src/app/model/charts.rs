@@ -1,7 +1,7 @@
 //! What sweeps and stress tests have measured so far, how far they came, and how it is shown.
 
 use super::chart_axis::Quantity;
-use super::document::method_of;
+use super::results::method_of;
 use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::{self, Point, Series};
 use crate::settings::Settings;
@@ -16,7 +16,6 @@ pub(crate) enum Study {
 }
 
 impl Study {
-    /// Its name.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Sweep => "Sweep",
@@ -41,18 +40,16 @@ pub(crate) struct Charts {
     pub sweep: Vec<Point>,
     /// Points of the stress test, as they came.
     pub stress: Vec<StressPoint>,
-    /// The disturbance that is shown.
     pub disturbance: String,
     /// Along and up.
     axes: [Quantity; 2],
-    /// Whether something is being measured.
     pub studying: bool,
     /// What is being measured, or was last.
     study: Option<Study>,
     /// The last sweep and the last stress test.
     runs: [Option<StudyRun>; 2],
     /// Whether the points of the stress test are those of the one before, until the first new one takes their place.
-    of_the_test_before: bool,
+    is_of_previous_test: bool,
 }
 
 impl Default for Charts {
@@ -65,7 +62,7 @@ impl Default for Charts {
             studying: false,
             study: None,
             runs: [None, None],
-            of_the_test_before: false,
+            is_of_previous_test: false,
         }
     }
 }
@@ -80,7 +77,7 @@ impl Charts {
 
     /// Adds a point of the stress test; `known` are known then, of how many.
     pub(crate) fn add_stressed(&mut self, point: StressPoint, known: (usize, usize)) {
-        if std::mem::take(&mut self.of_the_test_before) {
+        if std::mem::take(&mut self.is_of_previous_test) {
             self.stress.clear();
         }
         self.stress.push(point);
@@ -98,7 +95,6 @@ impl Charts {
         self.axes
     }
 
-    /// Chooses what is along and up.
     pub(crate) fn set_axes(&mut self, axes: [Quantity; 2]) {
         self.axes = axes;
         self.mark_front();
@@ -128,7 +124,7 @@ impl Charts {
         if known.is_none() {
             *run = Some(StudyRun { settings: settings.clone(), known: (0, 0), is_complete: false });
             if study == Study::Stress {
-                self.of_the_test_before = true;
+                self.is_of_previous_test = true;
             }
         }
         (self.study, self.studying) = (Some(study), true);
@@ -137,10 +133,9 @@ impl Charts {
 
     /// The points of the stress test that was begun.
     pub(crate) fn known_stress(&self) -> Vec<StressPoint> {
-        if self.of_the_test_before { Vec::new() } else { self.stress.clone() }
+        if self.is_of_previous_test { Vec::new() } else { self.stress.clone() }
     }
 
-    /// All is measured.
     pub(crate) fn complete(&mut self) {
         if let Some(run) = self.study.and_then(|study| self.runs[study as usize].as_mut()) {
             run.is_complete = true;
@@ -161,11 +156,11 @@ impl Charts {
         self.run(study).is_some_and(|run| run.known.0 > 0 && !run.is_complete && run.settings == *settings)
     }
 
-    /// What to say of a stress test that was made with other settings than `now`; `None` where it holds.
-    pub(crate) fn stale_stress_words(&self, now: &Settings) -> Option<&'static str> {
+    /// Note for a stress test that was made with other settings than `now`; `None` where it holds.
+    pub(crate) fn stale_stress_note(&self, now: &Settings) -> Option<&'static str> {
         let made = &self.runs[Study::Stress as usize].as_ref()?.settings;
         let painting = |settings: &Settings| (settings.render.kernel, settings.render.fill);
-        if self.of_the_test_before && !self.stress.is_empty() {
+        if self.is_of_previous_test && !self.stress.is_empty() {
             Some("Of the test before; the first new point takes their place.")
         } else if method_of(made) != method_of(now) {
             Some("Made with other thresholds; run it again to see what these give.")
@@ -176,7 +171,7 @@ impl Charts {
         }
     }
 
-    /// What there is to say once measuring was stopped: title and text.
+    /// Title and text of the message once measuring was stopped.
     pub(crate) fn stopped(&self) -> Option<(String, String)> {
         let study = self.study.filter(|_| !self.studying)?;
         let text = match self.run(study)?.known {
@@ -238,7 +233,7 @@ mod tests {
         settings.pruning.depth_tolerance = 2.0;
         let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((16, 12));
         let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
-        for planned in crate::evaluate::sweep::SweepPlan::standard(&settings, &capture).trials {
+        for planned in sweep::SweepPlan::standard(&settings, &capture).trials {
             let point = Point::new(&planned.trial, planned.series, &TrialResult::default());
             assert!(!series_name(point.series).contains("default"), "{:?}", point.series);
             assert!(!point_name(&point).contains("default"), "{}", point.label);
@@ -295,13 +290,13 @@ mod tests {
     fn a_stress_test_of_other_settings_says_so() {
         let (settings, mut other) = (Settings::default(), Settings::default());
         let mut charts = Charts::default();
-        assert_eq!(charts.stale_stress_words(&settings), None);
+        assert_eq!(charts.stale_stress_note(&settings), None);
         charts.begin(Study::Stress, &settings);
-        assert_eq!(charts.stale_stress_words(&settings), None);
+        assert_eq!(charts.stale_stress_note(&settings), None);
         other.render.kernel = crate::settings::Kernel::Point;
-        assert!(charts.stale_stress_words(&other).is_some_and(|words| words.contains("kernel")));
+        assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("kernel")));
         other.pruning.depth_tolerance = 2.0;
-        assert!(charts.stale_stress_words(&other).is_some_and(|words| words.contains("thresholds")));
+        assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("thresholds")));
         assert_eq!(
             ["ours", "paper", "without defenses"].map(method_name),
             [START, "as in the paper", "without defenses"]

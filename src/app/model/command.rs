@@ -1,4 +1,4 @@
-//! Everything a person can ask for. Panels send these; `update` carries them out.
+//! Everything that a person can do. Panels send commands; `control` carries them out.
 
 use std::path::PathBuf;
 
@@ -6,19 +6,19 @@ use glam::{DVec2, DVec3};
 
 use super::chart_axis::Quantity;
 use super::charts::Study;
-use super::compare_options::CompareLook;
-use super::message::Purpose;
-use crate::app::dock::DockView;
-use crate::app::panels::CommandPalette;
-use crate::app::work::{ColorBy, Overlay, Spot};
+use super::comparison::CompareLook;
+use super::live_picture::ColorBy;
+use super::picture_zoom::PictureZoom;
+use super::pixel::Spot;
+use super::purpose::Purpose;
+use super::source_picture::Overlay;
+use super::view::DockView;
 use crate::settings::Settings;
 
 /// One wish of the person at the window.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Command {
-    /// Open a built-in scene by name.
     OpenDemo(String),
-    /// Open a capture or a store.
     OpenPath(PathBuf),
     /// Ask for a path by the system's dialog.
     AskPath(Purpose),
@@ -28,31 +28,26 @@ pub(crate) enum Command {
     TypedPath(String),
     /// Take the path in the field.
     TakeTypedPath,
-    /// Close the field.
     CloseTypedPath,
-    /// Forget the recent files.
     ForgetRecent,
-    /// Change a setting.
-    Set { path: &'static str, value: toml::Value },
-    /// Give a setting its default.
+    Set {
+        path: &'static str,
+        value: toml::Value,
+    },
     Reset(&'static str),
-    /// Give all settings their defaults.
     ResetAll,
-    /// Take the settings of a preset, by its place in the list.
+    /// Take the settings of a built-in preset, by its index.
     Preset(usize),
-    /// Take the settings of a preset of one's own, by its place in the list.
+    /// Take the settings of the person's own preset, by its index.
     OwnPreset(usize),
     /// What a new preset is named so far; `None` closes the field.
     NamePreset(Option<String>),
-    /// Keep the settings that are shown as a preset of this name.
     SavePreset(String),
-    /// Forget a preset of one's own.
+    /// Forget the person's own preset of an index.
     RemovePreset(usize),
-    /// Take back the last change of a setting.
     Undo,
-    /// Do again what was taken back.
     Redo,
-    /// Put the other of two settings on.
+    /// Switch to the other of settings A and B.
     SwitchSettings,
     /// Prune the whole capture again.
     Rerun,
@@ -60,22 +55,17 @@ pub(crate) enum Command {
     Cancel,
     /// Close the topmost thing: a field, a message; else as `Cancel`.
     Escape,
-    /// Go to a frame.
     Frame(usize),
-    /// Go some frames on or back, around the ends.
+    /// Step forward or back, around the ends.
     Step(i64),
-    /// Play or pause.
     TogglePlay,
-    /// Frames per second of playback.
     FramesPerSecond(f32),
     /// Show another camera on the left.
     SourceCamera(usize),
-    /// Show something else on the left.
     Overlay(Overlay),
     /// Compare sampling rates with this camera, or the best other.
     Against(Option<usize>),
-    /// Zoom and shift of the left picture.
-    SourceZoom { zoom: f32, center: egui::Vec2 },
+    SourceZoom(PictureZoom),
     /// Orbit by angles in radians.
     Orbit(DVec2),
     /// Shift the right view by shares of its height.
@@ -83,73 +73,69 @@ pub(crate) enum Command {
     /// Nearer (below 1) or farther.
     Dolly(f64),
     /// Nearer to a point (below 1) or farther from it, which stays where it is on the screen.
-    DollyTo { factor: f64, point_in_world: DVec3 },
+    DollyTo {
+        factor: f64,
+        point_in_world: DVec3,
+    },
     /// Fly right, down, forward, in pivot distances.
     Fly(DVec3),
     /// Look from where a camera stood.
     JumpTo(usize),
     /// Back to the first vantage, and the left picture back to fit.
     Home,
-    /// What colors on the right tell.
     ColorBy(ColorBy),
-    /// Whether the cameras are drawn on the right.
     ShowCameras(bool),
-    /// Size of the right view in pixels.
     LiveSize([u32; 2]),
-    /// Dark or light.
     Dark(bool),
-    /// Bring a view to the front.
     OpenView(DockView),
-    /// Put all views where they were at first.
     ResetLayout,
     /// Point at a pixel, or at nothing.
     Probe(Option<Spot>),
-    /// Keep the pixel that is looked at, or let go of it.
+    /// Pin the selected pixel, or unpin it.
     Pin(bool),
-    /// Show the point that is looked at in a camera's picture.
+    /// Show the selected point in a camera's picture.
     ShowPointIn(usize),
-    /// Change how the comparison looks.
     Compare(Box<CompareLook>),
-    /// Copy the argument for the pixel as text.
-    CopyArgument,
-    /// Copy the picture of the live view.
+    CopyExplanation,
     CopyPicture,
-    /// Put the pixel that is looked at in the middle of the live view.
+    /// Center the live view on the selected pixel.
     FramePoint,
     /// Open, change or close the command palette.
     Palette(Option<CommandPalette>),
-    /// Open or close the sheet of keys.
     CheatSheet(bool),
     /// The introduction of the first run was read.
     Introduced,
-    /// Neither close nor open something else.
+    /// Cancel the question before closing or opening.
     Stay,
-    /// Close, or open something else, whatever is lost by it.
+    /// Close or open in spite of what is lost.
     GoOnAnyway,
-    /// Add a key to the camera path where the view stands.
     AddKey,
-    /// Take a key out of the camera path.
     RemoveKey(usize),
     /// Put a key of the camera path where the view stands.
     ReplaceKey(usize),
-    /// Stand where a key of the camera path is.
     GoToKey(usize),
     /// Pictures from one key of the camera path to the next.
     PicturesPerLeg(usize),
-    /// Columns and rows of exported pictures.
     PictureSize([u32; 2]),
     /// Play the camera path from its beginning, or stop.
     PlayPath(bool),
-    /// Measure: a sweep or a stress test.
     Study(Study),
-    /// What the chart's axes show.
     ChartAxes([Quantity; 2]),
-    /// The disturbance that is shown.
     Disturbance(String),
     /// Put these settings on.
     TakeSettings(Box<Settings>),
     /// Write frame times into the program's log, and count them anew.
     LogFrameTimes,
-    /// Close a message.
     Dismiss(u64),
+}
+
+/// Commands of one frame, in the order in which they are carried out.
+pub(crate) type Commands = Vec<Command>;
+
+/// What is typed into the palette, and which entry is chosen.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct CommandPalette {
+    pub text: String,
+    /// Place of the chosen entry among those that match.
+    pub chosen: usize,
 }

@@ -6,161 +6,84 @@ use std::time::Instant;
 
 use super::command::Command;
 use super::inspector::Inspector;
-use super::message::{Accuracy, Purpose};
+use super::live_picture::{ColorBy, LiveKey, LivePicture, PixelSource};
+use super::notice::{Notice, NoticeKind, and_others};
 use super::orbit_camera::OrbitCamera;
+use super::picture_zoom::PictureZoom;
+use super::purpose::TypedPath;
+use super::results::{Accuracy, Inspected, Whole, method_of};
 use super::scene::{Content, OpenScene};
+use super::source_picture::{Overlay, SourceKey, SourcePicture};
 use super::texture::Texture;
-use crate::app::work::{ColorBy, LiveKey, LivePicture, Overlay, PixelSource, SourceKey, SourcePicture};
 use crate::job::Progress;
 use crate::preprocess::PreparedScan;
 use crate::preprocess::diagnostics::Report;
 use crate::preprocess::inspect::FrameInspection;
 use crate::samples::SampleSet;
-use crate::settings::{CaptureSettings, RenderSettings, Settings};
-
-/// How loud a message is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum NoticeKind {
-    /// Something failed.
-    Error,
-    /// Something is odd.
-    Warning,
-    /// Something worked.
-    Done,
-}
-
-/// A message to the person.
-#[derive(Clone, Debug)]
-pub(crate) struct Notice {
-    /// Identity.
-    pub id: u64,
-    /// How loud.
-    pub kind: NoticeKind,
-    /// What was tried.
-    pub title: String,
-    /// What happened, and what to do.
-    pub text: String,
-    /// When it came up.
-    pub since: Instant,
-    /// The scene it speaks of, with which it ends; `None` where it holds whatever is open.
-    pub scene: Option<u64>,
-}
-
-/// The whole capture, pruned.
-pub(crate) struct Whole {
-    /// The kept samples.
-    pub samples: Arc<SampleSet>,
-    /// The account.
-    pub report: Arc<Report>,
-    /// The settings they came from.
-    pub settings: Settings,
-}
-
-/// One frame, pruned, with reasons.
-pub(crate) struct Inspected {
-    /// The verdicts.
-    pub inspection: Arc<FrameInspection>,
-    /// The settings they came from.
-    pub settings: Settings,
-    /// Whether it was known what is the same over all frames.
-    pub with_scan: bool,
-    /// Pixels of each camera that represent themselves.
-    pub kept: Vec<u64>,
-}
+use crate::settings::Settings;
 
 /// Where in time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Timeline {
-    /// Index of the frame shown.
     pub frame: usize,
     /// Whether it advances.
     pub playing: bool,
     /// Whether it will by itself, once all is known of what is open.
-    pub will_play: bool,
-    /// How fast.
+    pub plays_once_ready: bool,
     pub frames_per_second: f32,
     /// Seconds since the last advance.
     pub elapsed_secs: f32,
 }
 
 /// How the left view looks.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SourceLook {
-    /// The camera shown.
     pub camera: usize,
-    /// What is shown.
     pub overlay: Overlay,
     /// Sampling ratio against which camera.
     pub against: Option<usize>,
-    /// Magnification beyond fitting the view.
-    pub zoom: f32,
-    /// The picture's point in the middle of the view, as shares of its size.
-    pub center: egui::Vec2,
+    /// The part of the picture that is shown.
+    pub part: PictureZoom,
 }
 
 /// How the right view looks.
 #[derive(Clone, Debug)]
 pub(crate) struct LiveLook {
     /// The virtual camera; `None` while nothing is open.
-    pub rig: Option<OrbitCamera>,
-    /// What colors tell.
+    pub orbit: Option<OrbitCamera>,
     pub color_by: ColorBy,
-    /// Whether cameras are drawn.
     pub show_cameras: bool,
-    /// Size of the view in pixels.
     pub size: [u32; 2],
     /// Whether the GPU may paint on the device that draws the window.
     pub shares_device: bool,
 }
 
 /// Size of the right view before it was first laid out, in pixels: other views want its picture while it lies behind them.
-pub(crate) const FIRST_SIZE: [u32; 2] = [960, 720];
+const FIRST_SIZE: [u32; 2] = [960, 720];
 
 /// Columns or rows that exported pictures can have.
 pub(crate) const SIDES: std::ops::RangeInclusive<u32> = 2..=16_384;
 
-/// A path that is being typed.
-#[derive(Clone, Debug)]
-pub(crate) struct TypedPath {
-    /// What it is for.
-    pub purpose: Purpose,
-    /// The text so far.
-    pub text: String,
-    /// Why the field is shown in place of the system's dialog, if it is.
-    pub reason: Option<String>,
-    /// Whether something stands there already, and the question is whether to replace it.
-    pub replaces: bool,
-}
-
-/// Work that can be stopped, by the lane that does it.
+/// Work that can be stopped, by the worker that does it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StoppableWork {
-    /// Opening a capture or a store.
     Open,
-    /// Pruning the whole capture.
     Whole,
-    /// Reading or writing a file.
     File,
-    /// Writing pictures or a film.
     Export,
-    /// A sweep or a stress test.
     Study,
-    /// A comparison.
     Compare,
-    /// Measuring accuracy.
     Measure,
 }
 
 /// Work that takes long enough to be watched.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Busy {
-    /// Which.
     pub work: StoppableWork,
-    /// How far it has come.
     pub progress: Progress,
     /// Whether cancelling it leaves something to be rerun.
     pub cancellable: bool,
-    /// How long the rest takes at the pace so far; `None` while too little is done to tell.
+    /// How long the rest takes at the pace so far; `None` while too little is done to estimate it.
     pub secs_left: Option<f32>,
 }
 
@@ -168,7 +91,6 @@ pub(crate) struct Busy {
 pub(crate) struct ShownPicture<K, P> {
     /// What it was made from.
     pub key: K,
-    /// The picture.
     pub picture: Arc<P>,
     /// The picture on the graphics card.
     pub texture: Texture,
@@ -176,7 +98,6 @@ pub(crate) struct ShownPicture<K, P> {
 
 /// What the window knows.
 pub(crate) struct State {
-    /// What is open.
     pub scene: Option<Arc<OpenScene>>,
     /// What is being opened, in words.
     pub opening: Option<String>,
@@ -192,27 +113,17 @@ pub(crate) struct State {
     pub failed_frame: Option<usize>,
     /// The frame last pruned with reasons.
     pub inspected: Option<Inspected>,
-    /// Accuracy of `whole`.
     pub accuracy: Option<Accuracy>,
-    /// Where in time.
     pub timeline: Timeline,
-    /// The left view.
     pub source: SourceLook,
-    /// The left picture.
     pub source_shown: Option<ShownPicture<SourceKey, SourcePicture>>,
-    /// The right view.
     pub live: LiveLook,
-    /// The right picture.
     pub live_shown: Option<ShownPicture<LiveKey, LivePicture>>,
-    /// Messages.
     pub notices: Vec<Notice>,
-    /// What the inspector knows.
     pub inspector: Inspector,
-    /// A path being typed.
     pub typed_path: Option<TypedPath>,
     /// What is to be opened, while the question is whether what is lost by it may be.
-    pub asks_to_open: Option<Command>,
-    /// Dark or light.
+    pub open_after_question: Option<Command>,
     pub dark: bool,
     /// What was open lately, the latest first.
     pub recent: Vec<PathBuf>,
@@ -220,15 +131,15 @@ pub(crate) struct State {
     pub busy: Vec<Busy>,
 }
 
-/// The settings that decide which samples stay: those of painting and caching set to their defaults.
-pub(crate) fn method_of(settings: &Settings) -> Settings {
-    Settings { capture: CaptureSettings::default(), render: RenderSettings::default(), ..settings.clone() }
-}
-
 impl State {
     /// Frames of what is open.
     pub(crate) fn frame_count(&self) -> usize {
         self.scene.as_ref().map_or(0, |scene| scene.frame_count())
+    }
+
+    /// Frames or samples of what is open.
+    pub(crate) fn content(&self) -> Option<&Content> {
+        self.scene.as_ref().map(|scene| &scene.content)
     }
 
     /// Whether a capture (not a store) is open.
@@ -246,8 +157,8 @@ impl State {
         self.whole.as_ref().filter(|_| !self.is_stale()).map(|whole| &whole.samples)
     }
 
-    /// What to say of numbers of the whole capture that were made with other settings; `None` where they hold.
-    pub(crate) fn stale_words(&self) -> Option<&'static str> {
+    /// Note for numbers of the whole capture that were made with other settings; `None` where they hold.
+    pub(crate) fn stale_note(&self) -> Option<&'static str> {
         self.is_stale().then_some(if self.stopped {
             "Made with other thresholds; Rerun (below) brings it up to date."
         } else {
@@ -260,15 +171,14 @@ impl State {
         self.scene.is_none() || self.has_capture()
     }
 
-    /// Whether frames pass without verdicts: in motion the whole capture's samples feed the right view, and the bare picture on
-    /// the left needs none.
+    /// Whether playback needs no verdicts: the live view shows the whole capture's samples, and the source view the bare picture.
     pub(crate) fn skips_verdicts(&self) -> bool {
         self.timeline.playing && self.current_whole().is_some() && !self.source.overlay.needs_verdicts()
     }
 
     /// The account of the open capture or store.
     pub(crate) fn report(&self) -> Option<&Report> {
-        match self.scene.as_ref().map(|scene| &scene.content) {
+        match self.content() {
             Some(Content::Store { report, .. }) => Some(report),
             _ => self.whole.as_ref().map(|whole| whole.report.as_ref()),
         }
@@ -282,7 +192,7 @@ impl State {
 
     /// The settings that the panel shows: a store's own where one is open, with the painting that is on now.
     pub(crate) fn shown_settings(&self) -> Settings {
-        match self.scene.as_ref().map(|scene| &scene.content) {
+        match self.content() {
             Some(Content::Store { samples, .. }) => {
                 Settings { render: self.settings.render.clone(), ..samples.settings.clone() }
             }
@@ -303,7 +213,7 @@ impl State {
 
     /// The best account of the frame shown: the whole capture's samples, or while those are stale this frame's.
     pub(crate) fn samples_here(&self) -> Option<&Arc<SampleSet>> {
-        if let Some(Content::Store { samples, .. }) = self.scene.as_ref().map(|scene| &scene.content) {
+        if let Some(Content::Store { samples, .. }) = self.content() {
             return Some(samples);
         }
         let own = || self.inspection_here().map(|inspection| &inspection.samples);
@@ -320,7 +230,7 @@ impl State {
 
     /// Whether the samples of all frames are there, made with the settings on the sliders or played from a store.
     pub(crate) fn is_whole_ready(&self) -> bool {
-        match self.scene.as_ref().map(|scene| &scene.content) {
+        match self.content() {
             Some(Content::Store { .. }) => true,
             Some(Content::Capture { .. }) => self.current_whole().is_some(),
             None => false,
@@ -329,7 +239,7 @@ impl State {
 
     /// The samples of the whole capture or store, perhaps by older settings.
     pub(crate) fn whole_samples(&self) -> Option<&Arc<SampleSet>> {
-        match self.scene.as_ref().map(|scene| &scene.content) {
+        match self.content() {
             Some(Content::Store { samples, .. }) => Some(samples),
             _ => self.whole.as_ref().map(|whole| &whole.samples),
         }
@@ -363,8 +273,8 @@ impl State {
     }
 
     /// Says what could not be read of the open store, once: the first of many lines, and all of them in the log.
-    pub(crate) fn tell_damage(&mut self, lines: &[String]) {
-        let told = &mut self.inspector.told_damage;
+    pub(crate) fn report_damage(&mut self, lines: &[String]) {
+        let told = &mut self.inspector.reported_damage;
         let new: Vec<&String> = lines.iter().filter(|line| told.insert((*line).clone())).collect();
         let Some((first, others)) = new.split_first() else { return };
         for line in others {
@@ -374,10 +284,36 @@ impl State {
     }
 }
 
-/// One line for many.
-pub(crate) fn and_others(first: &str, others: usize) -> String {
-    match others {
-        0 => first.to_owned(),
-        others => format!("{first} (and {others} more places: see the Log view)"),
+impl Default for State {
+    fn default() -> Self {
+        Self {
+            scene: None,
+            opening: None,
+            settings: Settings::default(),
+            scan: None,
+            whole: None,
+            stopped: false,
+            failed_frame: None,
+            inspected: None,
+            accuracy: None,
+            timeline: Timeline { frames_per_second: 24.0, ..Timeline::default() },
+            source: SourceLook::default(),
+            source_shown: None,
+            live: LiveLook {
+                orbit: None,
+                color_by: ColorBy::Picture,
+                show_cameras: true,
+                size: FIRST_SIZE,
+                shares_device: false,
+            },
+            live_shown: None,
+            notices: Vec::new(),
+            inspector: Inspector::default(),
+            typed_path: None,
+            open_after_question: None,
+            dark: true,
+            recent: Vec::new(),
+            busy: Vec::new(),
+        }
     }
 }

@@ -7,8 +7,6 @@ use std::collections::VecDeque;
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 
-use crate::app::work;
-
 /// Frames that are remembered: a minute of them.
 const FRAMES: usize = 3600;
 
@@ -22,16 +20,28 @@ pub(crate) struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Starts.
     pub(crate) fn start() -> Self {
-        Self { wall: Instant::now(), cpu: work::cpu_time() }
+        Self { wall: Instant::now(), cpu: cpu_time() }
     }
 
-    /// Time since the start: as it passed, and as the processor spent it; the latter zero where the system does not tell.
+    /// Time since the start: as it passed, and as the processor spent it; the latter zero where the system does not know.
     pub(crate) fn spent(&self) -> [Duration; 2] {
-        let cpu = work::cpu_time().zip(self.cpu).map(|(now, then)| now.saturating_sub(then));
+        let cpu = cpu_time().zip(self.cpu).map(|(now, then)| now.saturating_sub(then));
         [self.wall.elapsed(), cpu.unwrap_or_default()]
     }
+}
+
+/// Processor time that the calling thread has spent so far; `None` where the system does not know.
+#[cfg(target_os = "linux")]
+fn cpu_time() -> Option<Duration> {
+    let spent = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Some(Duration::new(spent.tv_sec.try_into().ok()?, spent.tv_nsec.try_into().ok()?))
+}
+
+/// Processor time that the calling thread has spent so far; `None` where the system does not know.
+#[cfg(not(target_os = "linux"))]
+fn cpu_time() -> Option<Duration> {
+    None
 }
 
 /// Milliseconds of the last frames.
@@ -102,5 +112,13 @@ mod tests {
             "wall: median 3.0 ms, p99 3.0 ms, longest 31.0 ms; 1 of 3 frames over 16 ms / \
              processor: median 3.0 ms, p99 3.0 ms, longest 3.0 ms; 0 of 3 frames over 16 ms"
         );
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn time_asleep_is_not_time_spent() {
+        let before = cpu_time().unwrap();
+        std::thread::sleep(Duration::from_millis(40));
+        assert!(cpu_time().unwrap() < before + Duration::from_millis(20));
     }
 }

@@ -1,106 +1,135 @@
-//! What lanes send to the window. Heavy results travel as `Arc`.
+//! What workers send to the window. Heavy results travel as `Arc`.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::camera_path::Exported;
-use super::document::Inspected;
+use super::comparison::{CompareKey, PictureDifference};
+use super::histogram::ThresholdHistogram;
+use super::live_picture::{LiveKey, LivePicture};
+use super::pixel::{Probed, Spot};
+use super::purpose::{Destination, Purpose};
+use super::results::{Accuracy, CameraMemory, Inspected};
 use super::scene::OpenScene;
-use crate::app::control::Destination;
-use crate::app::work::{
-    CameraMemory, CompareKey, LiveKey, LivePicture, PictureDifference, Probed, SourceKey, SourcePicture,
-    Spot, ThresholdHistogram,
-};
+use super::source_picture::{SourceKey, SourcePicture};
 use crate::error::Error;
 use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::Point;
 use crate::preprocess::{PreparedScan, Preprocessed};
 use crate::settings::Settings;
 
-/// What a chosen path is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Purpose {
-    /// Open a store or a manifest.
-    OpenFile,
-    /// Open the folder of a capture.
-    OpenFolder,
-    /// Write the store.
-    SaveStore,
-    /// Write the settings as TOML.
-    SaveSettings,
-    /// Read settings from TOML.
-    LoadSettings,
-    /// Write the picture of the live view.
-    SavePicture,
-    /// Write the pictures of the camera path into a folder.
-    ExportPictures,
-    /// Write a film of the camera path.
-    ExportFilm,
-}
-
-/// How accurate the kept samples are where the truth is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Accuracy {
-    /// Mean PSNR of the kept samples, dB.
-    pub psnr_db: f64,
-    /// Mean PSNR of all samples, nothing pruned, dB.
-    pub unpruned_psnr_db: f64,
-    /// Vantages compared.
-    pub views: usize,
-}
-
-/// An answer of a lane.
+/// An answer of a worker.
 pub(crate) enum Message {
     /// A capture, demo or store is open.
     Opened(Arc<OpenScene>),
-    /// The pass over all frames is done.
-    Scanned { scene: u64, scan: Arc<PreparedScan> },
+    Scanned {
+        scene: u64,
+        scan: Arc<PreparedScan>,
+    },
     /// The whole capture is pruned.
-    Pruned { scene: u64, settings: Settings, result: Arc<Preprocessed> },
+    Pruned {
+        scene: u64,
+        settings: Settings,
+        result: Arc<Preprocessed>,
+    },
     /// One frame is pruned, with reasons.
-    Inspected { scene: u64, inspected: Inspected },
+    Inspected {
+        scene: u64,
+        inspected: Inspected,
+    },
     /// One frame is ready for thresholds to be turned.
     Prepared,
-    /// The left picture.
-    SourcePainted { key: SourceKey, picture: Arc<SourcePicture> },
-    /// The right picture.
-    LivePainted { key: LiveKey, picture: Arc<LivePicture> },
+    SourcePainted {
+        key: SourceKey,
+        picture: Arc<SourcePicture>,
+    },
+    LivePainted {
+        key: LiveKey,
+        picture: Arc<LivePicture>,
+    },
     /// Accuracy at vantages with truth; `None` where there is none.
-    Measured { scene: u64, settings: Settings, accuracy: Option<Accuracy> },
-    /// What there is to say about a pixel; `None` where there is nothing, or for a hole.
-    Probed { scene: u64, spot: Spot, probed: Option<Arc<Probed>>, is_hole: bool },
-    /// Every camera small.
-    Thumbnails { scene: u64, pictures: Vec<Arc<egui::ColorImage>> },
-    /// The quantities that thresholds cut.
-    Histograms { scene: u64, histograms: Vec<ThresholdHistogram> },
+    Measured {
+        scene: u64,
+        settings: Settings,
+        accuracy: Option<Accuracy>,
+    },
+    /// What is known of a pixel; `None` where nothing is, or for a hole.
+    Probed {
+        scene: u64,
+        spot: Spot,
+        probed: Option<Arc<Probed>>,
+        is_hole: bool,
+    },
+    Thumbnails {
+        scene: u64,
+        pictures: Vec<Arc<egui::ColorImage>>,
+    },
+    Histograms {
+        scene: u64,
+        histograms: Vec<ThresholdHistogram>,
+    },
     /// Two pictures of one place, or why there are none.
-    Compared { key: Box<CompareKey>, outcome: Result<PictureDifference, String> },
-    /// What takes the memory.
-    MemoryMapped { scene: u64, cameras: Vec<CameraMemory> },
+    Compared {
+        key: Box<CompareKey>,
+        outcome: Result<PictureDifference, String>,
+    },
+    MemoryMapped {
+        scene: u64,
+        cameras: Vec<CameraMemory>,
+    },
     /// A file is written; `bytes` where it is a store, `holds` where that holds what was pruned of a scene, by which settings.
-    Saved { path: PathBuf, bytes: Option<u64>, holds: Option<(u64, Settings)> },
+    Saved {
+        path: PathBuf,
+        bytes: Option<u64>,
+        holds: Option<(u64, Settings)>,
+    },
     /// A point of a sweep, and how many are known, of how many.
-    Swept { scene: u64, point: Box<Point>, known: (usize, usize) },
+    Swept {
+        scene: u64,
+        point: Box<Point>,
+        known: (usize, usize),
+    },
     /// A point of a stress test, and how many are known, of how many.
-    Stressed { scene: u64, point: Box<StressPoint>, known: (usize, usize) },
+    Stressed {
+        scene: u64,
+        point: Box<StressPoint>,
+        known: (usize, usize),
+    },
     /// A sweep or a stress test is done.
     Studied,
     /// The pictures or the film of the camera path are written.
-    Exported { path: PathBuf, exported: Exported },
-    /// Settings were read from a file.
-    SettingsLoaded { path: PathBuf, settings: Settings },
+    Exported {
+        path: PathBuf,
+        exported: Exported,
+    },
+    SettingsLoaded {
+        path: PathBuf,
+        settings: Settings,
+    },
     /// A dialog was answered; `None` where it was closed.
-    PathChosen { purpose: Purpose, path: Option<PathBuf> },
+    PathChosen {
+        purpose: Purpose,
+        path: Option<PathBuf>,
+    },
     /// Whether something stands where something is to be written.
-    Looked { destination: Destination, taken: bool },
-    /// A file, pictures or a film were given up as the person asked.
-    Stopped { title: &'static str, text: String },
+    DestinationChecked {
+        destination: Destination,
+        taken: bool,
+    },
+    /// Writing was stopped by the person.
+    Stopped {
+        title: &'static str,
+        text: String,
+    },
     /// A job failed or was cancelled.
-    Failed { what: &'static str, error: Error },
+    Failed {
+        what: &'static str,
+        error: Error,
+    },
 }
 
 impl Message {
-    /// The scene that it is an answer about, where nobody wants the answer once another is open.
+    /// The scene of the answer, where the answer is of no use once another scene is open.
     pub(crate) fn scene(&self) -> Option<u64> {
         match self {
             Self::Scanned { scene, .. }
@@ -116,16 +145,7 @@ impl Message {
             Self::SourcePainted { key, .. } => Some(key.scene),
             Self::LivePainted { key, .. } => Some(key.scene),
             Self::Compared { key, .. } => Some(key.scene.id),
-            Self::Opened(_)
-            | Self::Prepared
-            | Self::Saved { .. }
-            | Self::Studied
-            | Self::Exported { .. }
-            | Self::SettingsLoaded { .. }
-            | Self::PathChosen { .. }
-            | Self::Looked { .. }
-            | Self::Stopped { .. }
-            | Self::Failed { .. } => None,
+            _ => None,
         }
     }
 }

@@ -1,39 +1,60 @@
 //! What the window knows: plain data, commands and messages.
+//!
+//! ```text
+//! State ── drawn by views and panels ──▶ Command ── carried out by control ──▶ State
+//!   └──── keys of what is missing ──▶ work ──▶ Message ── taken in by control ──▶ State
+//! ```
 
-mod axis_marks;
 mod camera_path;
 mod chart_axis;
 mod charts;
 mod command;
-mod compare_options;
+mod comparison;
 mod document;
 mod frame_timer;
+mod histogram;
 mod inspector;
+mod live_picture;
 mod message;
+mod notice;
 mod orbit_camera;
+mod picture_zoom;
+mod pixel;
 mod presets;
+mod purpose;
+mod results;
 mod scene;
 pub(crate) mod setting_names;
+mod source_picture;
 mod text;
 mod texture;
 mod undo;
+pub(crate) mod verdict_text;
+mod view;
 
-pub(crate) use axis_marks::{label, marks};
-pub(crate) use camera_path::{ExportRequest, ExportTarget, Exported, NO_KEYS, SavedPathKey};
-pub(crate) use chart_axis::Quantity;
+pub(crate) use camera_path::{CameraPath, ExportTarget, Exported, NO_KEYS, SavedPathKey};
+pub(crate) use chart_axis::{Quantity, label, marks};
 pub(crate) use charts::{Study, method_name, point_name, series_name, settings_alone};
-pub(crate) use command::Command;
-pub(crate) use compare_options::{CompareLook, CompareMeasure, CompareSide, CompareVantage, Mode};
-pub(crate) use document::{
-    Busy, FIRST_SIZE, Inspected, LiveLook, Notice, NoticeKind, SIDES, ShownPicture, SourceLook, State,
-    StoppableWork, Timeline, TypedPath, Whole, and_others, method_of,
+pub(crate) use command::{Command, CommandPalette, Commands};
+pub(crate) use comparison::{
+    CompareChoice, CompareKey, CompareLook, CompareMeasure, CompareSide, CompareVantage, DisplayColors, Mode,
+    PictureDifference, ShownComparison,
 };
+pub(crate) use document::{Busy, SIDES, ShownPicture, SourceLook, State, StoppableWork};
 pub(crate) use frame_timer::Stopwatch;
-pub(crate) use inspector::{Inspector, InspectorLanes, InspectorPlan};
-pub(crate) use message::{Accuracy, Message, Purpose};
+pub(crate) use histogram::{BARS, CUT, ThresholdAxis, ThresholdHistogram};
+pub(crate) use live_picture::{ColorBy, LiveKey, LivePicture, PixelSource};
+pub(crate) use message::Message;
+pub(crate) use notice::{Notice, NoticeKind, and_others};
 pub(crate) use orbit_camera::OrbitCamera;
+pub(crate) use picture_zoom::PictureZoom;
+pub(crate) use pixel::{ProbeKey, Probed, Spot};
 pub(crate) use presets::{PRESETS, keep};
+pub(crate) use purpose::{Destination, Purpose, TypedPath};
+pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
 pub(crate) use scene::{Content, OpenScene, Origin, median_depth};
+pub(crate) use source_picture::{Legend, Overlay, RATIO_RANGE, SourceKey, SourcePicture};
 pub(crate) use text::{bytes, count, percent, sentence, significant, time_left, words};
 pub(crate) use texture::Texture;
 pub(crate) use undo::SettingsSlot;
+pub(crate) use view::DockView;

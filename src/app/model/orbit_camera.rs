@@ -37,7 +37,7 @@ pub(crate) struct OrbitCamera {
 }
 
 impl OrbitCamera {
-    /// Where nobody stood: a step from the first camera toward the second, on their circle about what they look at. With
+    /// The first view: a step from the first camera toward the second, on their circle about what they look at. With
     /// one camera, a step to its side.
     pub(crate) fn home(scene: &OpenScene) -> Option<Self> {
         let first = scene.cameras.first()?;
@@ -165,14 +165,17 @@ impl OrbitCamera {
         self.world_from_camera.translation = point_in_world - forward * distance;
     }
 
-    /// A rig for the tests of others.
+    /// Five units from the origin, for tests.
     #[cfg(test)]
     pub(crate) fn for_tests() -> Self {
+        let lens = Intrinsics::from_horizontal_angle(64, 48, 1.0);
+        let camera = Camera::look_at("c", lens, DVec3::new(0.0, -5.0, 1.0), DVec3::ZERO, DVec3::Z);
+        let distance = camera.position_in_world().length();
         Self {
-            world_from_camera: DAffine3::IDENTITY,
-            pivot_distance: 2.0,
-            home_distance: 2.0,
-            lens: Intrinsics::from_horizontal_angle(64, 48, 1.0),
+            world_from_camera: camera.world_from_camera,
+            pivot_distance: distance,
+            home_distance: distance,
+            lens,
             up_in_world: DVec3::Z,
         }
     }
@@ -201,48 +204,38 @@ fn home_distance(scene: &OpenScene) -> f64 {
 mod tests {
     use super::*;
 
-    fn rig() -> OrbitCamera {
-        let lens = Intrinsics::from_horizontal_angle(64, 48, 1.0);
-        let camera = Camera::look_at("c", lens, DVec3::new(0.0, -5.0, 1.0), DVec3::ZERO, DVec3::Z);
-        OrbitCamera {
-            world_from_camera: camera.world_from_camera,
-            pivot_distance: camera.position_in_world().length(),
-            home_distance: camera.position_in_world().length(),
-            lens,
-            up_in_world: DVec3::Z,
-        }
-    }
-
     #[test]
     fn orbiting_keeps_the_pivot_and_its_distance() {
-        let mut rig = rig();
+        let mut orbit = OrbitCamera::for_tests();
         for i in 0..1000 {
-            rig.orbit(DVec2::new(0.1, if i % 3 == 0 { 0.2 } else { -0.05 }));
+            orbit.orbit(DVec2::new(0.1, if i % 3 == 0 { 0.2 } else { -0.05 }));
         }
-        assert!(rig.pivot().length() < 1e-6);
-        assert!((rig.world_from_camera.translation.length() - 26.0_f64.sqrt()).abs() < 1e-6);
-        assert!((rig.world_from_camera.matrix3.determinant() - 1.0).abs() < 1e-9);
+        assert!(orbit.pivot().length() < 1e-6);
+        assert!((orbit.world_from_camera.translation.length() - 26.0_f64.sqrt()).abs() < 1e-6);
+        assert!((orbit.world_from_camera.matrix3.determinant() - 1.0).abs() < 1e-9);
     }
 
     #[test]
     fn orbiting_never_goes_over_the_top() {
-        let mut rig = rig();
+        let mut orbit = OrbitCamera::for_tests();
         for _ in 0..200 {
-            rig.orbit(DVec2::new(0.0, 0.05));
+            orbit.orbit(DVec2::new(0.0, 0.05));
         }
-        assert!(rig.world_from_camera.matrix3.y_axis.z < 0.0, "up is still up");
+        assert!(orbit.world_from_camera.matrix3.y_axis.z < 0.0, "up is still up");
     }
 
     #[test]
     fn the_lens_fits_into_a_picture_of_another_shape() {
-        let camera = rig().camera(200, 48);
-        assert!((camera.intrinsics.fx - rig().lens.fx).abs() < 1e-9);
+        let camera = OrbitCamera::for_tests().camera(200, 48);
+        assert!((camera.intrinsics.fx - OrbitCamera::for_tests().lens.fx).abs() < 1e-9);
         assert_eq!(camera.intrinsics.cx, 100.0);
     }
 
     #[test]
     fn a_view_in_motion_is_painted_no_finer_than_it_was_recorded_and_one_at_rest_as_fine_as_it_helps() {
-        let both = |size| [rig().size_in_motion(size), rig().size_at_rest(size)];
+        let both = |size| {
+            [OrbitCamera::for_tests().size_in_motion(size), OrbitCamera::for_tests().size_at_rest(size)]
+        };
         assert_eq!(both([640, 480]), [[64, 48], [128, 96]]);
         assert_eq!(both([1280, 480]), [[128, 48], [256, 96]]);
         assert_eq!(both([96, 72]), [[64, 48], [96, 72]]);
@@ -251,48 +244,48 @@ mod tests {
 
     #[test]
     fn zooming_to_a_point_leaves_it_where_it_is_and_framing_puts_it_in_the_middle() {
-        let mut rig = rig();
+        let mut orbit = OrbitCamera::for_tests();
         let point = DVec3::new(0.4, 0.1, 0.3);
-        let before = rig.camera(64, 48).project(point).unwrap();
-        rig.dolly_to(0.5, point);
-        let after = rig.camera(64, 48).project(point).unwrap();
+        let before = orbit.camera(64, 48).project(point).unwrap();
+        orbit.dolly_to(0.5, point);
+        let after = orbit.camera(64, 48).project(point).unwrap();
         assert!((before.0 - after.0).length() < 1e-9 && (after.1 - before.1 / 2.0).abs() < 1e-9);
-        rig.look_at(point);
-        let (middle, depth) = rig.camera(64, 48).project(point).unwrap();
+        orbit.look_at(point);
+        let (middle, depth) = orbit.camera(64, 48).project(point).unwrap();
         assert!((middle - DVec2::new(32.0, 24.0)).length() < 1e-9);
-        assert!((rig.pivot_distance - depth).abs() < 1e-9);
+        assert!((orbit.pivot_distance - depth).abs() < 1e-9);
     }
 
     #[test]
     fn tiny_and_huge_scenes_are_zoomed_as_ordinary_ones_are() {
         for unit in [1e-9, 1.0, 1e9] {
-            let mut rig = rig();
-            rig.world_from_camera.translation *= unit;
-            rig.pivot_distance *= unit;
-            rig.home_distance *= unit;
-            let eye = rig.world_from_camera.translation;
+            let mut orbit = OrbitCamera::for_tests();
+            orbit.world_from_camera.translation *= unit;
+            orbit.pivot_distance *= unit;
+            orbit.home_distance *= unit;
+            let eye = orbit.world_from_camera.translation;
             for _ in 0..10 {
-                rig.dolly(0.5);
+                orbit.dolly(0.5);
             }
-            assert!((rig.world_from_camera.translation * 1024.0 - eye).length() < 1e-6 * unit, "{unit}");
-            rig.look_at(rig.pivot());
+            assert!((orbit.world_from_camera.translation * 1024.0 - eye).length() < 1e-6 * unit, "{unit}");
+            orbit.look_at(orbit.pivot());
             for _ in 0..10 {
-                rig.dolly_to(2.0, DVec3::ZERO);
+                orbit.dolly_to(2.0, DVec3::ZERO);
             }
-            assert!((rig.world_from_camera.translation - eye).length() < 1e-6 * unit, "{unit}");
-            assert!((rig.pivot_distance - eye.length()).abs() < 1e-6 * unit, "{unit}");
-            rig.dolly(1e-9);
-            assert!((rig.pivot_distance / rig.home_distance - ZOOM[0]).abs() < 1e-9, "{unit}: no nearer");
+            assert!((orbit.world_from_camera.translation - eye).length() < 1e-6 * unit, "{unit}");
+            assert!((orbit.pivot_distance - eye.length()).abs() < 1e-6 * unit, "{unit}");
+            orbit.dolly(1e-9);
+            assert!((orbit.pivot_distance / orbit.home_distance - ZOOM[0]).abs() < 1e-9, "{unit}: no nearer");
         }
     }
 
     #[test]
     fn flying_and_zooming_move_along_the_line_of_sight() {
-        let mut rig = rig();
-        let before = rig.pivot_distance;
-        rig.dolly(0.5);
-        assert!(rig.pivot().length() < 1e-9 && (rig.pivot_distance - before / 2.0).abs() < 1e-9);
-        rig.fly(DVec3::Z);
-        assert!(rig.world_from_camera.translation.length() < 1e-9);
+        let mut orbit = OrbitCamera::for_tests();
+        let before = orbit.pivot_distance;
+        orbit.dolly(0.5);
+        assert!(orbit.pivot().length() < 1e-9 && (orbit.pivot_distance - before / 2.0).abs() < 1e-9);
+        orbit.fly(DVec3::Z);
+        assert!(orbit.world_from_camera.translation.length() < 1e-9);
     }
 }

@@ -45,7 +45,7 @@ pub(crate) const PRESETS: [Preset; 6] = [
     ),
 ];
 
-/// Settings of one's own, with their name.
+/// Settings that the person keeps, with their name.
 pub(crate) type OwnPreset = (String, Settings);
 
 /// Keeps settings under a name, in place of those that had it.

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::{DMat3, DVec2, DVec3};
 
 use crate::capture::{Camera, Capture, TruthView};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::diagnostics::Report;
 use crate::samples::SampleSet;
@@ -18,9 +18,7 @@ static NEXT_ID: AtomicU64 = AtomicU64::new(1);
 /// Where a scene came from.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Origin {
-    /// A built-in scene.
     Demo(String),
-    /// A file or folder.
     Path(PathBuf),
 }
 
@@ -28,7 +26,6 @@ pub(crate) enum Origin {
 pub(crate) enum Content {
     /// Source frames, to be pruned here.
     Capture {
-        /// The capture.
         capture: Box<Capture>,
         /// Vantages whose truth is known.
         truth: Vec<TruthView>,
@@ -50,13 +47,10 @@ pub(crate) enum Content {
 pub(crate) struct OpenScene {
     /// Differs between any two scenes that were ever open, so that late answers are recognized.
     pub id: u64,
-    /// Where it came from.
     pub origin: Origin,
     /// Name for titles.
     pub name: String,
-    /// Frames or samples.
     pub content: Content,
-    /// The cameras.
     pub cameras: Vec<Camera>,
     /// Number of each frame.
     pub frame_numbers: Vec<i64>,
@@ -120,6 +114,11 @@ impl OpenScene {
             Content::Capture { capture, .. } => Some(capture),
             Content::Store { .. } => None,
         }
+    }
+
+    /// The capture; `Invalid` where a store is open.
+    pub(crate) fn source(&self) -> Result<&Capture> {
+        self.capture().ok_or_else(|| Error::invalid(&self.name, "a store holds no source frames"))
     }
 
     /// What reads samples from the file, where a store is open.

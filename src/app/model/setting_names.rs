@@ -1,7 +1,7 @@
 //! What settings are called in the window.
 
 use super::text;
-use crate::settings::Settings;
+use crate::settings::{Field, Settings};
 
 /// Sections in the order of the panel: id, heading, whether it is open at first.
 pub(crate) const SECTIONS: &[(&str, &str, bool)] = &[
@@ -31,19 +31,35 @@ fn value(value: &toml::Value) -> String {
     }
 }
 
+/// Two settings as tables: converted once, not once a field.
+pub(crate) struct SettingPairs([toml::Table; 2]);
+
+impl SettingPairs {
+    /// The values of `one` beside those of `other`.
+    pub(crate) fn new(one: &Settings, other: &Settings) -> Self {
+        Self([one, other].map(|settings| toml::Table::try_from(settings).unwrap_or_default()))
+    }
+
+    /// Both values of a setting.
+    pub(crate) fn of(&self, field: &Field) -> Option<[&toml::Value; 2]> {
+        let (section, name) = field.path.split_once('.')?;
+        let [one, other] = &self.0;
+        Some([one.get(section)?.get(name)?, other.get(section)?.get(name)?])
+    }
+
+    /// The settings whose values differ, with both.
+    pub(crate) fn differing(&self) -> impl Iterator<Item = (&'static Field, [&toml::Value; 2])> {
+        let pairs = Settings::fields().filter_map(|field| Some((field, self.of(field)?)));
+        pairs.filter(|(_, [one, other])| one != other)
+    }
+}
+
 /// What `after` has other than `before`, by the panel's names: `Kernel (Painting the live view): Gather → Point`.
 pub(crate) fn changes(before: &Settings, after: &Settings) -> Vec<String> {
-    let [before, after] = [before, after].map(|settings| toml::Table::try_from(settings).unwrap_or_default());
-    let get = |table: &toml::Table, path: &str| {
-        let (section, name) = path.split_once('.')?;
-        table.get(section)?.get(name).cloned()
+    let words = |(field, [before, after]): (&Field, [&toml::Value; 2])| {
+        format!("{}: {} → {}", name(field.path), value(before), value(after))
     };
-    Settings::fields()
-        .filter_map(|field| {
-            let (before, after) = (get(&before, field.path)?, get(&after, field.path)?);
-            (before != after).then(|| format!("{}: {} → {}", name(field.path), value(&before), value(&after)))
-        })
-        .collect()
+    SettingPairs::new(before, after).differing().map(words).collect()
 }
 
 /// The label of a point of a sweep with its settings as the panel calls them.

@@ -2,18 +2,18 @@
 
 /// A count with three significant figures: `970`, `12.4 k`, `3.15 M`.
 pub(crate) fn count(value: u64) -> String {
-    scaled(value as f64, 1000.0, &["", " k", " M", " G", " T"])
+    scaled(value as f64, ["", " k", " M", " G", " T"])
 }
 
-/// Bytes in powers of 1024: `970 B`, `12.4 KiB`, `3.15 MiB`.
+/// Bytes in powers of 1000: `970 B`, `12.4 kB`, `3.15 MB`.
 pub(crate) fn bytes(value: u64) -> String {
-    scaled(value as f64, 1024.0, &[" B", " KiB", " MiB", " GiB", " TiB"])
+    scaled(value as f64, [" B", " kB", " MB", " GB", " TB"])
 }
 
-fn scaled(mut value: f64, base: f64, units: &[&str]) -> String {
+fn scaled(mut value: f64, units: [&str; 5]) -> String {
     let mut unit = 0;
-    while value >= base - 0.5 && unit + 1 < units.len() {
-        value /= base;
+    while value >= 999.5 && unit + 1 < units.len() {
+        value /= 1000.0;
         unit += 1;
     }
     if unit == 0 {
@@ -72,8 +72,8 @@ mod tests {
         assert_eq!(count(970), "970");
         assert_eq!(count(12_400), "12.4 k");
         assert_eq!(count(999_600), "1.00 M");
-        assert_eq!(bytes(3_151_000), "3.01 MiB");
-        assert_eq!([bytes(1023), bytes(1024)], ["1023 B", "1.00 KiB"]);
+        assert_eq!(bytes(3_151_000), "3.15 MB");
+        assert_eq!([bytes(999), bytes(1000)], ["999 B", "1.00 kB"]);
         assert_eq!(percent(1, 8), "12.5 %");
         assert_eq!(percent(0, 0), "–");
         for (value, text) in [

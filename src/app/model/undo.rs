@@ -31,8 +31,9 @@ struct Past {
 /// What settings were.
 #[derive(Default)]
 pub(crate) struct History {
-    /// Of A and of B: what was changed in one is not taken back in the other.
-    pasts: [Past; 2],
+    /// Of the settings that are on, and of the others: what was changed in one is not taken back in the other.
+    past: Past,
+    other_past: Past,
     /// Which of two settings is on.
     pub slot: SettingsSlot,
     /// The settings that are not on; `None` while both are the same.
@@ -40,17 +41,9 @@ pub(crate) struct History {
 }
 
 impl History {
-    fn past(&self) -> &Past {
-        &self.pasts[self.slot as usize]
-    }
-
-    fn past_mut(&mut self) -> &mut Past {
-        &mut self.pasts[self.slot as usize]
-    }
-
     /// `what` is about to change `before`.
     pub(crate) fn record(&mut self, before: &Settings, what: &'static str, now: Instant) {
-        let past = self.past_mut();
+        let past = &mut self.past;
         let goes_on = past.last.is_some_and(|(at, last)| last == what && now.duration_since(at) < ONE_CHANGE);
         past.last = Some((now, what));
         past.redo.clear();
@@ -65,17 +58,17 @@ impl History {
 
     /// Whether there is something to go back to.
     pub(crate) fn can_undo(&self) -> bool {
-        !self.past().undo.is_empty()
+        !self.past.undo.is_empty()
     }
 
     /// Whether there is something to go forward to.
     pub(crate) fn can_redo(&self) -> bool {
-        !self.past().redo.is_empty()
+        !self.past.redo.is_empty()
     }
 
     /// The settings before the last change of those that are on.
     pub(crate) fn undo(&mut self, now: &Settings) -> Option<Settings> {
-        let past = self.past_mut();
+        let past = &mut self.past;
         let before = past.undo.pop()?;
         past.redo.push(now.clone());
         past.last = None;
@@ -84,7 +77,7 @@ impl History {
 
     /// The settings that were undone last of those that are on.
     pub(crate) fn redo(&mut self, now: &Settings) -> Option<Settings> {
-        let past = self.past_mut();
+        let past = &mut self.past;
         let after = past.redo.pop()?;
         past.undo.push(now.clone());
         past.last = None;
@@ -93,7 +86,8 @@ impl History {
 
     /// Puts the other settings on; `now` become the others.
     pub(crate) fn switch(&mut self, now: &Settings) -> Settings {
-        self.past_mut().last = None;
+        self.past.last = None;
+        std::mem::swap(&mut self.past, &mut self.other_past);
         self.slot = match self.slot {
             SettingsSlot::A => SettingsSlot::B,
             SettingsSlot::B => SettingsSlot::A,

@@ -3,21 +3,13 @@
 use egui::{Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::app::control;
-use crate::app::dock::DockView;
-use crate::app::model::{Command, PRESETS, Purpose, State, Study};
-use crate::app::theme::{Tokens, space};
-use crate::app::work::{ColorBy, Overlay};
+use crate::app::model::{
+    ColorBy, Command, CommandPalette, Commands, DockView, Overlay, PRESETS, Purpose, State, Study,
+};
+use crate::app::theme::space;
+use crate::app::widgets::weak;
 use crate::demo::SCENES;
 use crate::settings::{Settings, ValueKind};
-
-/// What is typed into the palette, and which entry is chosen.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct CommandPalette {
-    /// The text so far.
-    pub text: String,
-    /// Place of the chosen entry among those that match.
-    pub chosen: usize,
-}
 
 /// Something to do: its name, its keys, and the wish.
 struct PaletteEntry {
@@ -30,7 +22,7 @@ struct PaletteEntry {
 const SHOWN: usize = 200;
 
 /// The palette, while it is open.
-pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let Some(palette) = &state.inspector.palette else { return };
     let mut next = Some(palette.clone());
     let modal = Modal::new(Id::unique("palette")).show(ctx, |ui| {
@@ -71,9 +63,8 @@ pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<
 }
 
 fn entries_ui(ui: &mut Ui, entries: &[PaletteEntry], chosen: usize) -> Option<usize> {
-    let tokens = Tokens::in_ui(ui);
     if entries.is_empty() {
-        ui.label(RichText::new("Nothing of that name.").color(tokens.text_weak));
+        weak(ui, "Nothing of that name.");
         return None;
     }
     let mut clicked = None;
@@ -115,7 +106,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
     // Those of a store are not its own, and cannot be seen beside it.
     let turns = state.has_thresholds();
     let mut add = |name: String, keys: &'static str, command: Command| {
-        entries.push(PaletteEntry { name, keys, command })
+        entries.push(PaletteEntry { name, keys, command });
     };
     for (name, keys, command) in [
         ("Open folder", "", Command::AskPath(Purpose::OpenFolder)),
@@ -129,7 +120,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
         ("Copy picture", "", Command::CopyPicture),
         ("Export pictures of the camera path", "", Command::AskPath(Purpose::ExportPictures)),
         ("Export a film of the camera path", "", Command::AskPath(Purpose::ExportFilm)),
-        ("Copy argument for the pixel", "Ctrl+Shift+C", Command::CopyArgument),
+        ("Copy argument for the pixel", "Ctrl+Shift+C", Command::CopyExplanation),
         ("Undo", "Ctrl+Z", Command::Undo),
         ("Redo", "Ctrl+Y", Command::Redo),
         ("Reset all settings", "", Command::ResetAll),
@@ -155,14 +146,14 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
             add(name.to_owned(), keys, command);
         }
     }
-    for view in DockView::ALL {
-        add(format!("Open view: {}", view.name()), "", Command::OpenView(view));
+    for (view, name, _) in DockView::ALL {
+        add(format!("Open view: {name}"), "", Command::OpenView(view));
     }
-    for overlay in Overlay::ALL {
-        add(format!("Source shows: {}", overlay.name()), "", Command::Overlay(overlay));
+    for (overlay, name, _) in Overlay::ALL {
+        add(format!("Source shows: {name}"), "", Command::Overlay(overlay));
     }
-    for color_by in ColorBy::ALL {
-        add(format!("Live view shows: {}", color_by.name()), "", Command::ColorBy(color_by));
+    for (color_by, name, _) in ColorBy::ALL {
+        add(format!("Live view shows: {name}"), "", Command::ColorBy(color_by));
     }
     for (index, (name, ..)) in PRESETS.iter().enumerate().filter(|_| turns) {
         add(format!("Preset: {name}"), "", Command::Preset(index));
@@ -192,7 +183,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// The sheet of keys, while it is open.
-pub(crate) fn cheat_sheet_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn cheat_sheet_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     if !state.inspector.cheat_sheet {
         return;
     }
@@ -224,11 +215,9 @@ pub(crate) fn cheat_sheet_ui(ctx: &egui::Context, state: &State, commands: &mut 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::fresh_state;
-
     #[test]
     fn switches_are_set_by_name() {
-        let mut state = fresh_state();
+        let mut state = State::default();
         for (text, on) in [("set render.antialias to on", true), ("set render.antialias to off", false)] {
             let entry = matching(&state, text).into_iter().next().unwrap();
             let expected = Command::Set { path: "render.antialias", value: on.into() };

@@ -1,13 +1,11 @@
 //! A threshold as a line that is dragged on the histogram of what it cuts.
 
-use egui::{Align2, Label, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
+use egui::{Align2, Label, Painter, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
-use crate::app::model::{self, Command, State};
+use crate::app::model::{self, BARS, Command, Commands, State, ThresholdAxis, ThresholdHistogram};
 use crate::app::theme::Tokens;
-use crate::app::work::{BARS, ThresholdAxis, ThresholdHistogram};
 use crate::settings::Field;
 
-/// Height of the bars.
 const BARS_HEIGHT: f32 = 40.0;
 /// Height of the figures above them.
 const FIGURES: f32 = 14.0;
@@ -19,7 +17,7 @@ pub(crate) fn histogram_ui(
     name: &str,
     value: f64,
     state: &State,
-    commands: &mut Vec<Command>,
+    commands: &mut Commands,
 ) {
     let tokens = Tokens::in_ui(ui);
     let Some(axis) = ThresholdAxis::of(field) else { return };
@@ -83,13 +81,7 @@ fn at_frame(frame: usize) -> String {
 }
 
 /// The bars, over the band that noise explains.
-fn bars(
-    painter: &egui::Painter,
-    plot: Rect,
-    axis: ThresholdAxis,
-    histogram: &ThresholdHistogram,
-    tokens: &Tokens,
-) {
+fn bars(painter: &Painter, plot: Rect, axis: ThresholdAxis, histogram: &ThresholdHistogram, tokens: &Tokens) {
     if let Some(noise) = histogram.noise {
         let right = plot.left() + axis.position(f64::from(noise)) * plot.width();
         let band = Rect::from_min_max(plot.min, pos2(right, plot.bottom()));

@@ -1,9 +1,12 @@
-//! A square of cells, one for each ordered pair of cameras.
+//! Squares of cells, one for each ordered pair of cameras; and how well cameras agree about where things are: a wrong pose
+//! shows in what never moves, a wrong clock in what does.
 
-use egui::{Rect, Sense, Ui, vec2};
+use egui::{Painter, Rect, RichText, Sense, Ui, vec2};
 
-use crate::app::theme::Tokens;
-use crate::app::work;
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{note, weak};
+use crate::app::{colormap, model};
+use crate::preprocess::diagnostics::{PairResiduals, Report, Residual};
 
 /// What is shown of a pair.
 pub(crate) struct PairCell {
@@ -19,7 +22,7 @@ const NAME_WIDTH: f32 = 78.0;
 const HEADER_HEIGHT: f32 = 18.0;
 
 /// The cells of all pairs of cameras with these names; `cell` is given row and column.
-pub(crate) fn ui(ui: &mut Ui, names: &[&str], cell: impl Fn(usize, usize) -> Option<PairCell>) {
+pub(crate) fn pairs_ui(ui: &mut Ui, names: &[&str], cell: impl Fn(usize, usize) -> Option<PairCell>) {
     let cameras = names.len();
     if cameras == 0 {
         return;
@@ -39,13 +42,13 @@ pub(crate) fn ui(ui: &mut Ui, names: &[&str], cell: impl Fn(usize, usize) -> Opt
             let rect = Rect::from_min_size(egui::pos2(left, top), vec2(width, height)).shrink(1.0);
             if row == 0 {
                 let center = egui::pos2(rect.center().x, area.top() + 8.0);
-                painter.circle_filled(center, 4.0, work::camera(column));
+                painter.circle_filled(center, 4.0, colormap::camera(column));
             }
             let Some(cell) = cell(row, column) else {
                 painter.rect_filled(rect, 2.0, tokens.background);
                 continue;
             };
-            let color = cell.strength.map_or(tokens.background, work::sequential);
+            let color = cell.strength.map_or(tokens.background, colormap::sequential);
             painter.rect_filled(rect, 2.0, color);
             if let Some(strength) = cell.strength.filter(|_| width >= 40.0) {
                 // The map passes mid gray at about half its range: black reads on what is lighter, white on the rest.
@@ -60,14 +63,14 @@ pub(crate) fn ui(ui: &mut Ui, names: &[&str], cell: impl Fn(usize, usize) -> Opt
 }
 
 fn camera_name(
-    painter: &egui::Painter,
+    painter: &Painter,
     at: egui::Pos2,
     index: usize,
     name: &str,
     font: &egui::FontId,
     tokens: &Tokens,
 ) {
-    painter.circle_filled(at + vec2(5.0, 0.0), 4.0, work::camera(index));
+    painter.circle_filled(at + vec2(5.0, 0.0), 4.0, colormap::camera(index));
     painter.text(at + vec2(14.0, 0.0), egui::Align2::LEFT_CENTER, short(name, 11), font.clone(), tokens.text);
 }
 
@@ -79,4 +82,52 @@ pub(crate) fn short(name: &str, length: usize) -> String {
     let mut text: String = name.chars().take(length - 1).collect();
     text.push('…');
     text
+}
+
+/// Residual at the light end of the color map, footprints; a tenth of a footprint still differs from none.
+const LIGHTEST_FOOTPRINTS: f32 = 2.0;
+
+/// Both matrices, and what is to be said about cameras that do not fit.
+pub(crate) fn agreement_ui(ui: &mut Ui, report: &Report) {
+    let tokens = Tokens::in_ui(ui);
+    ui.heading("How well cameras agree");
+    let help = "How far samples of the row's camera lie off what the column's camera saw there, in pixel footprints. Where all of one camera's pairs are light, that camera is wrong.";
+    let warnings = report.warnings();
+    if warnings.is_empty() {
+        weak(ui, "No camera contradicts the others.").on_hover_text(help);
+    }
+    for warning in warnings {
+        ui.label(RichText::new(model::sentence(&warning)).color(tokens.warning)).on_hover_text(help);
+    }
+    let title = "What never moves, 85 % within (a wrong pose shows here)";
+    residuals_ui(ui, report, title, |pair| pair.lasting, |residual| residual.most_footprints);
+    ui.add_space(space::SMALL);
+    let title = "What moves, half within (a wrong clock shows here alone)";
+    residuals_ui(ui, report, title, |pair| pair.moving, |residual| residual.median_footprints);
+}
+
+fn residuals_ui(
+    ui: &mut Ui,
+    report: &Report,
+    title: &str,
+    of: impl Fn(&PairResiduals) -> Option<Residual>,
+    footprints: impl Fn(&Residual) -> f32,
+) {
+    note(ui, title);
+    let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    pairs_ui(ui, &names, |row, column| {
+        let residual = of(report.residuals.get(row)?.get(column)?)?;
+        let Residual { samples, median_footprints, most_footprints, median_color_steps } = residual;
+        Some(PairCell {
+            strength: Some((footprints(&residual) / LIGHTEST_FOOTPRINTS).sqrt().min(1.0)),
+            text: format!("{:.2}", footprints(&residual)),
+            help: format!(
+                "{} against {}: 85 % of {} samples within {most_footprints:.3} footprints, half within \
+                 {median_footprints:.3}; half of their colors within {median_color_steps:.1} steps",
+                names[row],
+                names[column],
+                model::count(samples),
+            ),
+        })
+    });
 }

@@ -1,17 +1,14 @@
 //! The memory that kept samples take: one bar per camera.
 
-use egui::{RichText, ScrollArea, Ui};
+use egui::{ScrollArea, Ui};
 use egui_material_icons::icons::ICON_MEMORY;
 
 use super::report::{share_ui, stale_ui};
-use crate::app::model::{self, State};
-use crate::app::theme::Tokens;
-use crate::app::widgets::empty_ui;
-use crate::app::work::{self, CameraMemory};
+use crate::app::colormap;
+use crate::app::model::{self, CameraMemory, State};
+use crate::app::widgets::{empty_ui, note};
 
-/// The view.
 pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
-    let tokens = Tokens::in_ui(ui);
     let (Some(scene), Some(cameras)) = (&state.scene, &state.inspector.memory) else {
         let (title, text) = if state.scene.is_none() || state.has_capture() {
             ("No samples yet", "What the kept samples take is known once the whole capture is pruned.")
@@ -27,13 +24,13 @@ pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
     let bytes = |camera: &CameraMemory| camera.lasting_bytes + camera.frame_bytes;
     let total: u64 = cameras.iter().map(bytes).sum();
     let words = format!("{} of samples in memory, by camera.", model::bytes(total));
-    ui.label(RichText::new(words).small().color(tokens.text_weak));
+    note(ui, words);
     stale_ui(ui, state);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         for (index, (memory, camera)) in cameras.iter().zip(&scene.cameras).enumerate() {
             let figure = format!("{}  {}", model::bytes(bytes(memory)), model::percent(bytes(memory), total));
             let share = bytes(memory) as f32 / total.max(1) as f32;
-            share_ui(ui, &camera.name, &figure, share, work::camera(index)).on_hover_text(format!(
+            share_ui(ui, &camera.name, &figure, share, colormap::camera(index)).on_hover_text(format!(
                 "{} samples. Stored for several frames: {}, for one: {}.",
                 model::count(memory.samples),
                 model::bytes(memory.lasting_bytes),

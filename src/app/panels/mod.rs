@@ -1,15 +1,12 @@
 //! The areas of the window around the views.
 
-mod agreement;
 mod command_palette;
 mod histogram;
-mod log;
 mod matrix;
 mod memory_view;
 mod notices;
 mod path_field;
 mod path_view;
-mod presets;
 mod report;
 mod settings_ui;
 mod status;
@@ -19,15 +16,13 @@ mod top_bar;
 mod totals;
 mod welcome;
 
-pub(crate) use command_palette::{CommandPalette, cheat_sheet_ui, palette_ui};
-pub(crate) use log::log_ui;
+pub(crate) use command_palette::{cheat_sheet_ui, palette_ui};
 pub(crate) use memory_view::memory_ui;
-pub(crate) use notices::notices_ui;
+pub(crate) use notices::{log_ui, notices_ui};
 pub(crate) use path_field::path_field_ui;
 pub(crate) use path_view::path_ui;
-pub(crate) use presets::naming_ui;
 pub(crate) use report::{matrix_view_ui, report_ui};
-pub(crate) use settings_ui::settings_ui;
+pub(crate) use settings_ui::{naming_ui, settings_ui};
 pub(crate) use status::status_ui;
 pub(crate) use time::time_ui;
 pub(crate) use timeline::timeline_ui;

@@ -1,19 +1,18 @@
-//! Messages, over the views, until they are dismissed.
+//! Messages, over the views, until they are dismissed; and the log of all that happened, in order.
 
-use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Stroke};
-use egui_material_icons::icons::{ICON_CHECK_CIRCLE, ICON_CLOSE, ICON_ERROR, ICON_WARNING};
+use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, ScrollArea, Stroke, Ui};
+use egui_material_icons::icons::{ICON_CHECK_CIRCLE, ICON_CLOSE, ICON_ERROR, ICON_NOTES, ICON_WARNING};
 
-use crate::app::model::{Command, Notice, NoticeKind, State};
+use crate::app::model::{Command, Commands, Notice, NoticeKind, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::icon_button;
+use crate::app::widgets::{empty_ui, icon_button};
 
 /// Messages shown at once; older ones wait.
 const SHOWN: usize = 3;
 
 const WIDTH: f32 = 430.0;
 
-/// The messages.
-pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     if state.notices.is_empty() {
         return;
     }
@@ -34,7 +33,7 @@ pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<
     });
 }
 
-fn notice_ui(ui: &mut egui::Ui, notice: &Notice, commands: &mut Vec<Command>) {
+fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let (icon, color, fill) = match notice.kind {
         NoticeKind::Error => (ICON_ERROR, tokens.error, tokens.error_faint),
@@ -63,4 +62,34 @@ fn notice_ui(ui: &mut egui::Ui, notice: &Notice, commands: &mut Vec<Command>) {
                 }
             });
         });
+}
+
+pub(crate) fn log_ui(ui: &mut Ui, state: &State) {
+    let tokens = Tokens::in_ui(ui);
+    let log = &state.inspector.log;
+    let Some(first) = log.front() else {
+        empty_ui(
+            ui,
+            ICON_NOTES,
+            "Nothing happened yet",
+            "Work that is done and trouble that is met appear here.",
+            |_| {},
+        );
+        return;
+    };
+    ScrollArea::vertical().auto_shrink(false).stick_to_bottom(true).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        for line in log {
+            ui.horizontal_top(|ui| {
+                let seconds = line.at.duration_since(first.at).as_secs_f64();
+                ui.label(RichText::new(format!("{seconds:8.2} s")).monospace().color(tokens.text_weak));
+                let color = match line.kind {
+                    NoticeKind::Error => tokens.error,
+                    NoticeKind::Warning => tokens.warning,
+                    NoticeKind::Done => tokens.text,
+                };
+                ui.add(egui::Label::new(RichText::new(&line.text).color(color)).wrap().selectable(true));
+            });
+        }
+    });
 }

@@ -1,9 +1,10 @@
 //! A field for typing a path: for people who know it, and for systems without file dialogs.
 
-use egui::{Id, Key, Modal, RichText, TextEdit};
+use egui::{Id, Modal, RichText};
 
-use crate::app::model::{Command, Purpose, State, TypedPath};
+use crate::app::model::{Command, Commands, Purpose, State, TypedPath};
 use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{text_field_ui, weak};
 
 /// The question before something is replaced.
 fn replaced_words(typed: &TypedPath) -> String {
@@ -18,43 +19,34 @@ fn replaced_words(typed: &TypedPath) -> String {
     }
 }
 
-/// The field, while one is asked for.
-pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+/// The field, while it is open.
+pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let Some(typed) = &state.typed_path else { return };
-    let (title, action, hint) = match typed.purpose {
-        Purpose::OpenFile | Purpose::OpenFolder => {
-            ("Open a capture or a store", "Open", "folder, transforms.json or .ovl file")
-        }
-        Purpose::SaveStore => ("Save the store", "Save", ".ovl file"),
-        Purpose::SaveSettings => ("Save the settings", "Save", ".toml file"),
-        Purpose::SavePicture => ("Save the picture", "Save", ".png file"),
-        Purpose::ExportPictures => ("Export pictures into a folder", "Export", "folder"),
-        Purpose::ExportFilm => ("Export a film", "Export", ".mp4, .mkv or .mov file"),
-        Purpose::LoadSettings => ("Load settings", "Load", ".toml file"),
+    let purpose = typed.purpose;
+    let (action, hint) = match purpose {
+        Purpose::OpenFile | Purpose::OpenFolder => ("Open", "folder, transforms.json or .ovl file"),
+        Purpose::SaveStore => ("Save", ".ovl file"),
+        Purpose::SaveSettings => ("Save", ".toml file"),
+        Purpose::SavePicture => ("Save", ".png file"),
+        Purpose::ExportPictures => ("Export", "folder"),
+        Purpose::ExportFilm => ("Export", ".mp4, .mkv or .mov file"),
+        Purpose::LoadSettings => ("Load", ".toml file"),
     };
+    let title = if action == "Open" { "Open a capture or a store" } else { purpose.title() };
     let modal = Modal::new(Id::unique("path field")).show(ctx, |ui| {
         ui.set_width(480.0);
         ui.heading(title);
         if let Some(reason) = &typed.reason {
-            ui.label(RichText::new(reason).color(Tokens::in_ui(ui).text_weak));
+            weak(ui, reason);
         }
         ui.add_space(space::MEDIUM);
         let mut text = typed.text.clone();
-        let field = ui
-            .add(
-                TextEdit::singleline(&mut text)
-                    .desired_width(f32::INFINITY)
-                    .margin(egui::vec2(8.0, 6.0))
-                    .hint_text(hint),
-            )
-            .accessible_name("Path");
-        if field.changed() {
+        let (changed, entered) = text_field_ui(ui, &mut text, hint, "Path");
+        if changed {
             commands.push(Command::TypedPath(text));
         }
-        if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
+        if entered {
             commands.push(Command::TakeTypedPath);
-        } else if ui.memory(|memory| memory.focused().is_none()) {
-            field.request_focus();
         }
         if typed.replaces {
             ui.label(RichText::new(replaced_words(typed)).color(Tokens::in_ui(ui).warning));

@@ -3,12 +3,12 @@
 use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
 use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
 
-use crate::app::model::{Command, Purpose, SIDES, State};
-use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{empty_ui, icon_button};
+use crate::app::model::{Command, Commands, Purpose, SIDES, State};
+use crate::app::theme::space;
+use crate::app::widgets::{empty_ui, icon_button, weak};
 
 /// What the path can become.
-fn export_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+fn export_menu_ui(ui: &mut Ui, commands: &mut Commands) {
     let menu = ui.menu_button("Export…", |ui| {
         for (name, help, command) in [
             ("Pictures…", PICTURES, Command::AskPath(Purpose::ExportPictures)),
@@ -27,8 +27,7 @@ fn export_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
 const PICTURES: &str = "A folder of numbered PNG pictures.";
 const FILM: &str = "A film at the frame rate of the timeline, through the ffmpeg on this machine.";
 
-/// How large exported pictures are.
-fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Vec<Command>) {
+fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Commands) {
     let mut chosen = size;
     let [width, height] = &mut chosen;
     ui.label("Size");
@@ -44,8 +43,7 @@ fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Vec<Command>) {
 
 const SIZE: &str = "Columns and rows of exported pictures, at first those of the largest camera. What the lens sees fits inside.";
 
-/// The view.
-pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let path = &state.inspector.path;
     if path.keys.is_empty() {
         let text = "Fly to where the path should begin and add a key; fly on and add the next. The path runs smoothly \
@@ -57,7 +55,6 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         });
         return;
     }
-    let tokens = Tokens::in_ui(ui);
     ui.horizontal(|ui| {
         if ui.button("Add key here (K)").clicked() {
             commands.push(Command::AddKey);
@@ -79,13 +76,12 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.add_enabled_ui(ready, |ui| export_menu_ui(ui, commands));
         let [width, height] = state.export_size();
         let facts = format!("{} pictures, {width}×{height}", path.pictures());
-        ui.label(RichText::new(facts).color(tokens.text_weak));
+        weak(ui, facts);
     });
     keys_ui(ui, state, commands);
 }
 
-fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let tokens = Tokens::in_ui(ui);
+fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let keys = &state.inspector.path.keys;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {
@@ -94,9 +90,9 @@ fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 if ui.button(format!("Key {number}")).on_hover_text("Go there").clicked() {
                     commands.push(Command::GoToKey(index));
                 }
-                let at = key.rig.world_from_camera.translation;
+                let at = key.orbit.world_from_camera.translation;
                 ui.label(RichText::new(format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z)).monospace());
-                ui.label(RichText::new(format!("frame {}", key.frame + 1)).color(tokens.text_weak));
+                weak(ui, format!("frame {}", key.frame + 1));
                 ui.horizontal(|ui| {
                     let here = format!("Put key {number} here");
                     if icon_button(ui, ICON_UPDATE, &here, "Put this key where the view stands now").clicked()

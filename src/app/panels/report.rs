@@ -4,22 +4,17 @@ use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2, vec2};
 
 use egui_material_icons::icons::ICON_GRID_ON;
 
-use super::agreement;
-use super::matrix::{self, PairCell};
+use super::matrix::{PairCell, agreement_ui, pairs_ui, short};
+use crate::app::colormap;
 use crate::app::model::{self, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::work;
+use crate::app::widgets::{note, weak};
 use crate::preprocess::diagnostics::{CameraReport, Report};
 
-/// The panel.
 pub(crate) fn report_ui(ui: &mut Ui, state: &State) {
     let Some(report) = state.report() else {
-        let tokens = Tokens::in_ui(ui);
         ui.add_space(space::MEDIUM);
-        ui.label(
-            RichText::new("The report appears here once the whole capture is pruned.")
-                .color(tokens.text_weak),
-        );
+        weak(ui, "The report appears here once the whole capture is pruned.");
         return;
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -29,7 +24,7 @@ pub(crate) fn report_ui(ui: &mut Ui, state: &State) {
         ui.add_space(space::LARGE);
         matrix_ui(ui, report);
         ui.add_space(space::LARGE);
-        agreement::ui(ui, report);
+        agreement_ui(ui, report);
         ui.add_space(space::LARGE);
         cameras_ui(ui, report);
         ui.add_space(space::LARGE);
@@ -38,7 +33,7 @@ pub(crate) fn report_ui(ui: &mut Ui, state: &State) {
 
 /// Says that the numbers were made with other settings, where they were.
 pub(crate) fn stale_ui(ui: &mut Ui, state: &State) {
-    if let Some(words) = state.stale_words() {
+    if let Some(words) = state.stale_note() {
         ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
     }
 }
@@ -59,11 +54,11 @@ pub(crate) fn matrix_view_ui(ui: &mut Ui, state: &State) {
         if ui.available_width() < TWO_COLUMNS {
             matrix_ui(ui, report);
             ui.add_space(space::LARGE);
-            agreement::ui(ui, report);
+            agreement_ui(ui, report);
         } else {
             ui.columns(2, |columns| {
                 matrix_ui(&mut columns[0], report);
-                agreement::ui(&mut columns[1], report);
+                agreement_ui(&mut columns[1], report);
             });
         }
     });
@@ -94,7 +89,7 @@ fn rules_ui(ui: &mut Ui, report: &Report) {
     let mut rules: Vec<_> = report.pruned.iter().filter(|(_, count)| **count > 0).collect();
     rules.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
     if rules.is_empty() {
-        ui.label(RichText::new("Nothing was pruned.").color(tokens.text_weak));
+        weak(ui, "Nothing was pruned.");
     }
     for (rule, &count) in rules {
         let (words, help) = rule_words(rule);
@@ -140,18 +135,14 @@ pub(crate) fn share_ui(
 }
 
 fn matrix_ui(ui: &mut Ui, report: &Report) {
-    let tokens = Tokens::in_ui(ui);
     ui.heading("Who stands for whom");
-    ui.label(
-        RichText::new("Rows lose samples, columns keep the ones that stand for them.")
-            .color(tokens.text_weak),
-    );
+    weak(ui, "Rows lose samples, columns keep the ones that stand for them.");
     let most = report.witnesses.iter().flatten().copied().max().unwrap_or(0).max(1) as f32;
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
-    matrix::ui(ui, &names, |loser, winner| {
+    pairs_ui(ui, &names, |loser, winner| {
         let count = *report.witnesses.get(loser)?.get(winner)?;
         Some(PairCell {
-            // The square root lets small counts be told from none.
+            // The square root makes small counts differ from none.
             strength: (count > 0).then(|| (count as f32 / most).sqrt()),
             text: model::count(count),
             help: format!("{}: {} samples dropped for {}", names[loser], model::count(count), names[winner]),
@@ -178,7 +169,6 @@ fn measured(camera: &CameraReport) -> String {
 }
 
 fn cameras_ui(ui: &mut Ui, report: &Report) {
-    let tokens = Tokens::in_ui(ui);
     ui.heading("Cameras");
     Grid::new("cameras").num_columns(4).min_col_width(62.0).striped(true).spacing(Vec2::new(12.0, 4.0)).show(
         ui,
@@ -189,15 +179,15 @@ fn cameras_ui(ui: &mut Ui, report: &Report) {
                 ("Still", "Share of its pixels that are the same over all frames."),
                 ("Noise", "Measured color noise of still pixels, in 8-bit steps."),
             ] {
-                ui.label(RichText::new(title).small().color(tokens.text_weak)).on_hover_text(help);
+                note(ui, title).on_hover_text(help);
             }
             ui.end_row();
             let frames = report.foreground_per_frame.len().max(1) as u64;
             for (index, camera) in report.cameras.iter().enumerate() {
                 ui.horizontal(|ui| {
                     let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
-                    ui.painter().circle_filled(dot.center(), 4.0, work::camera(index));
-                    ui.label(matrix::short(&camera.name, 12)).on_hover_text(&camera.name);
+                    ui.painter().circle_filled(dot.center(), 4.0, colormap::camera(index));
+                    ui.label(short(&camera.name, 12)).on_hover_text(&camera.name);
                 });
                 ui.label(model::count(camera.background_kept + camera.foreground_kept));
                 ui.label(model::percent(camera.background_pixels, camera.pixels / frames));

@@ -1,39 +1,36 @@
-//! The thresholds: generated from the one table of settings, so that none is ever missing here.
+//! The thresholds, generated from the one table of settings, so that none is ever missing here; and settings to start from.
 
-use egui::{Align, Button, CollapsingHeader, DragValue, Layout, RichText, ScrollArea, Slider, Ui};
-use egui_material_icons::icons::{ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
+use egui::{Align, Button, CollapsingHeader, DragValue, Id, Layout, Modal, RichText, ScrollArea, Slider, Ui};
+use egui_material_icons::icons::{ICON_DELETE, ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 
-use super::{histogram, presets};
+use super::histogram;
 use crate::app::control::gave_up_number;
-use crate::app::model::setting_names::SECTIONS;
-use crate::app::model::{self, Command, SettingsSlot, State};
+use crate::app::model::setting_names::{SECTIONS, SettingPairs};
+use crate::app::model::{self, CUT, Command, Commands, PRESETS, SettingsSlot, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, icon_button};
-use crate::app::work::CUT;
+use crate::app::widgets::{choice_ui, icon_button, note, text_field_ui, weak};
 use crate::settings::{Field, Settings, ValueKind};
 
 /// Width of the number beside a slider: as much as `65536` needs.
 const NUMBER_BOX: f32 = 58.0;
 
-/// The panel.
-pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let settings = state.shown_settings();
-    let values = Values::of(&settings);
+    let values = SettingPairs::new(&settings, &Settings::default());
     let editable = state.has_thresholds();
     if editable {
         history_ui(ui, state, commands);
-        let words = match values.changed() {
+        let words = match values.differing().count() {
             0 => "Every setting has its default".to_owned(),
             1 => "1 setting differs from its default".to_owned(),
             count => format!("{count} settings differ from their defaults"),
         };
-        ui.label(RichText::new(words).small().color(Tokens::in_ui(ui).text_weak));
+        note(ui, words);
     }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if !editable {
-            let tokens = Tokens::in_ui(ui);
             let text = "A store keeps the thresholds it was made with; only painting can be changed.";
-            ui.label(RichText::new(text).color(tokens.text_weak));
+            weak(ui, text);
         }
         for (section, heading, open) in SECTIONS {
             let fields: Vec<_> = fields_of(section).collect();
@@ -44,7 +41,7 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
                     if *section == "capture" {
                         let text =
                             "For captures that are opened from now on: the one that is open stays as it is.";
-                        ui.label(RichText::new(text).small().color(Tokens::in_ui(ui).text_weak));
+                        note(ui, text);
                     }
                     ui.add_enabled_ui(editable || *section == "render", |ui| {
                         for field in fields {
@@ -63,7 +60,7 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
 }
 
 /// Undo and redo, two settings that take turns, and settings to start from.
-fn history_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn history_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let history = &state.inspector.history;
     ui.horizontal(|ui| {
         for (icon, name, keys, able, command) in [
@@ -84,43 +81,23 @@ fn history_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 commands.push(Command::SwitchSettings);
             }
         }
-        presets::menu_ui(ui, state, commands);
+        presets_menu_ui(ui, state, commands);
     });
     ui.add_space(space::SMALL);
-}
-
-/// Settings and their defaults as tables: converted once a frame, not once a field.
-struct Values {
-    now: toml::Table,
-    default: toml::Table,
-}
-
-impl Values {
-    fn of(settings: &Settings) -> Self {
-        let table = |settings: &Settings| toml::Table::try_from(settings).unwrap_or_default();
-        Self { now: table(settings), default: table(&Settings::default()) }
-    }
-
-    /// How many settings differ from their defaults.
-    fn changed(&self) -> usize {
-        let differs = |field: &&Field| self.of_field(field).is_some_and(|(now, default)| now != default);
-        Settings::fields().filter(differs).count()
-    }
-
-    /// The value of a setting, and its default.
-    fn of_field(&self, field: &Field) -> Option<(&toml::Value, &toml::Value)> {
-        let (section, name) = field.path.split_once('.')?;
-        Some((self.now.get(section)?.get(name)?, self.default.get(section)?.get(name)?))
-    }
 }
 
 fn fields_of(section: &str) -> impl Iterator<Item = &'static Field> {
     Settings::fields().filter(move |field| field.path.split_once('.').is_some_and(|(of, _)| of == section))
 }
 
-fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, commands: &mut Vec<Command>) {
-    let Some((value, default)) = values.of_field(field) else { return };
-    let tokens = Tokens::in_ui(ui);
+fn field_ui(
+    ui: &mut Ui,
+    field: &'static Field,
+    values: &SettingPairs,
+    state: &State,
+    commands: &mut Commands,
+) {
+    let Some([value, default]) = values.of(field) else { return };
     let (section, name) = field.path.split_once('.').unwrap_or(("", field.path));
     let full_name = model::words(&format!("{section} {name}"));
     let name = model::words(name);
@@ -131,40 +108,21 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
         ui.add_space(2.0);
         ui.horizontal(|ui| {
             ui.label(RichText::new(&name)).on_hover_text(field.help);
-            ui.label(RichText::new(field.unit).small().color(tokens.text_weak)).on_hover_text(field.help);
-            if let (ValueKind::Switch, toml::Value::Boolean(on)) = (field.kind, value) {
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    ui.add_space(space::MEDIUM);
-                    let mut on = *on;
-                    let switch =
-                        ui.checkbox(&mut on, "").on_hover_text(field.help).accessible_name(&full_name);
-                    if switch.changed() {
-                        commands.push(Command::Set { path: field.path, value: on.into() });
+            note(ui, field.unit).on_hover_text(field.help);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                ui.add_space(space::MEDIUM);
+                let changed_to = match (field.kind, value) {
+                    (ValueKind::Switch, toml::Value::Boolean(on)) => switch_ui(ui, field, &full_name, *on),
+                    (ValueKind::Number { min, max, .. }, toml::Value::Float(number)) if cuts => {
+                        number_ui(ui, field, &full_name, *number, [min, max])
                     }
-                    reset_ui(ui, field, changed, commands);
-                });
-            } else {
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    ui.add_space(space::MEDIUM);
-                    if let (true, ValueKind::Number { min, max, .. }, toml::Value::Float(number)) =
-                        (cuts, field.kind, value)
-                    {
-                        let mut number = *number;
-                        let speed = 0.01 * number.abs().max(max * 1e-4);
-                        let drag = DragValue::new(&mut number)
-                            .range(min..=max)
-                            .speed(speed)
-                            .update_while_editing(false)
-                            .custom_formatter(|value, _| shown_number(value));
-                        ui.spacing_mut().interact_size.x = NUMBER_BOX;
-                        let drag = ui.add(drag).on_hover_text(field.help).accessible_name(&full_name);
-                        if drag.changed() && !gave_up_number(ui.ctx()) {
-                            commands.push(Command::Set { path: field.path, value: number.into() });
-                        }
-                    }
-                    reset_ui(ui, field, changed, commands);
-                });
-            }
+                    _ => None,
+                };
+                if let Some(value) = changed_to {
+                    commands.push(Command::Set { path: field.path, value });
+                }
+                reset_ui(ui, field, changed, commands);
+            });
         });
         if let (Some(value), true) = (value.as_float(), cuts) {
             histogram::histogram_ui(ui, field, &full_name, value, state, commands);
@@ -174,7 +132,31 @@ fn field_ui(ui: &mut Ui, field: &'static Field, values: &Values, state: &State, 
     });
 }
 
-fn reset_ui(ui: &mut Ui, field: &'static Field, changed: bool, commands: &mut Vec<Command>) {
+fn switch_ui(ui: &mut Ui, field: &Field, name: &str, mut on: bool) -> Option<toml::Value> {
+    let switch = ui.checkbox(&mut on, "").on_hover_text(field.help).accessible_name(name);
+    switch.changed().then(|| on.into())
+}
+
+/// The number of a threshold whose slider is the line on its histogram.
+fn number_ui(
+    ui: &mut Ui,
+    field: &Field,
+    name: &str,
+    mut number: f64,
+    [min, max]: [f64; 2],
+) -> Option<toml::Value> {
+    let speed = 0.01 * number.abs().max(max * 1e-4);
+    let drag = DragValue::new(&mut number)
+        .range(min..=max)
+        .speed(speed)
+        .update_while_editing(false)
+        .custom_formatter(|value, _| shown_number(value));
+    ui.spacing_mut().interact_size.x = NUMBER_BOX;
+    let drag = ui.add(drag).on_hover_text(field.help).accessible_name(name);
+    (drag.changed() && !gave_up_number(ui.ctx())).then(|| number.into())
+}
+
+fn reset_ui(ui: &mut Ui, field: &'static Field, changed: bool, commands: &mut Commands) {
     if !changed {
         return;
     }
@@ -220,12 +202,77 @@ fn value_ui(ui: &mut Ui, field: &'static Field, name: &str, value: &toml::Value)
     }
 }
 
-/// A threshold with as many digits as tell it apart.
+/// A threshold with as many digits as matter.
 fn shown_number(value: f64) -> String {
     match value.abs() {
         v if v >= 9.95 => format!("{value:.1}"),
         v if v >= 0.1 || v == 0.0 => format!("{value:.2}"),
         _ => format!("{value:.4}"),
+    }
+}
+
+/// The menu, as wide as there is room.
+fn presets_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let button = Button::new("Presets…").min_size(egui::vec2(ui.available_width() - space::MEDIUM, 0.0));
+    let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        ui.set_min_width(220.0);
+        for (index, (name, help, _)) in PRESETS.iter().enumerate() {
+            if ui.button(*name).on_hover_text(*help).clicked() {
+                commands.push(Command::Preset(index));
+            }
+        }
+        ui.separator();
+        note(ui, "Your own");
+        for (index, (name, _)) in state.inspector.presets.iter().enumerate() {
+            ui.horizontal(|ui| {
+                if ui.button(name).clicked() {
+                    commands.push(Command::OwnPreset(index));
+                    ui.close();
+                }
+                let forget = format!("Forget preset {name}");
+                if icon_button(ui, ICON_DELETE, &forget, &forget).clicked() {
+                    commands.push(Command::RemovePreset(index));
+                }
+            });
+        }
+        if ui.button("Keep these settings…").on_hover_text("Keeps them under a name, for next time").clicked()
+        {
+            commands.push(Command::NamePreset(Some(String::new())));
+        }
+    });
+    response.accessible_name("Presets");
+}
+
+/// The field for a name, while a new preset is named.
+pub(crate) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
+    let Some(name) = &state.inspector.naming else { return };
+    let modal = Modal::new(Id::unique("naming a preset")).show(ctx, |ui| {
+        ui.set_width(360.0);
+        ui.heading("Keep these settings");
+        let taken = state.inspector.presets.iter().any(|(known, _)| known == name.trim());
+        let words =
+            if taken { "This name is taken: its settings will be replaced." } else { "Under which name?" };
+        weak(ui, words);
+        ui.add_space(space::MEDIUM);
+        let mut text = name.clone();
+        let (changed, entered) = text_field_ui(ui, &mut text, "", "Name of the preset");
+        let named = !text.trim().is_empty();
+        if changed {
+            commands.push(Command::NamePreset(Some(text.clone())));
+        }
+        ui.add_space(space::MEDIUM);
+        ui.horizontal(|ui| {
+            let keep = ui.add_enabled(named, Button::new("Keep")).accessible_name("Keep this preset");
+            if (keep.clicked() || entered) && named {
+                commands.push(Command::SavePreset(text));
+            }
+            if ui.button("Close").clicked() {
+                commands.push(Command::NamePreset(None));
+            }
+        });
+    });
+    if modal.should_close() {
+        commands.push(Command::NamePreset(None));
     }
 }
 

@@ -3,11 +3,11 @@
 use egui::{Align, Button, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons::{ICON_CANCEL, ICON_REPLAY};
 
-use crate::app::model::{self, Busy, Command, State, StoppableWork};
+use crate::app::model::{self, Busy, Command, Commands, State, StoppableWork};
 use crate::app::theme::{Tokens, space};
+use crate::app::widgets::weak;
 
-/// The line at the bottom.
-pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     ui.horizontal_centered(|ui| {
         if let Some(busy) = state.busy.first() {
@@ -31,7 +31,7 @@ pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>)
             let text = "A threshold changed: this frame shows it now, the whole capture follows.";
             ui.label(RichText::new(text).color(tokens.warning));
         } else {
-            ui.label(RichText::new("Ready").color(tokens.text_weak));
+            weak(ui, "Ready");
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| frame_facts_ui(ui, state));
     });
@@ -52,7 +52,7 @@ fn busy_ui(ui: &mut Ui, state: &State, busy: &Busy) {
         ui.label(stage);
     } else {
         ui.label(&whole);
-        ui.label(RichText::new(stage).color(tokens.text_weak));
+        weak(ui, stage);
     }
     if progress.total == 0 {
         ui.add(egui::Spinner::new().size(14.0));
@@ -64,14 +64,13 @@ fn busy_ui(ui: &mut Ui, state: &State, busy: &Busy) {
         .desired_height(8.0)
         .fill(tokens.accent);
     ui.add(bar).accessible_name("Progress");
-    ui.label(RichText::new(count).color(tokens.text_weak));
+    weak(ui, count);
     if let Some(secs) = busy.secs_left {
-        ui.label(RichText::new(model::time_left(secs)).color(tokens.text_weak));
+        weak(ui, model::time_left(secs));
     }
 }
 
 fn frame_facts_ui(ui: &mut Ui, state: &State) {
-    let tokens = Tokens::in_ui(ui);
     let Some(inspected) = state.inspected.as_ref().filter(|_| state.inspection_here().is_some()) else {
         return;
     };
@@ -83,7 +82,7 @@ fn frame_facts_ui(ui: &mut Ui, state: &State) {
         facts.push_str(" (time not looked at yet)");
     }
     ui.add_space(space::SMALL);
-    ui.label(RichText::new(facts).color(tokens.text_weak)).on_hover_text(
+    weak(ui, facts).on_hover_text(
         "All pixels of all cameras at this frame, and the kept samples that represent them: those stored for all frames, for \
          several and for this one alone.",
     );

@@ -3,17 +3,16 @@
 use egui::{Align2, Rect, RichText, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_TIMELINE;
 
-use crate::app::model::{self, Command, State};
+use crate::app::colormap::sequential;
+use crate::app::model::{self, Command, Commands, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::empty_ui;
-use crate::app::work::sequential;
+use crate::app::widgets::{empty_ui, note};
 use crate::preprocess::diagnostics::SpanReport;
 
 /// Room for the names of the rows.
 const NAMES: f32 = 128.0;
 
-/// The view.
-pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let frames = state.frame_count();
     let Some(report) = state.report().filter(|report| !report.spans.is_empty() && frames > 0) else {
@@ -24,7 +23,7 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let caption =
             "Samples by the span of frames they are stored for; light is many. Click to go to a frame.";
-        ui.label(RichText::new(caption).small().color(tokens.text_weak));
+        note(ui, caption);
         if state.is_stale() {
             ui.label(RichText::new("Out of date.").small().color(tokens.warning));
         }
@@ -63,7 +62,7 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let from = left + span.span.start as f32 * step;
             let to = left + span.span.end as f32 * step - if step > 3.0 { 1.0 } else { 0.0 };
             let cell = Rect::from_min_max(pos2(from, top + 1.0), pos2(to, top + height - 1.0));
-            // The square root lets small counts be told from none.
+            // The square root makes small counts differ from none.
             painter.rect_filled(cell, 2.0, sequential((span.samples as f32 / most).sqrt()));
             if response.hover_pos().is_some_and(|at| cell.contains(at)) {
                 hovered = Some(**span);

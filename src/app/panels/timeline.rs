@@ -3,20 +3,18 @@
 use egui::{Align, DragValue, Layout, Rect, RichText, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::{ICON_PAUSE, ICON_PLAY_ARROW, ICON_SKIP_NEXT, ICON_SKIP_PREVIOUS};
 
-use crate::app::model::{self, Command, State};
+use crate::app::model::{self, Command, Commands, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::icon_button;
+use crate::app::widgets::{icon_button, weak};
 
-/// The area.
-pub(crate) fn timeline_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn timeline_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     ui.add_enabled_ui(state.scene.is_some(), |ui| {
         ui.horizontal(|ui| controls_ui(ui, state, commands));
         strip_ui(ui, state, commands);
     });
 }
 
-fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let tokens = Tokens::in_ui(ui);
+fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let timeline = &state.timeline;
     if icon_button(ui, ICON_SKIP_PREVIOUS, "Step back", "Step back (,)").clicked() {
         commands.push(Command::Step(-1));
@@ -51,7 +49,7 @@ fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
             None => "bars show what does not hold for all frames, once the capture is pruned".to_owned(),
         };
-        ui.label(RichText::new(caption).color(tokens.text_weak));
+        weak(ui, caption);
     });
 }
 
@@ -59,7 +57,7 @@ fn foreground(state: &State) -> Option<&[u64]> {
     state.report().map(|report| report.foreground_per_frame.as_slice())
 }
 
-fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let size = vec2(ui.available_width(), ui.available_height() - 2.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());

@@ -6,15 +6,12 @@ use egui_material_icons::icons::{
     ICON_SCIENCE, ICON_TERMINAL,
 };
 
-use super::command_palette::CommandPalette;
-use crate::app::dock::DockView;
-use crate::app::model::{self, Command, Origin, Purpose, State};
+use crate::app::model::{self, Command, CommandPalette, Commands, DockView, Origin, Purpose, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::icon_button;
+use crate::app::widgets::{icon_button, note, weak};
 use crate::demo::SCENES;
 
-/// The bar at the top.
-pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     ui.horizontal_centered(|ui| {
         ui.label(RichText::new("Overlook").heading().color(tokens.text));
@@ -48,25 +45,21 @@ pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>
     });
 }
 
-fn menu_button(icon: egui_material_icons::MaterialIcon, name: &str) -> Button<'_> {
-    Button::new((icon.rich_text().size(16.0), name))
-}
-
 fn item<'a>(name: &'a str, keys: &'a str) -> Button<'a> {
     let button = Button::new(name);
     if keys.is_empty() { button } else { button.shortcut_text(keys) }
 }
 
 fn menu_ui(ui: &mut Ui, icon: egui_material_icons::MaterialIcon, name: &str, contents: impl FnOnce(&mut Ui)) {
-    let (response, _) =
-        egui::containers::menu::MenuButton::from_button(menu_button(icon, name)).ui(ui, |ui| {
-            ui.set_min_width(210.0);
-            contents(ui);
-        });
+    let button = Button::new((icon.rich_text().size(16.0), name));
+    let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        ui.set_min_width(210.0);
+        contents(ui);
+    });
     response.accessible_name(name);
 }
 
-fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     menu_ui(ui, ICON_FOLDER_OPEN, "Open", |ui| {
         for (name, keys, command) in [
             ("Open folder…", "", Command::AskPath(Purpose::OpenFolder)),
@@ -83,7 +76,7 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             return;
         }
         ui.separator();
-        ui.label(RichText::new("Recent").small().color(Tokens::in_ui(ui).text_weak));
+        note(ui, "Recent");
         for path in &state.recent {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
             if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
@@ -96,7 +89,7 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
-fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     menu_ui(ui, ICON_SAVE, "Save", |ui| {
         let (ready, shown) = (state.is_whole_ready(), state.live_shown.is_some());
         for (name, keys, enabled, command) in [
@@ -124,7 +117,7 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
-fn demo_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+fn demo_menu_ui(ui: &mut Ui, commands: &mut Commands) {
     menu_ui(ui, ICON_SCIENCE, "Demo", |ui| {
         for (name, help) in SCENES {
             if ui.button(model::words(name)).on_hover_text(*help).clicked() {
@@ -134,11 +127,10 @@ fn demo_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
     });
 }
 
-fn views_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+fn views_menu_ui(ui: &mut Ui, commands: &mut Commands) {
     menu_ui(ui, ICON_DASHBOARD, "Views", |ui| {
-        for view in DockView::ALL {
-            let name = view.name();
-            let button = ui.button(name).on_hover_text(view.help());
+        for (view, name, help) in DockView::ALL {
+            let button = ui.button(name).on_hover_text(help);
             if button.accessible_name(format!("Open view {name}")).clicked() {
                 commands.push(Command::OpenView(view));
             }
@@ -151,7 +143,6 @@ fn views_menu_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
 }
 
 fn title_ui(ui: &mut Ui, state: &State) {
-    let tokens = Tokens::in_ui(ui);
     let Some(scene) = &state.scene else { return };
     let kind = match (&scene.origin, scene.capture().is_some()) {
         (Origin::Demo(_), _) => "built-in capture",
@@ -167,7 +158,7 @@ fn title_ui(ui: &mut Ui, state: &State) {
         scene.frame_count(),
         if scene.frame_count() == 1 { "frame" } else { "frames" },
     );
-    let response = ui.label(RichText::new(facts).color(tokens.text_weak));
+    let response = weak(ui, facts);
     if let Origin::Path(path) = &scene.origin {
         response.on_hover_text(path.display().to_string());
     }

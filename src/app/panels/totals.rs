@@ -2,8 +2,10 @@
 
 use egui::{Align, Layout, RichText, Ui};
 
-use crate::app::model::{self, Content, State};
+use crate::app::model::{self, Accuracy, Content, State};
 use crate::app::theme::{Tokens, figure_style};
+use crate::app::widgets::one_line;
+use crate::preprocess::diagnostics::Report;
 
 /// Height of a figure with its name.
 const FIGURE: f32 = 38.0;
@@ -23,7 +25,6 @@ struct Figure {
     of_whole: bool,
 }
 
-/// The strip.
 pub(crate) fn totals_ui(ui: &mut Ui, state: &State) {
     let figures = figures(state);
     let widths = widths(ui, &figures);
@@ -73,7 +74,7 @@ fn figure_ui(ui: &mut Ui, figure: &Figure, stale: bool) {
             ui.horizontal(|ui| {
                 ui.label(RichText::new(&figure.value).text_style(figure_style()).color(color));
                 let note_color = if stale { tokens.warning } else { tokens.text_weak };
-                ui.add(egui::Label::new(RichText::new(note).small().color(note_color)).truncate());
+                one_line(ui, note, note_color);
             });
         })
         .response;
@@ -88,92 +89,75 @@ fn figure_ui(ui: &mut Ui, figure: &Figure, stale: bool) {
 
 fn figures(state: &State) -> Vec<Figure> {
     let report = state.report();
-    let of_report = |value: &dyn Fn(&crate::preprocess::diagnostics::Report) -> String| {
-        report.map_or_else(|| "–".to_owned(), value)
+    let figure = |name, of_whole, value_and_note: Option<[String; 2]>, help: &str| {
+        let [value, note] = value_and_note.unwrap_or_else(|| ["–".to_owned(), String::new()]);
+        Figure { name, value, note, help: help.to_owned(), of_whole }
     };
-    let figure = |name, value: String, note: String, help: &str| Figure {
-        name,
-        value,
-        note,
-        help: help.to_owned(),
-        of_whole: true,
-    };
-    let memory_note = match state.scene.as_ref().map(|scene| &scene.content) {
+    let memory_note = |report: &Report| match state.content() {
         Some(Content::Store { bytes, .. }) => format!("file {}", model::bytes(*bytes)),
-        _ => report.map_or(String::new(), |r| format!("of {}", model::bytes(r.bytes_raw))),
+        _ => format!("of {}", model::bytes(report.bytes_raw)),
     };
+    let seconds = report.map(|r| r.seconds).filter(|seconds| *seconds > 0.0);
+    let render = state.live_shown.as_ref().map(|shown| {
+        let stats = &shown.picture.stats;
+        let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
+        let covered = model::percent(pixels.saturating_sub(stats.holes), pixels);
+        [format!("{} ms", model::significant(stats.milliseconds)), format!("{covered} covered")]
+    });
     vec![
         figure(
             "Samples kept",
-            of_report(&|r| model::count(r.samples_kept)),
-            report.map_or(String::new(), |r| format!("of {}", model::count(r.samples_in))),
+            true,
+            report.map(|r| [model::count(r.samples_kept), format!("of {}", model::count(r.samples_in))]),
             "The samples kept, of all pixels of all frames of all cameras.",
         ),
         figure(
             "Redundant",
-            of_report(&|r| model::percent(r.samples_in.saturating_sub(r.samples_kept), r.samples_in)),
-            if report.is_some() { "pruned".to_owned() } else { String::new() },
+            true,
+            report.map(|r| {
+                let pruned = r.samples_in.saturating_sub(r.samples_kept);
+                [model::percent(pruned, r.samples_in), "pruned".to_owned()]
+            }),
             "Share of all pixels that another kept sample says at least as well.",
         ),
         figure(
             "Memory",
-            of_report(&|r| model::bytes(r.bytes_memory)),
-            memory_note,
+            true,
+            report.map(|r| [model::bytes(r.bytes_memory), memory_note(r)]),
             "The kept samples in memory, of all pixels as 8-bit color and 32-bit depth; a saved store is smaller.",
         ),
-        accuracy_figure(state),
+        accuracy_figure(state.accuracy, figure),
         figure(
             "Preprocessing",
-            match report.map(|r| r.seconds).filter(|seconds| *seconds > 0.0) {
-                Some(seconds) => format!("{} s", model::significant(seconds)),
-                None => "–".to_owned(),
-            },
-            String::new(),
+            true,
+            seconds.map(|seconds| [format!("{} s", model::significant(seconds)), String::new()]),
             "Seconds that pruning the whole capture took; a store does not record them, so that equal input gives equal \
              files.",
         ),
-        render_figure(state),
+        figure(
+            "Live view",
+            false,
+            render,
+            "Milliseconds that painting the picture on the right took, and the share of it that samples reached.",
+        ),
     ]
 }
 
-fn accuracy_figure(state: &State) -> Figure {
-    let (value, note, help) = match state.accuracy {
-        Some(accuracy) => {
-            let change = accuracy.psnr_db - accuracy.unpruned_psnr_db;
-            (
-                format!("{:.1} dB", accuracy.psnr_db),
-                format!("{change:+.2} dB by pruning"),
-                format!(
-                    "Mean PSNR at {} vantages whose truth is known, over the pixels that samples reached: charts fill holes \
-                     first and count all. With nothing pruned it is {:.1} dB.",
-                    accuracy.views, accuracy.unpruned_psnr_db
-                ),
-            )
-        }
-        None => (
-            "–".to_owned(),
-            String::new(),
-            "Accuracy is measured at vantages whose truth is known: built-in captures have them, and captures with a \
-             novel/transforms.json. There is none here, or it is not measured yet: while time passes and after Esc it is not."
-                .to_owned(),
-        ),
+fn accuracy_figure(
+    accuracy: Option<Accuracy>,
+    figure: impl Fn(&'static str, bool, Option<[String; 2]>, &str) -> Figure,
+) -> Figure {
+    let Some(accuracy) = accuracy else {
+        let help = "Accuracy is measured at vantages whose truth is known: built-in captures have them, and captures with a \
+                    novel/transforms.json. There is none here, or it is not measured yet: while time passes and after Esc it \
+                    is not.";
+        return figure("Accuracy", true, None, help);
     };
-    Figure { name: "Accuracy", value, note, help, of_whole: true }
-}
-
-fn render_figure(state: &State) -> Figure {
-    let (value, note) = match &state.live_shown {
-        Some(shown) => {
-            let stats = &shown.picture.stats;
-            let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
-            (
-                format!("{} ms", model::significant(stats.milliseconds)),
-                format!("{} covered", model::percent(pixels.saturating_sub(stats.holes), pixels)),
-            )
-        }
-        None => ("–".to_owned(), String::new()),
-    };
-    let help =
-        "Milliseconds that painting the picture on the right took, and the share of it that samples reached.";
-    Figure { name: "Live view", value, note, help: help.to_owned(), of_whole: false }
+    let Accuracy { psnr_db, unpruned_psnr_db, views } = accuracy;
+    let help = format!(
+        "Mean PSNR at {views} vantages whose truth is known, over the pixels that samples reached: charts fill holes first \
+         and count all. With nothing pruned it is {unpruned_psnr_db:.1} dB.",
+    );
+    let change = format!("{:+.2} dB by pruning", psnr_db - unpruned_psnr_db);
+    figure("Accuracy", true, Some([format!("{psnr_db:.1} dB"), change]), &help)
 }

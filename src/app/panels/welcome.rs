@@ -2,7 +2,7 @@
 
 use egui::{Align2, Area, Frame, Id, Margin, Modal, Order, RichText, Stroke, vec2};
 
-use crate::app::model::{Command, Purpose, State};
+use crate::app::model::{Command, Commands, Purpose, State};
 use crate::app::theme::{Tokens, space};
 
 /// What a first run explains: title and text.
@@ -23,7 +23,7 @@ const HINTS: [(&str, &str); 3] = [
 ];
 
 /// The introduction, until it is dismissed.
-pub(crate) fn introduction_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn introduction_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     // It speaks of what cameras recorded and of thresholds, which a store does not have: it waits for a capture.
     if state.inspector.introduced || !state.has_capture() {
         return;
@@ -51,29 +51,29 @@ const WRITING: &str = "A file, pictures or a film are still being written. Closi
      they are.";
 const WRITTEN: &str = "What was being written is done.";
 
-/// The question before closing or before opening something else, while it is asked.
-pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+/// The question before closing or before opening something else, while it is open.
+pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let closes = state.inspector.closing.asks;
-    if !closes && state.asks_to_open.is_none() {
+    if !closes && state.open_after_question.is_none() {
         return;
     }
     let modal = Modal::new(Id::unique("closing")).show(ctx, |ui| {
         ui.set_width(420.0);
         let inspector = &state.inspector;
-        let losses = inspector.losses();
+        let unsaved_work = inspector.unsaved_work();
         let (title, text) = match (inspector.closing.writing, state.is_unsaved()) {
             _ if !closes => ("Open something else?", None),
             (true, _) => ("Close before all is written?", Some(WRITING)),
             (false, true) => ("Close without saving?", Some(UNSAVED)),
-            (false, false) if losses.is_some() => ("Close without saving?", None),
+            (false, false) if unsaved_work.is_some() => ("Close without saving?", None),
             (false, false) => ("Close now?", Some(WRITTEN)),
         };
         ui.heading(title);
         if let Some(text) = text {
             ui.label(text);
         }
-        if let Some(losses) = losses {
-            ui.label(format!("This would be lost: {losses}."));
+        if let Some(unsaved_work) = unsaved_work {
+            ui.label(format!("This would be lost: {unsaved_work}."));
         }
         ui.add_space(space::MEDIUM);
         ui.horizontal(|ui| {

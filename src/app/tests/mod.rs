@@ -6,10 +6,8 @@ mod telling;
 
 use std::time::{Duration, Instant};
 
-use super::dock::DockView;
-use super::model::{Command, CompareLook, CompareSide, Exported, Message, NoticeKind, Purpose, Study};
-use super::work::Spot;
-use super::{OverlookApp, Start};
+use super::model::{Command, CompareSide, DockView, Exported, Message, NoticeKind, Purpose, Spot, Study};
+use super::overlook_app::{OverlookApp, Start};
 use crate::demo::DemoSpec;
 use crate::error::Error;
 use crate::render::NO_IMAGE;
@@ -28,6 +26,13 @@ fn start(cameras: usize, frames: usize) -> OverlookApp {
     let ctx = egui::Context::default();
     let mut app = OverlookApp::new(&ctx, None, None, Start::Demo(orrery(cameras, frames))).unwrap();
     app.state.live.size = [48, 36];
+    app
+}
+
+/// The same, once all work is done.
+fn ready(cameras: usize, frames: usize) -> OverlookApp {
+    let mut app = start(cameras, frames);
+    settle(&mut app);
     app
 }
 
@@ -58,7 +63,7 @@ fn set_method(app: &mut OverlookApp, method: PruningMethod) {
 #[test]
 fn a_threshold_changed_and_taken_back_at_once_leaves_the_capture_to_be_pruned() {
     let mut app = start(4, 60);
-    wait(&mut app, "the capture to be pruned", |app| !app.lanes.whole.is_idle());
+    wait(&mut app, "the capture to be pruned", |app| !app.workers.whole.is_idle());
     set_method(&mut app, PruningMethod::Off);
     step(&mut app);
     set_method(&mut app, PruningMethod::HighestRate);
@@ -70,8 +75,7 @@ fn a_threshold_changed_and_taken_back_at_once_leaves_the_capture_to_be_pruned() 
 fn a_store_records_how_it_was_painted_when_it_was_saved() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.ovl");
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::Set { path: "render.kernel", value: "surfel".into() });
     app.take_path(Purpose::SaveStore, path.clone());
     settle(&mut app);
@@ -104,7 +108,7 @@ fn accuracy_whose_measuring_was_stopped_is_measured_after_the_next_change() {
     app.apply(Command::Set { path: "render.kernel", value: "point".into() });
     step(&mut app);
     app.apply(Command::Cancel);
-    wait(&mut app, "the measuring to stop", |app| app.lanes.measure.is_idle());
+    wait(&mut app, "the measuring to stop", |app| app.workers.measure.is_idle());
     assert_ne!(app.state.accuracy, Some(gathered), "shown with another kernel");
     app.apply(Command::Reset("render.kernel"));
     wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
@@ -114,8 +118,7 @@ fn accuracy_whose_measuring_was_stopped_is_measured_after_the_next_change() {
 
 #[test]
 fn a_sweep_that_runs_is_not_begun_anew_and_ends_with_its_capture() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::Study(Study::Sweep));
     wait(&mut app, "the first point", |app| !app.state.inspector.charts.sweep.is_empty());
     app.apply(Command::Study(Study::Sweep));
@@ -123,23 +126,21 @@ fn a_sweep_that_runs_is_not_begun_anew_and_ends_with_its_capture() {
     assert!(app.state.inspector.charts.studying && app.notices()[0].starts_with("Already measuring"));
     app.open_demo(orrery(2, 3));
     wait(&mut app, "the other capture", |app| app.state.frame_count() == 3);
-    wait(&mut app, "the sweep to stop", |app| app.lanes.inspector.study.is_idle());
+    wait(&mut app, "the sweep to stop", |app| app.workers.study.is_idle());
     step(&mut app);
     assert!(!app.state.inspector.charts.studying && app.state.inspector.charts.sweep.is_empty());
 }
 
 #[test]
 fn what_gave_way_to_newer_work_says_nothing_of_that() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::Study(Study::Sweep));
     app.open_demo(orrery(2, 3));
     let cancelled = |what| Message::Failed { what, error: Error::Cancelled };
-    let ctx = app.ctx.clone();
-    app.receive(cancelled("Open"), &ctx);
-    app.receive(cancelled("Study"), &ctx);
+    app.receive(cancelled("Open"));
+    app.receive(cancelled("Study"));
     assert!(app.state.opening.is_some() && app.state.inspector.charts.studying);
-    app.lanes.inspector.study.cancel();
+    app.workers.study.cancel();
     wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);
 }
 
@@ -151,8 +152,7 @@ fn of_two_captures_opened_at_once_the_latter_appears() {
     wait(&mut app, "a capture", |app| app.state.scene.is_some() && app.state.opening.is_none());
     assert_eq!(app.state.frame_count(), 5);
     app.open_demo(orrery(2, 3));
-    let ctx = app.ctx.clone();
-    app.watch_work(&ctx);
+    app.watch_work();
     app.apply(Command::Cancel);
     wait(&mut app, "the end of opening", |app| app.state.opening.is_none());
     assert_eq!(app.state.frame_count(), 5);
@@ -160,9 +160,8 @@ fn of_two_captures_opened_at_once_the_latter_appears() {
 
 #[test]
 fn thresholds_changed_while_a_store_is_written_are_still_unsaved() {
-    let mut app = start(2, 2);
-    settle(&mut app);
-    let (ctx, before) = (app.ctx.clone(), app.state.settings.clone());
+    let mut app = ready(2, 2);
+    let before = app.state.settings.clone();
     set_method(&mut app, PruningMethod::Off);
     let scene = app.state.scene.as_ref().unwrap().id;
     let saved = |scene, settings| Message::Saved {
@@ -170,19 +169,18 @@ fn thresholds_changed_while_a_store_is_written_are_still_unsaved() {
         bytes: Some(1),
         holds: Some((scene, settings)),
     };
-    app.receive(saved(scene, before), &ctx);
+    app.receive(saved(scene, before));
     assert!(app.state.is_unsaved());
     let now = app.state.settings.clone();
-    app.receive(saved(scene + 1, now.clone()), &ctx);
+    app.receive(saved(scene + 1, now.clone()));
     assert!(app.state.is_unsaved(), "another capture was saved");
-    app.receive(saved(scene, now), &ctx);
+    app.receive(saved(scene, now));
     assert!(!app.state.is_unsaved());
 }
 
 #[test]
 fn thresholds_that_were_taken_back_need_not_be_saved() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     set_method(&mut app, PruningMethod::Off);
     assert!(app.state.is_unsaved());
     app.apply(Command::Undo);
@@ -197,8 +195,7 @@ fn thresholds_that_were_taken_back_need_not_be_saved() {
 #[test]
 fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
     let folder = tempfile::tempdir().unwrap();
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     for _ in 0..2 {
         app.apply(Command::AddKey);
     }
@@ -210,7 +207,7 @@ fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
         let told = app.state.notices.pop().unwrap();
         assert!(told.text.contains("not pruned with these settings yet"), "{}", told.text);
     }
-    assert!(app.lanes.file.is_idle() && app.lanes.inspector.export.is_idle());
+    assert!(app.workers.file.is_idle() && app.workers.export.is_idle());
     settle(&mut app);
     app.apply(Command::TypePath(Purpose::SaveStore));
     assert!(app.state.typed_path.is_some());
@@ -219,8 +216,7 @@ fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
 /// Opens a store of which nothing that is seen at its last frame alone can be read.
 fn open_damaged(folder: &std::path::Path) -> OverlookApp {
     let path = folder.join("damaged.ovl");
-    let mut app = start(2, FRAMES);
-    settle(&mut app);
+    let mut app = ready(2, FRAMES);
     app.take_path(Purpose::SaveStore, path.clone());
     settle(&mut app);
     let mut bytes = std::fs::read(&path).unwrap();
@@ -265,9 +261,8 @@ fn warnings_about_a_scene_end_with_it_and_those_about_files_stay() {
     app.state.notices.clear();
     app.apply(Command::Frame(FRAMES - 1));
     wait(&mut app, "the warning", |app| !app.state.notices.is_empty());
-    let ctx = app.ctx.clone();
     let exported = Exported { pictures: 2, notice: None, damage: vec!["frame 8".into()] };
-    app.receive(Message::Exported { path: "pictures".into(), exported }, &ctx);
+    app.receive(Message::Exported { path: "pictures".into(), exported });
     app.open_demo(orrery(2, 2));
     wait(&mut app, "the capture", |app| app.state.has_capture());
     let warnings = app.state.notices.iter().filter(|notice| notice.kind == NoticeKind::Warning);
@@ -277,8 +272,7 @@ fn warnings_about_a_scene_end_with_it_and_those_about_files_stay() {
 
 #[test]
 fn a_hole_that_is_clicked_is_not_kept() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::Dolly(4.0));
     app.apply(Command::Orbit(glam::DVec2::new(2.0, 0.0)));
     settle(&mut app);
@@ -295,7 +289,7 @@ fn a_hole_that_is_clicked_is_not_kept() {
         }
         app.apply(Command::Pin(true));
         settle(&mut app);
-        // What the lane said last is taken in.
+        // What the worker sent last is taken in.
         step(&mut app);
         let probe = &app.state.inspector.probe;
         assert!(!probe.pinned && probe.spot.is_none() && probe.shown.is_none(), "before: {before}");
@@ -312,11 +306,12 @@ fn pictures_are_named_after_what_they_show_until_those_that_were_chosen_are_ther
     wait(&mut app, "the comparison", |app| app.state.inspector.compared.is_some());
     let sides = |app: &OverlookApp| app.state.inspector.compared.as_ref().map(|compared| compared.sides);
     let before = app.state.inspector.compare.clone();
-    let look = CompareLook { sides: [CompareSide::Point, CompareSide::Kept], ..before.clone() };
-    app.state.inspector.compare_trouble = Some("of those before".into());
+    let mut look = before.clone();
+    look.choice.sides = [CompareSide::Point, CompareSide::Kept];
+    app.state.inspector.compare_error = Some("of those before".into());
     app.apply(Command::Compare(Box::new(look.clone())));
-    assert_eq!((sides(&app), &app.state.inspector.compare_trouble), (Some(before.sides), &None));
-    wait(&mut app, "the other comparison", |app| sides(app) == Some(look.sides));
+    assert_eq!((sides(&app), &app.state.inspector.compare_error), (Some(before.choice.sides), &None));
+    wait(&mut app, "the other comparison", |app| sides(app) == Some(look.choice.sides));
 }
 
 #[test]
@@ -339,12 +334,10 @@ fn pictures_exported_from_a_damaged_store_come_with_a_warning() {
 
 #[test]
 fn an_export_that_the_gpu_was_asked_for_and_did_not_paint_says_so() {
-    let mut app = start(2, 2);
-    settle(&mut app);
-    let ctx = app.ctx.clone();
+    let mut app = ready(2, 2);
     let exported =
         Exported { pictures: 2, notice: Some("the CPU paints: no adapter".into()), damage: Vec::new() };
-    app.receive(Message::Exported { path: "film.mp4".into(), exported }, &ctx);
+    app.receive(Message::Exported { path: "film.mp4".into(), exported });
     assert_eq!(
         app.notices(),
         [

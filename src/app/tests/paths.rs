@@ -3,11 +3,9 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use super::{set_method, settle, start, step, wait};
-use crate::app::OverlookApp;
-use crate::app::dock::DockView;
-use crate::app::model::{Command, Message, Purpose, Study};
-use crate::app::work::{ColorBy, Spot};
+use super::{ready, set_method, settle, start, step, wait};
+use crate::app::model::{ColorBy, Command, DockView, Message, Purpose, Spot, Study};
+use crate::app::overlook_app::OverlookApp;
 use crate::settings::{PruningMethod, Settings};
 
 fn type_path(app: &mut OverlookApp, purpose: Purpose, path: &Path) {
@@ -31,12 +29,10 @@ fn add_path(app: &mut OverlookApp) {
 
 #[test]
 fn a_dialog_that_gives_no_path_is_never_silent() {
-    let mut app = start(2, 2);
-    settle(&mut app);
-    let ctx = app.ctx.clone();
+    let mut app = ready(2, 2);
     let mut answer = |after: u64| {
         app.asked_at = Instant::now().checked_sub(Duration::from_millis(after));
-        app.receive(Message::PathChosen { purpose: Purpose::SaveStore, path: None }, &ctx);
+        app.receive(Message::PathChosen { purpose: Purpose::SaveStore, path: None });
         (app.state.typed_path.take().map(|typed| typed.text), app.notices())
     };
     for soon in [0, 900] {
@@ -52,8 +48,7 @@ fn a_file_that_stands_at_a_typed_path_is_replaced_only_after_a_question() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("settings.toml");
     std::fs::write(&path, "old").unwrap();
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     type_path(&mut app, Purpose::SaveSettings, &path);
     wait(&mut app, "the question", asks_to_replace);
     app.apply(Command::TypedPath("other.toml".into()));
@@ -78,14 +73,12 @@ fn pictures_are_put_beside_other_files_only_after_a_question() {
     std::fs::create_dir(&used).unwrap();
     std::fs::create_dir(&empty).unwrap();
     std::fs::write(used.join("0001.png"), "old").unwrap();
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     add_path(&mut app);
     type_path(&mut app, Purpose::ExportPictures, &used);
     wait(&mut app, "the question", asks_to_replace);
     app.apply(Command::CloseTypedPath);
-    let ctx = app.ctx.clone();
-    app.receive(Message::PathChosen { purpose: Purpose::ExportPictures, path: Some(used.clone()) }, &ctx);
+    app.receive(Message::PathChosen { purpose: Purpose::ExportPictures, path: Some(used.clone()) });
     wait(&mut app, "the question after the dialog", asks_to_replace);
     app.apply(Command::Escape);
     assert_eq!(std::fs::read_to_string(used.join("0001.png")).unwrap(), "old");
@@ -99,8 +92,7 @@ fn pictures_are_put_beside_other_files_only_after_a_question() {
 fn a_typed_path_that_cannot_be_written_comes_back_to_be_mended() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("missing/small.ovl");
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     type_path(&mut app, Purpose::SaveStore, &path);
     wait(&mut app, "the error", |app| !app.state.notices.is_empty());
     let typed = app.state.typed_path.take().unwrap();
@@ -111,8 +103,7 @@ fn a_typed_path_that_cannot_be_written_comes_back_to_be_mended() {
 
 #[test]
 fn no_path_is_asked_for_where_there_is_no_camera_path_to_export() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::AddKey);
     for purpose in [Purpose::ExportPictures, Purpose::ExportFilm] {
         app.apply(Command::TypePath(purpose));
@@ -143,8 +134,7 @@ fn exported_pictures_are_as_large_as_the_largest_camera_or_as_was_chosen() {
 
 #[test]
 fn a_key_of_a_camera_path_that_nobody_sees_is_told() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::AddKey);
     assert!(app.notices()[0].starts_with("Key 1 added") && app.notices()[0].contains("Camera path"));
     app.state.notices.clear();
@@ -155,24 +145,22 @@ fn a_key_of_a_camera_path_that_nobody_sees_is_told() {
 
 #[test]
 fn the_pixel_that_is_looked_at_is_framed_and_without_one_nothing_moves() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::Orbit(glam::DVec2::new(0.3, 0.1)));
-    let before = app.state.live.rig.clone();
+    let before = app.state.live.orbit.clone();
     app.apply(Command::FramePoint);
-    assert_eq!(app.state.live.rig, before);
+    assert_eq!(app.state.live.orbit, before);
     assert!(app.notices()[0].starts_with("Point at a pixel first"));
     app.apply(Command::Probe(Some(Spot::Source { camera: 0, x: 20, y: 22 })));
     wait(&mut app, "the pixel", |app| app.state.inspector.probe.shown.is_some());
     assert!(!app.state.inspector.probe.pinned);
     app.apply(Command::FramePoint);
-    assert_ne!(app.state.live.rig, before);
+    assert_ne!(app.state.live.orbit, before);
 }
 
 #[test]
 fn escape_stops_work_before_it_lets_go_of_a_pixel() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::Probe(Some(Spot::Source { camera: 0, x: 24, y: 18 })));
     app.apply(Command::Pin(true));
     app.apply(Command::Study(Study::Sweep));
@@ -189,8 +177,7 @@ fn escape_stops_work_before_it_lets_go_of_a_pixel() {
 
 #[test]
 fn a_stress_test_keeps_the_points_of_the_one_before_until_it_has_its_own() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::Study(Study::Stress));
     wait(&mut app, "three points", |app| app.state.inspector.charts.stress.len() > 2);
     app.apply(Command::Escape);
@@ -208,35 +195,32 @@ fn a_stress_test_keeps_the_points_of_the_one_before_until_it_has_its_own() {
 fn settings_loaded_beside_a_store_do_not_claim_to_have_changed_its_thresholds() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.ovl");
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     set_method(&mut app, PruningMethod::Off);
     settle(&mut app);
     app.take_path(Purpose::SaveStore, path.clone());
     settle(&mut app);
     let loaded = || Message::SettingsLoaded { path: "kept.toml".into(), settings: Settings::default() };
-    let ctx = app.ctx.clone();
     app.state.notices.clear();
-    app.receive(loaded(), &ctx);
+    app.receive(loaded());
     assert_eq!(app.notices(), ["Settings loaded: kept.toml"]);
     app.open_path(path);
     wait(&mut app, "the store", |app| !app.state.has_capture());
     app.state.notices.clear();
-    app.receive(loaded(), &ctx);
+    app.receive(loaded());
     assert!(app.notices()[0].contains("captures opened from now on"), "{:?}", app.notices());
 }
 
 #[test]
 fn opening_something_else_asks_only_where_a_camera_path_or_points_are_lost() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::OpenPath("/no/such/capture".into()));
-    assert!(app.state.asks_to_open.is_none() && app.state.opening.is_some());
+    assert!(app.state.open_after_question.is_none() && app.state.opening.is_some());
     settle(&mut app);
     app.apply(Command::AddKey);
     let demo = Command::OpenDemo("orrery".into());
     app.apply(demo.clone());
-    assert!(app.state.asks_to_open.as_ref() == Some(&demo) && app.state.opening.is_none());
+    assert!(app.state.open_after_question.as_ref() == Some(&demo) && app.state.opening.is_none());
     app.apply(Command::Stay);
     app.apply(Command::GoOnAnyway);
     assert!(app.state.opening.is_none(), "nothing is asked any more");
@@ -249,21 +233,19 @@ fn opening_something_else_asks_only_where_a_camera_path_or_points_are_lost() {
 fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
     let folder = tempfile::tempdir().unwrap();
     let [bare, png, jpg] = ["view", "view.png", "view.jpg"].map(|name| folder.path().join(name));
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::ColorBy(ColorBy::Camera));
     settle(&mut app);
-    let ctx = app.ctx.clone();
     for chosen in [false, true] {
         if chosen {
-            app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(jpg.clone()) }, &ctx);
+            app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(jpg.clone()) });
         } else {
             type_path(&mut app, Purpose::SavePicture, &jpg);
         }
         let typed = app.state.typed_path.take().unwrap();
         assert_eq!(typed.reason.unwrap(), "A picture is written as PNG; name it .png.");
     }
-    app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(bare.clone()) }, &ctx);
+    app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(bare.clone()) });
     wait(&mut app, "the picture", |_| png.is_file());
     type_path(&mut app, Purpose::SavePicture, &bare);
     wait(&mut app, "the question", asks_to_replace);

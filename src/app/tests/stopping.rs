@@ -3,17 +3,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::{orrery, set_method, settle, start, step, wait};
-use crate::app::model::{Command, Purpose, StoppableWork, Study};
-use crate::app::work::Spot;
-use crate::app::{OverlookApp, Start};
+use super::{orrery, ready, set_method, settle, step, wait};
+use crate::app::model::{Command, Purpose, Spot, StoppableWork, Study};
+use crate::app::overlook_app::{OverlookApp, Start};
 use crate::settings::{PruningMethod, Settings};
-
-/// Looks at what is going on, as the line at the bottom does.
-fn watch(app: &mut OverlookApp) {
-    let ctx = app.ctx.clone();
-    app.watch_work(&ctx);
-}
 
 fn has_notice(app: &OverlookApp, title: &str) -> bool {
     app.notices().iter().any(|notice| notice.starts_with(title))
@@ -22,53 +15,50 @@ fn has_notice(app: &OverlookApp, title: &str) -> bool {
 #[test]
 fn of_files_asked_for_one_after_the_other_each_is_written() {
     let folder = tempfile::tempdir().unwrap();
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     let store = folder.path().join("small.ovl");
     app.take_path(Purpose::SaveStore, store.clone());
     let settings: Vec<_> = (0..4).map(|nth| folder.path().join(format!("{nth}.toml"))).collect();
     for path in &settings {
         app.take_path(Purpose::SaveSettings, path.clone());
     }
-    wait(&mut app, "the files", |app| app.lanes.file.is_idle());
+    wait(&mut app, "the files", |app| app.workers.file.is_idle());
     assert!(settings.iter().chain([&store]).all(|path| path.is_file()));
 }
 
 #[test]
 fn cancelling_stops_only_what_is_named_and_an_export_that_was_stopped_says_so() {
     let folder = tempfile::tempdir().unwrap();
-    let mut app = start(2, 4);
-    settle(&mut app);
+    let mut app = ready(2, 4);
     app.apply(Command::Study(Study::Sweep));
     app.apply(Command::PicturesPerLeg(2000));
     for _ in 0..2 {
         app.apply(Command::AddKey);
     }
     app.take_path(Purpose::ExportPictures, folder.path().join("pictures"));
-    watch(&mut app);
+    app.watch_work();
     assert_eq!(app.state.busy[0].work, StoppableWork::Export);
     app.apply(Command::Cancel);
     assert!(app.state.inspector.charts.studying, "the sweep stands behind it in the line");
     wait(&mut app, "a word about the export", |app| has_notice(app, "Export stopped: Only the pictures"));
-    assert!(app.lanes.inspector.export.is_idle() && !app.lanes.inspector.study.is_idle());
+    assert!(app.workers.export.is_idle() && !app.workers.study.is_idle());
     app.state.notices.clear();
-    watch(&mut app);
+    app.watch_work();
     app.apply(Command::Escape);
     wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);
 }
 
 #[test]
 fn a_change_taken_back_while_the_capture_is_pruned_leaves_what_was_there() {
-    let mut app = start(4, 60);
-    settle(&mut app);
+    let mut app = ready(4, 60);
     let before = app.state.whole.as_ref().unwrap().samples.clone();
     set_method(&mut app, PruningMethod::Off);
-    wait(&mut app, "the capture to be pruned", |app| !app.lanes.whole.is_idle());
+    wait(&mut app, "the capture to be pruned", |app| !app.workers.whole.is_idle());
     app.apply(Command::Undo);
     step(&mut app);
     app.apply(Command::Cancel);
     assert!(!app.state.stopped, "what is there was made with these settings");
-    wait(&mut app, "the abandoned work to stop", |app| app.lanes.whole.is_idle());
+    wait(&mut app, "the abandoned work to stop", |app| app.workers.whole.is_idle());
     settle(&mut app);
     assert!(Arc::ptr_eq(&before, &app.state.whole.as_ref().unwrap().samples));
     set_method(&mut app, PruningMethod::Off);
@@ -78,13 +68,12 @@ fn a_change_taken_back_while_the_capture_is_pruned_leaves_what_was_there() {
 
 #[test]
 fn numbers_that_are_out_of_date_say_whether_they_will_be_brought_up_to_date() {
-    let mut app = start(2, 2);
-    settle(&mut app);
-    assert_eq!(app.state.stale_words(), None);
+    let mut app = ready(2, 2);
+    assert_eq!(app.state.stale_note(), None);
     set_method(&mut app, PruningMethod::Off);
-    assert!(app.state.stale_words().unwrap().contains("being brought up to date"));
+    assert!(app.state.stale_note().unwrap().contains("being brought up to date"));
     app.state.stopped = true;
-    assert!(app.state.stale_words().unwrap().contains("Rerun"));
+    assert!(app.state.stale_note().unwrap().contains("Rerun"));
 }
 
 /// Copies the small capture that comes along.
@@ -133,8 +122,7 @@ fn the_live_view_is_painted_for_others_while_it_lies_behind_them() {
 
 #[test]
 fn of_a_pixel_that_is_let_go_of_nothing_more_is_said() {
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.apply(Command::Probe(Some(Spot::Source { camera: 0, x: 24, y: 18 })));
     app.apply(Command::Pin(true));
     wait(&mut app, "the pixel", |app| app.state.inspector.probe.shown.is_some());
@@ -146,8 +134,7 @@ fn of_a_pixel_that_is_let_go_of_nothing_more_is_said() {
 #[test]
 fn paths_are_remembered_so_that_they_hold_wherever_the_window_is_started() {
     let here = std::env::current_dir().unwrap();
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.take_path(Purpose::SaveStore, "no such folder/small.ovl".into());
     wait(&mut app, "the error", |app| !app.state.notices.is_empty());
     assert!(app.state.notices[0].text.contains(&here.join("no such folder").display().to_string()));
@@ -159,8 +146,7 @@ fn paths_are_remembered_so_that_they_hold_wherever_the_window_is_started() {
 fn settings_kept_beside_a_store_are_those_that_it_shows() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.ovl");
-    let mut app = start(2, 2);
-    settle(&mut app);
+    let mut app = ready(2, 2);
     app.take_path(Purpose::SaveStore, path.clone());
     settle(&mut app);
     set_method(&mut app, PruningMethod::Off);

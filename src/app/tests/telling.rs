@@ -5,10 +5,11 @@ use std::time::Duration;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use super::{settle, start, wait};
-use crate::app::dock::{Dock, DockView};
-use crate::app::model::{self, Busy, Command, State, StoppableWork, Study};
-use crate::app::{OverlookApp, fresh_state, secs_left, theme, views, window};
+use super::{ready, start, wait};
+use crate::app::dock::Dock;
+use crate::app::model::{self, Busy, Command, DockView, State, StoppableWork, Study, verdict_text};
+use crate::app::overlook_app::{OverlookApp, secs_left};
+use crate::app::{theme, window};
 use crate::job::Progress;
 use crate::settings::{Kernel, Settings};
 
@@ -52,7 +53,7 @@ fn the_line_at_the_bottom_names_what_is_measured_and_how_long_all_of_it_takes() 
     for (study, line) in
         [(Study::Sweep, "Sweep: 3 of 60, 2 min left"), (Study::Stress, "Stress test: 3 of 60, 2 min left")]
     {
-        let mut state = fresh_state();
+        let mut state = State::default();
         state.inspector.charts.begin(study, &Settings::default());
         state.busy = vec![Busy {
             work: StoppableWork::Study,
@@ -71,7 +72,7 @@ fn a_chart_whose_first_point_is_on_its_way_does_not_say_that_there_is_none() {
         (Study::Sweep, DockView::Tradeoff, "No sweep yet"),
         (Study::Stress, DockView::Stability, "No stress test yet"),
     ] {
-        let mut state = fresh_state();
+        let mut state = State::default();
         assert!(view_says(&state, view, none));
         state.inspector.charts.begin(study, &Settings::default());
         assert!(view_says(&state, view, "Measuring the first setting") && !view_says(&state, view, none));
@@ -110,16 +111,15 @@ fn histograms_of_another_frame_than_the_one_shown_say_so() {
 
 #[test]
 fn of_a_pixel_that_is_kept_in_motion_nobody_is_asked_to_click_it() {
-    let mut state = fresh_state();
+    let mut state = State::default();
     state.timeline.playing = true;
-    assert!(views::pending_verdict(&state, false).contains("click"));
-    assert_eq!(views::pending_verdict(&state, true), "In motion: pause to read its verdict.");
+    assert!(verdict_text::pending_verdict(&state, false).contains("click"));
+    assert_eq!(verdict_text::pending_verdict(&state, true), "In motion: pause to read its verdict.");
 }
 
 #[test]
 fn samples_of_shorter_spans_are_not_said_to_be_of_one_frame() {
-    let mut app = start(2, 4);
-    settle(&mut app);
+    let app = ready(2, 4);
     let counted = app.state.report().unwrap().foreground_per_frame[0];
     let words = format!("{} samples that do not hold for all frames", model::count(counted));
     let mut dock = Dock::new();

@@ -1,19 +1,19 @@
-//! Every camera as a thumbnail: its kept share, and where it sees the pixel that is looked at.
+//! Every camera as a thumbnail: its kept share, and where it sees the selected pixel.
 
 use egui::{Align2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
 
-use super::{marks, words};
-use crate::app::model::{self, Command, OpenScene, State};
+use super::overlays;
+use crate::app::colormap;
+use crate::app::model::verdict_text as words;
+use crate::app::model::{self, Command, Commands, OpenScene, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::empty_ui;
-use crate::app::work;
+use crate::app::widgets::{self, empty_ui, waiting};
 
 /// Height of the two lines below a thumbnail.
 const CAPTION: f32 = 34.0;
 
-/// The view.
-pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(scene) = &state.scene else { return };
     if !state.has_capture() {
         let text = "A store keeps only what was not redundant; there are no source pictures in it.";
@@ -41,7 +41,7 @@ fn card_ui(
     scene: &OpenScene,
     index: usize,
     height: f32,
-    commands: &mut Vec<Command>,
+    commands: &mut Commands,
 ) {
     let tokens = Tokens::in_ui(ui);
     let camera = &scene.cameras[index];
@@ -54,10 +54,9 @@ fn card_ui(
     painter.rect_filled(picture, 4.0, tokens.canvas);
     let texture = state.inspector.thumbs.get(index);
     if let Some(texture) = texture {
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(texture.id(), picture, whole, egui::Color32::WHITE);
+        widgets::picture(&painter, texture.id(), picture);
     } else {
-        egui::Spinner::new().paint_at(ui, Rect::from_center_size(picture.center(), vec2(18.0, 18.0)));
+        waiting(ui, picture, 18.0);
     }
     let selected = index == state.source.camera;
     if selected || response.hovered() {
@@ -65,22 +64,28 @@ fn card_ui(
         painter.rect_stroke(picture, 4.0, Stroke::new(2.0, color), StrokeKind::Outside);
     }
     let probed = state.inspector.probe.shown.as_ref();
-    if let Some((at, sees)) = probed.and_then(|probed| marks::in_camera(state, probed, index)) {
+    if let Some((at, sees)) = probed.and_then(|probed| probed.in_camera(&scene.cameras, index)) {
         let scale = vec2(picture.width() / columns as f32, picture.height() / rows as f32);
         let clipped = painter.with_clip_rect(picture);
-        marks::mark(&clipped, picture.min + at.to_vec2() * scale, sees, state.inspector.probe.pinned, tokens);
+        overlays::mark(
+            &clipped,
+            picture.min + at.to_vec2() * scale,
+            sees,
+            state.inspector.probe.pinned,
+            tokens,
+        );
     }
     let left = picture.left();
-    painter.circle_filled(pos2(left + 5.0, picture.bottom() + 11.0), 4.0, work::camera(index));
+    painter.circle_filled(pos2(left + 5.0, picture.bottom() + 11.0), 4.0, colormap::camera(index));
     let font = egui::TextStyle::Small.resolve(ui.style());
     let line = |row: f32, x: f32, text: String, color| {
         painter.text(pos2(left + x, picture.bottom() + row), Align2::LEFT_CENTER, text, font.clone(), color);
     };
     let kept = kept_words(state, index);
     let says = probed
-        .and_then(|probed| probed.argument.as_ref())
-        .and_then(|argument| argument.evidence.get(index))
-        .map(|row| words::sees(row.outcome));
+        .and_then(|probed| probed.explanation.as_ref())
+        .and_then(|explanation| explanation.evidence.get(index))
+        .map(|row| words::sees(row.outcome).0);
     let second = says.map_or_else(|| kept.clone(), |says| format!("{kept}, {says}"));
     line(
         11.0,

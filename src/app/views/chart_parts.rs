@@ -1,14 +1,14 @@
 //! What charts share: a legend that hides no point, the point under the pointer, and the button that measures.
 
-use egui::{Color32, Pos2, RichText, Sense, Shape, Stroke, Ui, vec2};
+use egui::{Color32, Pos2, Sense, Shape, Stroke, Ui, vec2};
 use egui_material_icons::MaterialIcon;
-use egui_plot::{MarkerShape, PlotPoint, PlotUi};
+use egui_plot::{MarkerShape, Plot, PlotPoint, PlotUi};
 
-use crate::app::model::{Command, State, Study};
+use crate::app::model::{self, Command, Commands, State, Study};
 use crate::app::theme::Tokens;
 use crate::app::widgets::empty_ui;
 
-/// A point this near to the pointer is meant, points on the screen.
+/// How near the pointer selects a point, points on the screen.
 const NEAR: f32 = 12.0;
 
 /// Room below a plot for a line of text.
@@ -20,11 +20,8 @@ const MARK: f32 = 12.0;
 /// What an entry of the legend shows.
 #[derive(Clone, Copy)]
 pub(crate) enum Mark {
-    /// Points of one shape.
     Points(MarkerShape),
-    /// A line.
     Line,
-    /// A ring.
     Ring,
 }
 
@@ -86,7 +83,7 @@ pub(crate) fn nearest(plot_ui: &PlotUi<'_>, places: impl Iterator<Item = [f64; 2
 }
 
 /// The button that measures, or goes on where it was stopped.
-pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &mut Vec<Command>) {
+pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &mut Commands) {
     let charts = &state.inspector.charts;
     let (name, help) = match study {
         _ if charts.goes_on(study, &state.settings) => {
@@ -116,7 +113,7 @@ pub(crate) fn no_points_ui(
     state: &State,
     study: Study,
     (icon, text): (MaterialIcon, &str),
-    commands: &mut Vec<Command>,
+    commands: &mut Commands,
 ) {
     if state.inspector.charts.under_way() == Some(study) {
         let text = "Points appear one by one, as they are measured.";
@@ -132,8 +129,13 @@ pub(crate) fn no_points_ui(
     empty_ui(ui, icon, title, text, |ui| study_button(ui, state, study, commands));
 }
 
-/// A line below a plot.
-pub(crate) fn hint_ui(ui: &mut Ui, hint: &str) {
-    let hint = RichText::new(hint).small().color(Tokens::in_ui(ui).text_weak);
-    ui.add(egui::Label::new(hint).truncate());
+/// A plot with named axes and round marks; `log` says which axes are logarithmic.
+pub(crate) fn plot<'a>(id: &'static str, ui: &Ui, [x, y]: [String; 2], log: [bool; 2]) -> Plot<'a> {
+    Plot::new(id)
+        .x_axis_label(x)
+        .y_axis_label(y)
+        .x_grid_spacer(move |grid| model::marks(grid.bounds, log[0]))
+        .y_grid_spacer(move |grid| model::marks(grid.bounds, log[1]))
+        .grid_color(Tokens::in_ui(ui).border)
+        .allow_scroll(false)
 }

@@ -1,25 +1,27 @@
-//! Accuracy against cost over many settings.
+//! Charts: accuracy against cost over many settings, and accuracy against the size of a disturbance.
 
 use std::collections::BTreeMap;
 
 use egui::{RichText, Ui};
-use egui_material_icons::icons::ICON_SCATTER_PLOT;
-use egui_plot::{Line, Plot, Points};
+use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
+use egui_plot::{Line, Plot, PlotPoints, Points};
 
-use super::chart_parts::{HINT, Mark, hint_ui, legend_ui, nearest, no_points_ui, shape, study_button};
-use crate::app::model::setting_names;
-use crate::app::model::{self, Command, Quantity, State, Study, point_name, series_name, settings_alone};
+use super::chart_parts::{HINT, Mark, legend_ui, nearest, no_points_ui, plot, shape, study_button};
+use crate::app::colormap;
+use crate::app::model::{
+    self, Command, Commands, Quantity, State, Study, method_name, point_name, series_name, setting_names,
+    settings_alone,
+};
 use crate::app::theme::Tokens;
-use crate::app::widgets::choice_ui;
-use crate::app::work;
+use crate::app::widgets::{choice_ui, one_line, weak};
+use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::{Point, Series};
 
 /// Names of the line and of the ring in the chart.
 const FRONT: &str = "best lossless by both axes";
 const ON_NOW: &str = "on now";
 
-/// The view.
-pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let charts = &state.inspector.charts;
     if charts.sweep.is_empty() {
         let text = "A sweep tries many settings and other methods on this capture, and draws what each costs and how close \
@@ -37,20 +39,19 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
         places.push(place(point));
     }
     let current = charts.of(&state.settings).map(place);
-    let names = series
-        .values()
-        .enumerate()
-        .map(|(index, (series, _))| (Mark::Points(shape(index)), work::camera(index), series_name(*series)));
+    let names = series.values().enumerate().map(|(index, (series, _))| {
+        (Mark::Points(shape(index)), colormap::camera(index), series_name(*series))
+    });
     let lines = [(Mark::Line, tokens.text_weak, FRONT), (Mark::Ring, tokens.mark, ON_NOW)];
     let lines = &lines[..=usize::from(current.is_some())];
     legend_ui(ui, names.chain(lines.iter().copied()));
     let places: Vec<_> = charts.sweep.iter().map(place).collect();
     let height = (ui.available_height() - HINT).max(40.0);
-    let plot = plot("tradeoff", [along, up], &places, &tokens).height(height);
+    let plot = sweep_plot(ui, [along, up], &places).height(height);
     let shown = plot.show(ui, |plot_ui| {
         plot_ui.line(Line::new(FRONT, charts.front()).color(tokens.text_weak).width(1.0));
         for (index, (series, places)) in series.into_values().enumerate() {
-            let color = work::camera(index);
+            let color = colormap::camera(index);
             plot_ui.points(
                 Points::new(series_name(series), places).color(color).radius(4.0).shape(shape(index)),
             );
@@ -60,7 +61,8 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
         }
         nearest(plot_ui, places.into_iter())
     });
-    hint_ui(ui, &format!("{} settings; click one to put it on", charts.sweep.len()));
+    let hint = format!("{} settings; click one to put it on", charts.sweep.len());
+    one_line(ui, hint, tokens.text_weak);
     shown
         .response
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Speed and accuracy chart"));
@@ -73,13 +75,12 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command
 }
 
 /// What is along and up, and the button that measures.
-fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let axes = state.inspector.charts.axes();
     ui.horizontal_wrapped(|ui| {
-        let quantities: Vec<_> =
-            Quantity::ALL.iter().map(|(of, name, _)| (*of, (*name).to_owned(), String::new())).collect();
+        let quantities = Quantity::ALL.map(|(of, name, _)| (of, name, ""));
         for (index, caption, name) in [(0, "Along", "Along axis"), (1, "Up", "Up axis")] {
-            ui.label(RichText::new(caption).color(Tokens::in_ui(ui).text_weak));
+            weak(ui, caption);
             if let Some(quantity) = choice_ui(ui, name, axes[index], &quantities, 124.0) {
                 let mut axes = axes;
                 axes[index] = quantity;
@@ -114,8 +115,7 @@ fn words(point: &Point, axes: [Quantity; 2]) -> String {
     lines.join("\n")
 }
 
-fn plot<'a>(id: &'static str, axes: [Quantity; 2], places: &[[f64; 2]], tokens: &Tokens) -> Plot<'a> {
-    let [along, up] = axes;
+fn sweep_plot<'a>(ui: &Ui, axes: [Quantity; 2], places: &[[f64; 2]]) -> Plot<'a> {
     let axis = |quantity: Quantity| {
         move |mark: egui_plot::GridMark, range: &std::ops::RangeInclusive<f64>| {
             let whole = |mark: egui_plot::GridMark| 10_f64.powf(mark.value) as u64;
@@ -126,20 +126,14 @@ fn plot<'a>(id: &'static str, axes: [Quantity; 2], places: &[[f64; 2]], tokens: 
             }
         }
     };
-    let mut plot = Plot::new(id)
-        .x_axis_label(along.axis_name())
-        .y_axis_label(up.axis_name())
-        .x_axis_formatter(axis(along))
-        .y_axis_formatter(axis(up))
-        .x_grid_spacer(move |grid| model::marks(grid.bounds, along.is_log()))
-        .y_grid_spacer(move |grid| model::marks(grid.bounds, up.is_log()))
-        .grid_color(tokens.border)
-        .allow_scroll(false)
+    let mut plot = plot("tradeoff", ui, axes.map(Quantity::axis_name), axes.map(Quantity::is_log))
+        .x_axis_formatter(axis(axes[0]))
+        .y_axis_formatter(axis(axes[1]))
         .set_margin_fraction(egui::vec2(0.06, 0.08));
-    if let Some([low, high]) = around(places.iter().map(|place| place[0]), along.is_log()) {
+    if let Some([low, high]) = around(places.iter().map(|place| place[0]), axes[0].is_log()) {
         plot = plot.include_x(low).include_x(high);
     }
-    if let Some([low, high]) = around(places.iter().map(|place| place[1]), up.is_log()) {
+    if let Some([low, high]) = around(places.iter().map(|place| place[1]), axes[1].is_log()) {
         plot = plot.include_y(low).include_y(high);
     }
     plot
@@ -153,6 +147,75 @@ fn around(values: impl Iterator<Item = f64>, log: bool) -> Option<[f64; 2]> {
     // About half a decade, or a twentieth of the value.
     let span = if log { 0.5 } else { 0.05 * middle.abs().max(0.1) };
     (middle.is_finite() && high - low < span).then_some([middle - 0.5 * span, middle + 0.5 * span])
+}
+
+pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let charts = &state.inspector.charts;
+    let mut names: Vec<&str> = Vec::new();
+    for point in &charts.stress {
+        if !names.contains(&point.disturbance.as_str()) {
+            names.push(&point.disturbance);
+        }
+    }
+    let Some(first) = names.first() else {
+        let text = "A stress test disturbs the capture more and more (noise, miscalibrated cameras, thin things) and draws \
+                    when accuracy breaks: with these settings, without defenses, and as in the paper.";
+        no_points_ui(ui, state, Study::Stress, (ICON_MONITORING, text), commands);
+        return;
+    };
+    let chosen =
+        if names.contains(&charts.disturbance.as_str()) { charts.disturbance.as_str() } else { first };
+    ui.horizontal_wrapped(|ui| {
+        let choices: Vec<_> = names
+            .iter()
+            .enumerate()
+            .map(|(index, name)| (index, model::words(name), String::new()))
+            .collect();
+        let now = names.iter().position(|name| *name == chosen).unwrap_or(0);
+        if let Some(index) = choice_ui(ui, "Disturbance", now, &choices, 150.0) {
+            commands.push(Command::Disturbance(names[index].to_owned()));
+        }
+        study_button(ui, state, Study::Stress, commands);
+    });
+    if let Some(words) = charts.stale_stress_note(&state.settings) {
+        ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
+    }
+    let here: Vec<&StressPoint> = charts.stress.iter().filter(|point| point.disturbance == chosen).collect();
+    stability_plot_ui(ui, chosen, &here);
+}
+
+fn stability_plot_ui(ui: &mut Ui, disturbance: &str, here: &[&StressPoint]) {
+    let mut methods = BTreeMap::<&str, Vec<[f64; 2]>>::new();
+    for point in here {
+        methods.entry(&point.method).or_default().push([point.dial, point.point.psnr_filled_db]);
+    }
+    let methods = methods.into_iter().enumerate();
+    let curves: Vec<_> = methods
+        .map(|(index, (method, places))| (shape(index), colormap::camera(index), method_name(method), places))
+        .collect();
+    legend_ui(ui, curves.iter().map(|(shape, color, name, _)| (Mark::Points(*shape), *color, *name)));
+    let unit = here.first().map_or("", |point| point.unit.as_str());
+    let names = [format!("{} ({unit})", model::words(disturbance)), Quantity::Psnr.axis_name()];
+    let plot = plot("stability", ui, names, [false; 2]);
+    let shown = plot.show(ui, |plot_ui| {
+        for (shape, color, name, places) in curves {
+            plot_ui.line(Line::new(name, PlotPoints::from(places.clone())).color(color).width(2.0));
+            plot_ui.points(Points::new(name, places).color(color).radius(3.5).shape(shape));
+        }
+        nearest(plot_ui, here.iter().map(|point| [point.dial, point.point.psnr_filled_db]))
+    });
+    shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Stability chart"));
+    if let Some(point) = shown.inner.and_then(|index| here.get(index)) {
+        let words = format!(
+            "{} at {} {}: {:.2} dB, {:+.2} dB lost",
+            model::sentence(method_name(&point.method)),
+            model::significant(point.dial),
+            point.unit,
+            point.point.psnr_filled_db,
+            point.loss_db
+        );
+        shown.response.on_hover_text_at_pointer(words);
+    }
 }
 
 #[cfg(test)]

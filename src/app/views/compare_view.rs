@@ -1,38 +1,36 @@
 //! Two pictures of one place: wiped over each other, flipped, or as their difference. One zoom for both.
 
-use egui::{Align2, Key, Rect, RichText, Sense, Stroke, Ui, Vec2, pos2, vec2};
+use egui::{Align2, Key, Painter, Rect, Response, Sense, Stroke, Ui, Vec2, vec2};
 use egui_material_icons::icons::{ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
 use super::legend;
+use crate::app::colormap::{diverging, sequential};
 use crate::app::model::{
-    self, Command, CompareLook, CompareMeasure, CompareSide, CompareVantage, Content, Mode, State,
+    self, Command, Commands, CompareLook, CompareMeasure, CompareSide, CompareVantage, Content, Mode,
+    PictureDifference, PictureZoom, ShownComparison, State,
 };
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, empty_ui, icon_button, segments_ui};
-use crate::app::work::{PictureDifference, ShownComparison, diverging, sequential};
+use crate::app::widgets::{self, choice_ui, empty_ui, icon_button, one_line, scrolled, segments_ui, waiting};
 
 /// Height of the lines below the picture.
 const FOOTER: f32 = 48.0;
 
-/// Width of a list of sides.
-const SIDES: f32 = 106.0;
+const LIST_WIDTH: f32 = 106.0;
 
-/// Width of the color bar.
-const BAR: f32 = 150.0;
+const BAR_WIDTH: f32 = 150.0;
 
-/// The view.
-pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let before = &state.inspector.compare;
     let mut look = before.clone();
     header_ui(ui, state, &mut look);
     let area = ui.available_rect_before_wrap();
     let canvas = Rect::from_min_max(area.min, area.max - vec2(0.0, FOOTER));
-    if let Some(trouble) = &state.inspector.compare_trouble {
+    if let Some(trouble) = &state.inspector.compare_error {
         ui.scope_builder(egui::UiBuilder::new().max_rect(canvas), |ui| {
             empty_ui(ui, ICON_COMPARE, "These two cannot be compared here", trouble, |_| {});
         });
     }
-    let pointed = match &state.inspector.compare_trouble {
+    let pointed = match &state.inspector.compare_error {
         Some(_) => None,
         None => canvas_ui(ui, canvas, state, &mut look),
     };
@@ -46,30 +44,25 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Com
 /// What is compared above, how below: rows that wrap break each other apart in a narrow view.
 fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
     ui.horizontal(|ui| {
-        let sides: Vec<_> = CompareSide::ALL
-            .iter()
-            .map(|(side, name, help)| (*side, (*name).to_owned(), (*help).to_owned()))
-            .collect();
         for (index, name) in [(0, "Left side"), (1, "Right side")] {
-            if let Some(side) = choice_ui(ui, name, look.sides[index], &sides, SIDES) {
-                look.sides[index] = side;
+            if let Some(side) = choice_ui(ui, name, look.choice.sides[index], &CompareSide::ALL, LIST_WIDTH) {
+                look.choice.sides[index] = side;
             }
         }
-        if let Some(place) = choice_ui(ui, "From", look.place, &places(state), SIDES) {
-            look.place = place;
+        if let Some(place) = choice_ui(ui, "From", look.choice.from, &places(state), LIST_WIDTH) {
+            look.choice.from = place;
         }
     });
     ui.horizontal(|ui| {
-        let modes = Mode::ALL.map(|(mode, name, help)| (mode, name, help));
-        if let Some(mode) = segments_ui(ui, "Compare by", look.mode, modes) {
+        if let Some(mode) = segments_ui(ui, "Compare by", look.mode, Mode::ALL) {
             look.mode = mode;
         }
         if look.mode == Mode::Difference {
             ui.add_space(space::MEDIUM);
-            let measures = CompareMeasure::ALL.map(|(measure, name, help)| (measure, name, help));
-            if let Some(measure) = segments_ui(ui, "Difference in", look.measure, measures) {
+            if let Some(measure) = segments_ui(ui, "Difference in", look.choice.measure, CompareMeasure::ALL)
+            {
                 // A locked range is one of the other unit.
-                (look.measure, look.range) = (measure, None);
+                (look.choice.measure, look.choice.range) = (measure, None);
             }
         }
     });
@@ -100,17 +93,13 @@ fn places(state: &State) -> Vec<(CompareVantage, String, String)> {
 /// The two pictures; gives the pixel under the pointer.
 fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -> Option<[usize; 2]> {
     let tokens = Tokens::in_ui(ui);
-    let response = ui.interact(canvas, ui.scope_id().with("comparison"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Comparison"));
-    let painter = ui.painter_at(canvas);
-    painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.canvas);
+    let (response, painter) = widgets::canvas_ui(ui, canvas, "comparison", "Comparison");
     let Some(compared) = &state.inspector.compared else {
-        egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+        waiting(ui, canvas, 28.0);
         return None;
     };
     let size = Vec2::from(compared.comparison.images[0].size.map(|side| side as f32));
-    let scale = (canvas.width() / size.x).min(canvas.height() / size.y) * look.zoom;
-    let picture = Rect::from_min_size(canvas.center() - size * scale * look.center, size * scale);
+    let picture = look.part.placed(size, canvas);
     let flipped = response.is_pointer_button_down_on() && look.mode == Mode::Flip
         || ui.input(|input| input.key_down(Key::X));
     let parts = parts(look, flipped);
@@ -124,7 +113,7 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
     };
     if !is_of(compared, look) {
         painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.scrim);
-        egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+        waiting(ui, canvas, 28.0);
     }
     let (left, right) = (canvas.left_top() + vec2(6.0, 6.0), canvas.right_top() + vec2(-6.0, 6.0));
     for (index, (texture, _)) in parts.iter().enumerate() {
@@ -147,7 +136,7 @@ fn side_name(side: CompareSide) -> &'static str {
 
 /// Whether pictures show what is chosen; else what is chosen is being worked out.
 fn is_of(compared: &ShownComparison, look: &CompareLook) -> bool {
-    (compared.sides, compared.place) == (look.sides, look.place)
+    (compared.sides, compared.from) == (look.choice.sides, look.choice.from)
 }
 
 /// What is drawn: which of left, right and difference, and the shares of the width between which.
@@ -161,18 +150,17 @@ fn parts(look: &CompareLook, flipped: bool) -> Vec<(usize, [f32; 2])> {
 }
 
 fn draw(
-    painter: &egui::Painter,
+    painter: &Painter,
     picture: Rect,
     canvas: Rect,
     compared: &ShownComparison,
     parts: &[(usize, [f32; 2])],
 ) {
-    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
     let column = |share: f32| canvas.left() + canvas.width() * share;
     for (texture, [from, to]) in parts {
         let clip = Rect::from_x_y_ranges(column(*from)..=column(*to), canvas.y_range());
         let texture = compared.textures[*texture].id();
-        painter.with_clip_rect(clip).image(texture, picture, whole, egui::Color32::WHITE);
+        widgets::picture(&painter.with_clip_rect(clip), texture, picture);
     }
     for (_, [from, _]) in parts.iter().skip(1) {
         for (width, color) in [(3.0, egui::Color32::BLACK), (1.5, egui::Color32::WHITE)] {
@@ -182,9 +170,9 @@ fn draw(
 }
 
 /// Drags the line of the wipe, or the picture; the wheel zooms to the pointer.
-fn move_ui(ui: &Ui, response: &egui::Response, canvas: Rect, picture: Rect, look: &mut CompareLook) {
+fn move_ui(ui: &Ui, response: &Response, canvas: Rect, picture: Rect, look: &mut CompareLook) {
     if response.double_clicked() {
-        (look.zoom, look.center) = (1.0, Vec2::splat(0.5));
+        look.part = PictureZoom::default();
         return;
     }
     let shifts = response.dragged_by(egui::PointerButton::Middle)
@@ -192,10 +180,7 @@ fn move_ui(ui: &Ui, response: &egui::Response, canvas: Rect, picture: Rect, look
         || ui.input(|input| input.modifiers.shift)
         || look.mode != Mode::Wipe;
     if response.dragged() && shifts {
-        if look.zoom > 1.0 {
-            let center = look.center - response.drag_delta() / picture.size();
-            look.center = center.clamp(Vec2::ZERO, Vec2::splat(1.0));
-        }
+        look.part = look.part.shifted(response.drag_delta() / picture.size());
     } else if response.is_pointer_button_down_on()
         && look.mode == Mode::Wipe
         && let Some(pointer) = response.interact_pointer_pos()
@@ -203,31 +188,26 @@ fn move_ui(ui: &Ui, response: &egui::Response, canvas: Rect, picture: Rect, look
         look.wipe = ((pointer.x - canvas.left()) / canvas.width()).clamp(0.0, 1.0);
     }
     let Some(pointer) = response.hover_pos() else { return };
-    let scroll = ui.input(|input| input.smooth_scroll_delta().y + 200.0 * (input.zoom_delta() - 1.0));
+    let scroll = scrolled(ui);
     if scroll != 0.0 {
-        let zoom = (look.zoom * (scroll * 0.005).exp()).clamp(1.0, 64.0);
-        let at = (pointer - picture.min) / picture.size();
-        look.center =
-            if zoom <= 1.0 { Vec2::splat(0.5) } else { at - (at - look.center) * (look.zoom / zoom) };
-        look.center = look.center.clamp(Vec2::ZERO, Vec2::splat(1.0));
-        look.zoom = zoom;
+        look.part = look.part.scrolled(scroll, (pointer - picture.min) / picture.size());
     }
 }
 
 fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option<[usize; 2]>) {
     let tokens = Tokens::in_ui(ui);
-    let compared = state.inspector.compared.as_ref().filter(|_| state.inspector.compare_trouble.is_none());
+    let compared = state.inspector.compared.as_ref().filter(|_| state.inspector.compare_error.is_none());
     let Some(compared) = compared else { return };
     let comparison = &compared.comparison;
     ui.horizontal(|ui| {
         if look.mode == Mode::Difference {
             bar_ui(ui, comparison);
-            let locked = look.range.is_some();
+            let locked = look.choice.range.is_some();
             let (icon, name) =
                 if locked { (ICON_LOCK, "Fit the range") } else { (ICON_LOCK_OPEN, "Lock the range") };
             let help = "A locked range stays when the pictures change, so that colors can be compared.";
             if icon_button(ui, icon, name, help).clicked() {
-                look.range = if locked { None } else { Some(comparison.range) };
+                look.choice.range = if locked { None } else { Some(comparison.range) };
             }
         } else {
             let hint = match look.mode {
@@ -236,7 +216,7 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
                 }
                 _ => "Hold X, or the mouse button, for the right side.",
             };
-            ui.add(egui::Label::new(RichText::new(hint).small().color(tokens.text_weak)).truncate());
+            one_line(ui, hint, tokens.text_weak);
         }
     });
     let words = pointed.and_then(|at| about_pixel(comparison, at)).unwrap_or_else(|| figures(comparison));
@@ -246,22 +226,22 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
         let [left, right] = compared.sides.map(side_name);
         (format!("{left} and {right}: {words}"), tokens.text_weak)
     };
-    ui.add(egui::Label::new(RichText::new(words).small().color(color)).truncate());
+    one_line(ui, words, color);
 }
 
-/// What the colors of the map stand for.
+/// What the colors of the map mean.
 fn bar_ui(ui: &mut Ui, comparison: &PictureDifference) {
     let range = model::significant(f64::from(comparison.range));
     match comparison.measure {
-        CompareMeasure::Steps => legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR, sequential),
+        CompareMeasure::Steps => legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR_WIDTH, sequential),
         CompareMeasure::Brightness => legend::bar(
             ui,
             &format!("darker −{range}"),
             &format!("+{range} brighter, 8-bit steps"),
-            BAR,
+            BAR_WIDTH,
             |position| diverging(position * 2.0 - 1.0),
         ),
-        CompareMeasure::Flip => legend::bar(ui, "FLIP 0", &range, BAR, sequential),
+        CompareMeasure::Flip => legend::bar(ui, "FLIP 0", &range, BAR_WIDTH, sequential),
     }
 }
 

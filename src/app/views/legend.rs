@@ -2,11 +2,10 @@
 
 use egui::{Align2, Color32, Painter, Rect, RichText, Sense, Ui, pos2, vec2};
 
-use crate::app::model::{self, State};
+use crate::app::colormap::{camera as camera_color, diverging, sequential};
+use crate::app::model::{self, ColorBy, Legend, Overlay, RATIO_RANGE, SourceKey, State};
 use crate::app::theme::Tokens;
-use crate::app::work::{
-    ColorBy, Legend, Overlay, RATIO_RANGE, SourceKey, camera as camera_color, diverging, sequential,
-};
+use crate::app::widgets::note;
 use crate::grid::Grid;
 use crate::samples::TILE;
 
@@ -22,14 +21,15 @@ const MORE_WIDTH: f32 = 56.0;
 /// Width of the swatch of holes with its name.
 const HOLE_WIDTH: f32 = 172.0;
 
-/// The legend of the left picture.
 pub(crate) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, legend: &Legend) {
     let tokens = Tokens::in_ui(ui);
     line_ui(ui, |ui| match legend {
         Legend::Plain if key.overlay == Overlay::Normals => {
-            note_ui(ui, "Red, green and blue: the normal's x, y and z in world space.");
+            note(ui, "Red, green and blue: the normal's x, y and z in world space.");
         }
-        Legend::Plain => note_ui(ui, "As recorded. Choose an overlay above to see what is redundant."),
+        Legend::Plain => {
+            note(ui, "As recorded. Choose an overlay above to see what is redundant.");
+        }
         Legend::Depth { near, far } => {
             let figure = |value: f32| model::significant(f64::from(value));
             bar_ui(ui, &format!("far {}", figure(*far)), &format!("near {}", figure(*near)), sequential);
@@ -81,7 +81,6 @@ fn winners_ui(ui: &mut Ui, state: &State, won_by: &[u64], total: u64) {
     swatches_ui(ui, &entries, 0.0);
 }
 
-/// The legend of the right picture.
 pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
     let tokens = Tokens::in_ui(ui);
     line_ui(ui, |ui| {
@@ -142,11 +141,6 @@ fn line_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
     });
 }
 
-fn note_ui(ui: &mut Ui, note: &str) {
-    let weak = Tokens::in_ui(ui).text_weak;
-    ui.label(RichText::new(note).small().color(weak));
-}
-
 fn swatch_ui(ui: &mut Ui, color: Color32, name: &str) {
     ui.spacing_mut().item_spacing.x = 5.0;
     let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
@@ -193,7 +187,7 @@ fn bar_ui(ui: &mut Ui, low: &str, high: &str, color: impl Fn(f32) -> Color32) {
     bar(ui, low, high, width, color);
 }
 
-/// The diverging bar, with the ratios that its ends and middle stand for.
+/// The diverging bar, with the ratios at its ends and middle.
 fn ratio_ui(ui: &mut Ui, low: &str, high: &str) {
     ui.label(RichText::new(low).small());
     let (rect, response) = ui.allocate_exact_size(vec2(120.0, LINE), Sense::hover());

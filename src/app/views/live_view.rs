@@ -1,16 +1,19 @@
 //! The right view: what is left of the capture, seen from anywhere.
 
-use egui::{PointerButton, Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
+use egui::{Painter, PointerButton, Rect, Response, Sense, Ui, vec2};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
-use super::frusta::frustum;
-use super::source_view::{self, CAMERA_LIST, FOOTER};
-use super::{legend, marks, words};
-use crate::app::model::{self, Command, State};
-use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, icon_button, segments_ui};
-use crate::app::work::{self, ColorBy, Spot};
+use super::legend;
+use super::overlays::{self, frustum};
+use super::source_view::{self, CAMERA_LIST_WIDTH, FOOTER};
+use crate::app::colormap;
+use crate::app::model::verdict_text as words;
+use crate::app::model::{self, ColorBy, Command, Commands, Spot, State};
+use crate::app::theme::Tokens;
+use crate::app::widgets::{
+    self, camera_choices, choice_ui, icon_button, one_line, picture, scrolled, segments_ui, waiting,
+};
 
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
@@ -24,8 +27,7 @@ const PYRAMID: f64 = 0.12;
 /// Depths that differ by less than this share are taken for one surface.
 const NEARLY: f64 = 0.03;
 
-/// The view.
-pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     header_ui(ui, state, commands);
     let available = ui.available_rect_before_wrap();
     let canvas = Rect::from_min_max(available.min, available.max - vec2(0.0, FOOTER));
@@ -37,15 +39,14 @@ pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comman
     facts_ui(ui, state);
 }
 
-fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let choices = ColorBy::ALL.map(|color_by| (color_by, color_by.name(), color_by.help()));
-    if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, choices) {
+fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, ColorBy::ALL) {
         commands.push(Command::ColorBy(color_by));
     }
 }
 
 /// Places to go to, and whether cameras are drawn; from right to left.
-pub(crate) fn places_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn go_to_camera_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(scene) = &state.scene else { return };
     let (icon, name) = if state.live.show_cameras {
         (ICON_VIDEOCAM, "Hide cameras")
@@ -58,21 +59,15 @@ pub(crate) fn places_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>)
     if icon_button(ui, ICON_HOME, "Reset view", "Back to the first vantage (Home)").clicked() {
         commands.push(Command::Home);
     }
-    let mut places = vec![(usize::MAX, "Go to…".to_owned(), "Stand where a camera stood.".to_owned())];
-    places.extend(
-        scene.cameras.iter().enumerate().map(|(index, camera)| (index, camera.name.clone(), String::new())),
-    );
-    if let Some(camera) = choice_ui(ui, "Go to camera", usize::MAX, &places, CAMERA_LIST) {
+    let mut places = vec![(usize::MAX, "Go to…", "Stand where a camera stood.")];
+    places.extend(camera_choices(&scene.cameras));
+    if let Some(camera) = choice_ui(ui, "Go to camera", usize::MAX, &places, CAMERA_LIST_WIDTH) {
         commands.push(Command::JumpTo(camera));
     }
 }
 
-fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Vec<Command>) {
-    let tokens = Tokens::in_ui(ui);
-    let response = ui.interact(canvas, ui.scope_id().with("live picture"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Live picture"));
-    let painter = ui.painter_at(canvas);
-    painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.canvas);
+fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands) {
+    let (response, painter) = widgets::canvas_ui(ui, canvas, "live picture", "Live picture");
     let pixels = canvas.size() * ui.ctx().pixels_per_point();
     let shrink = (LARGEST_SIDE / pixels.max_elem()).min(1.0);
     let size = [(pixels.x * shrink) as u32, (pixels.y * shrink) as u32].map(|side| side.max(1));
@@ -80,35 +75,28 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Vec<Comma
         commands.push(Command::LiveSize(size));
     }
     if let Some(shown) = &state.live_shown {
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(shown.texture.id(), canvas, whole, egui::Color32::WHITE);
+        picture(&painter, shown.texture.id(), canvas);
     } else if !state.is_frame_failed() {
-        egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+        waiting(ui, canvas, 28.0);
     }
     if state.live.show_cameras {
         cameras_overlay(ui, &painter, canvas, state);
     }
     motion(ui, &response, canvas, state, commands);
-    probe_ui(&response, &painter, canvas, state, commands, tokens);
+    probe_ui(&response, &painter, canvas, state, commands);
 }
 
-/// Marks the pixel that is looked at, and looks at the one under the pointer.
-fn probe_ui(
-    response: &egui::Response,
-    painter: &egui::Painter,
-    canvas: Rect,
-    state: &State,
-    commands: &mut Vec<Command>,
-    tokens: &Tokens,
-) {
+/// Marks the selected pixel, and selects the one under the pointer.
+fn probe_ui(response: &Response, painter: &Painter, canvas: Rect, state: &State, commands: &mut Commands) {
     let probe = &state.inspector.probe;
     let point = probe.shown.as_ref().and_then(|probed| probed.point_in_world);
-    if let (Some(point), Some(rig)) = (point, &state.live.rig) {
-        let vantage = rig.camera(canvas.width() as u32, canvas.height() as u32);
+    if let (Some(point), Some(orbit)) = (point, &state.live.orbit) {
+        let vantage = orbit.camera(canvas.width() as u32, canvas.height() as u32);
         if let Some((position, depth)) = vantage.project(point) {
             let at = canvas.min + vec2(position.x as f32, position.y as f32);
             let painter = painter.with_clip_rect(canvas);
-            marks::mark(&painter, at, shows(state, canvas, at, depth), probe.pinned, tokens);
+            let is_seen = shows(state, canvas, at, depth);
+            overlays::mark(&painter, at, is_seen, probe.pinned, Tokens::of(state.dark));
         }
     }
     let (Some(pointer), Some(shown)) = (response.hover_pos(), &state.live_shown) else { return };
@@ -132,9 +120,9 @@ fn shows(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> bool {
     picture.get(x, y).is_some_and(|inverse| (f64::from(*inverse) * depth - 1.0).abs() < NEARLY)
 }
 
-fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State) {
-    let (Some(scene), Some(rig)) = (&state.scene, &state.live.rig) else { return };
-    let vantage = rig.camera(canvas.width() as u32, canvas.height() as u32);
+fn cameras_overlay(ui: &Ui, painter: &Painter, canvas: Rect, state: &State) {
+    let (Some(scene), Some(orbit)) = (&state.scene, &state.live.orbit) else { return };
+    let vantage = orbit.camera(canvas.width() as u32, canvas.height() as u32);
     let mut names = Vec::new();
     for (index, camera) in scene.cameras.iter().enumerate() {
         let to_pivot = (scene.pivot_in_world - camera.position_in_world()).length();
@@ -147,7 +135,7 @@ fn cameras_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, state: &State
         }
         let shape = frustum(camera, &vantage, length);
         let selected = index == state.source.camera && state.has_capture();
-        let color = work::camera(index).gamma_multiply(presence);
+        let color = colormap::camera(index).gamma_multiply(presence);
         let stroke = egui::Stroke::new(if selected { 2.5 } else { 1.5 }, color);
         for line in shape.lines {
             painter.line_segment(line.map(|point| canvas.min + point.to_vec2()), stroke);
@@ -171,8 +159,8 @@ struct CameraLabel<'a> {
     presence: f32,
 }
 
-/// Names that would lie over one another cannot be read: the chosen camera's and the nearest go first.
-fn names_overlay(ui: &Ui, painter: &egui::Painter, canvas: Rect, mut names: Vec<CameraLabel<'_>>) {
+/// Of names that overlap only one is drawn: the chosen camera's, then the nearest.
+fn names_overlay(ui: &Ui, painter: &Painter, canvas: Rect, mut names: Vec<CameraLabel<'_>>) {
     let tokens = Tokens::in_ui(ui);
     let font = egui::TextStyle::Small.resolve(ui.style());
     names.sort_by(|a, b| b.is_chosen.cmp(&a.is_chosen).then(a.apart.total_cmp(&b.apart)));
@@ -203,7 +191,7 @@ fn point_under(state: &State, canvas: Rect, at: egui::Pos2) -> Option<glam::DVec
     (inverse_depth > 0.0).then(|| shown.key.vantage.camera.unproject(place, 1.0 / inverse_depth))
 }
 
-fn motion(ui: &Ui, response: &egui::Response, canvas: Rect, state: &State, commands: &mut Vec<Command>) {
+fn motion(ui: &Ui, response: &Response, canvas: Rect, state: &State, commands: &mut Commands) {
     if response.double_clicked() {
         commands.push(Command::Home);
         return;
@@ -221,8 +209,7 @@ fn motion(ui: &Ui, response: &egui::Response, canvas: Rect, state: &State, comma
         });
     }
     if response.hovered() {
-        let scroll =
-            ui.ctx().input(|input| input.smooth_scroll_delta().y + 200.0 * (input.zoom_delta() - 1.0));
+        let scroll = scrolled(ui);
         if scroll != 0.0 {
             let factor = (-f64::from(scroll) * 0.003).exp();
             let under = response.hover_pos().and_then(|pointer| point_under(state, canvas, pointer));
@@ -253,7 +240,6 @@ fn facts_ui(ui: &mut Ui, state: &State) {
         None if state.is_frame_failed() => words::FAILED_FRAME.to_owned(),
         None => "The first look is on its way.".to_owned(),
     };
-    // Whoever reads the notice has found out how to move about.
     let help = "Drag to orbit, Shift + drag to shift, wheel to zoom, W A S D to fly, double-click for home, click to keep \
                 the pixel.";
     let notice = state.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref());
@@ -261,5 +247,5 @@ fn facts_ui(ui: &mut Ui, state: &State) {
         Some(notice) => (notice.clone(), tokens.warning),
         None => (facts, tokens.text_weak),
     };
-    ui.add(egui::Label::new(RichText::new(facts).small().color(color)).truncate()).on_hover_text(help);
+    one_line(ui, facts, color).on_hover_text(help);
 }

@@ -1,13 +1,12 @@
-//! The argument for one pixel: its verdict, who stands for it, when it is stored, and what every camera says.
+//! The explanation of one pixel: its verdict, which sample represents it, when it is stored, and the evidence of every camera.
 
 use egui::{Align, Button, Grid, Label, Layout, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING};
 
-use super::words;
-use crate::app::model::{Command, OpenScene, State};
+use crate::app::model::verdict_text as words;
+use crate::app::model::{Command, Commands, OpenScene, Probed, State};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{empty_ui, icon_button};
-use crate::app::work::{self, Probed};
+use crate::app::widgets::{dot, empty_ui, icon_button, note, weak};
 use crate::preprocess::inspect::CameraEvidence;
 
 /// Width of the summary beside the table.
@@ -41,8 +40,7 @@ const COLUMNS: [(&str, &str); 9] = [
     ),
 ];
 
-/// The view.
-pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let shown = state.scene.as_ref().zip(state.inspector.probe.shown.as_ref());
     let Some((scene, probed)) = shown else {
         let text = if state.inspector.probe.spot.is_some() {
@@ -68,18 +66,18 @@ pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comma
     ui.allocate_rect(area, Sense::hover());
 }
 
-fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Vec<Command>) {
+fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     ui.spacing_mut().item_spacing.y = 3.0;
     let name = scene.cameras.get(probed.camera).map_or("", |camera| &camera.name);
     ui.horizontal(|ui| {
-        dot_ui(ui, probed.camera);
+        dot(ui, probed.camera);
         ui.label(RichText::new(format!("{name}  {}, {}", probed.x, probed.y)).heading());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, ICON_CONTENT_COPY, "Copy argument", "Copy all of this as text (Ctrl+Shift+C)")
                 .clicked()
             {
-                commands.push(Command::CopyArgument);
+                commands.push(Command::CopyExplanation);
             }
             let pinned = state.inspector.probe.pinned;
             let (icon, name) =
@@ -91,12 +89,12 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
             }
         });
     });
-    if let Some(argument) = &probed.argument {
-        let sentence = words::verdict(&scene.cameras, argument.verdict);
-        let color = if argument.verdict.is_kept() { tokens.text } else { tokens.warning };
+    if let Some(explanation) = &probed.explanation {
+        let sentence = words::verdict(&scene.cameras, explanation.verdict);
+        let color = if explanation.verdict.is_kept() { tokens.text } else { tokens.warning };
         ui.add(Label::new(RichText::new(sentence).color(color)).wrap());
-        if argument.chain.len() > 1 {
-            let chain = words::chain(&scene.cameras, &argument.chain);
+        if explanation.chain.len() > 1 {
+            let chain = words::chain(&scene.cameras, &explanation.chain);
             ui.add(Label::new(RichText::new(chain).small().color(tokens.text_weak)).wrap())
                 .on_hover_text("The witness chain: from this pixel to the sample that stands for it.");
         }
@@ -110,12 +108,12 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
     }
     let point = match probed.point_in_world {
         Some(p) => Some(format!("Point {:.3}, {:.3}, {:.3}", p.x, p.y, p.z)),
-        // Before the capture was asked, nothing is known of it.
-        None if probed.argument.is_none() && state.has_capture() => None,
+        // Not known until the capture was searched.
+        None if probed.explanation.is_none() && state.has_capture() => None,
         None => Some("Infinitely far, or without depth".to_owned()),
     };
     if let Some(point) = point {
-        ui.label(RichText::new(point).small().color(tokens.text_weak));
+        note(ui, point);
     }
     spans_ui(ui, state, probed);
 }
@@ -134,7 +132,7 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
             format!("Stored for {stored} of {frames} frames, by {} {samples}", spans.len())
         }
     };
-    ui.label(RichText::new(&caption).small().color(tokens.text_weak));
+    note(ui, &caption);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 14.0), Sense::hover());
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 3.0, tokens.raised);
@@ -158,19 +156,10 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
     );
 }
 
-fn dot_ui(ui: &mut Ui, camera: usize) {
-    let (dot, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-    ui.painter().circle_filled(dot.center(), 4.5, work::camera(camera));
-}
-
-fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Vec<Command>) {
-    let tokens = Tokens::in_ui(ui);
-    let Some(argument) = &probed.argument else { return };
-    if argument.evidence.is_empty() {
-        ui.label(
-            RichText::new("The pixel has no depth, so no camera can be asked about it.")
-                .color(tokens.text_weak),
-        );
+fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Commands) {
+    let Some(explanation) = &probed.explanation else { return };
+    if explanation.evidence.is_empty() {
+        weak(ui, "The pixel has no depth, so no camera can be asked about it.");
         return;
     }
     let narrow = ui.available_width() < TABLE;
@@ -184,11 +173,11 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, comm
     }
     Grid::new("testimonies").striped(true).spacing(spacing).min_row_height(row).show(ui, |ui| {
         for (name, help) in COLUMNS {
-            ui.label(RichText::new(name).small().color(tokens.text_weak)).on_hover_text(help);
+            note(ui, name).on_hover_text(help);
         }
         ui.end_row();
-        for row in &argument.evidence {
-            row_ui(ui, state, scene, row, argument.winner == Some(row.camera), commands);
+        for row in &explanation.evidence {
+            row_ui(ui, state, scene, row, explanation.winner == Some(row.camera), commands);
             ui.end_row();
         }
     });
@@ -200,12 +189,12 @@ fn row_ui(
     scene: &OpenScene,
     row: &CameraEvidence,
     wins: bool,
-    commands: &mut Vec<Command>,
+    commands: &mut Commands,
 ) {
     let tokens = Tokens::in_ui(ui);
     let name = scene.cameras.get(row.camera).map_or("", |camera| &camera.name);
     ui.horizontal(|ui| {
-        dot_ui(ui, row.camera);
+        dot(ui, row.camera);
         let text = RichText::new(name).color(if wins { tokens.accent } else { tokens.text });
         let button = Button::new(if wins { text.strong() } else { text }).small().frame(false);
         let help = "See the point in this camera's picture; with Shift, stand where the camera stood";
@@ -221,9 +210,8 @@ fn row_ui(
     });
     let tolerance = &state.settings.pruning;
     let same = words::is_same_point(row);
-    let sees =
-        RichText::new(words::sees(row.outcome)).color(if same { tokens.text } else { tokens.text_weak });
-    ui.label(sees).on_hover_text(words::why(row.outcome));
+    let (sees, why) = words::sees(row.outcome);
+    ui.label(RichText::new(sees).color(if same { tokens.text } else { tokens.text_weak })).on_hover_text(why);
     let cell = |ui: &mut Ui, text: String, over: bool| {
         let color = if over { tokens.warning } else { tokens.text };
         ui.label(RichText::new(text).monospace().color(color))

@@ -1,24 +1,27 @@
-//! The left view: what a camera saw, and what became of each of its pixels.
+//! The left view: what a camera saw, and what became of each of its pixels; the Pixel view says the rest.
 
-use egui::{Rect, RichText, Sense, Ui, Vec2, pos2, vec2};
+use egui::{Rect, Response, Sense, Ui, Vec2, vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
 
-use super::{legend, marks, readout};
-use crate::app::model::{Command, Purpose, State};
-use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, empty_ui, segments_ui};
-use crate::app::work::{Legend, Overlay, Spot};
+use super::{legend, overlays};
+use crate::app::model::{
+    self, Command, Commands, Legend, Overlay, PictureZoom, Purpose, Spot, State, verdict_text as words,
+};
+use crate::app::theme::Tokens;
+use crate::app::widgets::{
+    self, camera_choices, choice_ui, empty_ui, one_line, scrolled, segments_ui, waiting, weak,
+};
+use crate::color::srgb8_from_linear;
 use crate::grid::Grid;
+use crate::preprocess::inspect::CameraInspection;
 use crate::samples::TILE;
 
 /// Height of the legend and the read-out below a picture.
 pub(crate) const FOOTER: f32 = 46.0;
 
-/// Width of a list of cameras.
-pub(crate) const CAMERA_LIST: f32 = 104.0;
+pub(crate) const CAMERA_LIST_WIDTH: f32 = 104.0;
 
-/// The view.
-pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if !state.has_capture() {
         let text = "A store keeps only what was not redundant. Open the capture it was made from to see the source \
                     pictures and why each pixel went.";
@@ -40,77 +43,59 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Comm
     if let Some(shown) = &state.source_shown {
         legend::source_legend_ui(ui, state, &shown.key, &shown.picture.legend);
     }
-    readout::readout_ui(ui, state, hovered);
+    readout_ui(ui, state, hovered);
 }
 
-fn header_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let overlays = Overlay::ALL.map(|overlay| (overlay, overlay.name(), overlay.help()));
-    if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, overlays) {
+fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, Overlay::ALL) {
         commands.push(Command::Overlay(overlay));
     }
 }
 
 /// Which camera, and for the sampling ratio against which; from right to left.
-pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
-    let cameras: Vec<_> = scene
-        .cameras
-        .iter()
-        .enumerate()
-        .map(|(index, camera)| (index, camera.name.clone(), String::new()))
-        .collect();
+    let cameras: Vec<_> = camera_choices(&scene.cameras).collect();
     if state.source.overlay == Overlay::SamplingRatio {
-        let mut others = vec![(None, "best other".to_owned(), String::new())];
-        others.extend(
-            cameras
-                .iter()
-                .filter(|(index, ..)| *index != state.source.camera)
-                .map(|(index, name, _)| (Some(*index), name.clone(), String::new())),
-        );
-        if let Some(against) = choice_ui(ui, "Against", state.source.against, &others, CAMERA_LIST) {
+        let others = cameras.iter().filter(|(index, ..)| *index != state.source.camera);
+        let others = others.map(|(index, name, help)| (Some(*index), *name, *help));
+        let best = (None, "best other", "");
+        let others: Vec<_> = std::iter::once(best).chain(others).collect();
+        if let Some(against) = choice_ui(ui, "Against", state.source.against, &others, CAMERA_LIST_WIDTH) {
             commands.push(Command::Against(against));
         }
-        ui.label(RichText::new("vs").color(Tokens::in_ui(ui).text_weak));
+        weak(ui, "vs");
     }
-    if let Some(camera) = choice_ui(ui, "Source camera", state.source.camera, &cameras, CAMERA_LIST) {
+    if let Some(camera) = choice_ui(ui, "Source camera", state.source.camera, &cameras, CAMERA_LIST_WIDTH) {
         commands.push(Command::SourceCamera(camera));
     }
 }
 
 /// Draws the picture and gives the pixel under the pointer.
-fn picture_ui(
-    ui: &mut Ui,
-    canvas: Rect,
-    state: &State,
-    commands: &mut Vec<Command>,
-) -> Option<(usize, usize)> {
+fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands) -> Option<(usize, usize)> {
     let tokens = Tokens::in_ui(ui);
-    let response = ui.interact(canvas, ui.scope_id().with("source picture"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Source picture"));
-    let painter = ui.painter_at(canvas);
-    painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.canvas);
+    let (response, painter) = widgets::canvas_ui(ui, canvas, "source picture", "Source picture");
     let Some(shown) = &state.source_shown else {
         if !state.is_frame_failed() {
-            egui::Spinner::new().paint_at(ui, Rect::from_center_size(canvas.center(), Vec2::splat(28.0)));
+            waiting(ui, canvas, 28.0);
         }
         return None;
     };
     let size = Vec2::from(shown.picture.size.map(|side| side as f32));
-    let look = &state.source;
-    let scale = (canvas.width() / size.x).min(canvas.height() / size.y) * look.zoom;
-    let drawn = size * scale;
-    let picture = Rect::from_min_size(canvas.center() - drawn * look.center, drawn);
-    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    painter.image(shown.texture.id(), picture, whole, egui::Color32::WHITE);
+    let picture = state.source.part.placed(size, canvas);
+    let scale = picture.width() / size.x;
+    widgets::picture(&painter, shown.texture.id(), picture);
     if let Legend::Tiles(shares) = &shown.picture.legend {
         legend::tile_shares(&painter, picture, size, shares, tokens);
     }
     zoom_and_pan(ui, &response, picture, state, commands);
     let probe = &state.inspector.probe;
     let shown_camera = shown.key.camera;
-    let mark = probe.shown.as_ref().and_then(|probed| marks::in_camera(state, probed, shown_camera));
-    if let Some((at, sees)) = mark {
-        marks::mark(&painter, picture.min + at.to_vec2() * scale, sees, probe.pinned, tokens);
+    let probed = state.scene.as_ref().zip(probe.shown.as_ref());
+    if let Some((at, sees)) =
+        probed.and_then(|(scene, probed)| probed.in_camera(&scene.cameras, shown_camera))
+    {
+        overlays::mark(&painter, picture.min + at.to_vec2() * scale, sees, probe.pinned, tokens);
     }
     let pointer = response.hover_pos()?;
     let at = (pointer - picture.min) / scale;
@@ -131,12 +116,7 @@ fn picture_ui(
 }
 
 /// Says how much of the tile under the pointer is kept.
-fn tile_tooltip(
-    response: egui::Response,
-    shares: &Grid<f32>,
-    [x, y]: [usize; 2],
-    [width, height]: [usize; 2],
-) {
+fn tile_tooltip(response: Response, shares: &Grid<f32>, [x, y]: [usize; 2], [width, height]: [usize; 2]) {
     let (column, row) = (x / TILE, y / TILE);
     let Some(share) = shares.get(column, row) else { return };
     let (columns, rows) = (TILE.min(width - column * TILE), TILE.min(height - row * TILE));
@@ -148,7 +128,7 @@ fn tile_tooltip(
 }
 
 /// Looks at the spot under the pointer; a click keeps it.
-pub(crate) fn point_at(response: &egui::Response, spot: Spot, state: &State, commands: &mut Vec<Command>) {
+pub(crate) fn point_at(response: &Response, spot: Spot, state: &State, commands: &mut Commands) {
     let probe = &state.inspector.probe;
     if response.clicked() {
         commands.push(Command::Probe(Some(spot)));
@@ -158,30 +138,80 @@ pub(crate) fn point_at(response: &egui::Response, spot: Spot, state: &State, com
     }
 }
 
-fn zoom_and_pan(
-    ui: &Ui,
-    response: &egui::Response,
-    picture: Rect,
-    state: &State,
-    commands: &mut Vec<Command>,
-) {
-    let look = &state.source;
+fn zoom_and_pan(ui: &Ui, response: &Response, picture: Rect, state: &State, commands: &mut Commands) {
+    let part = state.source.part;
     if response.double_clicked() {
-        commands.push(Command::SourceZoom { zoom: 1.0, center: Vec2::splat(0.5) });
+        commands.push(Command::SourceZoom(PictureZoom::default()));
         return;
     }
-    if response.dragged() && look.zoom > 1.0 {
-        let center = look.center - response.drag_delta() / picture.size();
-        commands.push(Command::SourceZoom { zoom: look.zoom, center });
+    if response.dragged() && part.zoom > 1.0 {
+        commands.push(Command::SourceZoom(part.shifted(response.drag_delta() / picture.size())));
     }
     let Some(pointer) = response.hover_pos() else { return };
-    let scroll = ui.ctx().input(|input| input.smooth_scroll_delta().y + 200.0 * (input.zoom_delta() - 1.0));
-    if scroll == 0.0 {
-        return;
+    let scroll = scrolled(ui);
+    if scroll != 0.0 {
+        let at = (pointer - picture.min) / picture.size();
+        commands.push(Command::SourceZoom(part.scrolled(scroll, at)));
     }
-    let zoom = (look.zoom * (scroll * 0.005).exp()).clamp(1.0, 64.0);
-    // The point under the pointer stays under it.
-    let at = (pointer - picture.min) / picture.size();
-    let center = if zoom <= 1.0 { Vec2::splat(0.5) } else { at - (at - look.center) * (look.zoom / zoom) };
-    commands.push(Command::SourceZoom { zoom, center });
+}
+
+const MOUSE: &str = "Point at a pixel to see what became of it, and why. Wheel to zoom, drag to shift, double-click to \
+                     fit, click to keep the pixel.";
+
+/// A line below the source picture: what became of the pixel, or how much of the picture is kept.
+fn readout_ui(ui: &mut Ui, state: &State, pixel: Option<(usize, usize)>) {
+    let tokens = Tokens::in_ui(ui);
+    let (line, more, color) = match pixel {
+        Some((x, y)) => {
+            let [verdict, recorded] = about_pixel(state, x, y);
+            (verdict, recorded, tokens.text)
+        }
+        None => (camera_facts(state), MOUSE.to_owned(), tokens.text_weak),
+    };
+    one_line(ui, line, color).on_hover_text(&more);
+}
+
+/// The camera shown at this frame, in figures.
+fn camera_facts(state: &State) -> String {
+    // In motion verdicts come a few frames late, and so do the pictures that show them.
+    let in_motion = state.timeline.playing && !state.skips_verdicts();
+    let Some(inspected) = state.inspected.as_ref().filter(|_| in_motion || state.inspection_here().is_some())
+    else {
+        let text = if state.is_frame_failed() {
+            words::FAILED_FRAME
+        } else if state.skips_verdicts() {
+            "In motion: pause, or choose an overlay above, to see what is redundant."
+        } else {
+            "Working out what is redundant here."
+        };
+        return text.to_owned();
+    };
+    let pixels = inspected.inspection.cameras[state.source.camera].verdict.len() as u64;
+    let kept = inspected.kept[state.source.camera];
+    format!(
+        "{} of {} pixels are kept ({}). Point at one to see why.",
+        model::count(kept),
+        model::count(pixels),
+        model::percent(kept, pixels)
+    )
+}
+
+fn about_pixel(state: &State, x: usize, y: usize) -> [String; 2] {
+    let (Some(scene), Some(inspection)) = (&state.scene, state.inspection_here()) else {
+        return [words::pending_verdict(state, false).to_owned(), format!("Pixel {x}, {y}")];
+    };
+    let camera = &inspection.cameras[state.source.camera];
+    let Some(verdict) = camera.verdict.get(x, y) else { return Default::default() };
+    let recorded = recorded(camera, x, y);
+    [format!("{} {recorded}", words::verdict(&scene.cameras, *verdict)), recorded]
+}
+
+fn recorded(camera: &CameraInspection, x: usize, y: usize) -> String {
+    let depth = match camera.frame.inverse_depth[(x, y)] {
+        w if w < 0.0 => "no depth".to_owned(),
+        0.0 => "infinitely far".to_owned(),
+        w => format!("depth {}", model::significant(1.0 / f64::from(w))),
+    };
+    let [r, g, b] = camera.frame.color[(x, y)].map(|c| srgb8_from_linear(c.to_f32()));
+    format!("Pixel {x}, {y} · {depth} · color {r} {g} {b}")
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::workers::MeasureRequest;
+use super::requests::MeasureRequest;
 use crate::app::model::{Accuracy, Content};
 use crate::capture::{Frame, TruthView};
 use crate::error::Result;
@@ -17,9 +17,6 @@ use crate::settings::{MixedPixels, PruningMethod, Settings, SpanLevels};
 const VIEWS: usize = 3;
 
 /// Compares at up to [`VIEWS`] vantages spread over those with truth; `None` where there is no truth.
-///
-/// # Errors
-/// Whatever loading the truth and rendering give, and `Cancelled`.
 pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accuracy>> {
     let Content::Capture { capture, truth, .. } = &request.scene.content else { return Ok(None) };
     let known: Vec<(&TruthView, usize)> = truth

@@ -1,12 +1,15 @@
 //! Two pictures of one place, side by side: before and after pruning, two settings, the truth, kernels, painters.
 //!
-//! Works on a lane of its own with a renderer of its own, so that neither view waits.
+//! With a renderer of its own, so that neither view waits.
 
 use std::sync::Arc;
 
 use super::accuracy::with_nothing_pruned;
-use super::difference::{self, PictureDifference};
-use crate::app::model::{CompareMeasure, CompareSide, CompareVantage, Content, OpenScene, method_of};
+use super::difference;
+use crate::app::model::{
+    CompareKey, CompareSide, CompareVantage, Content, DisplayColors, Message, OpenScene, PictureDifference,
+    method_of,
+};
 use crate::capture::{Capture, Frame};
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -14,65 +17,6 @@ use crate::preprocess::{self, PreparedScan};
 use crate::render::{Renderer, Vantage};
 use crate::samples::SampleSet;
 use crate::settings::{Backend, Kernel, Settings};
-
-/// What a comparison is made from; an equal key gives an equal comparison.
-#[derive(Clone)]
-pub(crate) struct CompareKey {
-    /// What is open.
-    pub scene: Arc<OpenScene>,
-    /// The sides.
-    pub sides: [CompareSide; 2],
-    /// From where.
-    pub place: CompareVantage,
-    /// Where the live view stands, and when.
-    pub vantage: Vantage,
-    /// The kept samples that the live view shows.
-    pub samples: Arc<SampleSet>,
-    /// Whether those show every frame, and not only the one that the live view shows.
-    pub whole: bool,
-    /// The pass over all frames, where it is done.
-    pub scan: Option<Arc<PreparedScan>>,
-    /// The settings on the sliders, A and B.
-    pub settings: [Settings; 3],
-    /// What the map of their difference shows.
-    pub measure: CompareMeasure,
-    /// The difference that the map's upper end stands for, in the unit of the measure; `None` to fit it.
-    pub range: Option<f32>,
-    /// Dark or light, as holes use a color of the theme.
-    pub dark: bool,
-}
-
-impl PartialEq for CompareKey {
-    fn eq(&self, other: &Self) -> bool {
-        let uses = |side: CompareSide| self.sides.contains(&side);
-        self.scene.id == other.scene.id
-            && self.sides == other.sides
-            && self.place == other.place
-            && Arc::ptr_eq(&self.samples, &other.samples)
-            && self.whole == other.whole
-            && self.scan.as_ref().map(Arc::as_ptr) == other.scan.as_ref().map(Arc::as_ptr)
-            && self.settings[0] == other.settings[0]
-            && (!uses(CompareSide::A) || self.settings[1] == other.settings[1])
-            && (!uses(CompareSide::B) || self.settings[2] == other.settings[2])
-            && self.measure == other.measure
-            && self.range == other.range
-            && self.dark == other.dark
-            && self.vantage.frame == other.vantage.frame
-            && (self.place != CompareVantage::Live || self.vantage == other.vantage)
-    }
-}
-
-/// A comparison that is shown.
-pub(crate) struct ShownComparison {
-    /// Whose pictures these are.
-    pub sides: [CompareSide; 2],
-    /// From where.
-    pub place: CompareVantage,
-    /// What came of it.
-    pub comparison: PictureDifference,
-    /// Left, right and difference on the graphics card.
-    pub textures: [egui::TextureHandle; 3],
-}
 
 /// Samples made for comparisons: the last few are kept.
 pub(crate) struct Comparer {
@@ -107,16 +51,24 @@ impl Comparer {
         Self { renderer: Renderer::new(), made: Vec::new(), scans: Vec::new(), threads }
     }
 
-    /// Makes the comparison.
-    ///
-    /// # Errors
-    /// `Invalid` where a side cannot be shown there; whatever loading, pruning and rendering give; `Cancelled`.
-    pub(crate) fn compare(&mut self, key: &CompareKey, job: &Job) -> Result<PictureDifference> {
-        let (vantage, truth) = place(key)?;
-        let left = self.side(key, key.sides[0], &vantage, truth.as_deref(), job)?;
+    /// Makes the comparison, or says why there is none.
+    pub(crate) fn answer(&mut self, key: Box<CompareKey>, job: &Job) -> Result<Message> {
+        let outcome = match self.compare(&key, job) {
+            Ok(comparison) => Ok(comparison),
+            Err(Error::Cancelled) => return Err(Error::Cancelled),
+            Err(Error::Invalid { what, .. }) => Err(what),
+            Err(error) => Err(error.to_string()),
+        };
+        Ok(Message::Compared { key, outcome })
+    }
+
+    /// Makes the comparison; `Invalid` where a side cannot be shown there.
+    fn compare(&mut self, key: &CompareKey, job: &Job) -> Result<PictureDifference> {
+        let (vantage, truth) = vantage_and_truth(key)?;
+        let left = self.side(key, key.choice.sides[0], &vantage, truth.as_deref(), job)?;
         job.check()?;
-        let right = self.side(key, key.sides[1], &vantage, truth.as_deref(), job)?;
-        PictureDifference::new([left, right], key.measure, key.range, key.dark)
+        let right = self.side(key, key.choice.sides[1], &vantage, truth.as_deref(), job)?;
+        difference::between([left, right], key.choice.measure, key.choice.range, key.dark)
     }
 
     fn side(
@@ -126,7 +78,7 @@ impl Comparer {
         vantage: &Vantage,
         truth: Option<&Frame>,
         job: &Job,
-    ) -> Result<difference::DisplayColors> {
+    ) -> Result<DisplayColors> {
         if side == CompareSide::Truth {
             let frame = truth.ok_or_else(|| {
                 Error::invalid(
@@ -153,7 +105,7 @@ impl Comparer {
             _ => {}
         }
         let as_shown = method_of(&settings) == method_of(&key.settings[0]);
-        let left_out = match key.place {
+        let left_out = match key.choice.from {
             CompareVantage::HoldOut(camera) => Some(camera),
             _ => None,
         };
@@ -161,7 +113,7 @@ impl Comparer {
         let samples = if as_shown && shown_there && left_out.is_none() {
             key.samples.clone()
         } else {
-            // What is known about time counts all cameras, and where every pixel is one of this frame it says nothing.
+            // The scan is of all cameras, so that it does not fit a left-out one; without pruning no span is used.
             let frame_alone = left_out.is_some() || side == CompareSide::Everything;
             let scan = if frame_alone { None } else { self.scan(key, &settings, job)? };
             self.samples(key, &settings, (vantage.frame, left_out), scan.as_deref(), job)?
@@ -191,10 +143,7 @@ impl Comparer {
         }
         let capture = capture_of(&key.scene)?;
         let scan = self.threads.install(|| preprocess::scan(capture, settings, job))?;
-        if self.scans.len() == KEPT_SCANS {
-            self.scans.remove(0);
-        }
-        self.scans.push((key.scene.id, scan.clone()));
+        keep(&mut self.scans, KEPT_SCANS, (key.scene.id, scan.clone()));
         Ok(Some(scan))
     }
 
@@ -220,12 +169,17 @@ impl Comparer {
         let others = left_out.map(|left_out| capture.with_cameras(|index, _| index != left_out));
         let capture = others.as_ref().unwrap_or(capture);
         let samples = preprocess::inspect_frame(capture, scan, settings, frame, job)?.samples;
-        if self.made.len() == KEPT {
-            self.made.remove(0);
-        }
-        self.made.push((made, samples.clone()));
+        keep(&mut self.made, KEPT, (made, samples.clone()));
         Ok(samples)
     }
+}
+
+/// Adds the latest; of more than `most` the first goes.
+fn keep<T>(kept: &mut Vec<T>, most: usize, latest: T) {
+    if kept.len() == most {
+        kept.remove(0);
+    }
+    kept.push(latest);
 }
 
 fn capture_of(scene: &OpenScene) -> Result<&Capture> {
@@ -238,8 +192,8 @@ fn capture_of(scene: &OpenScene) -> Result<&Capture> {
 }
 
 /// The vantage, and what was recorded there.
-fn place(key: &CompareKey) -> Result<(Vantage, Option<Arc<Frame>>)> {
-    match key.place {
+fn vantage_and_truth(key: &CompareKey) -> Result<(Vantage, Option<Arc<Frame>>)> {
+    match key.choice.from {
         CompareVantage::Live => Ok((key.vantage.clone(), None)),
         CompareVantage::HoldOut(camera) => {
             let capture = capture_of(&key.scene)?;
@@ -274,7 +228,7 @@ mod tests {
     use crate::settings::{MixedPixels, SpanLevels};
 
     use super::*;
-    use crate::app::model::Origin;
+    use crate::app::model::{CompareChoice, CompareLook, Origin};
     use crate::app::work::workers::pool;
     use crate::demo::{Demo, DemoSpec};
 
@@ -293,15 +247,15 @@ mod tests {
                 demo.truth_views(),
                 1.0,
             )),
-            sides: [CompareSide::A, CompareSide::B],
-            place: CompareVantage::Live,
+            choice: CompareChoice {
+                sides: [CompareSide::A, CompareSide::B],
+                ..CompareLook::default().choice
+            },
             vantage: Vantage { camera: demo.home(), frame: 3 },
             samples,
             whole: true,
             scan: Some(scan),
             settings: [a.clone(), a, b],
-            measure: CompareMeasure::Steps,
-            range: None,
             dark: true,
         }
     }
@@ -334,11 +288,14 @@ mod tests {
     #[test]
     fn at_a_truth_vantage_the_samples_of_its_frame_are_compared_and_not_those_of_the_frame_shown() {
         let key = CompareKey {
-            sides: [CompareSide::Kept, CompareSide::Truth],
-            place: CompareVantage::Truth(0),
+            choice: CompareChoice {
+                sides: [CompareSide::Kept, CompareSide::Truth],
+                from: CompareVantage::Truth(0),
+                ..CompareLook::default().choice
+            },
             ..key(Settings::default())
         };
-        let (vantage, _) = place(&key).unwrap();
+        let (vantage, _) = vantage_and_truth(&key).unwrap();
         assert_ne!(vantage.frame, key.vantage.frame);
         let expected = comparer().compare(&key, &Job::new()).unwrap();
         let capture = capture_of(&key.scene).unwrap();
@@ -356,7 +313,7 @@ mod tests {
     fn all_samples_are_every_pixel_of_the_frame() {
         let (mut comparer, mut key) = (comparer(), key(Settings::default()));
         key.settings[0].pruning.mixed_pixels = MixedPixels::Drop;
-        let key = CompareKey { sides: [CompareSide::Everything, CompareSide::Kept], ..key };
+        key.choice.sides = [CompareSide::Everything, CompareSide::Kept];
         comparer.compare(&key, &Job::new()).unwrap();
         assert_eq!(lengths(&comparer), [1]);
         let (_, samples) = comparer.made.last().unwrap();

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
 
-use super::colormap::{diverging, sequential};
-use crate::app::model::CompareMeasure;
+use crate::app::colormap::{diverging, sequential};
+use crate::app::model::{CompareMeasure, DisplayColors, PictureDifference};
 use crate::app::theme::Tokens;
 use crate::capture::Frame;
 use crate::color::{linear_from_srgb, srgb8_from_linear, steps_from_linear};
@@ -16,9 +16,6 @@ use crate::render::Picture;
 
 /// Share of pixels that may differ by more than a fitted range.
 const BEYOND: f32 = 0.01;
-
-/// One side as displayed colors (0 to 255 a channel); `None` where there is nothing.
-pub(crate) type DisplayColors = Grid<Option<[u8; 3]>>;
 
 /// What a camera recorded, as displayed.
 pub(crate) fn of_frame(frame: &Frame) -> DisplayColors {
@@ -32,67 +29,41 @@ pub(crate) fn of_picture(picture: &Picture) -> DisplayColors {
     })
 }
 
-/// Two pictures and what tells them apart.
-pub(crate) struct PictureDifference {
-    /// The two sides, of one size.
-    pub sides: [DisplayColors; 2],
-    /// The two as shown: holes in a color of their own.
-    pub images: [Arc<ColorImage>; 2],
-    /// Where and how much they differ.
-    pub difference: Arc<ColorImage>,
-    /// What the map shows.
-    pub measure: CompareMeasure,
-    /// How far every pixel is apart, in the unit of the measure; `None` where a side has nothing.
-    pub apart: Grid<Option<f32>>,
-    /// The difference that the map's upper end stands for.
-    pub range: f32,
-    /// Mean of the map, signs aside, where both sides have something.
-    pub mean: f64,
-    /// Peak signal-to-noise ratio of one side against the other where both have something; infinite where equal.
-    pub psnr_db: f64,
-    /// Share of pixels that only one side has something for.
-    pub one_sided: f64,
-}
-
-impl PictureDifference {
-    /// Compares two sides by `measure`. `range` is what the map's upper end stands for; `None` fits it.
-    ///
-    /// # Errors
-    /// `Invalid` where the sides differ in size.
-    pub(crate) fn new(
-        sides: [DisplayColors; 2],
-        measure: CompareMeasure,
-        range: Option<f32>,
-        dark: bool,
-    ) -> Result<Self> {
-        let [left, right] = &sides;
-        if left.size() != right.size() {
-            let ([a, b], [c, d]) = (<[usize; 2]>::from(left.size()), <[usize; 2]>::from(right.size()));
-            let what = format!(
-                "One side has {a}×{b} pixels and the other {c}×{d}: they cannot be laid over each other."
-            );
-            return Err(Error::invalid("comparison", what));
-        }
-        let tokens = Tokens::of(dark);
-        let image = |side: &DisplayColors| {
-            let colors = side.map(|pixel| pixel.map_or(tokens.hole, |[r, g, b]| Color32::from_rgb(r, g, b)));
-            Arc::new(ColorImage::new([side.width(), side.height()], colors.into_vec()))
-        };
-        let images = [image(left), image(right)];
-        let apart = apart(left, right, measure);
-        let range = range.unwrap_or_else(|| fitted(&apart, measure));
-        let color = |apart: f32| match measure {
-            CompareMeasure::Brightness => diverging(apart / range),
-            CompareMeasure::Steps | CompareMeasure::Flip => sequential(apart / range),
-        };
-        // A gray, which no color of the maps is: the holes' own purple is near their lower end.
-        let map = apart.map(|apart| apart.map_or(tokens.raised, color));
-        let difference = Arc::new(ColorImage::new([map.width(), map.height()], map.into_vec()));
-        let known = || apart.as_slice().iter().flatten();
-        let mean = known().map(|apart| f64::from(apart.abs())).sum::<f64>() / known().count().max(1) as f64;
-        let (psnr_db, one_sided) = (psnr_db(left, right), one_sided(left, right));
-        Ok(Self { sides, images, difference, measure, apart, range, mean, psnr_db, one_sided })
+/// Compares two sides by `measure`. `range` is the difference at the map's upper end; `None` fits it. `Invalid` where the sides
+/// differ in size.
+pub(crate) fn between(
+    sides: [DisplayColors; 2],
+    measure: CompareMeasure,
+    range: Option<f32>,
+    dark: bool,
+) -> Result<PictureDifference> {
+    let [left, right] = &sides;
+    if left.size() != right.size() {
+        let ([a, b], [c, d]) = (<[usize; 2]>::from(left.size()), <[usize; 2]>::from(right.size()));
+        let what = format!(
+            "One side has {a}×{b} pixels and the other {c}×{d}: they cannot be laid over each other."
+        );
+        return Err(Error::invalid("comparison", what));
     }
+    let tokens = Tokens::of(dark);
+    let image = |side: &DisplayColors| {
+        let colors = side.map(|pixel| pixel.map_or(tokens.hole, |[r, g, b]| Color32::from_rgb(r, g, b)));
+        Arc::new(ColorImage::new([side.width(), side.height()], colors.into_vec()))
+    };
+    let images = [image(left), image(right)];
+    let apart = apart(left, right, measure);
+    let range = range.unwrap_or_else(|| fitted(&apart, measure));
+    let color = |apart: f32| match measure {
+        CompareMeasure::Brightness => diverging(apart / range),
+        CompareMeasure::Steps | CompareMeasure::Flip => sequential(apart / range),
+    };
+    // A gray, which no color of the maps is: the holes' own purple is near their lower end.
+    let map = apart.map(|apart| apart.map_or(tokens.raised, color));
+    let difference = Arc::new(ColorImage::new([map.width(), map.height()], map.into_vec()));
+    let known = || apart.as_slice().iter().flatten();
+    let mean = known().map(|apart| f64::from(apart.abs())).sum::<f64>() / known().count().max(1) as f64;
+    let (psnr_db, one_sided) = (psnr_db(left, right), one_sided(left, right));
+    Ok(PictureDifference { sides, images, difference, measure, apart, range, mean, psnr_db, one_sided })
 }
 
 /// How far each pixel of the right is from the left.
@@ -164,7 +135,7 @@ mod tests {
     fn compared(measure: CompareMeasure) -> PictureDifference {
         let sides =
             [side([Some(10), Some(200), None, Some(50)]), side([Some(30), Some(190), Some(9), Some(50)])];
-        PictureDifference::new(sides, measure, None, true).unwrap()
+        between(sides, measure, None, true).unwrap()
     }
 
     #[test]
@@ -183,7 +154,7 @@ mod tests {
         let alone = |pixel| {
             let sides =
                 [side([Some(90), Some(90), None, Some(90)]), side([Some(90), Some(90), pixel, Some(90)])];
-            PictureDifference::new(sides, CompareMeasure::Flip, None, true).unwrap()
+            between(sides, CompareMeasure::Flip, None, true).unwrap()
         };
         let [bright, none] = [alone(Some(255)), alone(None)];
         assert_eq!(bright.apart.as_slice(), [Some(0.0), Some(0.0), None, Some(0.0)]);
@@ -194,8 +165,7 @@ mod tests {
     #[test]
     fn sides_of_different_sizes_are_refused() {
         let sides = [side([None; 4]), Grid::filled(2, 2, None)];
-        let error =
-            PictureDifference::new(sides, CompareMeasure::Steps, None, true).err().unwrap().to_string();
+        let error = between(sides, CompareMeasure::Steps, None, true).err().unwrap().to_string();
         assert!(error.contains("4×1") && error.contains("2×2"), "{error}");
     }
 }

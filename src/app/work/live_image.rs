@@ -1,158 +1,26 @@
-//! From a vantage to the pixels of the right view. Runs on a lane, not on the UI thread.
+//! Paints the picture of the live view.
 
 use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
 use glam::DVec2;
 
-use super::colormap::{camera as camera_color, dimmed, diverging, mix};
-use super::source_image::{MOTION, RATIO_RANGE};
+use crate::app::colormap::{camera as camera_color, dimmed, diverging, mix};
+use crate::app::model::{ColorBy, LiveKey, LivePicture, PixelSource, RATIO_RANGE};
 use crate::app::theme::Tokens;
 use crate::color::srgb8_from_linear;
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
-use crate::render::gpu::{HolePattern, ScreenTexture};
-use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, Vantage, WindowPicture};
+use crate::render::gpu::HolePattern;
+use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, WindowPicture};
 use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
-use crate::store::playback::Playback;
 
-/// What the colors of the right view tell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-pub(crate) enum ColorBy {
-    /// The colors of the samples.
-    #[default]
-    Picture,
-    /// Which camera's sample is shown.
-    Camera,
-    /// For how long the sample is stored.
-    Span,
-    /// How densely samples lie beside the pixels of this view.
-    SamplingRate,
-}
-
-impl ColorBy {
-    /// Every choice, in the order of the menu.
-    pub(crate) const ALL: [Self; 4] = [Self::Picture, Self::Camera, Self::Span, Self::SamplingRate];
-
-    /// Its name in the menu.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Picture => "Picture",
-            Self::Camera => "Camera",
-            Self::Span => "Motion",
-            Self::SamplingRate => "Sampling",
-        }
-    }
-
-    /// What it shows, in a sentence.
-    pub(crate) fn help(self) -> &'static str {
-        match self {
-            Self::Picture => "The scene as the kept samples show it.",
-            Self::Camera => "Each pixel in the color of the camera whose sample it shows.",
-            Self::Span => MOTION,
-            Self::SamplingRate => {
-                "Distance between samples beside distance between pixels here: purple where samples are denser than \
-                 pixels, orange where the view is closer than the camera was."
-            }
-        }
-    }
-}
-
-/// What a right picture was made from; a picture with an equal key is the same picture.
-#[derive(Clone)]
-pub(crate) struct LiveKey {
-    /// The scene.
-    pub scene: u64,
-    /// The samples.
-    pub samples: Arc<SampleSet>,
-    /// What reads the frame's samples from a file, where they are not all in memory.
-    pub playback: Option<Arc<Playback>>,
-    /// Where from, and when.
-    pub vantage: Vantage,
-    /// How.
-    pub settings: RenderSettings,
-    /// What colors tell.
-    pub color_by: ColorBy,
-    /// Dark or light, as holes use a color of the theme.
-    pub dark: bool,
-    /// Whether the next one follows at once: then nobody asks what its pixels show, and they may stay where they are.
-    pub in_motion: bool,
-    /// How many of its pixels lie along one of a picture in motion.
-    pub per_coarse_pixel: f64,
-}
-
-impl LiveKey {
-    /// Width of the stripes over holes, pixels: on the screen as wide in motion as at rest.
-    fn stripe(&self) -> usize {
-        (STRIPE * self.per_coarse_pixel).round().max(1.0) as usize
-    }
-}
-
-impl PartialEq for LiveKey {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.samples, &other.samples)
-            && self.scene == other.scene
-            && self.vantage == other.vantage
-            && self.settings == other.settings
-            && self.color_by == other.color_by
-            && self.dark == other.dark
-            && self.in_motion == other.in_motion
-    }
-}
-
-/// Frames whose samples are sent to a GPU before they are asked for.
+/// Frames whose samples are sent to a GPU in advance.
 const FRAMES_AHEAD: usize = 2;
 
-/// Width of the stripes over holes, pixels of a picture in motion.
-const STRIPE: f64 = 6.0;
-
-/// The right picture.
-pub(crate) struct LivePicture {
-    /// What was painted: of a store played from disk, the samples of this frame alone, and of these what the vantage needs.
-    pub samples: Arc<SampleSet>,
-    /// Columns and rows.
-    pub size: [usize; 2],
-    /// Its pixels.
-    pub pixels: PixelSource,
-    /// What it took.
-    pub stats: RenderStats,
-    /// What painted.
-    pub painter: Painter,
-    /// Why something else painted than was asked for.
-    pub notice: Option<String>,
-    /// What could not be read of a store played from disk so far, one line each.
-    pub damage: Vec<String>,
-}
-
-/// Where the pixels of a picture are.
-pub(crate) enum PixelSource {
-    /// On the device that draws the window.
-    OnAdapter(ScreenTexture),
-    /// In memory.
-    InMemory {
-        /// As shown.
-        image: Arc<ColorImage>,
-        /// What the renderer gave: depths, and whose samples are shown.
-        rendered: Arc<Picture>,
-    },
-}
-
-impl LivePicture {
-    /// What the renderer gave; `None` while pictures in motion stay on the graphics card.
-    pub(crate) fn rendered(&self) -> Option<&Arc<Picture>> {
-        match &self.pixels {
-            PixelSource::InMemory { rendered, .. } => Some(rendered),
-            PixelSource::OnAdapter(_) => None,
-        }
-    }
-}
-
-/// Renders and colors the picture that `key` asks for.
-///
-/// # Errors
-/// As [`Renderer::render`].
+/// Renders and colors the picture of `key`.
 pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
     let next = key.vantage.frame + 1;
     let samples = match &key.playback {
@@ -161,7 +29,7 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
     };
     let (shown, _) = rayon::join(
         || shown(renderer, &samples, key, job),
-        // What cannot be read ahead says so when it is shown.
+        // Errors of reading ahead are reported when the frame is shown.
         || {
             let ahead = next..next + FRAMES_AHEAD;
             key.playback.as_ref().map(|playback| playback.read_ahead_from(&key.vantage.camera, ahead, job))
@@ -190,7 +58,7 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
     })
 }
 
-/// Has the picture painted: into memory once the view is at rest or its colors tell of samples, else wherever that is fastest.
+/// Renders into memory if the view is at rest or is colored by samples, else wherever that is fastest.
 fn shown(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,
@@ -259,6 +127,7 @@ fn log2_spacing(key: &LiveKey, camera: usize, pixel: DVec2, inverse_depth: f64) 
 mod tests {
     use super::*;
     use crate::capture::{Camera, Intrinsics};
+    use crate::render::Vantage;
     use crate::settings::Settings;
     use glam::DVec3;
 

@@ -1,32 +1,27 @@
-//! What worker threads compute for the window.
+//! What the window computes, on threads of its own.
+//!
+//! ```text
+//! State ── Scheduler ──▶ requests ──▶ Workers (a thread each) ── Message ──▶ Outbox ──▶ window
+//! ```
 
 mod accuracy;
-mod colormap;
 mod compare;
 mod difference;
+mod facts;
+mod files;
 mod histograms;
 mod live_image;
-mod memory_map;
-mod probe;
+mod opening;
+mod pruning;
+mod requests;
 mod scheduler;
 mod source_image;
 mod study;
-mod thread_priority;
-mod thumbnails;
 mod worker;
 mod workers;
 
-pub(crate) use colormap::{camera, diverging, sequential};
-pub(crate) use compare::{CompareKey, Comparer, ShownComparison};
-pub(crate) use difference::PictureDifference;
-pub(crate) use histograms::{BARS, CUT, ThresholdAxis, ThresholdHistogram, histograms};
-pub(crate) use live_image::{ColorBy, LiveKey, LivePicture, PixelSource};
-pub(crate) use memory_map::{CameraMemory, by_camera};
-pub(crate) use probe::{ProbeKey, Probed, Spot, probe};
-pub(crate) use scheduler::Scheduled;
-pub(crate) use source_image::{Legend, Overlay, RATIO_RANGE, SourceKey, SourcePicture};
-pub(crate) use study::{StudyRequest, study};
-pub(crate) use thread_priority::cpu_time;
-pub(crate) use thumbnails::paint;
-pub(crate) use worker::{Lane, Outbox, Supersede};
-pub(crate) use workers::{FileRequest, OpenRequest, Workers, or_stopped, pool};
+pub(crate) use files::with_ending;
+pub(crate) use requests::{ExportRequest, FileRequest, OpenRequest, StudyRequest};
+pub(crate) use scheduler::Scheduler;
+pub(crate) use worker::Outbox;
+pub(crate) use workers::Workers;

@@ -1,13 +1,16 @@
-//! Decides what work the state calls for. Called after every change; asks for nothing twice.
+//! Requests what the state needs and does not have, after every change; nothing is requested twice.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::live_image::{ColorBy, LiveKey};
-use super::source_image::SourceKey;
-use super::workers::{InspectRequest, MeasureRequest, WholeRequest, Workers};
-use crate::app::dock::DockView;
-use crate::app::model::{InspectorPlan, State, method_of};
+use super::requests::{HistogramRequest, MeasureRequest, PruneRequest};
+use super::worker::Worker;
+use super::workers::Workers;
+use crate::app::model::{
+    ColorBy, CompareKey, DockView, LiveKey, OpenScene, ProbeKey, SettingsSlot, SourceKey, Spot, State,
+    method_of,
+};
+use crate::preprocess::inspect::FrameInspection;
 use crate::render::Vantage;
 use crate::samples::SampleSet;
 use crate::settings::{Backend, Settings};
@@ -15,71 +18,66 @@ use crate::settings::{Backend, Settings};
 /// How long a slider must rest before the whole capture is pruned again.
 const DEBOUNCE: Duration = Duration::from_millis(400);
 
-/// The live view is still once it has shown one place and frame for so long; then it is painted as fine as it helps, into memory,
-/// where its pixels can be asked about. Of a frame that was shown for so long thresholds may be turned.
+/// The live view is at rest after this long at one vantage: then it is rendered in full resolution into memory, where its pixels
+/// can be read. After the same time the frame shown is prepared for interactive thresholds.
 const REST: Duration = Duration::from_millis(200);
 
 #[derive(Clone, PartialEq)]
-struct InspectKey {
+pub(crate) struct InspectKey {
     scene: u64,
-    frame: usize,
+    pub frame: usize,
     method: Settings,
     /// Whether there is a scan, and whether it serves the settings or is shown until one does.
     scan_serves: Option<bool>,
 }
 
-/// What was asked for last, per lane.
+/// Submits a request that differs from the last one.
+fn submit_new<K: Clone + PartialEq + Send + 'static>(worker: &Worker<K>, last: &mut Option<K>, key: K) {
+    if last.as_ref() != Some(&key) {
+        worker.submit(key.clone());
+        *last = Some(key);
+    }
+}
+
+/// What is pruned as the state is: the open capture, or its frame that is shown.
+fn prune_request(state: &State, scene: &Arc<OpenScene>) -> PruneRequest {
+    PruneRequest {
+        scene: scene.clone(),
+        scan: state.scan.clone(),
+        settings: state.settings.clone(),
+        frame: state.timeline.frame,
+    }
+}
+
+/// The last request to each worker; `None` requests again.
 #[derive(Default)]
-pub(crate) struct Scheduled {
-    inspect: Option<InspectKey>,
+pub(crate) struct Scheduler {
+    pub inspect: Option<InspectKey>,
     prepare: Option<InspectKey>,
-    /// When an inspection was last asked for.
+    /// When an inspection was last requested.
     inspect_at: Option<Instant>,
-    source: Option<SourceKey>,
+    pub source: Option<SourceKey>,
     live: Option<LiveKey>,
     /// Where the live view looks from and when, as it is painted in motion.
-    place: Option<Vantage>,
+    coarse_vantage: Option<Vantage>,
     /// Whether it is painted otherwise once it rests.
     live_will_change: bool,
-    whole: Option<(u64, Settings)>,
-    measure: Option<(Arc<SampleSet>, Settings)>,
-    inspector: InspectorPlan,
+    pub whole: Option<(u64, Settings)>,
+    pub measure: Option<(Arc<SampleSet>, Settings)>,
+    pub probe: Option<ProbeKey>,
+    thumbs: Option<Arc<FrameInspection>>,
+    memory: Option<Arc<SampleSet>>,
+    histograms: Option<(Arc<FrameInspection>, bool)>,
+    compare: Option<Box<CompareKey>>,
     /// When a setting was last changed.
     pub changed_at: Option<Instant>,
     /// When the live view last looked elsewhere, or at another frame.
     moved_at: Option<Instant>,
 }
 
-impl Scheduled {
-    /// Forgets that the whole capture was asked for, so that it is asked for again.
-    pub(crate) fn forget_whole(&mut self) {
-        self.whole = None;
-    }
-
-    /// Forgets that the frame shown was asked for, so that it is asked for again.
-    pub(crate) fn forget_frame(&mut self) {
-        self.inspect = None;
-        self.source = None;
-    }
-
-    /// Forgets that the pixel was asked about, so that it is asked about again.
-    pub(crate) fn forget_probe(&mut self) {
-        self.inspector.forget_probe();
-    }
-
-    /// The frame whose inspection was asked for last.
-    pub(crate) fn inspected_frame(&self) -> Option<usize> {
-        self.inspect.as_ref().map(|key| key.frame)
-    }
-
-    /// Forgets that accuracy was asked for, so that it is asked for again.
-    pub(crate) fn forget_accuracy(&mut self) {
-        self.measure = None;
-    }
-
-    /// Whether everything that the state calls for was asked for and came back, whole-capture work aside where the person
-    /// stopped it.
-    pub(crate) fn is_settled(&self, state: &State) -> bool {
+impl Scheduler {
+    /// Whether everything that the state needs came back, except for whole-capture work that was stopped.
+    pub(crate) fn is_up_to_date(&self, state: &State) -> bool {
         let whole = !state.has_capture() || state.stopped || (state.whole.is_some() && !state.is_stale());
         let source = !state.has_capture()
             || state.source_shown.as_ref().map(|shown| &shown.key) == self.source.as_ref();
@@ -88,7 +86,7 @@ impl Scheduled {
         whole && source && live && (self.is_inspected(state) || !state.has_capture())
     }
 
-    /// Whether the inspection that was asked for last came back.
+    /// Whether the last inspection that was requested came back.
     fn is_inspected(&self, state: &State) -> bool {
         state.inspected.as_ref().is_some_and(|inspected| {
             self.inspect.as_ref().is_some_and(|key| {
@@ -97,18 +95,27 @@ impl Scheduled {
         })
     }
 
-    /// Asks the lanes for whatever is missing. Gives how long to wait before it should be called again, if so.
-    pub(crate) fn ask(&mut self, state: &State, visible: &[DockView], lanes: &Workers) -> Option<Duration> {
-        self.ask_inspection(state, lanes);
-        let preparation = self.ask_preparation(state, lanes);
-        self.ask_source(state, lanes);
-        let rest = self.ask_live(state, lanes);
-        self.ask_accuracy(state, lanes);
-        self.inspector.ask(state, visible, &lanes.inspector);
-        self.ask_whole(state, lanes).into_iter().chain(rest).chain(preparation).min()
+    /// Asks the workers for whatever is missing. Gives how long to wait before it should be called again, if so.
+    pub(crate) fn request_missing(
+        &mut self,
+        state: &State,
+        visible: &[DockView],
+        workers: &Workers,
+    ) -> Option<Duration> {
+        self.request_inspection(state, workers);
+        let preparation = self.request_preparation(state, workers);
+        self.request_source(state, workers);
+        let rest = self.request_live(state, workers);
+        self.request_accuracy(state, workers);
+        self.request_probe(state, workers);
+        self.request_thumbs(state, visible, workers);
+        self.request_memory(state, visible, workers);
+        self.request_histograms(state, visible, workers);
+        self.request_comparison(state, visible, workers);
+        self.request_whole(state, workers).into_iter().chain(rest).chain(preparation).min()
     }
 
-    fn ask_inspection(&mut self, state: &State, lanes: &Workers) {
+    fn request_inspection(&mut self, state: &State, workers: &Workers) {
         let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
         if state.skips_verdicts() {
             return;
@@ -120,12 +127,7 @@ impl Scheduled {
             scan_serves: state.scan.as_ref().map(|scan| scan.serves(&state.settings.spans)),
         };
         if self.inspect.as_ref() != Some(&key) {
-            lanes.inspect.submit(InspectRequest {
-                scene: scene.clone(),
-                scan: state.scan.clone(),
-                settings: state.settings.clone(),
-                frame: key.frame,
-            });
+            workers.inspect.submit(prune_request(state, scene));
             self.inspect = Some(key);
             self.inspect_at = Some(Instant::now());
         }
@@ -133,7 +135,7 @@ impl Scheduled {
 
     /// Once a frame is shown and everything rests, makes it ready for the thresholds to be turned. Gives how long to wait for
     /// that, if so.
-    fn ask_preparation(&mut self, state: &State, lanes: &Workers) -> Option<Duration> {
+    fn request_preparation(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
         let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
         let with_scan = state.inspected.as_ref().is_some_and(|inspected| inspected.with_scan);
         if state.timeline.playing || !with_scan || self.prepare == self.inspect || !self.is_inspected(state) {
@@ -143,17 +145,12 @@ impl Scheduled {
         if rested < REST {
             return Some(REST.saturating_sub(rested));
         }
-        lanes.prepare.submit(InspectRequest {
-            scene: scene.clone(),
-            scan: state.scan.clone(),
-            settings: state.settings.clone(),
-            frame: state.timeline.frame,
-        });
+        workers.prepare.submit(prune_request(state, scene));
         self.prepare.clone_from(&self.inspect);
         None
     }
 
-    fn ask_source(&mut self, state: &State, lanes: &Workers) {
+    fn request_source(&mut self, state: &State, workers: &Workers) {
         let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
         // Verdicts of a frame just passed are better than a flash of another kind: in motion they may never catch up.
         let inspection = state
@@ -171,34 +168,34 @@ impl Scheduled {
             inspection,
         };
         if self.source.as_ref() != Some(&key) {
-            lanes.source.submit((scene.clone(), key.clone()));
+            workers.source.submit((scene.clone(), key.clone()));
             self.source = Some(key);
         }
     }
 
-    fn ask_live(&mut self, state: &State, lanes: &Workers) -> Option<Duration> {
-        let (Some(scene), Some(samples), Some(rig)) =
-            (state.scene.as_ref(), state.samples_here(), state.live.rig.as_ref())
+    fn request_live(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
+        let (Some(scene), Some(samples), Some(orbit)) =
+            (state.scene.as_ref(), state.samples_here(), state.live.orbit.as_ref())
         else {
             return None;
         };
         let frame = state.timeline.frame;
-        let coarse = rig.size_in_motion(state.live.size);
-        let place = Vantage { camera: rig.camera(coarse[0], coarse[1]), frame };
-        if self.place.as_ref() != Some(&place) {
+        let coarse = orbit.size_in_motion(state.live.size);
+        let coarse_vantage = Vantage { camera: orbit.camera(coarse[0], coarse[1]), frame };
+        if self.coarse_vantage.as_ref() != Some(&coarse_vantage) {
             self.moved_at = Some(Instant::now());
-            self.place = Some(place);
+            self.coarse_vantage = Some(coarse_vantage);
         }
         // While a threshold is dragged the next picture follows at once, too.
         let changes = [self.moved_at, self.changed_at];
         let rested = changes.into_iter().flatten().map(|at| at.elapsed()).min().unwrap_or(REST);
-        // Colors that tell of samples beside pixels would mean something else in a finer picture.
+        // Sampling colors compare samples with pixels, so that they depend on the resolution.
         let fine = match state.live.color_by {
-            ColorBy::Picture => rig.size_at_rest(state.live.size),
+            ColorBy::Picture => orbit.size_at_rest(state.live.size),
             _ => coarse,
         };
         let [width, height] = if rested < REST { coarse } else { fine };
-        let vantage = Vantage { camera: rig.camera(width, height), frame };
+        let vantage = Vantage { camera: orbit.camera(width, height), frame };
         let on_gpu =
             state.live_shown.as_ref().is_some_and(|shown| shown.picture.painter.backend == Backend::Gpu);
         let in_motion = state.live.shares_device && on_gpu && rested < REST;
@@ -213,21 +210,18 @@ impl Scheduled {
             in_motion,
             per_coarse_pixel: f64::from(width) / f64::from(coarse[0]),
         };
-        if self.live.as_ref() != Some(&key) {
-            lanes.live.submit(key.clone());
-            self.live = Some(key);
-        }
+        submit_new(&workers.live, &mut self.live, key);
         self.live_will_change = rested < REST && (in_motion || coarse != fine);
         self.live_will_change.then(|| REST.saturating_sub(rested))
     }
 
-    fn ask_whole(&mut self, state: &State, lanes: &Workers) -> Option<Duration> {
+    fn request_whole(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
         let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
         let key = (scene.id, method_of(&state.settings));
         if state.is_whole_ready() {
             if self.whole.as_ref().is_some_and(|asked| *asked != key) {
                 // What runs works with settings that were taken back.
-                lanes.whole.cancel();
+                workers.whole.cancel();
                 self.whole = Some(key);
             }
             return None;
@@ -238,21 +232,17 @@ impl Scheduled {
         }
         let rested = self.changed_at.map_or(DEBOUNCE, |at| at.elapsed());
         if rested < DEBOUNCE {
-            // What runs now works with settings that no longer hold; should they come back, it is asked for again.
-            lanes.whole.cancel();
+            // The running work is out of date; should its settings return, it is requested again.
+            workers.whole.cancel();
             self.whole = None;
             return Some(DEBOUNCE.saturating_sub(rested));
         }
-        lanes.whole.submit(WholeRequest {
-            scene: scene.clone(),
-            scan: state.scan.clone(),
-            settings: state.settings.clone(),
-        });
+        workers.whole.submit(prune_request(state, scene));
         self.whole = Some(key);
         None
     }
 
-    fn ask_accuracy(&mut self, state: &State, lanes: &Workers) {
+    fn request_accuracy(&mut self, state: &State, workers: &Workers) {
         let (Some(scene), Some(whole)) = (&state.scene, &state.whole) else { return };
         if state.is_stale() || state.timeline.playing {
             return;
@@ -261,12 +251,92 @@ impl Scheduled {
             Arc::ptr_eq(samples, &whole.samples) && *settings == state.settings
         });
         if !asked {
-            lanes.measure.submit(MeasureRequest {
+            workers.measure.submit(MeasureRequest {
                 scene: scene.clone(),
                 samples: whole.samples.clone(),
                 settings: state.settings.clone(),
             });
             self.measure = Some((whole.samples.clone(), state.settings.clone()));
+        }
+    }
+
+    /// Compares at the vantage, and with the samples, of the last live picture.
+    fn request_comparison(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+        let shown = state.live_shown.as_ref().filter(|_| visible.contains(&DockView::Compare));
+        let (Some(scene), Some(shown)) = (&state.scene, shown) else { return };
+        let history = &state.inspector.history;
+        let now = &state.settings;
+        let key = Box::new(CompareKey {
+            scene: scene.clone(),
+            choice: state.inspector.compare.choice,
+            vantage: shown.key.vantage.clone(),
+            // Of a store played from disk only the picture knows the samples.
+            samples: shown.picture.samples.clone(),
+            whole: state.current_whole().is_some_and(|whole| Arc::ptr_eq(whole, &shown.picture.samples)),
+            scan: state.scan.clone(),
+            settings: [
+                now.clone(),
+                history.of(SettingsSlot::A, now).clone(),
+                history.of(SettingsSlot::B, now).clone(),
+            ],
+            dark: state.dark,
+        });
+        submit_new(&workers.compare, &mut self.compare, key);
+    }
+
+    fn request_histograms(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+        let wanted = visible.contains(&DockView::Thresholds) && !state.timeline.playing;
+        let Some(inspected) = state.inspected.as_ref().filter(|_| wanted) else { return };
+        let asked = self.histograms.as_ref().is_some_and(|(inspection, with_scan)| {
+            Arc::ptr_eq(inspection, &inspected.inspection) && *with_scan == state.scan.is_some()
+        });
+        if let (false, Some(scene)) = (asked, &state.scene) {
+            workers.histograms.submit(HistogramRequest {
+                scene: scene.id,
+                inspection: inspected.inspection.clone(),
+                scan: state.scan.clone(),
+                settings: inspected.settings.clone(),
+            });
+            self.histograms = Some((inspected.inspection.clone(), state.scan.is_some()));
+        }
+    }
+
+    fn request_memory(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+        // A store plays from disk: its sample set is an outline.
+        let wanted = visible.contains(&DockView::Memory) && state.has_capture();
+        let samples = state.whole_samples().filter(|_| wanted);
+        let (Some(scene), Some(samples)) = (&state.scene, samples) else { return };
+        if !self.memory.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, samples)) {
+            workers.memory.submit((scene.id, samples.clone()));
+            self.memory = Some(samples.clone());
+        }
+    }
+
+    fn request_probe(&mut self, state: &State, workers: &Workers) {
+        let key = state.scene.as_ref().zip(state.inspector.probe.spot).map(|(scene, spot)| ProbeKey {
+            scene: scene.clone(),
+            spot,
+            inspection: state.inspection_here().cloned(),
+            whole: state.current_whole().cloned(),
+            live: matches!(spot, Spot::Live { .. })
+                .then(|| state.live_shown.as_ref().map(|shown| (shown.key.clone(), shown.picture.clone())))
+                .flatten(),
+        });
+        match key {
+            Some(key) => submit_new(&workers.probe, &mut self.probe, key),
+            None => self.probe = None,
+        }
+    }
+
+    fn request_thumbs(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+        let Some(inspection) = state.inspection_here().filter(|_| visible.contains(&DockView::Cameras))
+        else {
+            return;
+        };
+        let asked = self.thumbs.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, inspection));
+        if let (false, Some(scene)) = (asked, &state.scene) {
+            workers.thumbs.submit((scene.id, inspection.clone()));
+            self.thumbs = Some(inspection.clone());
         }
     }
 }

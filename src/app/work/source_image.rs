@@ -1,199 +1,42 @@
-//! From one camera's frame and its verdicts to the pixels of the left view. Runs on a lane, not on the UI thread.
+//! Paints the picture of the left view, from one camera's frame and its verdicts.
 
 use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
 
-use super::colormap::{camera as camera_color, dimmed, diverging, mix, sequential};
+use crate::app::colormap::{camera as camera_color, dimmed, diverging, mix, recorded, sequential};
+use crate::app::model::{Legend, Message, OpenScene, Overlay, RATIO_RANGE, SourceKey, SourcePicture};
 use crate::app::theme::Tokens;
 use crate::capture::Frame;
-use crate::color::steps_from_linear;
+use crate::error::Result;
 use crate::grid::Grid;
-use crate::preprocess::inspect::{CameraInspection, FrameInspection};
+use crate::preprocess::inspect::CameraInspection;
 use crate::preprocess::pruning::Verdict;
 use crate::preprocess::temporal::PixelClass;
 use crate::samples::TILE;
 
-/// What the left view shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-pub(crate) enum Overlay {
-    /// The picture as recorded.
-    #[default]
-    Color,
-    /// Depth.
-    Depth,
-    /// Surface normals.
-    Normals,
-    /// The sampling rate against another camera.
-    SamplingRatio,
-    /// Which camera's sample stands for each pruned one.
-    WhoWon,
-    /// Where the two rate models name different cameras.
-    RateDisputes,
-    /// For how long samples are stored.
-    Split,
-    /// What is kept in each tile of the store.
-    Tiles,
-}
-
-impl Overlay {
-    /// Whether it shows what became of the pixels.
-    pub(crate) fn needs_verdicts(self) -> bool {
-        !matches!(self, Self::Color | Self::Depth)
-    }
-
-    /// Every overlay, in the order of the menu.
-    pub(crate) const ALL: [Self; 8] = [
-        Self::Color,
-        Self::WhoWon,
-        Self::SamplingRatio,
-        Self::RateDisputes,
-        Self::Split,
-        Self::Tiles,
-        Self::Depth,
-        Self::Normals,
-    ];
-
-    /// Its name in the menu.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Color => "Picture",
-            Self::Depth => "Depth",
-            Self::Normals => "Normals",
-            Self::SamplingRatio => "Sampling",
-            Self::RateDisputes => "Rates",
-            Self::WhoWon => "Who won",
-            Self::Split => "Motion",
-            Self::Tiles => "Tiles",
-        }
-    }
-
-    /// What it shows, in a sentence.
-    pub(crate) fn help(self) -> &'static str {
-        match self {
-            Self::Color => "The picture as the camera recorded it.",
-            Self::Depth => "How far away each pixel is: light is near.",
-            Self::Normals => "Which way each surface faces, given or estimated.",
-            Self::SamplingRatio => {
-                "How densely this camera samples each point against another: purple where this one is denser, orange \
-                 where the other is."
-            }
-            Self::RateDisputes => {
-                "Where the paper's rate and the footprint name different cameras as the best: in the color of the one that \
-                 the rate not in use names."
-            }
-            Self::WhoWon => {
-                "Pruned pixels in the color of the camera whose sample stands for them; kept pixels show their own picture."
-            }
-            Self::Split => MOTION,
-            Self::Tiles => {
-                "The share of samples kept in each 16 × 16 tile of the store; empty tiles cost nothing."
-            }
-        }
-    }
-}
-
-/// What either view's *Motion* shows.
-pub(crate) const MOTION: &str = "For how long samples are stored: once for all frames, once for several frames where they hold that long, or for this \
-     frame alone.";
-
-/// What a left picture was made from; a picture with an equal key is the same picture.
-#[derive(Clone)]
-pub(crate) struct SourceKey {
-    /// The scene.
-    pub scene: u64,
-    /// The camera.
-    pub camera: usize,
-    /// The frame.
-    pub frame: usize,
-    /// What is shown.
-    pub overlay: Overlay,
-    /// For the sampling ratio: against which camera, or the best other.
-    pub against: Option<usize>,
-    /// Dark or light, as overlays use colors of the theme.
-    pub dark: bool,
-    /// The verdicts; `None` for the bare picture.
-    pub inspection: Option<Arc<FrameInspection>>,
-}
-
-impl PartialEq for SourceKey {
-    fn eq(&self, other: &Self) -> bool {
-        let same_inspection = match (&self.inspection, &other.inspection) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (None, None) => true,
-            _ => false,
-        };
-        same_inspection
-            && (self.scene, self.camera, self.frame, self.overlay, self.against, self.dark)
-                == (other.scene, other.camera, other.frame, other.overlay, other.against, other.dark)
-    }
-}
-
-/// What the colors of a picture mean.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Legend {
-    /// Colors are colors.
-    Plain,
-    /// Depth from `near` to `far`, in the capture's unit.
-    Depth {
-        /// Nearest depth on the scale.
-        near: f32,
-        /// Farthest depth on the scale.
-        far: f32,
-    },
-    /// log₂ r from −[`RATIO_RANGE`] to [`RATIO_RANGE`].
-    Ratio,
-    /// Pixels that each camera won, and those that were kept.
-    Winners {
-        /// Kept pixels.
-        kept: u64,
-        /// Pixels lost to each camera.
-        lost_to: Vec<u64>,
-        /// Pixels dropped without a witness.
-        dropped: u64,
-    },
-    /// Pixels on whose best-sampled camera both rate models agree, and those that each camera would win by the other model.
-    RateDisputes {
-        /// Pixels on which both agree.
-        agreed: u64,
-        /// Pixels that each camera would win.
-        won_by: Vec<u64>,
-    },
-    /// Pixels per class.
-    Split {
-        /// The same over all frames.
-        background: u64,
-        /// The same over several frames.
-        lasting: u64,
-        /// Of this frame alone.
-        foreground: u64,
-        /// Without depth.
-        invalid: u64,
-    },
-    /// Kept share of each tile, 0 to 1.
-    Tiles(Grid<f32>),
-}
-
-/// log₂ r at either end of the scale: eight times denser or coarser.
-pub(crate) const RATIO_RANGE: f32 = 3.0;
-
 /// Largest side of a texture that every graphics card of the last ten years takes.
 const LARGEST_TEXTURE: usize = 4096;
 
-/// The left picture.
-pub(crate) struct SourcePicture {
-    /// Its pixels; of a very large picture every second, third, …
-    pub image: Arc<ColorImage>,
-    /// Columns and rows of the picture itself.
-    pub size: [usize; 2],
-    /// What they mean.
-    pub legend: Legend,
+/// Paints the picture of `key`; where it comes without verdicts, `decoder` reads the frame.
+pub(crate) fn paint_source(
+    scene: &OpenScene,
+    key: SourceKey,
+    decoder: &rayon::ThreadPool,
+) -> Result<Message> {
+    let frame = if let Some(inspection) = &key.inspection {
+        inspection.cameras[key.camera].frame.clone()
+    } else {
+        let capture = scene.source()?;
+        decoder.install(|| capture.frame(key.camera, key.frame))?
+    };
+    let picture = paint(&key, &frame);
+    Ok(Message::SourcePainted { key, picture: Arc::new(picture) })
 }
 
-/// Paints the picture that `key` asks for; `frame` is the recorded one.
-pub(crate) fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
+fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
     let tokens = Tokens::of(key.dark);
-    let picture = frame.color.map(|c| display_color(*c));
+    let picture = frame.color.map(|c| recorded(*c));
     let verdicts = key.inspection.as_ref().map(|inspection| &inspection.cameras[key.camera]);
     let (pixels, legend) = match (key.overlay, verdicts) {
         (Overlay::Depth, _) => depth(frame, tokens),
@@ -220,11 +63,6 @@ fn thinned(pixels: Grid<Color32>) -> Grid<Color32> {
     Grid::from_fn(pixels.width().div_ceil(step), pixels.height().div_ceil(step), |x, y| {
         pixels[(x * step, y * step)]
     })
-}
-
-fn display_color(linear: [half::f16; 3]) -> Color32 {
-    let [r, g, b] = linear.map(|c| steps_from_linear(c).clamp(0.0, 255.0).round() as u8);
-    Color32::from_rgb(r, g, b)
 }
 
 fn depth(frame: &Frame, tokens: &Tokens) -> (Grid<Color32>, Legend) {
@@ -278,13 +116,18 @@ fn who_won(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) 
             dropped += 1;
             return tokens.hole;
         }
-        if lost_to.len() <= winner {
-            lost_to.resize(winner + 1, 0);
-        }
-        lost_to[winner] += 1;
+        count(&mut lost_to, winner);
         mix(dimmed(own, 0.8), camera_color(winner), 0.72)
     });
     (pixels, Legend::Winners { kept, lost_to, dropped })
+}
+
+/// Counts one more pixel for a camera.
+fn count(pixels: &mut Vec<u64>, camera: usize) {
+    if pixels.len() <= camera {
+        pixels.resize(camera + 1, 0);
+    }
+    pixels[camera] += 1;
 }
 
 fn rate_disputes(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Color32>, Legend) {
@@ -295,10 +138,7 @@ fn rate_disputes(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Co
             agreed += 1;
             return dimmed(picture[(x, y)], 0.35);
         };
-        if won_by.len() <= winner {
-            won_by.resize(winner + 1, 0);
-        }
-        won_by[winner] += 1;
+        count(&mut won_by, winner);
         mix(picture[(x, y)], camera_color(winner), 0.72)
     });
     (pixels, Legend::RateDisputes { agreed, won_by })

@@ -1,34 +1,15 @@
-//! Sweeps and stress tests at work, on a lane of their own.
+//! Sweeps and stress tests.
 
-use std::sync::Arc;
-
+use super::requests::StudyRequest;
 use super::worker::Outbox;
-use crate::app::model::{Content, Message, OpenScene, Study};
+use crate::app::model::{Content, Message, Study};
 use crate::error::{Error, Result};
-use crate::evaluate::stress::{self, StressPoint};
-use crate::evaluate::sweep::{self, Point};
+use crate::evaluate::stress;
+use crate::evaluate::sweep;
 use crate::evaluate::truth::Truth;
 use crate::job::Job;
-use crate::settings::Settings;
 
-/// What to measure.
-pub(crate) struct StudyRequest {
-    /// What is open, a capture.
-    pub scene: Arc<OpenScene>,
-    /// What is measured.
-    pub study: Study,
-    /// The settings to start from.
-    pub settings: Settings,
-    /// What is known of the sweep already.
-    pub known: Vec<Point>,
-    /// What is known of the stress test already.
-    pub known_stress: Vec<StressPoint>,
-}
-
-/// Measures; every point is told as it comes.
-///
-/// # Errors
-/// `Invalid` for a store; whatever measuring gives; `Cancelled`.
+/// Measures, and sends every point as it comes.
 pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
     let scene = request.scene.clone();
     let Content::Capture { capture, truth } = &scene.content else {
@@ -73,9 +54,12 @@ const FRAMES: usize = 8;
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::app::model::Origin;
+    use crate::app::model::{OpenScene, Origin};
     use crate::demo::{Demo, DemoSpec};
+    use crate::settings::Settings;
 
     #[test]
     fn a_single_camera_without_truth_is_not_measured_and_one_line_says_what_to_do() {

@@ -1,11 +1,11 @@
-//! Lanes: one named thread each, one kind of work each. Of pictures the latest request wins; files wait in line.
+//! Workers: one named thread each, one kind of work each. Of pictures the latest request wins; files wait in line.
 //!
 //! ```text
 //! UI ── submit(request) ──▶ slot (what waits: one, or a line) ──▶ thread ── Message ──▶ bounded channel ──▶ logic()
 //!                     └──▶ Job::cancel of the request it supersedes
 //! ```
 //!
-//! A panic in a job becomes an error message; the lane and the window live on.
+//! A panic in a job becomes an error message; the worker and the window live on.
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -27,7 +27,7 @@ pub(crate) enum Supersede {
     Alternate,
     /// It finishes, as it takes no longer than a picture on the screen does.
     Never,
-    /// It finishes, and so does all that waits: everyone who asked for a file wants that file.
+    /// It finishes, and so does all that waits: every file that was requested is written.
     Queue,
 }
 
@@ -61,7 +61,7 @@ impl<R> Shared<R> {
     }
 }
 
-/// Where lanes report to: the channel to the window, and the window's bell.
+/// Where workers report to: the channel to the window, and the window's bell.
 #[derive(Clone)]
 pub(crate) struct Outbox {
     sender: SyncSender<Message>,
@@ -83,13 +83,13 @@ impl Outbox {
 }
 
 /// A named thread that does one kind of work, one request at a time.
-pub(crate) struct Lane<R> {
+pub(crate) struct Worker<R> {
     shared: Arc<Shared<R>>,
     supersede: Supersede,
     thread: Option<JoinHandle<()>>,
 }
 
-impl<R: Send + 'static> Lane<R> {
+impl<R: Send + 'static> Worker<R> {
     /// Starts the thread. `work` turns a request into the message that answers it; `what` names the work in errors.
     ///
     /// # Errors
@@ -97,7 +97,7 @@ impl<R: Send + 'static> Lane<R> {
     pub(crate) fn start(
         what: &'static str,
         supersede: Supersede,
-        outbox: Outbox,
+        outbox: &Outbox,
         mut work: impl FnMut(R, &Job) -> Result<Message> + Send + 'static,
     ) -> Result<Self> {
         let slot = LatestRequest {
@@ -108,7 +108,7 @@ impl<R: Send + 'static> Lane<R> {
             closed: false,
         };
         let shared = Arc::new(Shared { slot: Mutex::new(slot), arrived: Condvar::new() });
-        let inbox = shared.clone();
+        let (inbox, outbox) = (shared.clone(), outbox.clone());
         let thread = std::thread::Builder::new()
             .name(what.to_owned())
             .spawn(move || {
@@ -124,7 +124,7 @@ impl<R: Send + 'static> Lane<R> {
         Ok(Self { shared, supersede, thread: Some(thread) })
     }
 
-    /// Asks for work: after what was asked for before where requests queue, else in its place as far as it is not done.
+    /// Submits a request: behind those that wait where requests queue, else in their place.
     pub(crate) fn submit(&self, request: R) {
         let mut slot = self.shared.lock();
         if let Some(job) = slot.running.clone() {
@@ -147,7 +147,7 @@ impl<R: Send + 'static> Lane<R> {
     }
 }
 
-impl<R> Lane<R> {
+impl<R> Worker<R> {
     /// Cancels what runs, or is next. What waits behind it is dropped, but where requests queue.
     pub(crate) fn cancel(&self) {
         let mut slot = self.shared.lock();
@@ -170,7 +170,7 @@ impl<R> Lane<R> {
     }
 }
 
-impl<R> Drop for Lane<R> {
+impl<R> Drop for Worker<R> {
     fn drop(&mut self) {
         self.cancel();
         let mut slot = self.shared.lock();
@@ -208,7 +208,7 @@ fn run<R>(
     let outcome = catch_unwind(AssertUnwindSafe(|| work(request, job)));
     match outcome {
         Ok(Ok(message)) => message,
-        // Whatever went wrong, nobody waits for it any more.
+        // The error of a cancelled job is of no use.
         Ok(Err(_)) if job.is_cancelled() => Message::Failed { what, error: Error::Cancelled },
         Ok(Err(error)) => Message::Failed { what, error },
         Err(panic) => {
@@ -233,13 +233,13 @@ mod tests {
     use std::sync::mpsc::{Receiver, sync_channel};
     use std::time::Duration;
 
-    fn lane(
+    fn worker(
         supersede: Supersede,
         work: impl FnMut(u32, &Job) -> Result<Message> + Send + 'static,
-    ) -> (Lane<u32>, Receiver<Message>) {
+    ) -> (Worker<u32>, Receiver<Message>) {
         let (sender, receiver) = sync_channel(16);
         let outbox = Outbox::new(sender, egui::Context::default());
-        (Lane::start("test", supersede, outbox, work).unwrap(), receiver)
+        (Worker::start("test", supersede, &outbox, work).unwrap(), receiver)
     }
 
     fn saved(number: u32) -> Message {
@@ -250,22 +250,32 @@ mod tests {
         receiver.recv_timeout(Duration::from_secs(20)).unwrap()
     }
 
-    #[test]
-    fn the_latest_request_wins_and_the_running_one_is_cancelled() {
-        let (lane, receiver) = lane(Supersede::Always, |number, job| {
-            if number != 1 {
-                return Ok(saved(number));
-            }
-            loop {
-                job.check()?;
-                std::thread::yield_now();
-            }
-        });
-        lane.submit(1);
-        while lane.shared.lock().running.is_none() {
+    /// Work that only ends when it is cancelled.
+    fn endless(job: &Job) -> Result<Message> {
+        loop {
+            job.check()?;
             std::thread::yield_now();
         }
-        lane.submit(2);
+    }
+
+    fn wait_for_start(worker: &Worker<u32>) {
+        while worker.shared.lock().running.is_none() {
+            std::thread::yield_now();
+        }
+    }
+
+    #[test]
+    fn the_latest_request_wins_and_the_running_one_is_cancelled() {
+        let (worker, receiver) =
+            worker(
+                Supersede::Always,
+                |number, job| {
+                    if number == 1 { endless(job) } else { Ok(saved(number)) }
+                },
+            );
+        worker.submit(1);
+        wait_for_start(&worker);
+        worker.submit(2);
         assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
         assert!(matches!(received(&receiver), Message::Saved { bytes: Some(2), .. }));
     }
@@ -274,7 +284,7 @@ mod tests {
     fn however_fast_requests_come_every_second_job_that_is_begun_arrives() {
         let done = Arc::new(AtomicU32::new(0));
         let may_end = done.clone();
-        let (lane, receiver) = lane(Supersede::Alternate, move |number, job| {
+        let (worker, receiver) = worker(Supersede::Alternate, move |number, job| {
             while may_end.load(Ordering::Relaxed) < number {
                 job.check()?;
                 std::thread::yield_now();
@@ -282,18 +292,18 @@ mod tests {
             Ok(saved(number))
         });
         let wait_for_job = || {
-            while !lane.shared.lock().waiting.is_empty() {
+            while !worker.shared.lock().waiting.is_empty() {
                 std::thread::yield_now();
             }
         };
         let mut number = 0;
         for _ in 0..3 {
-            lane.submit(number + 1);
+            worker.submit(number + 1);
             wait_for_job();
-            lane.submit(number + 2);
+            worker.submit(number + 2);
             assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
             wait_for_job();
-            (number + 3..number + 6).for_each(|number| lane.submit(number));
+            (number + 3..number + 6).for_each(|number| worker.submit(number));
             done.store(number + 2, Ordering::Relaxed);
             let answer = received(&receiver);
             assert!(
@@ -308,7 +318,7 @@ mod tests {
     #[test]
     fn of_a_dragged_sliders_requests_the_last_is_answered_last_and_none_before_it_comes_late() {
         const REQUESTS: u32 = 40;
-        let (lane, receiver) = lane(Supersede::Alternate, |number, job| {
+        let (worker, receiver) = worker(Supersede::Alternate, |number, job| {
             for _ in 0..10 {
                 job.check()?;
                 std::thread::sleep(Duration::from_millis(1));
@@ -319,7 +329,7 @@ mod tests {
         std::thread::scope(|scope| {
             scope.spawn(|| {
                 for number in 1..=REQUESTS {
-                    lane.submit(number);
+                    worker.submit(number);
                     std::thread::sleep(Duration::from_millis(2));
                 }
             });
@@ -332,7 +342,7 @@ mod tests {
             }
         });
         assert!(answers.is_sorted_by(|a, b| a < b), "{answers:?}");
-        while !lane.is_idle() {
+        while !worker.is_idle() {
             std::thread::yield_now();
         }
         assert!(receiver.try_recv().is_err(), "something came after the last answer");
@@ -340,20 +350,16 @@ mod tests {
 
     #[test]
     fn what_queues_is_all_done_in_turn_and_cancelling_ends_only_what_runs() {
-        let (lane, receiver) = lane(Supersede::Queue, |number, job| {
-            if number != 1 {
-                return Ok(saved(number));
-            }
-            loop {
-                job.check()?;
-                std::thread::yield_now();
-            }
-        });
-        (1..4).for_each(|number| lane.submit(number));
-        while lane.shared.lock().running.is_none() {
-            std::thread::yield_now();
-        }
-        lane.cancel();
+        let (worker, receiver) =
+            worker(
+                Supersede::Queue,
+                |number, job| {
+                    if number == 1 { endless(job) } else { Ok(saved(number)) }
+                },
+            );
+        (1..4).for_each(|number| worker.submit(number));
+        wait_for_start(&worker);
+        worker.cancel();
         assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
         assert!(matches!(received(&receiver), Message::Saved { bytes: Some(2), .. }));
         assert!(matches!(received(&receiver), Message::Saved { bytes: Some(3), .. }));
@@ -361,30 +367,23 @@ mod tests {
 
     #[test]
     fn a_panic_becomes_a_message_and_the_lane_goes_on() {
-        let (lane, receiver) = lane(Supersede::Never, |number, _| {
+        let (worker, receiver) = worker(Supersede::Never, |number, _| {
             assert!(number != 1, "on purpose");
             Ok(saved(number))
         });
-        lane.submit(1);
+        worker.submit(1);
         let Message::Failed { error, .. } = received(&receiver) else { panic!("no failure") };
         assert!(error.to_string().contains("on purpose"), "{error}");
-        lane.submit(3);
+        worker.submit(3);
         assert!(matches!(received(&receiver), Message::Saved { bytes: Some(3), .. }));
     }
 
     #[test]
     fn cancelling_ends_a_job_that_looks_at_its_flag() {
-        let (lane, receiver) = lane(Supersede::Never, |_, job| {
-            loop {
-                job.check()?;
-                std::thread::sleep(Duration::from_millis(1));
-            }
-        });
-        lane.submit(1);
-        while lane.shared.lock().running.is_none() {
-            std::thread::yield_now();
-        }
-        lane.cancel();
+        let (worker, receiver) = worker(Supersede::Never, |_, job| endless(job));
+        worker.submit(1);
+        wait_for_start(&worker);
+        worker.cancel();
         assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
     }
 }

@@ -1,176 +1,129 @@
-//! The work itself: one lane per kind, all of it calls into the engine.
+//! Every kind of work that the window hands out, each on a worker of its own.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::live_image::{self, LiveKey};
-use super::source_image::{self, SourceKey};
-use super::thread_priority;
-use super::worker::{Lane, Outbox, Supersede};
-use crate::app::control::{Destination, write_picture};
-use crate::app::model::{Inspected, InspectorLanes, Message, OpenScene, Origin, Purpose, median_depth};
-use crate::capture::{Capture, TruthView, transforms};
-use crate::demo::{Demo, DemoSpec};
+use super::accuracy::measure;
+use super::compare::Comparer;
+use super::requests::{
+    ExportRequest, FileRequest, HistogramRequest, MeasureRequest, OpenRequest, PruneRequest, StudyRequest,
+};
+use super::worker::{Outbox, Supersede, Worker};
+use super::{facts, files, histograms, live_image, opening, pruning, source_image, study};
+use crate::app::model::{CompareKey, Destination, LiveKey, Message, OpenScene, ProbeKey, Purpose, SourceKey};
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::preprocess::diagnostics::Report;
-use crate::preprocess::{self, PreparedScan};
+use crate::preprocess::inspect::FrameInspection;
 use crate::render::Renderer;
 use crate::render::gpu::SharedDevice;
 use crate::samples::SampleSet;
-use crate::settings::{CaptureSettings, Settings};
-use crate::store::file::{Extras, Provenance};
-use crate::store::playback::Playback;
-use crate::{store, whole_file};
 
-/// What to open.
-#[derive(Clone, Debug)]
-pub(crate) enum OpenRequest {
-    /// A built-in scene.
-    Demo { spec: DemoSpec, settings: CaptureSettings },
-    /// A file or folder.
-    Path { path: PathBuf, settings: CaptureSettings },
-}
-
-/// Prune the whole capture.
-pub(crate) struct WholeRequest {
-    /// The scene, a capture.
-    pub scene: Arc<OpenScene>,
-    /// The pass over all frames, where it is done.
-    pub scan: Option<Arc<PreparedScan>>,
-    /// With which settings.
-    pub settings: Settings,
-}
-
-/// Prune one frame, with reasons; or make it ready for that to be repeated.
-pub(crate) struct InspectRequest {
-    /// The scene, a capture.
-    pub scene: Arc<OpenScene>,
-    /// The pass over all frames, where it is done.
-    pub scan: Option<Arc<PreparedScan>>,
-    /// With which settings.
-    pub settings: Settings,
-    /// Which frame.
-    pub frame: usize,
-}
-
-/// Compare with the truth.
-pub(crate) struct MeasureRequest {
-    /// The scene, a capture.
-    pub scene: Arc<OpenScene>,
-    /// What was kept.
-    pub samples: Arc<SampleSet>,
-    /// With which settings.
-    pub settings: Settings,
-}
-
-/// Read or write a file.
-pub(crate) enum FileRequest {
-    /// Write what was pruned of a scene as a store.
-    SaveStore { path: PathBuf, scene: Arc<OpenScene>, samples: Arc<SampleSet>, report: Arc<Report> },
-    /// The open store again, under another name.
-    SaveAgain { path: PathBuf, playback: Arc<Playback> },
-    /// Write settings.
-    SaveSettings { path: PathBuf, settings: Settings },
-    /// Write a picture.
-    SavePicture { path: PathBuf, picture: Arc<egui::ColorImage> },
-    /// Read settings.
-    LoadSettings { path: PathBuf },
-}
-
-impl FileRequest {
-    /// What there is to say once it was stopped: title and text.
-    fn stopped(&self) -> (&'static str, String) {
-        match self {
-            Self::SaveStore { path, .. }
-            | Self::SaveAgain { path, .. }
-            | Self::SaveSettings { path, .. }
-            | Self::SavePicture { path, .. } => {
-                ("Saving stopped", format!("Nothing was written to {}.", path.display()))
-            }
-            Self::LoadSettings { path } => {
-                ("Loading stopped", format!("Nothing was read from {}.", path.display()))
-            }
-        }
-    }
-}
-
-/// Every kind of work the window hands out.
+/// The workers.
 pub(crate) struct Workers {
-    /// Opening.
-    pub open: Lane<OpenRequest>,
+    pub open: Worker<OpenRequest>,
     /// The whole capture: scan, then prune.
-    pub whole: Lane<WholeRequest>,
-    /// One frame.
-    pub inspect: Lane<InspectRequest>,
+    pub whole: Worker<PruneRequest>,
+    pub inspect: Worker<PruneRequest>,
     /// The same frame, before a threshold is turned.
-    pub prepare: Lane<InspectRequest>,
-    /// The left picture.
-    pub source: Lane<(Arc<OpenScene>, SourceKey)>,
-    /// The right picture.
-    pub live: Lane<LiveKey>,
-    /// Accuracy.
-    pub measure: Lane<MeasureRequest>,
-    /// Files.
-    pub file: Lane<FileRequest>,
+    pub prepare: Worker<PruneRequest>,
+    pub source: Worker<(Arc<OpenScene>, SourceKey)>,
+    pub live: Worker<LiveKey>,
+    pub measure: Worker<MeasureRequest>,
+    pub file: Worker<FileRequest>,
     /// The system's dialogs, and the name that they suggest.
-    pub dialog: Lane<(Purpose, String)>,
+    pub dialog: Worker<(Purpose, String)>,
     /// What stands where something is to be written.
-    pub look: Lane<Destination>,
-    /// What the inspector asks.
-    pub inspector: InspectorLanes,
+    pub check: Worker<Destination>,
+    pub probe: Worker<ProbeKey>,
+    pub thumbs: Worker<(u64, Arc<FrameInspection>)>,
+    pub memory: Worker<(u64, Arc<SampleSet>)>,
+    pub histograms: Worker<HistogramRequest>,
+    pub compare: Worker<Box<CompareKey>>,
+    pub export: Worker<ExportRequest>,
+    pub study: Worker<StudyRequest>,
 }
 
 impl Workers {
-    /// Starts all lanes; on the `shared` device of a window the GPU paints the live view.
-    ///
-    /// # Errors
-    /// `Io` where the operating system gives no thread.
+    /// Starts all workers; on the `shared` device of a window the GPU paints the live view.
     pub(crate) fn start(outbox: &Outbox, shared: Option<SharedDevice>) -> Result<Self> {
         let background = pool("prune", rayon::current_num_threads(), true)?;
-        // A frame that this lane decodes may be awaited by every thread of the shared pool; its own thread finishes it.
+        // A frame that this worker decodes may be awaited by every thread of the shared pool; its own thread finishes it.
         let decoder = pool("decode", 1, false)?;
+        let studying = pool("study", rayon::current_num_threads(), true)?;
         let (measuring, preparing) = (background.clone(), background.clone());
-        let progress = outbox.clone();
+        let (progress, points) = (outbox.clone(), outbox.clone());
         let mut renderer = Renderer::sharing(shared);
+        let mut comparer = Comparer::new(studying.clone());
         Ok(Self {
-            open: Lane::start("Open", Supersede::Always, outbox.clone(), open)?,
-            whole: Lane::start("Prune", Supersede::Always, outbox.clone(), move |request, job| {
-                background.install(|| prune_whole(request, &progress, job))
+            open: Worker::start("Open", Supersede::Always, outbox, opening::open)?,
+            whole: Worker::start("Prune", Supersede::Always, outbox, move |request, job| {
+                background.install(|| pruning::prune_whole(request, &progress, job))
             })?,
-            inspect: Lane::start("Inspect frame", Supersede::Alternate, outbox.clone(), inspect)?,
+            inspect: Worker::start("Inspect frame", Supersede::Alternate, outbox, pruning::inspect)?,
             // A frame made ready for settings just left still serves most of what comes after.
-            prepare: Lane::start("Prepare frame", Supersede::Never, outbox.clone(), move |request, job| {
-                preparing.install(|| prepare(&request, job))
+            prepare: Worker::start("Prepare frame", Supersede::Never, outbox, move |request, job| {
+                preparing.install(|| pruning::prepare(&request, job))
             })?,
-            source: Lane::start("Source picture", Supersede::Never, outbox.clone(), move |request, _| {
-                paint_source(request, &decoder)
-            })?,
-            live: Lane::start("Live view", Supersede::Never, outbox.clone(), move |key: LiveKey, job| {
+            source: Worker::start(
+                "Source picture",
+                Supersede::Never,
+                outbox,
+                move |(scene, key): (Arc<OpenScene>, _), _| source_image::paint_source(&scene, key, &decoder),
+            )?,
+            live: Worker::start("Live view", Supersede::Never, outbox, move |key, job| {
                 let picture = live_image::paint(&mut renderer, &key, job)?;
                 Ok(Message::LivePainted { key, picture: Arc::new(picture) })
             })?,
-            measure: Lane::start(
-                "Measure accuracy",
-                Supersede::Always,
-                outbox.clone(),
-                move |request, job| measuring.install(|| measure(&request, job)),
-            )?,
-            file: Lane::start("File", Supersede::Queue, outbox.clone(), |request: FileRequest, job| {
+            measure: Worker::start("Measure accuracy", Supersede::Always, outbox, move |request, job| {
+                let accuracy = measuring.install(|| measure(&request, job))?;
+                Ok(Message::Measured { scene: request.scene.id, settings: request.settings, accuracy })
+            })?,
+            file: Worker::start("File", Supersede::Queue, outbox, |request: FileRequest, job| {
                 let (title, text) = request.stopped();
-                or_stopped(job, title, text, || file(request, job))
+                or_stopped(job, title, text, || files::file(request, job))
             })?,
-            dialog: Lane::start("Dialog", Supersede::Never, outbox.clone(), |(purpose, name), _| {
-                Ok(Message::PathChosen { purpose, path: ask(purpose, name) })
+            dialog: Worker::start("Dialog", Supersede::Never, outbox, |(purpose, name), _| {
+                Ok(Message::PathChosen { purpose, path: files::ask(purpose, name) })
             })?,
-            look: Lane::start("Look", Supersede::Never, outbox.clone(), |destination: Destination, _| {
-                Ok(destination.look())
+            check: Worker::start("Check path", Supersede::Never, outbox, |destination, _| {
+                Ok(files::check(destination))
             })?,
-            inspector: InspectorLanes::start(outbox)?,
+            probe: Worker::start("Pixel argument", Supersede::Never, outbox, |key: ProbeKey, _| {
+                let probed = facts::probe(&key).map(Arc::new);
+                let is_hole = probed.is_none() && key.has_picture();
+                Ok(Message::Probed { scene: key.scene.id, spot: key.spot, probed, is_hole })
+            })?,
+            thumbs: Worker::start(
+                "Thumbnails",
+                Supersede::Never,
+                outbox,
+                |(scene, inspection): (u64, Arc<FrameInspection>), _| {
+                    Ok(Message::Thumbnails { scene, pictures: facts::thumbnails(&inspection) })
+                },
+            )?,
+            memory: Worker::start(
+                "Memory by camera",
+                Supersede::Never,
+                outbox,
+                |(scene, samples): (u64, Arc<SampleSet>), _| {
+                    Ok(Message::MemoryMapped { scene, cameras: facts::memory(&samples) })
+                },
+            )?,
+            histograms: Worker::start("Histograms", Supersede::Never, outbox, |request, _| {
+                Ok(histograms::histograms(&request))
+            })?,
+            compare: Worker::start("Compare", Supersede::Alternate, outbox, move |key, job| {
+                comparer.answer(key, job)
+            })?,
+            export: Worker::start("Export", Supersede::Queue, outbox, |request: ExportRequest, job| {
+                or_stopped(job, "Export stopped", request.target.stopped(), || files::export(&request, job))
+            })?,
+            study: Worker::start("Study", Supersede::Always, outbox, move |request, job| {
+                studying.install(|| study::study(request, &points, job))
+            })?,
         })
     }
 
-    /// Whether nothing runs or waits.
+    /// Whether nothing runs or waits. An open dialog waits for the person.
     pub(crate) fn are_idle(&self) -> bool {
         self.open.is_idle()
             && self.whole.is_idle()
@@ -180,13 +133,19 @@ impl Workers {
             && self.live.is_idle()
             && self.measure.is_idle()
             && self.file.is_idle()
-            && self.look.is_idle()
-            && self.inspector.are_idle()
+            && self.check.is_idle()
+            && self.probe.is_idle()
+            && self.thumbs.is_idle()
+            && self.memory.is_idle()
+            && self.histograms.is_idle()
+            && self.compare.is_idle()
+            && self.export.is_idle()
+            && self.study.is_idle()
     }
 }
 
-/// Does work whose end is waited for: where it is stopped, says so.
-pub(crate) fn or_stopped(
+/// Does work, and sends a message where it is stopped.
+fn or_stopped(
     job: &Job,
     title: &'static str,
     text: String,
@@ -198,15 +157,15 @@ pub(crate) fn or_stopped(
     }
 }
 
-/// Threads of their own: in the pool that the views share, a picture would wait behind minutes of pruning. Where they make
-/// way, the window and its pictures also come before them.
+/// Threads apart from the pool that the views share, where a picture would wait behind minutes of pruning. Where `makes_way`, the
+/// window and its pictures go before them.
 pub(crate) fn pool(name: &'static str, threads: usize, makes_way: bool) -> Result<Arc<rayon::ThreadPool>> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(move |index| format!("{name} {index}"))
         .start_handler(move |_| {
             if makes_way {
-                thread_priority::make_way();
+                make_way();
             }
         })
         .build()
@@ -214,155 +173,27 @@ pub(crate) fn pool(name: &'static str, threads: usize, makes_way: bool) -> Resul
         .map_err(|error| Error::invalid("thread pool", error.to_string()))
 }
 
-fn open(request: OpenRequest, job: &Job) -> Result<Message> {
-    let opened = match request {
-        OpenRequest::Demo { spec, settings } => {
-            job.start(format!("Opening {}", spec.scene), 0);
-            let demo = Demo::new(&spec)?;
-            let capture = demo.capture(&settings);
-            let truth = demo.truth_views();
-            open_capture(Origin::Demo(spec.scene), capture, truth, job)
-        }
-        OpenRequest::Path { path, settings } => {
-            job.start(format!("Opening {}", path.display()), 0);
-            open_path(path, &settings, job)
-        }
-    }?;
-    // Who cancelled meanwhile, or opened something else, does not want it any more.
-    job.check()?;
-    Ok(opened)
+/// Lets the thread that draws, and those whose pictures are waited for, go before the calling one, which works for minutes.
+/// Linux keeps a niceness per thread; other systems put the threads of the window in front first anyway. Best effort: where it
+/// is refused, the window is only less smooth.
+fn make_way() {
+    // A third of the share of others: more, and a window in steady motion would starve the work that it waits for.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::setpriority_process(None, 5);
 }
 
-fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Message> {
-    if store::file::Store::is_store(&path)? {
-        let playback = Playback::new(store::file::Store::open(&path)?, store::playback::DEFAULT_CACHE_BYTES);
-        return Ok(Message::Opened(Arc::new(OpenScene::of_store(path, playback, job)?)));
-    }
-    let named_json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
-    if path.is_file() && !named_json {
-        let what = "is neither a store nor a transforms.json; open one of those, or the folder of a capture";
-        return Err(Error::unsupported(path.display(), what));
-    }
-    let capture = transforms::open(&path, settings)?;
-    job.check()?;
-    let truth = transforms::truth_beside(&path).map_or_else(
-        || Ok(Vec::new()),
-        |views| transforms::open_views_of(&views, capture.frames_are_ranked()),
-    )?;
-    open_capture(Origin::Path(path), capture, truth, job)
-}
-
-fn open_capture(origin: Origin, capture: Capture, truth: Vec<TruthView>, job: &Job) -> Result<Message> {
-    job.check()?;
-    if capture.cameras.is_empty() || capture.frame_count() == 0 {
-        return Err(Error::invalid(&capture.name, "there is no camera or no frame in it"));
-    }
-    let depth = median_depth(capture.frame(0, 0)?.inverse_depth.as_slice());
-    Ok(Message::Opened(Arc::new(OpenScene::of_capture(origin, capture, truth, depth))))
-}
-
-fn capture_of(scene: &OpenScene) -> Result<&Capture> {
-    scene.capture().ok_or_else(|| Error::invalid(&scene.name, "a store holds no source frames"))
-}
-
-fn prune_whole(request: WholeRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
-    let WholeRequest { scene, scan, settings } = request;
-    let capture = capture_of(&scene)?;
-    let scan = if let Some(scan) = scan.filter(|scan| scan.serves(&settings.spans)) {
-        scan
-    } else {
-        let scan = preprocess::scan(capture, &settings, job)?;
-        outbox.send(Message::Scanned { scene: scene.id, scan: scan.clone() });
-        scan
-    };
-    let result = preprocess::prune(capture, &scan, &settings, job)?;
-    Ok(Message::Pruned { scene: scene.id, settings, result: Arc::new(result) })
-}
-
-fn inspect(request: InspectRequest, job: &Job) -> Result<Message> {
-    let InspectRequest { scene, scan, settings, frame } = request;
-    let inspection = preprocess::inspect_frame(capture_of(&scene)?, scan.as_deref(), &settings, frame, job)?;
-    let mut kept = vec![0; inspection.cameras.len()];
-    for image in &inspection.samples.images {
-        kept[image.camera as usize] += image.len() as u64;
-    }
-    let inspected = Inspected { inspection: Arc::new(inspection), settings, with_scan: scan.is_some(), kept };
-    Ok(Message::Inspected { scene: scene.id, inspected })
-}
-
-fn prepare(request: &InspectRequest, job: &Job) -> Result<Message> {
-    if let (capture, Some(scan)) = (capture_of(&request.scene)?, &request.scan) {
-        preprocess::prepare_frame(capture, scan, &request.settings, request.frame, job)?;
-    }
-    Ok(Message::Prepared)
-}
-
-fn paint_source((scene, key): (Arc<OpenScene>, SourceKey), decoder: &rayon::ThreadPool) -> Result<Message> {
-    let frame = if let Some(inspection) = &key.inspection {
-        inspection.cameras[key.camera].frame.clone()
-    } else {
-        let capture = capture_of(&scene)?;
-        decoder.install(|| capture.frame(key.camera, key.frame))?
-    };
-    let picture = source_image::paint(&key, &frame);
-    Ok(Message::SourcePainted { key, picture: Arc::new(picture) })
-}
-
-fn measure(request: &MeasureRequest, job: &Job) -> Result<Message> {
-    let accuracy = super::accuracy::measure(request, job)?;
-    Ok(Message::Measured { scene: request.scene.id, settings: request.settings.clone(), accuracy })
-}
-
-fn file(request: FileRequest, job: &Job) -> Result<Message> {
-    match request {
-        FileRequest::SaveStore { path, scene, samples, report } => {
-            job.start(format!("Saving {}", path.display()), 0);
-            let frames_are_ranked = scene.capture().is_some_and(Capture::frames_are_ranked);
-            let provenance = Provenance { frames_are_ranked, ..Provenance::default() };
-            let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
-            let bytes = store::file::write_with(&path, &samples, &extras, job)?;
-            let holds = Some((scene.id, samples.settings.clone()));
-            Ok(Message::Saved { path, bytes: Some(bytes), holds })
-        }
-        FileRequest::SaveAgain { path, playback } => {
-            let bytes = store::write_again(&path, playback.store(), None, job)?;
-            Ok(Message::Saved { path, bytes: Some(bytes), holds: None })
-        }
-        FileRequest::SaveSettings { path, settings } => {
-            whole_file::write_all(&path, settings.to_toml())?;
-            Ok(Message::Saved { path, bytes: None, holds: None })
-        }
-        FileRequest::SavePicture { path, picture } => {
-            write_picture(&path, &picture)?;
-            Ok(Message::Saved { path, bytes: None, holds: None })
-        }
-        FileRequest::LoadSettings { path } => {
-            let settings = Settings::load(&path)?;
-            Ok(Message::SettingsLoaded { path, settings })
-        }
-    }
-}
-
-fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
-    let dialog = rfd::FileDialog::new().set_file_name(name);
-    match purpose {
-        Purpose::OpenFile => dialog
-            .set_title("Open a store or a transforms.json")
-            .add_filter("Stores and captures", &["ovl", "json"])
-            .add_filter("All files", &["*"])
-            .pick_file(),
-        Purpose::OpenFolder => dialog.set_title("Open a capture folder").pick_folder(),
-        Purpose::SaveStore => dialog.set_title("Save the store").add_filter("Store", &["ovl"]).save_file(),
-        Purpose::SaveSettings => {
-            dialog.set_title("Save the settings").add_filter("Settings", &["toml"]).save_file()
-        }
-        Purpose::SavePicture => dialog.set_title("Save the picture").add_filter("PNG", &["png"]).save_file(),
-        Purpose::ExportPictures => dialog.set_title("Export pictures into a folder").pick_folder(),
-        Purpose::ExportFilm => {
-            dialog.set_title("Export a film").add_filter("Film", &["mp4", "mkv", "mov"]).save_file()
-        }
-        Purpose::LoadSettings => {
-            dialog.set_title("Load settings").add_filter("Settings", &["toml"]).pick_file()
-        }
+#[cfg(test)]
+mod tests {
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_thread_that_works_makes_way_and_no_other_does() {
+        let niceness = || rustix::process::getpriority_process(None).unwrap();
+        let own = niceness();
+        let worker = std::thread::Builder::new().name("worker".to_owned());
+        let theirs = worker.spawn(move || {
+            super::make_way();
+            niceness()
+        });
+        assert_eq!((theirs.unwrap().join().unwrap(), niceness()), (5, own));
     }
 }

@@ -1,7 +1,9 @@
-//! Verdicts and testimonies in words: for the read-out, the table and the clipboard.
+//! Verdicts and evidence in words: for the read-out, the table and the clipboard.
 
-use crate::app::model::{self, OpenScene, State};
-use crate::app::work::Probed;
+use super::document::State;
+use super::pixel::Probed;
+use super::scene::OpenScene;
+use super::text;
 use crate::capture::Camera;
 use crate::preprocess::inspect::{CameraEvidence, ChainLink};
 use crate::preprocess::pruning::{Rule, Verdict};
@@ -27,7 +29,7 @@ pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
 /// What stands where a frame could not be worked out.
 pub(crate) const FAILED_FRAME: &str = "This frame could not be worked out: the Log view says why.";
 
-/// What stands for a verdict that is not known yet, of the pixel that is kept or of one under the pointer.
+/// Shown while a verdict is not known yet, of the pinned pixel or of the one under the pointer.
 pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {
     if state.is_frame_failed() {
         FAILED_FRAME
@@ -46,43 +48,35 @@ pub(crate) fn column_and_row(camera: &Camera, pixel: u32) -> (u32, u32) {
     (pixel % width, pixel / width)
 }
 
-/// Whether a camera sees the point, in a few words; `None` for the camera whose pixel it is.
-pub(crate) fn sees(outcome: Option<Outcome>) -> &'static str {
+/// Whether a camera sees the point, and the rule behind that; `None` is the camera of the pixel.
+pub(crate) fn sees(outcome: Option<Outcome>) -> (&'static str, &'static str) {
     match outcome {
-        None => "its own pixel",
-        Some(Outcome::Same(_)) => "sees it",
-        Some(Outcome::Behind) => "behind it",
-        Some(Outcome::OutsideView) => "out of view",
-        Some(Outcome::NoDepth) => "no depth there",
-        Some(Outcome::ShorterSpan) => "not as long",
-        Some(Outcome::Occluded) => "hidden from it",
-        Some(Outcome::SeesPast) => "looks past it",
-        Some(Outcome::NormalDiffers) => "other normal",
-        Some(Outcome::ColorDiffers) => "other color",
-        Some(Outcome::Seam) => "at its seam",
-    }
-}
-
-/// The rule behind [`sees`], as a sentence.
-pub(crate) fn why(outcome: Option<Outcome>) -> &'static str {
-    match outcome {
-        None => "The pixel that is argued about.",
-        Some(Outcome::Same(_)) => {
-            "Depth, normal and color agree within the tolerances: it shows the same surface point."
+        None => ("its own pixel", "The pixel that is argued about."),
+        Some(Outcome::Same(_)) => (
+            "sees it",
+            "Depth, normal and color agree within the tolerances: it shows the same surface point.",
+        ),
+        Some(Outcome::Behind) => ("behind it", "The point lies behind this camera."),
+        Some(Outcome::OutsideView) => ("out of view", "The point falls outside this camera's picture."),
+        Some(Outcome::NoDepth) => ("no depth there", "The camera recorded no depth where the point falls."),
+        Some(Outcome::ShorterSpan) => (
+            "not as long",
+            "It shows the same surface point, but for a shorter span: it is decided after this sample and cannot stand for it.",
+        ),
+        Some(Outcome::Occluded) => {
+            ("hidden from it", "The camera recorded something nearer where the point falls.")
         }
-        Some(Outcome::Behind) => "The point lies behind this camera.",
-        Some(Outcome::OutsideView) => "The point falls outside this camera's picture.",
-        Some(Outcome::NoDepth) => "The camera recorded no depth where the point falls.",
-        Some(Outcome::ShorterSpan) => {
-            "It shows the same surface point, but for a shorter span: it is decided after this sample and cannot stand for it."
+        Some(Outcome::SeesPast) => {
+            ("looks past it", "The camera recorded something farther where the point falls.")
         }
-        Some(Outcome::Occluded) => "The camera recorded something nearer where the point falls.",
-        Some(Outcome::SeesPast) => "The camera recorded something farther where the point falls.",
-        Some(Outcome::NormalDiffers) => "The depth agrees, but the surfaces face different ways.",
-        Some(Outcome::ColorDiffers) => "The depth agrees, but the colors differ.",
-        Some(Outcome::Seam) => {
-            "The surface ends beside the pixel, so that it cannot be interpolated there: it may not stand for another."
+        Some(Outcome::NormalDiffers) => {
+            ("other normal", "The depth agrees, but the surfaces face different ways.")
         }
+        Some(Outcome::ColorDiffers) => ("other color", "The depth agrees, but the colors differ."),
+        Some(Outcome::Seam) => (
+            "at its seam",
+            "The surface ends beside the pixel, so that it cannot be interpolated there: it may not stand for another.",
+        ),
     }
 }
 
@@ -118,7 +112,7 @@ pub(crate) fn rates(row: &CameraEvidence) -> [String; 2] {
     [row.paper_r, row.footprint_r].map(|rate| number(if is_same_point(row) { rate } else { f64::NAN }))
 }
 
-/// A number that is held against a tolerance of about one: of what is far below it, nothing but hundredths is told.
+/// A number that is compared with a tolerance of about one: far below it, rounded to hundredths.
 pub(crate) fn distance(value: f64) -> String {
     if value.abs() < 0.1 { format!("{:.2}", value.abs()) } else { number(value) }
 }
@@ -130,7 +124,7 @@ pub(crate) fn number(value: f64) -> String {
     } else if value.is_infinite() {
         "infinite".to_owned()
     } else {
-        model::significant(value)
+        text::significant(value)
     }
 }
 
@@ -145,19 +139,19 @@ pub(crate) fn chain(cameras: &[Camera], links: &[ChainLink]) -> String {
     links.iter().map(link).collect::<Vec<_>>().join(" » ")
 }
 
-/// The argument for a pixel as text, for the clipboard.
-pub(crate) fn argument(scene: &OpenScene, probed: &Probed) -> String {
+/// The explanation for a pixel as text, for the clipboard.
+pub(crate) fn explanation(scene: &OpenScene, probed: &Probed) -> String {
     let cameras = &scene.cameras;
     let name = cameras.get(probed.camera).map_or("", |camera| &camera.name);
     let mut lines = vec![format!("{}: camera {name}, pixel {}, {}", scene.name, probed.x, probed.y)];
     if let Some(point) = probed.point_in_world {
         lines.push(format!("Point: {:.4} {:.4} {:.4}", point.x, point.y, point.z));
     }
-    if let Some(argument) = &probed.argument {
-        lines.push(format!("Frame {}", argument.frame + 1));
-        lines.push(verdict(cameras, argument.verdict));
-        if argument.chain.len() > 1 {
-            lines.push(format!("Chain: {}", chain(cameras, &argument.chain)));
+    if let Some(explanation) = &probed.explanation {
+        lines.push(format!("Frame {}", explanation.frame + 1));
+        lines.push(verdict(cameras, explanation.verdict));
+        if explanation.chain.len() > 1 {
+            lines.push(format!("Chain: {}", chain(cameras, &explanation.chain)));
         }
     }
     if let Some(spans) = &probed.spans {
@@ -166,20 +160,22 @@ pub(crate) fn argument(scene: &OpenScene, probed: &Probed) -> String {
         let stored = if spans.is_empty() { "not stored".to_owned() } else { spans.join(", ") };
         lines.push(format!("Stored in frames: {stored}"));
     }
-    if let Some(argument) = probed.argument.as_ref().filter(|argument| !argument.evidence.is_empty()) {
+    if let Some(explanation) =
+        probed.explanation.as_ref().filter(|explanation| !explanation.evidence.is_empty())
+    {
         lines.push(
             "camera\tsees it\tdepth expected\tdepth found\toff (footprints)\tincidence (°)\tr (paper)\tr (footprint)\t\
              color (8-bit steps)\tthere"
                 .to_owned(),
         );
-        lines.extend(argument.evidence.iter().map(|row| line(cameras, row)));
+        lines.extend(explanation.evidence.iter().map(|row| line(cameras, row)));
     }
     lines.join("\n")
 }
 
 fn line(cameras: &[Camera], row: &CameraEvidence) -> String {
     let name = cameras.get(row.camera).map_or("", |camera| &camera.name);
-    let mut cells = vec![name.to_owned(), sees(row.outcome).to_owned()];
+    let mut cells = vec![name.to_owned(), sees(row.outcome).0.to_owned()];
     cells.extend(
         [row.depth_expected, row.depth_found, row.plane_distance_footprints, row.incidence_degrees]
             .map(number),

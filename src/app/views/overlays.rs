@@ -1,8 +1,9 @@
-//! Cameras as wire pyramids in the live view.
+//! What is drawn over pictures: cameras as wire pyramids, and the mark of the selected pixel.
 
-use egui::{Pos2, pos2};
+use egui::{Color32, Painter, Pos2, Stroke, pos2, vec2};
 use glam::{DVec2, DVec3};
 
+use crate::app::theme::Tokens;
 use crate::capture::Camera;
 
 /// What lies nearer is cut off, as a share of a pyramid's length: scenes are measured in millimeters as well as in meters.
@@ -10,7 +11,6 @@ const NEAR: f64 = 1e-3;
 
 /// A camera's pyramid as line segments in the live picture's pixels, and where its name belongs.
 pub(crate) struct Frustum {
-    /// Line segments.
     pub lines: Vec<[Pos2; 2]>,
     /// The apex, where it is in view.
     pub apex: Option<Pos2>,
@@ -50,6 +50,24 @@ fn clipped([a, b]: [DVec3; 2], near: f64) -> Option<[DVec3; 2]> {
         (true, false) => Some([a, cut(a, b)]),
         (false, true) => Some([cut(b, a), b]),
         (false, false) => None,
+    }
+}
+
+/// A ring with a cross through it where the point is seen, an empty ring where it is not.
+pub(crate) fn mark(painter: &Painter, at: Pos2, sees: bool, pinned: bool, tokens: &Tokens) {
+    if !painter.clip_rect().contains(at) {
+        return;
+    }
+    let radius = if pinned { 7.0 } else { 6.0 };
+    let color = if sees { tokens.mark } else { tokens.on_scrim };
+    for (width, color) in [(4.0, Color32::from_black_alpha(170)), (if sees { 2.0 } else { 1.2 }, color)] {
+        let stroke = Stroke::new(width, color);
+        painter.circle_stroke(at, radius, stroke);
+        if sees {
+            for direction in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
+                painter.line_segment([at + direction * radius, at + direction * (radius + 5.0)], stroke);
+            }
+        }
     }
 }
 

@@ -7,46 +7,26 @@
 
 use egui::Color32;
 
-const VIRIDIS: [[u8; 3]; 9] = [
-    [68, 1, 84],
-    [71, 44, 122],
-    [59, 81, 139],
-    [44, 113, 142],
-    [33, 144, 141],
-    [39, 173, 129],
-    [92, 200, 99],
-    [170, 220, 50],
-    [253, 231, 37],
-];
+use crate::color::steps_from_linear;
 
-const PURPLE_ORANGE: [[u8; 3]; 9] = [
-    [84, 39, 136],
-    [128, 115, 172],
-    [178, 171, 210],
-    [216, 218, 235],
-    [240, 240, 240],
-    [254, 224, 182],
-    [253, 184, 99],
-    [224, 130, 20],
-    [179, 88, 6],
-];
+const VIRIDIS: [u32; 9] =
+    [0x44_0154, 0x47_2c7a, 0x3b_518b, 0x2c_718e, 0x21_908d, 0x27_ad81, 0x5c_c863, 0xaa_dc32, 0xfd_e725];
 
-const OKABE_ITO: [[u8; 3]; 7] = [
-    [86, 180, 233],
-    [230, 159, 0],
-    [0, 158, 115],
-    [240, 228, 66],
-    [213, 94, 0],
-    [204, 121, 167],
-    [0, 114, 178],
-];
+const PURPLE_ORANGE: [u32; 9] =
+    [0x54_2788, 0x80_73ac, 0xb2_abd2, 0xd8_daeb, 0xf0_f0f0, 0xfe_e0b6, 0xfd_b863, 0xe0_8214, 0xb3_5806];
 
-fn interpolate(stops: &[[u8; 3]; 9], position: f32) -> Color32 {
+const OKABE_ITO: [u32; 7] = [0x56_b4e9, 0xe6_9f00, 0x00_9e73, 0xf0_e442, 0xd5_5e00, 0xcc_79a7, 0x00_72b2];
+
+fn rgb(hex: u32) -> [u8; 3] {
+    [(hex >> 16) as u8, (hex >> 8) as u8, hex as u8]
+}
+
+fn interpolate(stops: &[u32; 9], position: f32) -> Color32 {
     let scaled = position.clamp(0.0, 1.0) * 8.0;
     let first = (scaled as usize).min(7);
     let fraction = scaled - first as f32;
     let channel = |c: usize| {
-        let (a, b) = (f32::from(stops[first][c]), f32::from(stops[first + 1][c]));
+        let [a, b] = [first, first + 1].map(|stop| f32::from(rgb(stops[stop])[c]));
         (a + (b - a) * fraction).round() as u8
     };
     Color32::from_rgb(channel(0), channel(1), channel(2))
@@ -64,9 +44,15 @@ pub(crate) fn diverging(value: f32) -> Color32 {
 
 /// The color of a camera by its index.
 pub(crate) fn camera(index: usize) -> Color32 {
-    let base = OKABE_ITO[index % OKABE_ITO.len()];
+    let base = rgb(OKABE_ITO[index % OKABE_ITO.len()]);
     let shade = 1.0 - 0.22 * ((index / OKABE_ITO.len()) % 4) as f32;
     let [r, g, b] = base.map(|c| (f32::from(c) * shade).round() as u8);
+    Color32::from_rgb(r, g, b)
+}
+
+/// A recorded linear color as a display shows it.
+pub(crate) fn recorded(linear: [half::f16; 3]) -> Color32 {
+    let [r, g, b] = linear.map(|c| steps_from_linear(c).clamp(0.0, 255.0).round() as u8);
     Color32::from_rgb(r, g, b)
 }
 

@@ -1,0 +1,202 @@
+//! What is compared with what, from where and how, and what came of it.
+
+use std::sync::Arc;
+
+use egui::ColorImage;
+
+use super::picture_zoom::PictureZoom;
+use super::scene::OpenScene;
+use crate::grid::Grid;
+use crate::preprocess::PreparedScan;
+use crate::render::Vantage;
+use crate::samples::SampleSet;
+use crate::settings::Settings;
+
+/// What one side shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CompareSide {
+    Kept,
+    Everything,
+    A,
+    B,
+    Truth,
+    Point,
+    Block,
+    Surfel,
+    Gather,
+    Cpu,
+    Gpu,
+}
+
+impl CompareSide {
+    /// Every side, in the order of the list: name and what it is.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 11] = [
+        (Self::Kept, "Kept samples", "After pruning, with the settings on the sliders."),
+        (Self::Everything, "All samples", "Before pruning: every pixel of this frame."),
+        (Self::A, "Settings A", "After pruning with settings A."),
+        (Self::B, "Settings B", "After pruning with settings B."),
+        (Self::Truth, "Truth", "What a camera recorded there; known at truth vantages and hold-out cameras."),
+        (Self::Point, "Kernel point", "The kept samples, one pixel each."),
+        (Self::Block, "Kernel block", "The kept samples, blended over 2×2 pixels."),
+        (Self::Surfel, "Kernel surfel", "The kept samples as oriented footprints."),
+        (Self::Gather, "Kernel gather", "The kept samples, surface first and color second."),
+        (Self::Cpu, "CPU", "The kept samples, painted by the processor."),
+        (Self::Gpu, "GPU", "The kept samples, painted by the graphics adapter."),
+    ];
+}
+
+/// From where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CompareVantage {
+    /// Where the live view stands.
+    Live,
+    /// A vantage whose truth is known, by its place among those.
+    Truth(usize),
+    /// A camera, whose own samples are left out.
+    HoldOut(usize),
+}
+
+/// How the two are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mode {
+    Wipe,
+    Flip,
+    Difference,
+}
+
+impl Mode {
+    /// Every mode: name and what it does.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+        (Self::Wipe, "Wipe", "One over the other, cut at a line that is dragged."),
+        (Self::Flip, "Flip", "One at a time: hold X for the other."),
+        (Self::Difference, "Difference", "Where and how much they differ."),
+    ];
+}
+
+/// What the map of a difference shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CompareMeasure {
+    Steps,
+    Brightness,
+    Flip,
+}
+
+impl CompareMeasure {
+    /// Every measure: name and what it shows.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+        (Self::Steps, "Steps", "The largest difference of a color channel, in 8-bit steps."),
+        (
+            Self::Brightness,
+            "Brighter",
+            "Where the right side is brighter (orange) or darker (purple), in 8-bit steps of luma.",
+        ),
+        (
+            Self::Flip,
+            "FLIP",
+            "What a person sees who flips between the two, from 0 to 1 (LDR-FLIP, 67 pixels per degree).",
+        ),
+    ];
+}
+
+/// What is compared, and what the map of the difference shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CompareChoice {
+    pub sides: [CompareSide; 2],
+    /// From where.
+    pub from: CompareVantage,
+    pub measure: CompareMeasure,
+    /// The difference at the map's upper end, in the unit of the measure; `None` to fit it.
+    pub range: Option<f32>,
+}
+
+/// How the comparison looks.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct CompareLook {
+    pub choice: CompareChoice,
+    /// How the two are shown.
+    pub mode: Mode,
+    /// Where the line is, as a share of the width.
+    pub wipe: f32,
+    pub part: PictureZoom,
+}
+
+impl Default for CompareLook {
+    fn default() -> Self {
+        let sides = [CompareSide::Everything, CompareSide::Kept];
+        let (from, measure) = (CompareVantage::Live, CompareMeasure::Steps);
+        let choice = CompareChoice { sides, from, measure, range: None };
+        Self { choice, mode: Mode::Wipe, wipe: 0.5, part: PictureZoom::default() }
+    }
+}
+
+/// What a comparison is made from; an equal key gives an equal comparison.
+#[derive(Clone)]
+pub(crate) struct CompareKey {
+    pub scene: Arc<OpenScene>,
+    pub choice: CompareChoice,
+    /// Where the live view stands, and when.
+    pub vantage: Vantage,
+    /// The kept samples that the live view shows.
+    pub samples: Arc<SampleSet>,
+    /// Whether those show every frame, and not only the one that the live view shows.
+    pub whole: bool,
+    /// The pass over all frames, where it is done.
+    pub scan: Option<Arc<PreparedScan>>,
+    /// The settings on the sliders, A and B.
+    pub settings: [Settings; 3],
+    /// Dark or light, as holes use a color of the theme.
+    pub dark: bool,
+}
+
+impl PartialEq for CompareKey {
+    fn eq(&self, other: &Self) -> bool {
+        let uses = |side: CompareSide| self.choice.sides.contains(&side);
+        self.scene.id == other.scene.id
+            && self.choice == other.choice
+            && Arc::ptr_eq(&self.samples, &other.samples)
+            && self.whole == other.whole
+            && self.scan.as_ref().map(Arc::as_ptr) == other.scan.as_ref().map(Arc::as_ptr)
+            && self.settings[0] == other.settings[0]
+            && (!uses(CompareSide::A) || self.settings[1] == other.settings[1])
+            && (!uses(CompareSide::B) || self.settings[2] == other.settings[2])
+            && self.dark == other.dark
+            && self.vantage.frame == other.vantage.frame
+            && (self.choice.from != CompareVantage::Live || self.vantage == other.vantage)
+    }
+}
+
+/// A comparison that is shown.
+pub(crate) struct ShownComparison {
+    /// Whose pictures these are.
+    pub sides: [CompareSide; 2],
+    /// From where.
+    pub from: CompareVantage,
+    pub comparison: PictureDifference,
+    /// Left, right and difference on the graphics card.
+    pub textures: [egui::TextureHandle; 3],
+}
+
+/// One side as displayed colors (0 to 255 a channel); `None` where there is nothing.
+pub(crate) type DisplayColors = Grid<Option<[u8; 3]>>;
+
+/// Two pictures and their difference.
+pub(crate) struct PictureDifference {
+    /// The two sides, of one size.
+    pub sides: [DisplayColors; 2],
+    /// The two as shown: holes in a color of their own.
+    pub images: [Arc<ColorImage>; 2],
+    /// Where and how much they differ.
+    pub difference: Arc<ColorImage>,
+    /// What the map shows.
+    pub measure: CompareMeasure,
+    /// How far every pixel is apart, in the unit of the measure; `None` where a side has nothing.
+    pub apart: Grid<Option<f32>>,
+    /// The difference at the map's upper end.
+    pub range: f32,
+    /// Mean of the map, signs aside, where both sides have something.
+    pub mean: f64,
+    /// Peak signal-to-noise ratio of one side against the other where both have something; infinite where equal.
+    pub psnr_db: f64,
+    /// Share of pixels that only one side has something for.
+    pub one_sided: f64,
+}

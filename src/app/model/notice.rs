@@ -1,0 +1,40 @@
+//! Messages to the person, and the log.
+
+use std::time::Instant;
+
+/// How loud a message is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NoticeKind {
+    Error,
+    Warning,
+    Done,
+}
+
+/// A message to the person.
+#[derive(Clone, Debug)]
+pub(crate) struct Notice {
+    pub id: u64,
+    pub kind: NoticeKind,
+    /// What was tried.
+    pub title: String,
+    /// What happened, and what to do.
+    pub text: String,
+    pub since: Instant,
+    /// The scene it speaks of, with which it ends; `None` where it holds whatever is open.
+    pub scene: Option<u64>,
+}
+
+/// A line of the log.
+pub(crate) struct LogLine {
+    pub at: Instant,
+    pub kind: NoticeKind,
+    pub text: String,
+}
+
+/// One line for many.
+pub(crate) fn and_others(first: &str, others: usize) -> String {
+    match others {
+        0 => first.to_owned(),
+        others => format!("{first} (and {others} more places: see the Log view)"),
+    }
+}

@@ -1,0 +1,84 @@
+//! What paths are asked for.
+
+use std::path::PathBuf;
+
+/// What a chosen path is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// Open a store or a manifest.
+    OpenFile,
+    /// Open the folder of a capture.
+    OpenFolder,
+    SaveStore,
+    /// Write the settings as TOML.
+    SaveSettings,
+    /// Read settings from TOML.
+    LoadSettings,
+    /// Write the picture of the live view.
+    SavePicture,
+    /// Write the pictures of the camera path into a folder.
+    ExportPictures,
+    /// Write a film of the camera path.
+    ExportFilm,
+}
+
+impl Purpose {
+    /// Whether something is written to the path.
+    pub(crate) fn writes(self) -> bool {
+        !matches!(self, Self::OpenFile | Self::OpenFolder | Self::LoadSettings)
+    }
+
+    /// Name of the worker that reads or writes there.
+    pub(crate) fn worker(self) -> &'static str {
+        match self {
+            Self::OpenFile | Self::OpenFolder => "Open",
+            Self::ExportPictures | Self::ExportFilm => "Export",
+            _ => "File",
+        }
+    }
+
+    /// The title of the dialog that asks for the path.
+    pub(crate) fn title(self) -> &'static str {
+        match self {
+            Self::OpenFile => "Open a store or a transforms.json",
+            Self::OpenFolder => "Open a capture folder",
+            Self::SaveStore => "Save the store",
+            Self::SaveSettings => "Save the settings",
+            Self::LoadSettings => "Load settings",
+            Self::SavePicture => "Save the picture",
+            Self::ExportPictures => "Export pictures into a folder",
+            Self::ExportFilm => "Export a film",
+        }
+    }
+
+    /// The entry of a menu by which the path is typed.
+    pub(crate) fn typed_entry(self) -> &'static str {
+        match self {
+            Self::OpenFile | Self::OpenFolder => "Open path…",
+            Self::SaveStore => "Save store to path…",
+            Self::SaveSettings => "Save settings to path…",
+            Self::LoadSettings => "Load settings from path…",
+            Self::SavePicture => "Save picture to path…",
+            Self::ExportPictures => "Pictures to path…",
+            Self::ExportFilm => "Film to path…",
+        }
+    }
+}
+
+/// Somewhere to write, before anything is written there.
+#[derive(Clone, Debug)]
+pub(crate) struct Destination {
+    pub purpose: Purpose,
+    pub path: PathBuf,
+}
+
+/// A path that is being typed.
+#[derive(Clone, Debug)]
+pub(crate) struct TypedPath {
+    pub purpose: Purpose,
+    pub text: String,
+    /// Why the field is shown in place of the system's dialog, if it is.
+    pub reason: Option<String>,
+    /// Whether something stands there already, and the question is whether to replace it.
+    pub replaces: bool,
+}

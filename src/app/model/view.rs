@@ -1,0 +1,62 @@
+//! The views of the window.
+
+/// Something to look at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub(crate) enum DockView {
+    Source,
+    Live,
+    Compare,
+    Pixel,
+    Cameras,
+    Matrix,
+    Time,
+    Memory,
+    Thresholds,
+    Report,
+    Tradeoff,
+    Stability,
+    Path,
+    Log,
+}
+
+impl DockView {
+    /// Every view in the order of the menu: its name on its tab, and what it shows.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 14] = [
+        (Self::Source, "Source", "What a camera saw, and what became of each of its pixels."),
+        (Self::Live, "Live view", "What is left of the capture, from anywhere."),
+        (
+            Self::Compare,
+            "Compare",
+            "Two pictures of one place: before and after, two settings, the truth, kernels.",
+        ),
+        (Self::Pixel, "Pixel", "The argument for one pixel: what every camera says about it."),
+        (Self::Cameras, "Cameras", "Every camera with its kept share, and where it sees the pixel."),
+        (Self::Matrix, "Matrix", "Which camera's samples stand for whose."),
+        (Self::Time, "Time", "For how many frames samples are stored, and when."),
+        (Self::Memory, "Memory", "How much memory the samples of each camera take."),
+        (Self::Thresholds, "Thresholds", "What counts as redundant, and how what is left is painted."),
+        (Self::Report, "Report", "What was pruned, by which rule and for which camera."),
+        (
+            Self::Tradeoff,
+            "Speed and accuracy",
+            "What each setting costs, and how close it comes to the truth.",
+        ),
+        (Self::Stability, "Stability", "When accuracy breaks under disturbances."),
+        (Self::Path, "Camera path", "A camera path: set keys, play it, export it as pictures."),
+        (Self::Log, "Log", "What happened, in order."),
+    ];
+
+    /// Its name on its tab, and what it shows.
+    pub(crate) fn name_and_help(self) -> (&'static str, &'static str) {
+        Self::ALL.iter().find(|(of, ..)| *of == self).map_or(("", ""), |(_, name, help)| (*name, *help))
+    }
+
+    /// The view beside which it opens.
+    pub(crate) fn neighbor(self) -> Self {
+        match self {
+            Self::Source | Self::Live | Self::Compare | Self::Tradeoff | Self::Stability => Self::Live,
+            Self::Thresholds | Self::Report => Self::Thresholds,
+            _ => Self::Pixel,
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! The requests that workers take.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::app::model::{CameraPath, ExportTarget, OpenScene, Study};
+use crate::demo::DemoSpec;
+use crate::evaluate::stress::StressPoint;
+use crate::evaluate::sweep::Point;
+use crate::preprocess::PreparedScan;
+use crate::preprocess::diagnostics::Report;
+use crate::preprocess::inspect::FrameInspection;
+use crate::render::film::Reel;
+use crate::samples::SampleSet;
+use crate::settings::{CaptureSettings, RenderSettings, Settings};
+use crate::store::playback::Playback;
+
+/// What to open.
+#[derive(Clone, Debug)]
+pub(crate) enum OpenRequest {
+    /// A built-in scene.
+    Demo { spec: DemoSpec, settings: CaptureSettings },
+    /// A file or folder.
+    Path { path: PathBuf, settings: CaptureSettings },
+}
+
+/// What to prune: the whole capture, or one frame.
+pub(crate) struct PruneRequest {
+    /// The scene, a capture.
+    pub scene: Arc<OpenScene>,
+    /// The pass over all frames, where it is done.
+    pub scan: Option<Arc<PreparedScan>>,
+    pub settings: Settings,
+    /// The frame; of no meaning for the whole capture.
+    pub frame: usize,
+}
+
+/// Samples to compare with the truth.
+pub(crate) struct MeasureRequest {
+    /// The scene, a capture.
+    pub scene: Arc<OpenScene>,
+    /// What was kept.
+    pub samples: Arc<SampleSet>,
+    pub settings: Settings,
+}
+
+/// A file to read or write.
+pub(crate) enum FileRequest {
+    /// Write what was pruned of a scene as a store.
+    SaveStore {
+        path: PathBuf,
+        scene: Arc<OpenScene>,
+        samples: Arc<SampleSet>,
+        report: Arc<Report>,
+    },
+    /// The open store again, under another name.
+    SaveAgain {
+        path: PathBuf,
+        playback: Arc<Playback>,
+    },
+    SaveSettings {
+        path: PathBuf,
+        settings: Settings,
+    },
+    SavePicture {
+        path: PathBuf,
+        picture: Arc<egui::ColorImage>,
+    },
+    LoadSettings {
+        path: PathBuf,
+    },
+}
+
+impl FileRequest {
+    /// Title and text of the message once it was stopped.
+    pub(super) fn stopped(&self) -> (&'static str, String) {
+        match self {
+            Self::SaveStore { path, .. }
+            | Self::SaveAgain { path, .. }
+            | Self::SaveSettings { path, .. }
+            | Self::SavePicture { path, .. } => {
+                ("Saving stopped", format!("Nothing was written to {}.", path.display()))
+            }
+            Self::LoadSettings { path } => {
+                ("Loading stopped", format!("Nothing was read from {}.", path.display()))
+            }
+        }
+    }
+}
+
+/// What histograms are made from.
+pub(crate) struct HistogramRequest {
+    pub scene: u64,
+    pub inspection: Arc<FrameInspection>,
+    pub scan: Option<Arc<PreparedScan>>,
+    pub settings: Settings,
+}
+
+/// What to measure.
+pub(crate) struct StudyRequest {
+    /// What is open, a capture.
+    pub scene: Arc<OpenScene>,
+    pub study: Study,
+    /// The settings to start from.
+    pub settings: Settings,
+    /// What is known of the sweep already.
+    pub known: Vec<Point>,
+    /// What is known of the stress test already.
+    pub known_stress: Vec<StressPoint>,
+}
+
+/// What is exported.
+pub(crate) struct ExportRequest {
+    pub path: CameraPath,
+    pub reel: Reel,
+    pub settings: RenderSettings,
+    /// Columns and rows of the pictures.
+    pub size: [u32; 2],
+    pub target: ExportTarget,
+}
