@@ -10,13 +10,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::fill::fill;
-use super::gather::{Gather, RING, Scratches};
+use super::gather::{RING, ScratchPool, SourceViews};
 use super::geometry::{
     FootprintReach, MAX_STRETCH, Projector, TileBounds, bands, bounds, focal, rays_in_world,
 };
-use super::input::{CellTable, FrameImages, FrameSamples, Numbers};
-use super::resolve::{Blocks, PaintedTiles, Resolve};
-use super::splat::{BLEND_REACH, Stage, blend, surface};
+use super::input::{CellTable, FrameImages, FrameSamples, TileIndex};
+use super::resolve::{BlockSet, PaintedLayer, Resolve};
+use super::splat::{BLEND_REACH, SplatInput, blend, surface};
 use super::vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 use crate::capture::Camera;
 use crate::error::{Error, Result};
@@ -30,38 +30,38 @@ pub const MAX_PIXELS: usize = 1 << 27;
 /// Renders vantages, and keeps the background while the vantage is still.
 #[derive(Debug, Default)]
 pub struct CpuRenderer {
-    still: Option<Still>,
-    scratches: Scratches,
+    still: Option<VantageCache>,
+    scratches: ScratchPool,
 }
 
 /// What is kept from one frame to the next.
 #[derive(Debug)]
-struct Still {
+struct VantageCache {
     samples: Arc<SampleSet>,
     /// Indices of the images that outlast the frame.
     images: Vec<usize>,
     camera: Camera,
     settings: RenderSettings,
     /// What is known of the tiles of these images; given to the next frame.
-    numbers: Numbers,
+    numbers: TileIndex,
     /// Where these tiles lie in the cameras, for kernels that gather.
     cells: Option<CellTable>,
-    background: PaintedTiles,
+    background: PaintedLayer,
     /// The background alone, and its holes; made when the first frame follows at the same vantage.
     background_picture: Option<(Picture, u64)>,
-    foreground: PaintedTiles,
+    foreground: PaintedLayer,
     /// The blocks that the foreground has touched.
-    touched: Blocks,
+    touched: BlockSet,
     /// The last picture, and before it one that whoever asked for it may still hold: while they look at one, the other is
     /// painted over instead of copied.
-    pictures: Vec<PaintedBlocks>,
+    pictures: Vec<CachedPicture>,
 }
 
 /// A picture, and the blocks in which it may differ from the background's.
 #[derive(Debug)]
-struct PaintedBlocks {
+struct CachedPicture {
     picture: Arc<Picture>,
-    touched: Blocks,
+    touched: BlockSet,
     /// Pixels of the picture without a sample.
     holes: u64,
 }
@@ -74,7 +74,7 @@ struct PictureInput<'a> {
     projectors: Vec<Projector>,
     per_footprint: Vec<f32>,
     surface_ratio: f32,
-    scratches: &'a Scratches,
+    scratches: &'a ScratchPool,
     job: &'a Job,
 }
 
@@ -82,7 +82,7 @@ impl<'a> PictureInput<'a> {
     fn new(
         frame: &'a FrameSamples<'a>,
         (target, settings): (&'a Camera, &'a RenderSettings),
-        scratches: &'a Scratches,
+        scratches: &'a ScratchPool,
         job: &'a Job,
     ) -> Self {
         let cameras = &frame.set.cameras;
@@ -117,9 +117,9 @@ impl<'a> PictureInput<'a> {
     }
 
     /// Paints some tiles into a layer, over what is there.
-    fn paint(&self, first_tile: usize, bounds: &[TileBounds], layer: &mut PaintedTiles) -> Result<()> {
+    fn paint(&self, first_tile: usize, bounds: &[TileBounds], layer: &mut PaintedLayer) -> Result<()> {
         let (width, height) = self.size();
-        let stage = Stage {
+        let stage = SplatInput {
             frame: self.frame,
             projectors: &self.projectors,
             per_footprint: &self.per_footprint,
@@ -146,13 +146,13 @@ impl<'a> PictureInput<'a> {
     /// Resolves some blocks of a picture; without a foreground, those of the background alone.
     fn resolve(
         &self,
-        (background, cells): (&PaintedTiles, Option<&CellTable>),
-        foreground: Option<&PaintedTiles>,
+        (background, cells): (&PaintedLayer, Option<&CellTable>),
+        foreground: Option<&PaintedLayer>,
         background_picture: Option<&Picture>,
-        (which, picture): (&Blocks, &mut Picture),
+        (which, picture): (&BlockSet, &mut Picture),
     ) -> Result<()> {
         self.scratches.forget();
-        let among = |table| Gather::new(self.frame, table, self.target, self.settings.depth_tolerance);
+        let among = |table| SourceViews::new(self.frame, table, self.target, self.settings.depth_tolerance);
         // Pixels without foreground are copied where the background's picture is there already.
         let lasting = cells.filter(|_| background_picture.is_none()).map(|cells| among(cells.clone()));
         let all = cells.filter(|_| foreground.is_some());
@@ -207,9 +207,9 @@ impl CpuRenderer {
         let painting = PictureInput::new(&frame, (&vantage.camera, settings), &self.scratches, job);
         let mut still = match still {
             Some(still) if background_reused => repaint(&painting, still)?,
-            still => paint_anew(&painting, samples, still.map(Buffers::of).unwrap_or_default())?,
+            still => paint_anew(&painting, samples, still.map(RecycledBuffers::of).unwrap_or_default())?,
         };
-        let PaintedBlocks { picture, holes, .. } = &still.pictures[0];
+        let CachedPicture { picture, holes, .. } = &still.pictures[0];
         let (mut picture, holes) = (picture.clone(), *holes);
         let painted = if background_reused { frame.passing() } else { 0..frame.tile_count() };
         let painted = frame.sample_count(painted);
@@ -231,7 +231,7 @@ impl CpuRenderer {
     }
 }
 
-impl Still {
+impl VantageCache {
     fn shows(
         &self,
         samples: &Arc<SampleSet>,
@@ -246,11 +246,11 @@ impl Still {
     }
 
     /// A picture that nobody else holds; of the others, the last one is kept.
-    fn free_picture(&mut self, background: &Picture) -> PaintedBlocks {
-        let is_free = |painted: &mut PaintedBlocks| Arc::get_mut(&mut painted.picture).is_some();
+    fn free_picture(&mut self, background: &Picture) -> CachedPicture {
+        let is_free = |painted: &mut CachedPicture| Arc::get_mut(&mut painted.picture).is_some();
         let free = self.pictures.iter_mut().position(is_free).map(|nth| self.pictures.remove(nth));
         self.pictures.truncate(1);
-        free.unwrap_or_else(|| PaintedBlocks {
+        free.unwrap_or_else(|| CachedPicture {
             touched: self.touched.emptied(),
             picture: Arc::new(background.clone()),
             holes: 0,
@@ -260,32 +260,36 @@ impl Still {
 
 /// What an earlier picture leaves for the next: memory that need not be asked for again.
 #[derive(Default)]
-struct Buffers {
-    background: PaintedTiles,
-    foreground: PaintedTiles,
+struct RecycledBuffers {
+    background: PaintedLayer,
+    foreground: PaintedLayer,
     picture: Option<Picture>,
 }
 
-impl Buffers {
-    fn of(still: Still) -> Self {
-        let Still { background, foreground, pictures, .. } = still;
+impl RecycledBuffers {
+    fn of(still: VantageCache) -> Self {
+        let VantageCache { background, foreground, pictures, .. } = still;
         let picture = pictures.into_iter().find_map(|painted| Arc::into_inner(painted.picture));
         Self { background, foreground, picture }
     }
 }
 
 /// Background and foreground.
-fn paint_anew(painting: &PictureInput<'_>, samples: &Arc<SampleSet>, buffers: Buffers) -> Result<Still> {
+fn paint_anew(
+    painting: &PictureInput<'_>,
+    samples: &Arc<SampleSet>,
+    buffers: RecycledBuffers,
+) -> Result<VantageCache> {
     let (width, height) = painting.size();
     let frame = painting.frame;
-    let Buffers { mut background, mut foreground, picture } = buffers;
+    let RecycledBuffers { mut background, mut foreground, picture } = buffers;
     let (pixels, sums) = (width * height, if painting.blends() { width * height } else { 0 });
     background.reset(pixels, sums);
     painting.paint(0, &painting.bounds(frame.lasting()), &mut background)?;
-    let mut touched = Blocks::none(width, height);
+    let mut touched = BlockSet::none(width, height);
     if frame.passing().is_empty() {
         // When the next frame is painted over, only blocks that are touched are cleared: nothing may be left in others.
-        foreground = PaintedTiles::default();
+        foreground = PaintedLayer::default();
     } else {
         foreground.reset(pixels, sums);
         let bounds = painting.bounds(frame.passing());
@@ -297,19 +301,19 @@ fn paint_anew(painting: &PictureInput<'_>, samples: &Arc<SampleSet>, buffers: Bu
         .unwrap_or_else(|| Picture::empty(width, height));
     let front = (!frame.passing().is_empty()).then_some(&foreground);
     let cells = painting.cells();
-    let all = Blocks::all(width, height);
+    let all = BlockSet::all(width, height);
     painting.resolve((&background, cells.as_ref()), front, None, (&all, &mut picture))?;
-    Ok(Still {
+    Ok(VantageCache {
         samples: samples.clone(),
         images: frame.images[..frame.lasting_images].to_vec(),
         camera: painting.target.clone(),
         settings: painting.settings.clone(),
-        numbers: Numbers::default(),
+        numbers: TileIndex::default(),
         cells,
         background,
         background_picture: None,
         foreground,
-        pictures: vec![PaintedBlocks {
+        pictures: vec![CachedPicture {
             holes: picture.holes(),
             picture: Arc::new(picture),
             touched: touched.clone(),
@@ -319,13 +323,13 @@ fn paint_anew(painting: &PictureInput<'_>, samples: &Arc<SampleSet>, buffers: Bu
 }
 
 /// The foreground alone, over the background that is there.
-fn repaint(painting: &PictureInput<'_>, mut still: Still) -> Result<Still> {
+fn repaint(painting: &PictureInput<'_>, mut still: VantageCache) -> Result<VantageCache> {
     let (width, height) = painting.size();
     let cells = still.cells.take();
     let (background_picture, background_holes) = if let Some(kept) = still.background_picture.take() {
         kept
     } else {
-        let PaintedBlocks { picture, touched, .. } = &still.pictures[0];
+        let CachedPicture { picture, touched, .. } = &still.pictures[0];
         let mut picture = (**picture).clone();
         painting.resolve((&still.background, cells.as_ref()), None, None, (touched, &mut picture))?;
         let holes = picture.holes();
@@ -339,7 +343,7 @@ fn repaint(painting: &PictureInput<'_>, mut still: Still) -> Result<Still> {
         still.touched.clear(width, &mut still.foreground.sums, [0.0; 4]);
     }
     let bounds = painting.bounds(painting.frame.passing());
-    let mut touched = Blocks::none(width, height);
+    let mut touched = BlockSet::none(width, height);
     touched.mark(&bounds, RING);
     painting.paint(painting.frame.lasting_tiles, &bounds, &mut still.foreground)?;
     let mut painted = still.free_picture(&background_picture);

@@ -7,7 +7,7 @@ use crate::app::model::{
 };
 use crate::app::work::{Spot, StudyRequest};
 use crate::app::{OverlookApp, views};
-use crate::render::film::Reel;
+use crate::render::film::FilmSource;
 use crate::settings::Settings;
 
 /// Changes of settings that a message tells one by one.
@@ -227,7 +227,7 @@ impl OverlookApp {
         let size = self.state.export_size();
         let settings = self.state.settings.render.clone();
         let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
-        let reel = playback.map_or(Reel::Memory(samples), Reel::Disk);
+        let reel = playback.map_or(FilmSource::Memory(samples), FilmSource::Disk);
         let request = ExportRequest { path, reel, settings, size, target };
         self.lanes.inspector.export.submit(request);
     }

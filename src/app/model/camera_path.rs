@@ -9,7 +9,7 @@ use super::orbit_camera::OrbitCamera;
 use crate::capture::Intrinsics;
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::render::film::{self, FilmEncoder, Reel};
+use crate::render::film::{self, FilmEncoder, FilmSource};
 use crate::render::output::write_png;
 use crate::render::{Picture, Renderer, Vantage};
 use crate::settings::RenderSettings;
@@ -136,7 +136,7 @@ pub(crate) struct ExportRequest {
     /// The path.
     pub path: CameraPath,
     /// What is painted.
-    pub reel: Reel,
+    pub reel: FilmSource,
     /// How.
     pub settings: RenderSettings,
     /// Columns and rows of the pictures.
@@ -181,8 +181,8 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Exported> {
         }
     }
     let damage = match &request.reel {
-        Reel::Memory(_) => Vec::new(),
-        Reel::Disk(playback) => playback.store().damage(),
+        FilmSource::Memory(_) => Vec::new(),
+        FilmSource::Disk(playback) => playback.store().damage(),
     };
     Ok(Exported { pictures: vantages.len(), notice: renderer.notice().map(str::to_owned), damage })
 }

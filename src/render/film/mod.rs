@@ -18,14 +18,14 @@ use crate::store::playback::Playback;
 
 /// Where the samples of a film come from.
 #[derive(Clone)]
-pub enum Reel {
+pub enum FilmSource {
     /// All in memory.
     Memory(Arc<SampleSet>),
     /// From a store, frame by frame.
     Disk(Arc<Playback>),
 }
 
-impl Reel {
+impl FilmSource {
     /// Frames there are.
     #[must_use]
     pub fn frame_count(&self) -> usize {
@@ -49,7 +49,7 @@ impl Reel {
 /// # Errors
 /// Whatever reading, painting and `take` give, and `Cancelled`.
 pub fn paint(
-    reel: &Reel,
+    reel: &FilmSource,
     vantages: &[Vantage],
     renderer: &mut Renderer,
     settings: &RenderSettings,
@@ -62,7 +62,7 @@ pub fn paint(
         let samples = reel.seen_from(vantage, job)?;
         // A frame that cannot be read ahead says so when it is painted.
         let ahead = || match (reel, vantages.get(nth + 1)) {
-            (Reel::Disk(playback), Some(next)) => {
+            (FilmSource::Disk(playback), Some(next)) => {
                 playback.read_ahead_from(&next.camera, next.frame..next.frame + 1, job)
             }
             _ => Ok(()),

@@ -3,12 +3,12 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::silhouette::{Patch, Pixel, Question, RING, SIDE};
+use super::silhouette::{EdgePixel, Patch, Pixel, RING, SIDE};
 use super::surface_points::SurfacePoints;
-use super::view_weights::{BLOCK, Gather};
+use super::view_weights::{BLOCK, SourceViews};
 use super::visibility_votes::{VotedPoints, Votes};
-use crate::render::input::{FrameSamples, Windows};
-use crate::render::resolve::Rows;
+use crate::render::input::{FrameSamples, TileCaches};
+use crate::render::resolve::PictureRows;
 use crate::render::splat::{inverse_depth_of, slot_of};
 use crate::render::vantage::NO_IMAGE;
 
@@ -21,11 +21,11 @@ pub(crate) struct GatherScratch {
     /// The block and its ring.
     pub(crate) patch: Patch,
     /// Among the lasting samples, and among all.
-    windows: [Windows; 2],
+    windows: [TileCaches; 2],
     cameras: Vec<u16>,
     weights: Vec<(f32, u16)>,
     /// What is to be decided at edges, in the order of the pixels.
-    questions: Vec<Question>,
+    questions: Vec<EdgePixel>,
     claims: VotedPoints,
     votes: Vec<Votes>,
     points: SurfacePoints,
@@ -33,26 +33,26 @@ pub(crate) struct GatherScratch {
 
 /// What was used and may be used again, by one thread each.
 #[derive(Debug, Default)]
-pub(crate) struct Scratches(Mutex<Vec<GatherScratch>>);
+pub(crate) struct ScratchPool(Mutex<Vec<GatherScratch>>);
 
-/// One of [`Scratches`] on loan.
-pub(crate) struct Borrowed<'a> {
+/// One of [`ScratchPool`] on loan.
+pub(crate) struct PooledScratch<'a> {
     scratch: Option<GatherScratch>,
-    home: &'a Scratches,
+    home: &'a ScratchPool,
 }
 
-impl Scratches {
+impl ScratchPool {
     /// Forgets what windows show, for another frame or vantage.
     pub(crate) fn forget(&self) {
         for scratch in self.idle().iter_mut() {
-            scratch.windows.iter_mut().for_each(Windows::forget);
+            scratch.windows.iter_mut().for_each(TileCaches::forget);
         }
     }
 
     /// One of them, for so many cameras.
-    pub(crate) fn borrow(&self, cameras: usize) -> Borrowed<'_> {
+    pub(crate) fn borrow(&self, cameras: usize) -> PooledScratch<'_> {
         let scratch = self.idle().pop().filter(|scratch| scratch.windows[0].camera_count() == cameras);
-        Borrowed { scratch, home: self }
+        PooledScratch { scratch, home: self }
     }
 
     fn idle(&self) -> MutexGuard<'_, Vec<GatherScratch>> {
@@ -60,14 +60,14 @@ impl Scratches {
     }
 }
 
-impl Borrowed<'_> {
+impl PooledScratch<'_> {
     /// What was borrowed, or a new one where there was none.
     pub(crate) fn get(&mut self, cameras: usize) -> &mut GatherScratch {
         self.scratch.get_or_insert_with(|| GatherScratch::new(cameras))
     }
 }
 
-impl Drop for Borrowed<'_> {
+impl Drop for PooledScratch<'_> {
     fn drop(&mut self) {
         self.home.idle().extend(self.scratch.take());
     }
@@ -78,7 +78,7 @@ impl GatherScratch {
     fn new(cameras: usize) -> Self {
         Self {
             patch: Patch::empty(),
-            windows: [Windows::new(cameras), Windows::new(cameras)],
+            windows: [TileCaches::new(cameras), TileCaches::new(cameras)],
             cameras: Vec::new(),
             weights: Vec::new(),
             questions: Vec::new(),
@@ -89,14 +89,14 @@ impl GatherScratch {
     }
 
     /// Paints some pixels of the block that is loaded, a mask of columns per row, into the strip of a picture of `width` columns, gathering with
-    /// one of two [`Gather`]s.
+    /// one of two [`SourceViews`]s.
     #[inline(always)]
     pub(crate) fn gather(
         &mut self,
-        (gather, among): (&Gather<'_>, usize),
+        (gather, among): (&SourceViews<'_>, usize),
         frame: &FrameSamples<'_>,
         which: &[u16; BLOCK],
-        (rows, width): (&mut Rows<'_>, usize),
+        (rows, width): (&mut PictureRows<'_>, usize),
     ) {
         let patch = &self.patch;
         frame.cameras_of(patch.keys.as_flattened(), &mut self.cameras);
@@ -128,7 +128,7 @@ impl GatherScratch {
 
     /// Asks for what the next block will read of the cameras that count most for this one, at inverse depth `w`.
     #[inline(always)]
-    fn fetch_ahead(&self, (gather, among): (&Gather<'_>, usize), (left, top): (usize, usize), w: f32) {
+    fn fetch_ahead(&self, (gather, among): (&SourceViews<'_>, usize), (left, top): (usize, usize), w: f32) {
         let right = (left + 2 * BLOCK) as f32;
         for &camera in self.cameras.iter().take(ASKED_OFTEN) {
             for y in [top, top + BLOCK] {
@@ -166,7 +166,7 @@ impl GatherScratch {
         &mut self,
         frame: &FrameSamples<'_>,
         (edges, which): (&[u16; BLOCK], &[u16; BLOCK]),
-        (rows, width): (&mut Rows<'_>, usize),
+        (rows, width): (&mut PictureRows<'_>, usize),
     ) {
         let patch = &self.patch;
         let columns = BLOCK.min(width - patch.left);

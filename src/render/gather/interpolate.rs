@@ -4,16 +4,16 @@
 
 use super::reproject::{ReprojectedPoints, agrees, bilinear, carried};
 use super::surface_points::{MOST, SurfacePoints};
-use super::view_weights::{BESIDE_EDGE, EXACT, Gather, MAX_SUBPIXELS, SUBPIXEL_WIDTH, WeightedView};
+use super::view_weights::{BESIDE_EDGE, EXACT, MAX_SUBPIXELS, SUBPIXEL_WIDTH, SourceView, SourceViews};
 use crate::color::widened;
-use crate::render::input::{LANES, LaneValues, Quads, Windows};
+use crate::render::input::{LANES, LaneValues, Quads, TileCaches};
 use crate::simd::{joined, mask};
 
 /// A camera that shows less of the surface than this share knows nothing of it.
 const LEAST_KNOWN: f32 = 1e-3;
 
 /// Points that one camera is asked for together.
-struct Asked {
+struct PointGroup {
     x: LaneValues,
     y: LaneValues,
     w: LaneValues,
@@ -60,11 +60,11 @@ fn colors(quads: &Quads) -> [[LaneValues; 3]; 4] {
     colors
 }
 
-impl Gather<'_> {
+impl SourceViews<'_> {
     /// Finds what the samples of `cameras`, of which the best come first, say of the colors of surface points; in a pruned set
     /// a point's own camera is asked before all others. Each camera is asked at once for all points that want it.
     #[inline(always)]
-    pub(crate) fn find(&self, points: &mut SurfacePoints, cameras: &[u16], windows: &mut Windows) {
+    pub(crate) fn find(&self, points: &mut SurfacePoints, cameras: &[u16], windows: &mut TileCaches) {
         let count = points.count();
         points.color.iter_mut().for_each(|channel| channel[..count].fill(0.0));
         points.weight[..count].fill(0.0);
@@ -88,7 +88,7 @@ impl Gather<'_> {
 
     /// Adds what one camera says of the points that want it.
     #[inline(always)]
-    fn ask(&self, camera: u16, points: &mut SurfacePoints, windows: &mut Windows) {
+    fn ask(&self, camera: u16, points: &mut SurfacePoints, windows: &mut TileCaches) {
         let view = &self.views[camera as usize];
         let SurfacePoints { x, y, w, color, weight, known, wanting, .. } = points;
         for group in wanting.chunks(LANES) {
@@ -99,7 +99,7 @@ impl Gather<'_> {
             }
             let which = u32::MAX >> (32 - group.len());
             let (x, y, w) = (listed(x, &at), listed(y, &at), listed(w, &at));
-            let answers = self.answers(view, &Asked { x, y, w, which }, windows);
+            let answers = self.answers(view, &PointGroup { x, y, w, which }, windows);
             for (sum, part) in color.iter_mut().zip(&answers.color) {
                 add_listed(sum, &at, group.len(), part);
             }
@@ -110,7 +110,7 @@ impl Gather<'_> {
 
     /// What one camera says of sixteen points.
     #[inline(always)]
-    fn answers(&self, view: &WeightedView, points: &Asked, windows: &mut Windows) -> ViewColors {
+    fn answers(&self, view: &SourceView, points: &PointGroup, windows: &mut TileCaches) -> ViewColors {
         let mut found = ViewColors::NONE;
         let mut places = self.places(view, &points.x, &points.y, &points.w);
         let mut left = points.which & places.inside;
@@ -156,11 +156,11 @@ impl Gather<'_> {
     #[inline(always)]
     fn interpolated(
         &self,
-        view: &WeightedView,
+        view: &SourceView,
         places: &ReprojectedPoints,
         (x, y, w): (&LaneValues, &LaneValues, &LaneValues),
         asked: u32,
-        windows: &mut Windows,
+        windows: &mut TileCaches,
     ) -> ViewColors {
         let quads = windows.quads::<true>(&self.lookup, view.camera, &places.corners(), asked);
         let (mut known, mut depth, mut moved) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
@@ -278,7 +278,7 @@ fn add_listed(sums: &mut [f32; MOST], at: &[usize; LANES], count: usize, parts: 
 /// `depth`, instead of the one that the z-buffer holds.
 #[inline(always)]
 fn corrected(
-    view: &WeightedView,
+    view: &SourceView,
     places: &ReprojectedPoints,
     i: usize,
     (x, y): (f32, f32),

@@ -8,6 +8,6 @@ mod surface_points;
 mod view_weights;
 mod visibility_votes;
 
-pub(crate) use block::{GatherScratch, Scratches};
+pub(crate) use block::{GatherScratch, ScratchPool};
 pub(crate) use silhouette::{Patch, RING, SIDE};
-pub(crate) use view_weights::{BLOCK, Gather};
+pub(crate) use view_weights::{BLOCK, SourceViews};

@@ -1,6 +1,6 @@
 //! Where surface points of the vantage lie in a camera, sixteen at a time.
 
-use super::view_weights::{Gather, WeightedView};
+use super::view_weights::{SourceView, SourceViews};
 use crate::render::geometry::Projector;
 use crate::render::input::{LANES, LaneValues};
 use crate::simd::{joined, whole};
@@ -36,12 +36,12 @@ impl ReprojectedPoints {
     }
 }
 
-impl Gather<'_> {
+impl SourceViews<'_> {
     /// Where points lie in a camera.
     #[inline(always)]
     pub(crate) fn places(
         &self,
-        view: &WeightedView,
+        view: &SourceView,
         x: &LaneValues,
         y: &LaneValues,
         w: &LaneValues,
@@ -73,7 +73,7 @@ impl Gather<'_> {
     #[inline(always)]
     pub(crate) fn weights(
         &self,
-        view: &WeightedView,
+        view: &SourceView,
         reciprocal: &LaneValues,
         [x, y, w]: [&LaneValues; 3],
     ) -> LaneValues {

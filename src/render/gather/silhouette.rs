@@ -39,7 +39,7 @@ pub(crate) enum Pixel {
 
 /// What cameras are asked about a pixel at a step in depth.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Question {
+pub(crate) enum EdgePixel {
     /// Nothing.
     Settled(Pixel),
     /// Whether two neighbors' nearer surface goes on between them, over `own`; 0 where that is a hole.
@@ -48,7 +48,7 @@ pub(crate) enum Question {
     Rim { own: u64, far: u64 },
 }
 
-impl Question {
+impl EdgePixel {
     /// The surface that cameras vote on.
     #[inline(always)]
     pub(crate) fn claim(&self) -> Option<u64> {
@@ -150,22 +150,22 @@ impl Patch {
 
     /// What is to be decided about pixel `(x, y)` of the block.
     #[inline(always)]
-    pub(crate) fn question(&self, x: usize, y: usize) -> Question {
+    pub(crate) fn question(&self, x: usize, y: usize) -> EdgePixel {
         let own = self.key(x, y, (0, 0));
         let own_w = inverse_depth_of(own);
         if let Some(crack) = self.crack(own_w, x, y) {
-            return Question::Crack { own, crack };
+            return EdgePixel::Crack { own, crack };
         }
         if own == 0 {
             // What a fringe claims is put to the vote like a crack.
             return match self.keys[y + RING][x + RING] {
-                0 => Question::Settled(Pixel::Hole),
-                fringe => Question::Crack { own, crack: fringe | u64::from(CORE) << 32 },
+                0 => EdgePixel::Settled(Pixel::Hole),
+                fringe => EdgePixel::Crack { own, crack: fringe | u64::from(CORE) << 32 },
             };
         }
         match self.farther(own_w, x, y) {
-            None => Question::Settled(Pixel::Surface(own)),
-            Some(far) => Question::Rim { own, far },
+            None => EdgePixel::Settled(Pixel::Surface(own)),
+            Some(far) => EdgePixel::Rim { own, far },
         }
     }
 

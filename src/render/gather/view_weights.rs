@@ -45,7 +45,7 @@ pub(crate) const SUBPIXEL_WIDTH: f32 = 2.5;
 pub(crate) const MAX_SUBPIXELS: f32 = 4.0;
 
 /// A camera and its place beside the vantage.
-pub(crate) struct WeightedView {
+pub(crate) struct SourceView {
     pub(crate) camera: usize,
     pub(crate) source_from_target: Projector,
     pub(crate) target_from_source: Projector,
@@ -56,9 +56,9 @@ pub(crate) struct WeightedView {
 }
 
 /// Finds colors of surface points among the samples of a frame.
-pub(crate) struct Gather<'a> {
+pub(crate) struct SourceViews<'a> {
     pub(crate) lookup: Lookup<'a>,
-    pub(crate) views: Vec<WeightedView>,
+    pub(crate) views: Vec<SourceView>,
     /// Whether samples that others represent were dropped.
     pub(crate) pruned: bool,
     /// [`MANY`] or [`MANY_PRUNED`].
@@ -67,7 +67,7 @@ pub(crate) struct Gather<'a> {
     rays_in_world: [Vec3; 3],
 }
 
-impl<'a> Gather<'a> {
+impl<'a> SourceViews<'a> {
     /// Over the tiles of a table; `depth_tolerance` in footprints.
     pub(crate) fn new(
         frame: &'a FrameSamples<'a>,
@@ -76,7 +76,7 @@ impl<'a> Gather<'a> {
         depth_tolerance: f32,
     ) -> Self {
         let center = target.position_in_world();
-        let view = |(camera, source): (usize, &Camera)| WeightedView {
+        let view = |(camera, source): (usize, &Camera)| SourceView {
             camera,
             source_from_target: Projector::new(target, source),
             target_from_source: Projector::new(source, target),
@@ -125,7 +125,7 @@ impl<'a> Gather<'a> {
     /// How much a camera counts: the squared sampling rate, as far as it is of use, times the cosine between its line of
     /// sight and the vantage's.
     #[inline(always)]
-    pub(crate) fn weight(&self, view: &WeightedView, reciprocal: f32, (x, y): (f32, f32), w: f32) -> f32 {
+    pub(crate) fn weight(&self, view: &SourceView, reciprocal: f32, (x, y): (f32, f32), w: f32) -> f32 {
         let [first, across, down] = self.rays_in_world;
         let ray = first + across * x + down * y;
         let sight = ray + view.offset_in_world * w;

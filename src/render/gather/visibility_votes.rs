@@ -1,8 +1,8 @@
 //! Votes: how cameras see surface points of the vantage, sixteen at a time. What is made of them: [`super::silhouette`].
 
 use super::reproject::{agrees, bilinear, carried};
-use super::view_weights::Gather;
-use crate::render::input::{LANES, LaneValues, Windows};
+use super::view_weights::SourceViews;
+use crate::render::input::{LANES, LaneValues, TileCaches};
 
 /// Samples beside agreeing ones that say nothing count this much, half for the surface and half against it.
 const SILENCE: f32 = 0.5;
@@ -50,14 +50,14 @@ fn lanes(numbers: &[f32], first: usize) -> LaneValues {
     lanes
 }
 
-impl Gather<'_> {
+impl SourceViews<'_> {
     /// The votes of `cameras` on some points.
     #[inline(always)]
     pub(crate) fn vote(
         &self,
         points: &VotedPoints,
         cameras: &[u16],
-        windows: &mut Windows,
+        windows: &mut TileCaches,
         votes: &mut Vec<Votes>,
     ) {
         votes.clear();
@@ -86,7 +86,7 @@ impl Gather<'_> {
         camera: u16,
         [x, y, w]: [&LaneValues; 3],
         asked: u32,
-        windows: &mut Windows,
+        windows: &mut TileCaches,
         [agree, all, most]: &mut [LaneValues; 3],
     ) {
         let view = &self.views[camera as usize];

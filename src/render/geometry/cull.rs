@@ -63,11 +63,11 @@ pub(crate) fn bounds(
     let tiles = frame.tiles(tiles);
     let mut bounds = vec![TileBounds::default(); tiles.len()];
     let parts = bounds.par_chunks_mut(64 * TOGETHER).zip(tiles.par_chunks(64 * TOGETHER));
-    parts.for_each(|(bounds, tiles)| simd::run(Bounding { tiles, projectors, target, reach, bounds }));
+    parts.for_each(|(bounds, tiles)| simd::run(BoundTiles { tiles, projectors, target, reach, bounds }));
     bounds
 }
 
-struct Bounding<'a> {
+struct BoundTiles<'a> {
     tiles: &'a [FrameTile<'a>],
     projectors: &'a [Projector],
     target: &'a Camera,
@@ -75,20 +75,20 @@ struct Bounding<'a> {
     bounds: &'a mut [TileBounds],
 }
 
-impl VectorLoop for Bounding<'_> {
+impl VectorLoop for BoundTiles<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         for (tiles, bounds) in self.tiles.chunks(TOGETHER).zip(self.bounds.chunks_mut(TOGETHER)) {
-            let boxes = Boxes::of(tiles, self.projectors);
+            let boxes = TileBoxes::of(tiles, self.projectors);
             boxes.bounds(self.target, self.reach, bounds);
         }
     }
 }
 
 /// Boxes of `(column, row, inverse depth)` in the target before the division, one a lane.
-struct Boxes {
+struct TileBoxes {
     /// The first corner.
     corner: [[f32; TOGETHER]; 3],
     /// The edges along columns, rows and inverse depths.
@@ -96,7 +96,7 @@ struct Boxes {
     focal_ratio: [f32; TOGETHER],
 }
 
-impl Boxes {
+impl TileBoxes {
     #[inline(always)]
     fn of(tiles: &[FrameTile<'_>], projectors: &[Projector]) -> Self {
         let zero = [[0.0; TOGETHER]; 3];

@@ -20,17 +20,17 @@ const MIN_PAGE: u64 = 16 << 20;
 
 struct Page {
     buffer: wgpu::Buffer,
-    room: Room,
+    room: PageAllocator,
 }
 
 /// Which words of a page are taken.
-struct Room {
+struct PageAllocator {
     words: u32,
     /// Where pieces lie, ascending: first word and words.
     used: Vec<(u32, u32)>,
 }
 
-impl Room {
+impl PageAllocator {
     fn new(words: u32) -> Self {
         Self { words, used: Vec::new() }
     }
@@ -58,14 +58,14 @@ impl Room {
     }
 }
 
-struct Resident {
+struct ResidentImage {
     /// Keeps any other image from taking its address, but not its samples in main memory.
     image: Weak<SampleImage>,
     pieces: Vec<PlacedPiece>,
     last_used: u64,
 }
 
-impl Resident {
+impl ResidentImage {
     /// Whether nobody can ask for it any more.
     fn is_gone(&self) -> bool {
         self.image.strong_count() == 0
@@ -77,7 +77,7 @@ pub(super) struct SampleMemory {
     pages: Vec<Page>,
     page_bytes: u64,
     max_page_bytes: u64,
-    resident: HashMap<usize, Resident>,
+    resident: HashMap<usize, ResidentImage>,
     now: u64,
     /// Bytes sent so far.
     pub(super) uploaded: u64,
@@ -126,7 +126,7 @@ impl SampleMemory {
         }
         // There may be room enough in all, but in gaps between images that this frame needs too.
         for page in &mut self.pages {
-            page.room = Room::new((self.page_bytes / 4) as u32);
+            page.room = PageAllocator::new((self.page_bytes / 4) as u32);
         }
         self.try_load(context, images)?.ok_or_else(|| Error::Gpu {
             what: format!(
@@ -191,7 +191,8 @@ impl SampleMemory {
             self.uploaded += u64::from(piece.words()) * 4;
             pieces.push(placed);
         }
-        self.resident.insert(address, Resident { image: Arc::downgrade(image), pieces, last_used: self.now });
+        self.resident
+            .insert(address, ResidentImage { image: Arc::downgrade(image), pieces, last_used: self.now });
         Ok(true)
     }
 
@@ -206,7 +207,7 @@ impl SampleMemory {
             if self.pages.len() < MAX_PAGES {
                 let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
                 let buffer = context.buffer("samples", self.page_bytes, usage)?;
-                self.pages.push(Page { buffer, room: Room::new((self.page_bytes / 4) as u32) });
+                self.pages.push(Page { buffer, room: PageAllocator::new((self.page_bytes / 4) as u32) });
             } else if !self.evict() {
                 return Ok(None);
             }
@@ -308,7 +309,7 @@ mod tests {
 
     #[test]
     fn room_that_was_given_back_is_taken_again_and_never_twice() {
-        let mut room = Room::new(100);
+        let mut room = PageAllocator::new(100);
         assert_eq!([40, 30, 20].map(|words| room.take(words)), [Some(0), Some(40), Some(70)]);
         assert_eq!((room.take(11), room.take(10)), (None, Some(90)));
         room.give_back(40);

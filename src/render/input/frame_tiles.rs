@@ -97,7 +97,7 @@ impl<'a> FrameTile<'a> {
 
 /// Where a color lies.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct ColorPlace {
+pub(crate) struct ColorIndex {
     /// Index in [`FrameSamples::images`].
     pub(crate) image: u32,
     /// Index of the sample in the image.
@@ -140,10 +140,10 @@ impl FrameImages {
 
 /// What is known of every tile by its number. That of lasting tiles is kept from one frame to the next.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Numbers {
+pub(crate) struct TileIndex {
     /// The place of the first sample of each tile, with [`FULL`] added to the image: eight bytes, so that all of them fit in
     /// a cache together.
-    color_places: Vec<ColorPlace>,
+    color_indices: Vec<ColorIndex>,
     /// The camera of each tile: two bytes, so that all of them fit in the smallest cache.
     cameras: Vec<u16>,
 }
@@ -164,20 +164,20 @@ pub(crate) struct FrameSamples<'a> {
     pub(crate) lasting_tiles: usize,
     /// The number of the first tile of each image.
     first_of_image: Vec<usize>,
-    numbers: Numbers,
+    numbers: TileIndex,
     /// Colors of each image.
     colors: Vec<&'a [[f16; 3]]>,
 }
 
 /// Adds the tiles of the `nth` image of the frame.
-struct Numbering<'a, 'b> {
+struct IndexTiles<'a, 'b> {
     nth: u32,
     image: &'a SampleImage,
     tiles: &'b mut Vec<FrameTile<'a>>,
-    numbers: &'b mut Numbers,
+    numbers: &'b mut TileIndex,
 }
 
-impl VectorLoop for Numbering<'_, '_> {
+impl VectorLoop for IndexTiles<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -186,7 +186,7 @@ impl VectorLoop for Numbering<'_, '_> {
         for (index, tile) in image.tiles.iter().enumerate() {
             let numbered = FrameTile::new(image, index);
             let full = if numbered.color.len() == TILE_SAMPLES { FULL } else { 0 };
-            numbers.color_places.push(ColorPlace { image: nth | full, nth: tile.first });
+            numbers.color_indices.push(ColorIndex { image: nth | full, nth: tile.first });
             numbers.cameras.push(numbered.camera);
             tiles.push(numbered);
         }
@@ -207,7 +207,7 @@ impl<'a> FrameSamples<'a> {
         set: &'a SampleSet,
         frame: usize,
         images: FrameImages,
-        lasting: Option<Numbers>,
+        lasting: Option<TileIndex>,
     ) -> Result<Self> {
         let FrameImages { indices: images, lasting: lasting_images } = images;
         let mut count = 0;
@@ -227,13 +227,13 @@ impl<'a> FrameSamples<'a> {
         let (first_image, first_number) =
             if lasting.is_some() { (lasting_images, lasting_tiles) } else { (0, 0) };
         let mut numbers = lasting.unwrap_or_default();
-        numbers.color_places.reserve(count - first_number);
+        numbers.color_indices.reserve(count - first_number);
         numbers.cameras.reserve(count - first_number);
         let mut tiles = Vec::with_capacity(count - first_number);
         for (nth, &index) in images.iter().enumerate().skip(first_image) {
             let image = &set.images[index];
             let (tiles, numbers) = (&mut tiles, &mut numbers);
-            simd::run(Numbering { nth: nth as u32, image, tiles, numbers });
+            simd::run(IndexTiles { nth: nth as u32, image, tiles, numbers });
         }
         let colors = images.iter().map(|&image| set.images[image].color.as_slice()).collect();
         Ok(Self {
@@ -258,9 +258,9 @@ impl<'a> FrameSamples<'a> {
     }
 
     /// What is known of the lasting tiles, for the next frame.
-    pub(crate) fn into_lasting_numbers(self) -> Numbers {
+    pub(crate) fn into_lasting_numbers(self) -> TileIndex {
         let Self { mut numbers, lasting_tiles, .. } = self;
-        numbers.color_places.truncate(lasting_tiles);
+        numbers.color_indices.truncate(lasting_tiles);
         numbers.cameras.truncate(lasting_tiles);
         numbers
     }
@@ -290,7 +290,7 @@ impl<'a> FrameSamples<'a> {
     /// A tile that is painted already.
     #[inline(always)]
     pub(crate) fn painted_tile(&self, number: usize) -> FrameTile<'a> {
-        let nth = (self.numbers.color_places[number].image & !FULL) as usize;
+        let nth = (self.numbers.color_indices[number].image & !FULL) as usize;
         FrameTile::new(&self.set.images[self.images[nth]], number - self.first_of_image[nth])
     }
 
@@ -319,21 +319,21 @@ impl<'a> FrameSamples<'a> {
     /// The image of a slot, as an index in `images`.
     #[inline(always)]
     fn nth_image(&self, slot: u32) -> usize {
-        (self.numbers.color_places[(slot >> 8) as usize].image & !FULL) as usize
+        (self.numbers.color_indices[(slot >> 8) as usize].image & !FULL) as usize
     }
 
     /// The color of the sample at a slot, linear.
     #[inline(always)]
     pub(crate) fn color_of(&self, slot: u32) -> [f32; 3] {
-        let place = self.color_place(slot);
+        let place = self.color_index(slot);
         self.colors(place.image)[place.nth as usize].map(|half| widened(half.to_bits().cast_signed()))
     }
 
     /// Where the color of the sample at a slot lies.
     #[inline(always)]
-    pub(crate) fn color_place(&self, slot: u32) -> ColorPlace {
+    pub(crate) fn color_index(&self, slot: u32) -> ColorIndex {
         let number = (slot >> 8) as usize;
-        let first = self.numbers.color_places[number];
+        let first = self.numbers.color_indices[number];
         let nth = if first.image & FULL != 0 {
             slot as usize % TILE_SAMPLES
         } else if let Some(tile) = self.new_tile(number) {
@@ -341,7 +341,7 @@ impl<'a> FrameSamples<'a> {
         } else {
             self.rank_in_painted_tile(slot)
         };
-        ColorPlace { image: first.image & !FULL, nth: first.nth + nth as u32 }
+        ColorIndex { image: first.image & !FULL, nth: first.nth + nth as u32 }
     }
 
     /// Samples before a slot in its tile, where that is painted already.

@@ -6,6 +6,6 @@ mod tile_cache;
 mod tile_grid;
 
 pub(crate) use dense_tile::{DenseTile, beside_edges, slopes};
-pub(crate) use frame_tiles::{ColorPlace, FrameImages, FrameSamples, FrameTile, Numbers};
-pub(crate) use tile_cache::{LANES, LaneValues, Quads, Windows};
+pub(crate) use frame_tiles::{ColorIndex, FrameImages, FrameSamples, FrameTile, TileIndex};
+pub(crate) use tile_cache::{LANES, LaneValues, Quads, TileCaches};
 pub(crate) use tile_grid::{CellTable, Lookup};

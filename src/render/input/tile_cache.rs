@@ -49,12 +49,12 @@ struct TileCache {
 
 /// A window for each camera that was asked for.
 #[derive(Debug)]
-pub(crate) struct Windows {
+pub(crate) struct TileCaches {
     cameras: Vec<Option<Box<TileCache>>>,
     packed: [f32; TILE_SAMPLES],
 }
 
-impl Windows {
+impl TileCaches {
     /// For so many cameras, nothing unpacked.
     pub(crate) fn new(cameras: usize) -> Self {
         Self { cameras: std::iter::repeat_with(|| None).take(cameras).collect(), packed: [0.0; TILE_SAMPLES] }
@@ -377,10 +377,10 @@ mod tests {
         let lookup = Lookup { table, frame: &frame };
         let corners: [[i32; LANES]; 2] = [(53, 161), (37, 121)]
             .map(|(step, count)| std::array::from_fn(|i| (i as i32 * step) % count - 1));
-        let together = Windows::new(2).quads::<true>(&lookup, 0, &corners, 0xffff);
+        let together = TileCaches::new(2).quads::<true>(&lookup, 0, &corners, 0xffff);
         let mut found = 0;
         for i in 0..LANES {
-            let alone = Windows::new(2).quads::<true>(&lookup, 0, &corners, 1 << i);
+            let alone = TileCaches::new(2).quads::<true>(&lookup, 0, &corners, 1 << i);
             for corner in 0..4 {
                 let depth = alone.depth[corner][i];
                 assert_eq!(together.depth[corner][i], depth, "point {i}, corner {corner}");

@@ -15,7 +15,7 @@ const REACHES: [i64; 2] = [3, 12];
 
 /// The sample that painted a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Picked {
+pub struct PickedSample {
     /// Index in [`SampleSet::images`].
     pub image: usize,
     /// Index of the camera in [`SampleSet::cameras`].
@@ -32,7 +32,13 @@ pub struct Picked {
 
 /// The sample that painted pixel `(x, y)` of `picture`, which `samples` gave at `vantage`; `None` in holes.
 #[must_use]
-pub fn pick(samples: &SampleSet, vantage: &Vantage, picture: &Picture, x: usize, y: usize) -> Option<Picked> {
+pub fn pick(
+    samples: &SampleSet,
+    vantage: &Vantage,
+    picture: &Picture,
+    x: usize,
+    y: usize,
+) -> Option<PickedSample> {
     let image_index = *picture.image.get(x, y)?;
     if image_index == NO_IMAGE {
         return None;
@@ -69,7 +75,7 @@ pub fn pick(samples: &SampleSet, vantage: &Vantage, picture: &Picture, x: usize,
         found.min_by(|(a, ..), (b, ..)| a.total_cmp(b))
     };
     let (_, x, y, index) = REACHES.into_iter().find_map(nearest)?;
-    Some(Picked {
+    Some(PickedSample {
         image: image_index as usize,
         camera: image.camera as usize,
         x,

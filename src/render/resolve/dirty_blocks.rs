@@ -7,12 +7,12 @@ use crate::render::geometry::TileBounds;
 
 /// A set of blocks.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Blocks {
+pub(crate) struct BlockSet {
     across: usize,
     marked: Vec<bool>,
 }
 
-impl Blocks {
+impl BlockSet {
     /// None of the blocks of a picture.
     pub(crate) fn none(width: usize, height: usize) -> Self {
         let across = width.div_ceil(BLOCK);

@@ -7,11 +7,11 @@
 mod dirty_blocks;
 mod per_pixel;
 
-pub(crate) use dirty_blocks::Blocks;
+pub(crate) use dirty_blocks::BlockSet;
 
 use rayon::prelude::*;
 
-use super::gather::{BLOCK, Gather, GatherScratch, Patch, RING, SIDE, Scratches};
+use super::gather::{BLOCK, GatherScratch, Patch, RING, SIDE, ScratchPool, SourceViews};
 use super::input::FrameSamples;
 use super::splat::{LEAST_WEIGHT, Sum, inverse_depth_of, slot_of};
 use super::vantage::{NO_IMAGE, Picture};
@@ -23,14 +23,14 @@ use per_pixel::{ForegroundPixel, put};
 
 /// What was painted of some tiles.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PaintedTiles {
+pub(crate) struct PaintedLayer {
     /// See [`crate::render::splat`]; row-major.
     pub(crate) keys: Vec<u64>,
     /// Blended colors; empty for kernels that do not blend.
     pub(crate) sums: Vec<Sum>,
 }
 
-impl PaintedTiles {
+impl PaintedLayer {
     /// Nothing painted, on so many pixels.
     pub(crate) fn reset(&mut self, keys: usize, sums: usize) {
         clear(&mut self.keys, keys, 0);
@@ -50,25 +50,25 @@ pub(crate) struct Resolve<'a> {
     pub(crate) kernel: Kernel,
     pub(crate) width: usize,
     pub(crate) surface_ratio: f32,
-    pub(crate) background: &'a PaintedTiles,
+    pub(crate) background: &'a PaintedLayer,
     /// Left out to resolve the background alone.
-    pub(crate) foreground: Option<&'a PaintedTiles>,
+    pub(crate) foreground: Option<&'a PaintedLayer>,
     /// The picture of the background alone, where there is one already.
     pub(crate) background_picture: Option<&'a Picture>,
     /// Where the kernel gathers: among the lasting samples, and among all.
-    pub(crate) gather: Option<[&'a Gather<'a>; 2]>,
-    pub(crate) scratches: &'a Scratches,
+    pub(crate) gather: Option<[&'a SourceViews<'a>; 2]>,
+    pub(crate) scratches: &'a ScratchPool,
     pub(crate) job: &'a Job,
 }
 
 /// Sixteen rows of the three planes of a picture.
-pub(crate) struct Rows<'a> {
+pub(crate) struct PictureRows<'a> {
     pub(crate) color: &'a mut [[f32; 3]],
     pub(crate) inverse_depth: &'a mut [f32],
     pub(crate) image: &'a mut [u32],
 }
 
-impl Rows<'_> {
+impl PictureRows<'_> {
     #[inline(always)]
     pub(crate) fn set(&mut self, frame: &FrameSamples<'_>, at: usize, key: u64, color: [f32; 3]) {
         self.color[at] = color;
@@ -82,7 +82,7 @@ impl Resolve<'_> {
     ///
     /// # Errors
     /// `Cancelled`.
-    pub(crate) fn resolve(&self, which: &Blocks, picture: &mut Picture) -> Result<()> {
+    pub(crate) fn resolve(&self, which: &BlockSet, picture: &mut Picture) -> Result<()> {
         // Neighboring blocks look at the same tiles of the cameras, those below as well as those beside.
         let gathers = self.gather.is_some();
         let tall = if gathers && self.height() >= TALL * BLOCK * 4 * rayon::current_num_threads() {
@@ -106,9 +106,9 @@ impl Resolve<'_> {
                 let strips = rows.enumerate().map(|(below, ((color, inverse_depth), image))| Strip {
                     resolve: self,
                     row: nth * tall + below,
-                    rows: Rows { color, inverse_depth, image },
+                    rows: PictureRows { color, inverse_depth, image },
                 });
-                crate::simd::run(Strips { which, scratch: scratch.get(cameras), rows: strips.collect() });
+                crate::simd::run(StripGroup { which, scratch: scratch.get(cameras), rows: strips.collect() });
                 Ok(())
             },
         )
@@ -118,8 +118,8 @@ impl Resolve<'_> {
 /// Rows of blocks that are gathered together, a column of them at a time.
 const TALL: usize = 2;
 
-struct Strips<'a> {
-    which: &'a Blocks,
+struct StripGroup<'a> {
+    which: &'a BlockSet,
     scratch: &'a mut GatherScratch,
     rows: Vec<Strip<'a>>,
 }
@@ -129,10 +129,10 @@ pub(crate) struct Strip<'a> {
     pub(crate) resolve: &'a Resolve<'a>,
     /// Of blocks.
     pub(crate) row: usize,
-    pub(crate) rows: Rows<'a>,
+    pub(crate) rows: PictureRows<'a>,
 }
 
-impl VectorLoop for Strips<'_> {
+impl VectorLoop for StripGroup<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -212,7 +212,7 @@ impl Resolve<'_> {
     /// The pixels of a block beside which, as far as decisions at an edge look, a foreground sample is seen: a mask of columns
     /// per row.
     #[inline(always)]
-    fn near_foreground(&self, block: &BlockOrigin, foreground: &PaintedTiles) -> [u16; BLOCK] {
+    fn near_foreground(&self, block: &BlockOrigin, foreground: &PaintedLayer) -> [u16; BLOCK] {
         let mut seen = [0_u32; SIDE];
         let (mut front, mut back) = ([0; SIDE], [0; SIDE]);
         for (row, seen) in seen.iter_mut().enumerate() {
@@ -273,7 +273,7 @@ impl Resolve<'_> {
 
     /// Loads a block and its ring: the nearer keys of the background and of a foreground.
     #[inline(always)]
-    fn load(&self, block: &BlockOrigin, foreground: Option<&PaintedTiles>, patch: &mut Patch) {
+    fn load(&self, block: &BlockOrigin, foreground: Option<&PaintedLayer>, patch: &mut Patch) {
         (patch.left, patch.top, patch.surface_ratio) = (block.left, block.top, self.surface_ratio);
         let mut border = [0; SIDE];
         for (row, keys) in patch.keys.iter_mut().enumerate() {

@@ -1,11 +1,11 @@
 //! The resolve stage where every pixel is decided alone, which kernels that gather do not: the `point` kernel, and a foreground
 //! over a background that is there already.
 
-use super::dirty_blocks::Blocks;
-use super::{BlockOrigin, PaintedTiles, Strip};
+use super::dirty_blocks::BlockSet;
+use super::{BlockOrigin, PaintedLayer, Strip};
 use crate::color::widened;
 use crate::render::gather::BLOCK;
-use crate::render::input::ColorPlace;
+use crate::render::input::ColorIndex;
 use crate::render::splat::{inverse_depth_of, slot_of};
 use crate::render::vantage::NO_IMAGE;
 use crate::settings::Kernel;
@@ -15,22 +15,22 @@ use crate::simd;
 #[repr(align(64))]
 struct NearestSamples {
     keys: [[u64; BLOCK]; BLOCK],
-    places: [[ColorPlace; BLOCK]; BLOCK],
+    places: [[ColorIndex; BLOCK]; BLOCK],
     /// Three half floats each.
     colors: [[u64; BLOCK]; BLOCK],
 }
 
 /// A foreground sample that is seen: pixel of the strip, key and place.
-pub(crate) type ForegroundPixel = (usize, u64, ColorPlace);
+pub(crate) type ForegroundPixel = (usize, u64, ColorIndex);
 
 impl Strip<'_> {
     /// Resolves the blocks of a set, each of whose pixels shows its nearest sample. Samples of neighboring pixels lie far apart
     /// in memory: while those of a block are on their way, the block before is shown.
     #[inline(always)]
-    pub(crate) fn points_of(&mut self, which: &Blocks) {
+    pub(crate) fn points_of(&mut self, which: &BlockSet) {
         let empty = || NearestSamples {
             keys: [[0; BLOCK]; BLOCK],
-            places: [[ColorPlace::default(); BLOCK]; BLOCK],
+            places: [[ColorIndex::default(); BLOCK]; BLOCK],
             colors: [[0; BLOCK]; BLOCK],
         };
         let (mut first, mut second) = (empty(), empty());
@@ -57,7 +57,7 @@ impl Strip<'_> {
     pub(crate) fn paint_over(
         &mut self,
         block: &BlockOrigin,
-        foreground: &PaintedTiles,
+        foreground: &PaintedLayer,
         shown: &mut Vec<ForegroundPixel>,
     ) {
         let (resolve, frame) = (self.resolve, self.resolve.frame);
@@ -75,7 +75,7 @@ impl Strip<'_> {
             for (column, (&front, &back)) in front.iter().zip(back).enumerate() {
                 let key = front.max(back);
                 if is_point && front > back {
-                    let place = frame.color_place(slot_of(key));
+                    let place = frame.color_index(slot_of(key));
                     simd::prefetch(frame.colors(place.image), place.nth as usize);
                     shown.push((at + column, key, place));
                 } else if !is_point && resolve.shows(front, back) {
@@ -111,7 +111,7 @@ impl Strip<'_> {
             simd::prefetch(self.rows.image, at);
             for (place, &key) in found.places[row].iter_mut().zip(&keys[..columns]) {
                 // A hole looks at the first sample there is, and forgets it.
-                *place = frame.color_place(if key == 0 { 0 } else { slot_of(key) });
+                *place = frame.color_index(if key == 0 { 0 } else { slot_of(key) });
                 simd::prefetch(frame.colors(place.image), place.nth as usize);
             }
         }

@@ -13,7 +13,7 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::surface::{Stage, split_at_bands};
+use super::surface::{SplatInput, split_at_bands};
 use super::zkey::inverse_depth_of;
 use crate::error::Result;
 use crate::render::geometry::{FootprintReach, MAX_STRETCH, ProjectedRow, Projector, RowBand, footprints};
@@ -48,7 +48,7 @@ pub(crate) const BLEND_REACH: FootprintReach =
 /// # Errors
 /// `Cancelled`.
 pub(crate) fn blend(
-    stage: &Stage<'_>,
+    stage: &SplatInput<'_>,
     bands: &[RowBand],
     keys: &[u64],
     surface_ratio: f32,
@@ -65,7 +65,7 @@ pub(crate) fn blend(
 }
 
 struct BandBlend<'a> {
-    stage: &'a Stage<'a>,
+    stage: &'a SplatInput<'a>,
     band: &'a RowBand,
     keys: &'a [u64],
     surface_ratio: f32,
@@ -79,7 +79,7 @@ impl VectorLoop for BandBlend<'_> {
     fn run(self) -> Result<()> {
         let Self { stage, band, keys, surface_ratio, sums } = self;
         let mut dense = DenseTile::new();
-        let mut canvas = Canvas { width: stage.width, rows: band.rows.clone(), keys, surface_ratio, sums };
+        let mut canvas = BandSums { width: stage.width, rows: band.rows.clone(), keys, surface_ratio, sums };
         for &number in &band.tiles {
             stage.job.check()?;
             let tile = stage.frame.tile(number as usize);
@@ -92,7 +92,7 @@ impl VectorLoop for BandBlend<'_> {
                 let w = dense.row(row);
                 let ray = projector.ray(x as f32, (y as usize + row) as f32);
                 let projected = projector.row(ray, w);
-                let samples = Samples { mask: tile.rows[row], first: nth, tile, w };
+                let samples = RowSamples { mask: tile.rows[row], first: nth, tile, w };
                 if stage.kernel == Kernel::Surfel {
                     let slopes = slopes(&dense, row, stage.per_footprint[camera]);
                     let mut trust = cosines(&stage.rays_in_world, projector, ray, &projected);
@@ -112,14 +112,14 @@ impl VectorLoop for BandBlend<'_> {
 }
 
 /// The samples of a row.
-struct Samples<'a> {
+struct RowSamples<'a> {
     mask: u16,
     first: usize,
     tile: &'a FrameTile<'a>,
     w: &'a [f32; TILE],
 }
 
-impl Samples<'_> {
+impl RowSamples<'_> {
     /// Column, inverse depth and color of every sample.
     #[inline(always)]
     fn for_each(&self, mut visit: impl FnMut(usize, f32, [f32; 3])) {
@@ -159,7 +159,7 @@ fn cosines(
     cosines
 }
 
-struct Canvas<'a> {
+struct BandSums<'a> {
     width: usize,
     rows: Range<usize>,
     keys: &'a [u64],
@@ -167,7 +167,7 @@ struct Canvas<'a> {
     sums: &'a mut [Sum],
 }
 
-impl Canvas<'_> {
+impl BandSums<'_> {
     #[inline(always)]
     fn add(&mut self, x: usize, y: usize, depth: f32, weight: f32, color: [f32; 3]) {
         let pixel = (y - self.rows.start) * self.width + x;
@@ -181,7 +181,7 @@ impl Canvas<'_> {
     }
 
     #[inline(always)]
-    fn blocks(&mut self, projected: &ProjectedRow, samples: &Samples<'_>) {
+    fn blocks(&mut self, projected: &ProjectedRow, samples: &RowSamples<'_>) {
         let (width, top, bottom) = (self.width as f32, self.rows.start as f32, self.rows.end as f32);
         samples.for_each(|i, w, color| {
             let (u, v, reciprocal) = (projected.u[i] - 0.5, projected.v[i] - 0.5, projected.reciprocal[i]);
@@ -208,7 +208,7 @@ impl Canvas<'_> {
         projector: &Projector,
         projected: &ProjectedRow,
         (slopes, trust): (&[[f32; TILE]; 2], &[f32; TILE]),
-        samples: &Samples<'_>,
+        samples: &RowSamples<'_>,
     ) {
         let found = footprints(projector, projected, samples.w, slopes);
         let (width, top, bottom) = (self.width as f32, self.rows.start as f32, self.rows.end as f32);

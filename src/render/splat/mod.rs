@@ -5,5 +5,5 @@ mod surface;
 mod zkey;
 
 pub(crate) use blend::{BLEND_REACH, LEAST_WEIGHT, Sum, blend};
-pub(crate) use surface::{Stage, surface};
+pub(crate) use surface::{SplatInput, surface};
 pub(crate) use zkey::{CORE, inverse_depth_of, key, nearness, slot_of};

@@ -25,7 +25,7 @@ use crate::simd::{self, VectorLoop, joined, whole};
 const CORE_SHARE: f32 = 0.06;
 
 /// What the stages of one picture share.
-pub(crate) struct Stage<'a> {
+pub(crate) struct SplatInput<'a> {
     pub(crate) frame: &'a FrameSamples<'a>,
     /// Carries each camera into the target.
     pub(crate) projectors: &'a [Projector],
@@ -60,12 +60,12 @@ pub(crate) fn split_at_bands<'a, 'b, T>(
 ///
 /// # Errors
 /// `Cancelled`.
-pub(crate) fn surface(stage: &Stage<'_>, bands: &[RowBand], keys: &mut [u64]) -> Result<()> {
+pub(crate) fn surface(stage: &SplatInput<'_>, bands: &[RowBand], keys: &mut [u64]) -> Result<()> {
     split_at_bands(bands, stage.width, keys).into_par_iter().try_for_each(|(band, keys)| {
-        let window = PictureRows::of(stage.width, &band.rows);
+        let window = BandRows::of(stage.width, &band.rows);
         match stage.kernel {
             Kernel::Point => simd::run(BandSurface { stage, band, keys, splat: PointSplat(window) }),
-            Kernel::Block => simd::run(BandSurface { stage, band, keys, splat: Squares(window) }),
+            Kernel::Block => simd::run(BandSurface { stage, band, keys, splat: BlockSplat(window) }),
             Kernel::Surfel | Kernel::Gather => simd::run(BandSurface {
                 stage,
                 band,
@@ -81,14 +81,14 @@ pub(crate) fn surface(stage: &Stage<'_>, bands: &[RowBand], keys: &mut [u64]) ->
 
 /// One band of the picture.
 struct BandSurface<'a, S> {
-    stage: &'a Stage<'a>,
+    stage: &'a SplatInput<'a>,
     band: &'a RowBand,
     keys: &'a mut [u64],
     splat: S,
 }
 
 /// Where the keys of a band are raised, and to what.
-struct Raised<'a> {
+struct KeyUpdates<'a> {
     /// Pixels of the band that the samples of a row touch: their first, second, third and fourth; or, where samples touch
     /// one pixel alone, those of sixteen rows.
     pixels: [[u32; TILE]; TILE],
@@ -100,11 +100,11 @@ struct Raised<'a> {
 /// How the samples of a kernel touch pixels.
 trait Splat {
     /// Raises the keys of what a row of a tile touches; `slots` is that of the row's first pixel.
-    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut Raised<'_>);
+    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>);
 
     /// Ends a tile.
     #[inline(always)]
-    fn end(&self, _raised: &mut Raised<'_>) {}
+    fn end(&self, _raised: &mut KeyUpdates<'_>) {}
 }
 
 /// A row of a tile.
@@ -129,7 +129,7 @@ impl<S: Splat> VectorLoop for BandSurface<'_, S> {
     fn run(self) -> Result<()> {
         let Self { stage, band, keys, splat } = self;
         let mut dense = DenseTile::new();
-        let mut raised = Raised { pixels: [[0; TILE]; TILE], new: [[0; TILE]; TILE], keys };
+        let mut raised = KeyUpdates { pixels: [[0; TILE]; TILE], new: [[0; TILE]; TILE], keys };
         for (nth, &number) in band.tiles.iter().enumerate() {
             stage.job.check()?;
             if let Some(&later) = band.tiles.get(nth + TILES_AHEAD) {
@@ -154,7 +154,7 @@ impl<S: Splat> VectorLoop for BandSurface<'_, S> {
     }
 }
 
-impl Raised<'_> {
+impl KeyUpdates<'_> {
     /// Raises the keys of the `nth` pixels of all samples.
     #[inline(always)]
     fn raise_all(&mut self, nth: usize) {
@@ -178,7 +178,7 @@ impl Raised<'_> {
 
 /// The rows of the picture that are being painted.
 #[derive(Clone, Copy)]
-struct PictureRows {
+struct BandRows {
     width: u32,
     right: f32,
     top: f32,
@@ -187,7 +187,7 @@ struct PictureRows {
     last: u32,
 }
 
-impl PictureRows {
+impl BandRows {
     fn of(width: usize, rows: &Range<usize>) -> Self {
         Self {
             width: width as u32,
@@ -210,7 +210,7 @@ impl PictureRows {
     }
 }
 
-impl PictureRows {
+impl BandRows {
     /// Raises the keys of the pixels from the first to the last column and row of `edges` to what `key_at` gives.
     #[inline(always)]
     fn raise(&self, keys: &mut [u64], edges: [f32; 4], key_at: impl Fn(f32, f32) -> u64) {
@@ -228,11 +228,11 @@ impl PictureRows {
 }
 
 /// `point`: a sample touches the pixel that it falls into.
-struct PointSplat(PictureRows);
+struct PointSplat(BandRows);
 
 impl Splat for PointSplat {
     #[inline(always)]
-    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut Raised<'_>) {
+    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>) {
         let (w, projected) = (row.tile.row(row.nth), &row.projected);
         for i in 0..TILE {
             let (pixel, inside) = self.0.pixel(projected.u[i].floor(), projected.v[i].floor(), i);
@@ -246,17 +246,17 @@ impl Splat for PointSplat {
     /// A tile is projected as a whole before its keys are compared: the first is work for vectors, the second is not. Rows
     /// without samples hold those of an earlier tile, which change nothing any more.
     #[inline(always)]
-    fn end(&self, raised: &mut Raised<'_>) {
+    fn end(&self, raised: &mut KeyUpdates<'_>) {
         (0..TILE).for_each(|row| raised.raise_all(row));
     }
 }
 
 /// `block`: a sample touches the 2×2 pixels around it.
-struct Squares(PictureRows);
+struct BlockSplat(BandRows);
 
-impl Splat for Squares {
+impl Splat for BlockSplat {
     #[inline(always)]
-    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut Raised<'_>) {
+    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>) {
         let (w, projected) = (row.tile.row(row.nth), &row.projected);
         for corner in 0..4 {
             let (right, below) = ((corner & 1) as f32, (corner >> 1) as f32);
@@ -279,7 +279,7 @@ impl Splat for Squares {
 
 /// `surfel` and `gather`: a sample touches the pixels whose centers its footprint covers, at the depth of its plane.
 struct PlaneSplat {
-    window: PictureRows,
+    window: BandRows,
     /// Whether magnified samples have a fringe, which fills pixels that are in no footprint, where neighbors may have been dropped.
     /// What of it is surface has to be decided afterwards, see [`crate::render::gather`].
     fringe: bool,
@@ -287,7 +287,7 @@ struct PlaneSplat {
 
 impl Splat for PlaneSplat {
     #[inline(always)]
-    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut Raised<'_>) {
+    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>) {
         let (w, projected) = (row.tile.row(row.nth), &row.projected);
         let slopes = slopes(row.tile, row.nth, row.per_footprint);
         let found = footprints(row.projector, projected, w, &slopes);
@@ -329,7 +329,7 @@ impl Splat for PlaneSplat {
         while large != 0 {
             let i = large.trailing_zeros() as usize % TILE;
             large &= large - 1;
-            let own = Large { found: &found, projected, i, slot: slots | i as u32 };
+            let own = LargeFootprint { found: &found, projected, i, slot: slots | i as u32 };
             self.window.raise(raised.keys, edges.map(|edges| edges[i]), |x, y| own.core(x, y));
             if self.fringe && own.has_fringe() {
                 let reach = row.reach(i);
@@ -340,7 +340,7 @@ impl Splat for PlaneSplat {
 }
 
 /// A sample whose footprint covers many pixels.
-struct Large<'a> {
+struct LargeFootprint<'a> {
     found: &'a Footprints,
     projected: &'a ProjectedRow,
     /// Its place in the row.
@@ -348,7 +348,7 @@ struct Large<'a> {
     slot: u32,
 }
 
-impl Large<'_> {
+impl LargeFootprint<'_> {
     /// Its key at the center of pixel `(x, y)`, 0 where the footprint does not cover that.
     #[inline(always)]
     fn core(&self, x: f32, y: f32) -> u64 {

@@ -11,7 +11,7 @@ use crate::cli::output::{self, PicturePaths};
 use crate::cli::{CommandError, SettingsArgs};
 use crate::error::Result;
 use crate::job::Job;
-use crate::render::film::{self, Reel};
+use crate::render::film::{self, FilmSource};
 use crate::render::{Picture, Renderer};
 use crate::settings::{RenderSettings, Settings};
 use crate::store::playback::Playback;
@@ -65,7 +65,7 @@ pub(crate) fn paint(
     take: impl FnMut(usize, &Picture) -> Result<()>,
 ) -> Result<Option<String>> {
     let mut renderer = Renderer::strict(settings.backend)?;
-    film::paint(&Reel::Disk(playback.clone()), &stops.vantages, &mut renderer, settings, job, take)?;
+    film::paint(&FilmSource::Disk(playback.clone()), &stops.vantages, &mut renderer, settings, job, take)?;
     Ok(renderer.notice().map(str::to_owned))
 }
 
