@@ -15,7 +15,7 @@ use super::geometry::{
     FootprintReach, MAX_STRETCH, Projector, TileBounds, bands, bounds, focal, rays_in_world,
 };
 use super::input::{CellTable, FrameImages, FrameSamples, TileIndex};
-use super::resolve::{BlockSet, PaintedLayer, Resolve};
+use super::resolve::{BlockSet, PaintedLayer, ResolveInput, resolve};
 use super::splat::{BLEND_REACH, SplatInput, blend, surface};
 use super::vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 use crate::capture::Camera;
@@ -158,7 +158,7 @@ impl<'a> PictureInput<'a> {
         let all = cells.filter(|_| foreground.is_some());
         let all = all.map(|cells| among(cells.clone().with(self.frame, self.frame.passing())));
         let either = lasting.as_ref().or(all.as_ref());
-        let resolve = Resolve {
+        let input = ResolveInput {
             frame: self.frame,
             kernel: self.settings.kernel,
             width: self.size().0,
@@ -166,11 +166,11 @@ impl<'a> PictureInput<'a> {
             background,
             foreground,
             background_picture,
-            gather: either.map(|either| [either, all.as_ref().unwrap_or(either)]),
+            views: either.map(|either| [either, all.as_ref().unwrap_or(either)]),
             scratches: self.scratches,
             job: self.job,
         };
-        resolve.resolve(which, picture)
+        resolve(&input, which, picture)
     }
 }
 

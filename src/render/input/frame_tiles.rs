@@ -13,7 +13,6 @@ use half::f16;
 
 use crate::color::widened;
 use crate::error::{Error, Result};
-use crate::render::splat::slot_of;
 use crate::samples::{SampleImage, SampleSet, TILE, TILE_SAMPLES, TileDepths};
 use crate::settings::PruningMethod;
 use crate::simd::{self, VectorLoop};
@@ -73,7 +72,7 @@ impl<'a> FrameTile<'a> {
 
     /// Asks for the memory of the tile's depths.
     #[inline(always)]
-    pub(crate) fn fetch_depths_ahead(&self) {
+    pub(crate) fn prefetch_depths(&self) {
         let (low, high) = self.depths.planes();
         (0..low.len()).step_by(32).for_each(|at| simd::prefetch(low, at));
         (0..high.len()).step_by(64).for_each(|at| simd::prefetch(high, at));
@@ -81,8 +80,8 @@ impl<'a> FrameTile<'a> {
 
     /// Asks for the memory of everything that is read from the tile.
     #[inline(always)]
-    pub(crate) fn fetch_ahead(&self) {
-        self.fetch_depths_ahead();
+    pub(crate) fn prefetch(&self) {
+        self.prefetch_depths();
         // Ten colors to a cache line.
         (0..self.color.len()).step_by(10).for_each(|at| simd::prefetch(self.color, at));
     }
@@ -357,11 +356,11 @@ impl<'a> FrameSamples<'a> {
         self.colors[image as usize]
     }
 
-    /// The cameras that some keys' samples come from, ascending.
+    /// The cameras that recorded the samples at some slots, ascending.
     #[inline(always)]
-    pub(crate) fn cameras_of(&self, keys: &[u64], cameras: &mut Vec<u16>) {
+    pub(crate) fn cameras_of(&self, slots: impl Iterator<Item = u32>, cameras: &mut Vec<u16>) {
         cameras.clear();
-        let shown = keys.iter().filter(|key| **key != 0).map(|key| self.camera_of(slot_of(*key)));
+        let shown = slots.map(|slot| self.camera_of(slot));
         if self.set.cameras.len() > 64 {
             cameras.extend(shown);
             cameras.sort_unstable();

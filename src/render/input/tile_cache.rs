@@ -75,7 +75,7 @@ impl TileCaches {
 
     /// Asks for the memory of the tile around a pixel of a camera, where it is not unpacked yet.
     #[inline(always)]
-    pub(crate) fn fetch_ahead(&self, lookup: &Lookup<'_>, camera: usize, (x, y): (i32, i32)) {
+    pub(crate) fn prefetch(&self, lookup: &Lookup<'_>, camera: usize, (x, y): (i32, i32)) {
         let (column, row) = (x >> 4, y >> 4);
         let is_there = self.cameras[camera]
             .as_ref()
@@ -83,7 +83,7 @@ impl TileCaches {
         if !is_there {
             let mut at = lookup.first_at(camera, column, row);
             while let Some(number) = at {
-                lookup.tile(number, &mut None).fetch_ahead();
+                lookup.tile(number, &mut None).prefetch();
                 at = lookup.next(number);
             }
         }

@@ -133,7 +133,7 @@ impl<S: Splat> VectorLoop for BandSurface<'_, S> {
         for (nth, &number) in band.tiles.iter().enumerate() {
             stage.job.check()?;
             if let Some(&later) = band.tiles.get(nth + TILES_AHEAD) {
-                stage.frame.tile(later as usize).fetch_depths_ahead();
+                stage.frame.tile(later as usize).prefetch_depths();
             }
             let tile = stage.frame.tile(number as usize);
             let camera = tile.camera as usize;
