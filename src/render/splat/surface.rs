@@ -5,17 +5,16 @@
 
 use std::ops::Range;
 
-use glam::Vec3;
 use rayon::prelude::*;
 
+use super::input::{SplatInput, split_at_bands};
 use super::zkey::{CORE, key, nearness};
 use crate::error::Result;
-use crate::job::Job;
 use crate::render::geometry::{
     CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedRow, Projector, RowBand,
     footprints,
 };
-use crate::render::input::{DenseTile, FrameSamples, slopes};
+use crate::render::input::{DenseTile, slopes};
 use crate::samples::TILE;
 use crate::settings::Kernel;
 use crate::simd::{self, VectorLoop, joined, whole};
@@ -24,82 +23,45 @@ use crate::simd::{self, VectorLoop, joined, whole};
 /// fringe. The fringe fills pixels that are no sample's core; elsewhere it stays away, so that silhouettes do not grow.
 const CORE_SHARE: f32 = 0.06;
 
-/// What the stages of one picture share.
-pub(crate) struct SplatInput<'a> {
-    pub(crate) frame: &'a FrameSamples<'a>,
-    /// Carries each camera into the target.
-    pub(crate) projectors: &'a [Projector],
-    /// Reciprocal focal length of each camera: the size of its footprints at unit distance.
-    pub(crate) per_footprint: &'a [f32],
-    /// World-space ray of the target's corner, and its growth by column and row.
-    pub(crate) rays_in_world: [Vec3; 3],
-    /// Columns of the target.
-    pub(crate) width: usize,
-    pub(crate) kernel: Kernel,
-    pub(crate) job: &'a Job,
-}
-
-/// Cuts a buffer of `width` columns into the rows of each band; bands ascend.
-pub(crate) fn split_at_bands<'a, 'b, T>(
-    bands: &'a [RowBand],
-    width: usize,
-    buffer: &'b mut [T],
-) -> Vec<(&'a RowBand, &'b mut [T])> {
-    let (mut rest, mut row) = (buffer, 0);
-    let mut parts = Vec::with_capacity(bands.len());
-    for band in bands {
-        let (_, from) = rest.split_at_mut((band.rows.start - row) * width);
-        let (part, after) = from.split_at_mut(band.rows.len() * width);
-        parts.push((band, part));
-        (rest, row) = (after, band.rows.end);
-    }
-    parts
-}
-
-/// Raises the keys of the pixels of `bands` to those of their samples.
+/// Raises the keys in `bands` to those of the nearest samples.
 ///
 /// # Errors
 /// `Cancelled`.
-pub(crate) fn surface(stage: &SplatInput<'_>, bands: &[RowBand], keys: &mut [u64]) -> Result<()> {
-    split_at_bands(bands, stage.width, keys).into_par_iter().try_for_each(|(band, keys)| {
-        let window = BandRows::of(stage.width, &band.rows);
-        match stage.kernel {
-            Kernel::Point => simd::run(BandSurface { stage, band, keys, splat: PointSplat(window) }),
-            Kernel::Block => simd::run(BandSurface { stage, band, keys, splat: BlockSplat(window) }),
-            Kernel::Surfel | Kernel::Gather => simd::run(BandSurface {
-                stage,
-                band,
-                keys,
-                splat: PlaneSplat {
-                    window,
-                    fringe: stage.kernel == Kernel::Gather && stage.frame.is_pruned(),
-                },
-            }),
+pub(crate) fn surface(input: &SplatInput<'_>, bands: &[RowBand], keys: &mut [u64]) -> Result<()> {
+    split_at_bands(bands, input.width, keys).into_par_iter().try_for_each(|(band, keys)| {
+        let pixels = BandRows::of(input.width, &band.rows);
+        let fringe = input.kernel == Kernel::Gather && input.frame.is_pruned();
+        match input.kernel {
+            Kernel::Point => simd::run(BandSurface { input, band, keys, splat: PointSplat(pixels) }),
+            Kernel::Block => simd::run(BandSurface { input, band, keys, splat: BlockSplat(pixels) }),
+            Kernel::Surfel | Kernel::Gather => {
+                simd::run(BandSurface { input, band, keys, splat: PlaneSplat { pixels, fringe } })
+            }
         }
     })
 }
 
 /// One band of the picture.
 struct BandSurface<'a, S> {
-    stage: &'a SplatInput<'a>,
+    input: &'a SplatInput<'a>,
     band: &'a RowBand,
     keys: &'a mut [u64],
     splat: S,
 }
 
-/// Where the keys of a band are raised, and to what.
+/// The keys of a band, and new keys to raise them to.
 struct KeyUpdates<'a> {
-    /// Pixels of the band that the samples of a row touch: their first, second, third and fourth; or, where samples touch
-    /// one pixel alone, those of sixteen rows.
+    /// Pixels of the band that sixteen samples touch: their first, second, third and fourth ones; or, for samples that touch a
+    /// single pixel, one for each row of a tile.
     pixels: [[u32; TILE]; TILE],
-    /// A key of which the larger stays; 0 changes nothing.
+    /// The new keys; the larger of old and new stays, so 0 changes nothing.
     new: [[u64; TILE]; TILE],
     keys: &'a mut [u64],
 }
 
 /// How the samples of a kernel touch pixels.
 trait Splat {
-    /// Raises the keys of what a row of a tile touches; `slots` is that of the row's first pixel.
+    /// Raises the keys of the pixels that a row of a tile touches; `slots` is the slot of the row's first pixel.
     fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>);
 
     /// Ends a tile.
@@ -119,7 +81,7 @@ struct TileRow<'a> {
     projected: ProjectedRow,
 }
 
-/// Samples are asked for so many tiles before they are read.
+/// Depths are prefetched this many tiles ahead.
 const TILES_AHEAD: usize = 4;
 
 impl<S: Splat> VectorLoop for BandSurface<'_, S> {
@@ -127,23 +89,23 @@ impl<S: Splat> VectorLoop for BandSurface<'_, S> {
 
     #[inline(always)]
     fn run(self) -> Result<()> {
-        let Self { stage, band, keys, splat } = self;
+        let Self { input, band, keys, splat } = self;
         let mut dense = DenseTile::new();
         let mut raised = KeyUpdates { pixels: [[0; TILE]; TILE], new: [[0; TILE]; TILE], keys };
         for (nth, &number) in band.tiles.iter().enumerate() {
-            stage.job.check()?;
+            input.job.check()?;
             if let Some(&later) = band.tiles.get(nth + TILES_AHEAD) {
-                stage.frame.tile(later as usize).prefetch_depths();
+                input.frame.tile(later as usize).prefetch_depths();
             }
-            let tile = stage.frame.tile(number as usize);
+            let tile = input.frame.tile(number as usize);
             let camera = tile.camera as usize;
-            let projector = &stage.projectors[camera];
+            let projector = &input.projectors[camera];
             dense.unpack(tile);
             let (x, y) = (tile.origin.0 as f32, tile.origin.1 as usize);
             for row in (0..TILE).filter(|row| tile.rows[*row] != 0) {
                 let w = dense.row(row);
                 let projected = projector.row(projector.ray(x, (y + row) as f32), w);
-                let per_footprint = stage.per_footprint[camera];
+                let per_footprint = input.per_footprint[camera];
                 let line =
                     TileRow { projector, per_footprint, tile: &dense, rows: &tile.rows, nth: row, projected };
                 splat.row(&line, number << 8 | (row as u32) << 4, &mut raised);
@@ -155,7 +117,7 @@ impl<S: Splat> VectorLoop for BandSurface<'_, S> {
 }
 
 impl KeyUpdates<'_> {
-    /// Raises the keys of the `nth` pixels of all samples.
+    /// Raises the keys of the `nth` pixel of each sample.
     #[inline(always)]
     fn raise_all(&mut self, nth: usize) {
         for (pixel, new) in self.pixels[nth].iter().zip(&self.new[nth]) {
@@ -164,7 +126,7 @@ impl KeyUpdates<'_> {
         }
     }
 
-    /// Raises the keys of the `nth` pixels of some samples: a mask of columns.
+    /// Raises the keys of the `nth` pixel of the samples in a mask of columns.
     #[inline(always)]
     fn raise_some(&mut self, nth: usize, mut which: u32) {
         while which != 0 {
@@ -198,9 +160,8 @@ impl BandRows {
         }
     }
 
-    /// The pixel of the band at column `x` and row `y` (whole numbers), and whether it lies in the band. Where it does not,
-    /// or is no number, it is some pixel that does: another one for each of sixteen neighbors `i`, as changing one and the
-    /// same again and again is slow.
+    /// The pixel of the band at column `x` and row `y` (whole numbers), and whether it lies in the band. If it does not, or is
+    /// NaN, the pixel is any in the band: a different one for each lane `i`, as writing to the same again and again is slow.
     #[inline(always)]
     fn pixel(&self, x: f32, y: f32, i: usize) -> (u32, bool) {
         let inside = (x >= 0.0) & (x <= self.right) & (y >= self.top) & (y <= self.bottom);
@@ -208,9 +169,7 @@ impl BandRows {
         let pixel = whole(y - self.top).wrapping_mul(self.width).wrapping_add(whole(x));
         (if inside { pixel } else { (i as u32).min(self.last) }, inside)
     }
-}
 
-impl BandRows {
     /// Raises the keys of the pixels from the first to the last column and row of `edges` to what `key_at` gives.
     #[inline(always)]
     fn raise(&self, keys: &mut [u64], edges: [f32; 4], key_at: impl Fn(f32, f32) -> u64) {
@@ -243,8 +202,8 @@ impl Splat for PointSplat {
         }
     }
 
-    /// A tile is projected as a whole before its keys are compared: the first is work for vectors, the second is not. Rows
-    /// without samples hold those of an earlier tile, which change nothing any more.
+    /// A tile is projected as a whole before its keys are compared, because only projecting is work for vectors. Rows without
+    /// samples hold keys of an earlier tile, which change nothing.
     #[inline(always)]
     fn end(&self, raised: &mut KeyUpdates<'_>) {
         (0..TILE).for_each(|row| raised.raise_all(row));
@@ -279,9 +238,9 @@ impl Splat for BlockSplat {
 
 /// `surfel` and `gather`: a sample touches the pixels whose centers its footprint covers, at the depth of its plane.
 struct PlaneSplat {
-    window: BandRows,
-    /// Whether magnified samples have a fringe, which fills pixels that are in no footprint, where neighbors may have been dropped.
-    /// What of it is surface has to be decided afterwards, see [`crate::render::gather`].
+    pixels: BandRows,
+    /// Whether magnified samples have a fringe, which fills pixels outside all footprints, where neighbors may have been pruned.
+    /// The gather stage decides which of these pixels show the surface.
     fringe: bool,
 }
 
@@ -291,7 +250,7 @@ impl Splat for PlaneSplat {
         let (w, projected) = (row.tile.row(row.nth), &row.projected);
         let slopes = slopes(row.tile, row.nth, row.per_footprint);
         let found = footprints(row.projector, projected, w, &slopes);
-        // First and last column and row whose centers the footprint covers: always one, at most two unless it is large.
+        // First and last column and row whose centers the footprint covers: one or two unless it is large.
         let mut edges = [[0.0_f32; TILE]; 4];
         let (mut large, mut columns, mut rows) = ([0_u32; TILE], [0_u32; TILE], [0_u32; TILE]);
         for i in 0..TILE {
@@ -314,7 +273,7 @@ impl Splat for PlaneSplat {
             let (columns, rows) = (&edges[corner & 1], &edges[2 + (corner >> 1)]);
             for i in 0..TILE {
                 let (x, y) = (columns[i], rows[i]);
-                let (pixel, inside) = self.window.pixel(x, y, i);
+                let (pixel, inside) = self.pixels.pixel(x, y, i);
                 let PlaneAt { inverse_depth: depth, is_core: covered, .. } =
                     found.plane_at(projected, i, (x, y), 1.0);
                 let is_further = further[corner] >> i & 1 == 1;
@@ -330,10 +289,10 @@ impl Splat for PlaneSplat {
             let i = large.trailing_zeros() as usize % TILE;
             large &= large - 1;
             let own = LargeFootprint { found: &found, projected, i, slot: slots | i as u32 };
-            self.window.raise(raised.keys, edges.map(|edges| edges[i]), |x, y| own.core(x, y));
+            self.pixels.raise(raised.keys, edges.map(|edges| edges[i]), |x, y| own.core(x, y));
             if self.fringe && own.has_fringe() {
                 let reach = row.reach(i);
-                self.window.raise(raised.keys, own.edges_of_fringe(reach), |x, y| own.fringe(x, y, reach));
+                self.pixels.raise(raised.keys, own.edges_of_fringe(reach), |x, y| own.fringe(x, y, reach));
             }
         }
     }
@@ -343,20 +302,20 @@ impl Splat for PlaneSplat {
 struct LargeFootprint<'a> {
     found: &'a Footprints,
     projected: &'a ProjectedRow,
-    /// Its place in the row.
+    /// Its column in the tile.
     i: usize,
     slot: u32,
 }
 
 impl LargeFootprint<'_> {
-    /// Its key at the center of pixel `(x, y)`, 0 where the footprint does not cover that.
+    /// Its key at the center of pixel `(x, y)`; 0 where the footprint does not cover it.
     #[inline(always)]
     fn core(&self, x: f32, y: f32) -> u64 {
         let at = self.found.plane_at(self.projected, self.i, (x, y), 1.0);
         if at.is_core { key(nearness(at.inverse_depth, CORE), self.slot) } else { 0 }
     }
 
-    /// The same of its fringe, which begins where the footprint ends and reaches so many source pixels to the left, right, up and down.
+    /// The same of its fringe, which begins where the footprint ends; `reach` as [`TileRow::reach`] gives it.
     #[inline(always)]
     fn fringe(&self, x: f32, y: f32, reach: [f32; 4]) -> u64 {
         let at = self.found.plane_at(self.projected, self.i, (x, y), FRINGE / CORE_REACH);
@@ -366,7 +325,7 @@ impl LargeFootprint<'_> {
         if reaches { key(nearness(at.inverse_depth, 0), self.slot) } else { 0 }
     }
 
-    /// Whether it is magnified, and not seen edge on: nothing is known of the surface beside it then.
+    /// Whether it is magnified and not seen edge on, where the surface beside it would be unknown.
     #[inline(always)]
     fn has_fringe(&self) -> bool {
         let is_known = self.found.inverse.iter().any(|part| part[self.i] != 0.0);
@@ -392,8 +351,8 @@ impl LargeFootprint<'_> {
 }
 
 impl TileRow<'_> {
-    /// How far the footprint of sample `i` reaches with its fringe, in source pixels: to the left, right, up and down. There is none
-    /// toward samples of the same tile, whose own footprints are there.
+    /// How far the footprint of sample `i` reaches with its fringe, in source pixels: to the left, right, up and down. Toward samples
+    /// of the same tile, which have footprints of their own, there is no fringe.
     #[inline(always)]
     fn reach(&self, i: usize) -> [f32; 4] {
         let row = |nth: usize| u32::from(*self.rows.get(nth).unwrap_or(&0)) << 1;
