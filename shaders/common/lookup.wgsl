@@ -3,7 +3,7 @@
 //   lookup   cells of all cameras, one per tile: number of the first tile with samples there
 //            entries, two words per tile of the frame: its piece, and the next tile of the same cell
 //
-// Lists ascend, so that tiles that outlast the frame come first.
+// Lists ascend, so that tiles of the background come first.
 
 struct View {
     source_from_target: Projector,

@@ -138,7 +138,7 @@ fn load_patch(block: vec2<u32>, thread: u32, both: bool) {
         place_camera(nth);
     }
     workgroupBarrier();
-    visible_tiles = select(stage.lasting_tiles, stage.all_tiles, both);
+    visible_tiles = select(stage.background_tiles, stage.all_tiles, both);
 }
 
 // What stands in a pixel: a nearer surface, a farther one, and the share of the nearer, which is 1 where there is no other.

@@ -19,8 +19,8 @@ struct Stage {
     surface_ratio: f32,
     // World-space ray of the center of the picture's first pixel, and its growth by column and row.
     first_ray: vec3<f32>,
-    // Tiles that outlast the frame.
-    lasting_tiles: u32,
+    // Tiles of the background.
+    background_tiles: u32,
     ray_across: vec3<f32>,
     // Where the entries begin in `lookup`.
     entries_at: u32,

@@ -25,9 +25,9 @@ pub mod splat;
 mod supersample;
 mod vantage;
 
-pub use cpu::{CpuRenderer, MAX_PIXELS};
+pub use cpu::CpuRenderer;
 pub use renderer::{Painter, Renderer, WindowPicture};
-pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
+pub use vantage::{MAX_PIXELS, NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]
 mod tests {

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::cpu::CpuRenderer;
 use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
-use super::supersample::{averaged, finer, times_as_fine};
+use super::supersample::{averaged, finer, supersampling_factor};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -158,13 +158,13 @@ impl Renderer {
         job: &Job,
     ) -> Result<PaintedBy> {
         let started = Instant::now();
-        let times = times_as_fine(samples, vantage, settings);
-        if times == 1 {
+        let factor = supersampling_factor(samples, vantage, settings);
+        if factor == 1 {
             return self.paint(&Request { samples, vantage, settings, job });
         }
-        let finer = finer(vantage, times);
+        let finer = finer(vantage, factor);
         let (picture, stats) = self.paint(&Request { samples, vantage: &finer, settings, job })?;
-        let picture = averaged(&picture, times);
+        let picture = averaged(&picture, factor);
         let milliseconds = started.elapsed().as_secs_f64() * 1e3;
         let stats = RenderStats { holes: picture.holes(), milliseconds, ..stats };
         Ok((Arc::new(picture), stats))

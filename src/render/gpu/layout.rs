@@ -19,7 +19,7 @@ pub(super) struct GpuStage {
     pub(super) piece_count: u32,
     pub(super) surface_ratio: f32,
     pub(super) first_ray: [f32; 3],
-    pub(super) lasting_tiles: u32,
+    pub(super) background_tiles: u32,
     pub(super) ray_across: [f32; 3],
     pub(super) entries_at: u32,
     pub(super) ray_down: [f32; 3],
@@ -170,7 +170,7 @@ mod tests {
         assert_same_layout! {
             &module, "Stage", GpuStage,
             width, height, kernel, step, first_tile, tile_count, piece_count, surface_ratio, first_ray,
-            lasting_tiles, ray_across, entries_at, ray_down, all_tiles, pruned, padding_0, padding_1, padding_2
+            background_tiles, ray_across, entries_at, ray_down, all_tiles, pruned, padding_0, padding_1, padding_2
         }
         assert_same_layout! {
             &module, "View", GpuView,

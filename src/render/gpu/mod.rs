@@ -32,7 +32,6 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::cpu::check;
 use super::fill::fill;
 use super::input::FrameSamples;
 use super::vantage::{Picture, RenderStats, Vantage};
@@ -253,12 +252,12 @@ impl GpuRenderer {
         job: &Job,
         finish: impl FnOnce(&Context, &GpuTarget, wgpu::CommandEncoder) -> Result<T>,
     ) -> Result<(T, RenderStats)> {
-        check(samples, vantage)?;
+        vantage.check(samples)?;
         job.check()?;
         let frame = FrameSamples::at(samples, vantage.frame)?;
         let wanted = CachedBackground {
             samples: samples.clone(),
-            images: frame.images[..frame.lasting_images].to_vec(),
+            images: frame.images[..frame.background_images].to_vec(),
             camera: vantage.camera.clone(),
             settings: settings.clone(),
         };
@@ -288,7 +287,7 @@ impl GpuRenderer {
             }
         })?;
         self.background = Some(wanted);
-        let tiles = if reused { frame.passing() } else { 0..frame.tile_count() };
+        let tiles = if reused { frame.foreground_tiles() } else { 0..frame.tile_count() };
         let samples = frame.sample_count(tiles);
         Ok((result, RenderStats { samples, background_reused: reused, ..RenderStats::default() }))
     }

@@ -74,7 +74,8 @@ impl SceneBindings {
         let mut buffers = vec![&projectors, &pieces];
         buffers.extend(memory.pages().chain(std::iter::repeat(&missing)).take(MAX_PAGES));
         let group = bind(&context.device, &pipelines.scene_layout, Some(&stages), &buffers);
-        let tile_counts = [frame.lasting(), frame.passing()].map(|tiles| tiles.len() as u32);
+        let tile_counts =
+            [frame.background_tiles(), frame.foreground_tiles()].map(|tiles| tiles.len() as u32);
         Ok(Self { group, gather_group, tile_counts })
     }
 
@@ -90,7 +91,7 @@ fn stages((frame, camera, settings): Wanted<'_>, piece_count: usize, cells: usiz
     let ray = |x, y| camera.world_from_camera.matrix3 * camera.intrinsics.ray_in_camera(DVec2::new(x, y));
     let first = ray(0.5, 0.5);
     let mut stages = Vec::new();
-    for tiles in [frame.lasting(), frame.passing()] {
+    for tiles in [frame.background_tiles(), frame.foreground_tiles()] {
         for step in 0..2 {
             let stage = GpuStage {
                 width: width as u32,
@@ -102,7 +103,7 @@ fn stages((frame, camera, settings): Wanted<'_>, piece_count: usize, cells: usiz
                 piece_count: piece_count as u32,
                 surface_ratio: 1.0 / (1.0 + settings.depth_tolerance / focal(camera)),
                 first_ray: first.as_vec3().to_array(),
-                lasting_tiles: frame.lasting_tiles as u32,
+                background_tiles: frame.background_tile_count as u32,
                 ray_across: (ray(1.5, 0.5) - first).as_vec3().to_array(),
                 entries_at: cells as u32,
                 ray_down: (ray(0.5, 1.5) - first).as_vec3().to_array(),

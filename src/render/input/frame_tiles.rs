@@ -1,7 +1,7 @@
-//! The samples of one frame, as the renderers see them: its images one after another, their tiles numbered through.
+//! The samples of one frame: its images one after another, with their tiles numbered consecutively.
 //!
-//! A sample is named by its *slot*: the number of its tile at this frame and its place in the tile. A slot says at once
-//! which camera recorded the sample and where, and fits into half a z-buffer key:
+//! A sample is identified by its *slot*: the number of its tile at this frame and its pixel in the tile. A slot gives the camera
+//! and pixel of the sample and takes half of a z-buffer key:
 //!
 //! ```text
 //! slot = [ number of the tile: 24 bits | row in the tile: 4 bits | column in the tile: 4 bits ]
@@ -17,7 +17,7 @@ use crate::samples::{SampleImage, SampleSet, TILE, TILE_SAMPLES, TileDepths};
 use crate::settings::PruningMethod;
 use crate::simd::{self, VectorLoop};
 
-/// Tiles that slots can tell apart.
+/// Most tiles that slots can number.
 const MAX_TILES: usize = 1 << 24;
 
 /// A tile of the frame, with everything that its samples are read from.
@@ -70,7 +70,7 @@ impl<'a> FrameTile<'a> {
         self.color[nth].map(|half| widened(half.to_bits().cast_signed()))
     }
 
-    /// Asks for the memory of the tile's depths.
+    /// Prefetches the depths.
     #[inline(always)]
     pub(crate) fn prefetch_depths(&self) {
         let (low, high) = self.depths.planes();
@@ -78,7 +78,7 @@ impl<'a> FrameTile<'a> {
         (0..high.len()).step_by(64).for_each(|at| simd::prefetch(high, at));
     }
 
-    /// Asks for the memory of everything that is read from the tile.
+    /// Prefetches depths and colors.
     #[inline(always)]
     pub(crate) fn prefetch(&self) {
         self.prefetch_depths();
@@ -94,7 +94,7 @@ impl<'a> FrameTile<'a> {
     }
 }
 
-/// Where a color lies.
+/// Where a color is stored.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ColorIndex {
     /// Index in [`FrameSamples::images`].
@@ -103,7 +103,7 @@ pub(crate) struct ColorIndex {
     pub(crate) nth: u32,
 }
 
-/// Marks tiles whose samples need not be counted: each lies at its place in the tile.
+/// Marks tiles with a sample in every pixel, where samples need not be counted.
 const FULL: u32 = 1 << 31;
 
 /// The images at a frame, those of all frames first, so that their slots are the same at every frame.
@@ -111,39 +111,39 @@ const FULL: u32 = 1 << 31;
 pub(crate) struct FrameImages {
     /// Indices in [`SampleSet::images`].
     indices: Vec<usize>,
-    /// How many of them hold at all frames.
-    lasting: usize,
+    /// How many of them hold at all frames: the background.
+    background: usize,
 }
 
 impl FrameImages {
     pub(crate) fn at(set: &SampleSet, frame: usize) -> Self {
-        // Images of some frames change so often that keeping them painted would not pay.
-        let outlasts = |image: &SampleImage| image.span.len() > 1 && image.span.len() == set.frame_count();
-        let at_frame = |lasting: bool| {
+        // Keeping images of only some frames painted would not pay: they change too often.
+        let is_background =
+            |image: &SampleImage| image.span.len() > 1 && image.span.len() == set.frame_count();
+        let at_frame = |background: bool| {
             let images = set.images.iter().enumerate();
             images
-                .filter(move |(_, image)| image.span.contains(frame) && outlasts(image) == lasting)
+                .filter(move |(_, image)| image.span.contains(frame) && is_background(image) == background)
                 .map(|(index, _)| index)
         };
         let mut indices: Vec<usize> = at_frame(true).collect();
-        let lasting = indices.len();
+        let background = indices.len();
         indices.extend(at_frame(false));
-        Self { indices, lasting }
+        Self { indices, background }
     }
 
     /// Indices of the images that hold at all frames.
-    pub(crate) fn lasting(&self) -> &[usize] {
-        &self.indices[..self.lasting]
+    pub(crate) fn background(&self) -> &[usize] {
+        &self.indices[..self.background]
     }
 }
 
-/// What is known of every tile by its number. That of lasting tiles is kept from one frame to the next.
+/// The camera and the color index of every tile by its number. For tiles of the background it is kept from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TileIndex {
-    /// The place of the first sample of each tile, with [`FULL`] added to the image: eight bytes, so that all of them fit in
-    /// a cache together.
+    /// Where the colors of each tile begin, with [`FULL`] added to the image. Eight bytes a tile, to fit in a cache.
     color_indices: Vec<ColorIndex>,
-    /// The camera of each tile: two bytes, so that all of them fit in the smallest cache.
+    /// The camera of each tile. Two bytes a tile, to fit in the smallest cache.
     cameras: Vec<u16>,
 }
 
@@ -153,27 +153,27 @@ pub(crate) struct FrameSamples<'a> {
     pub(crate) set: &'a SampleSet,
     /// Indices in [`SampleSet::images`].
     pub(crate) images: Vec<usize>,
-    /// Every tile that is to be painted: all, or those after the lasting ones, which are painted already.
+    /// The tiles to be painted: all, or those of the foreground if the background is painted already.
     tiles: Vec<FrameTile<'a>>,
     /// The number of the first of `tiles`.
     first_number: usize,
     /// How many of `images` hold at all frames.
-    pub(crate) lasting_images: usize,
-    /// How many tiles belong to them.
-    pub(crate) lasting_tiles: usize,
+    pub(crate) background_images: usize,
+    /// How many tiles these have.
+    pub(crate) background_tile_count: usize,
     /// The number of the first tile of each image.
     first_of_image: Vec<usize>,
-    numbers: TileIndex,
+    index: TileIndex,
     /// Colors of each image.
     colors: Vec<&'a [[f16; 3]]>,
 }
 
-/// Adds the tiles of the `nth` image of the frame.
+/// Adds the tiles of an image, the `nth` of the frame, to a list and an index.
 struct IndexTiles<'a, 'b> {
     nth: u32,
     image: &'a SampleImage,
     tiles: &'b mut Vec<FrameTile<'a>>,
-    numbers: &'b mut TileIndex,
+    index: &'b mut TileIndex,
 }
 
 impl VectorLoop for IndexTiles<'_, '_> {
@@ -181,24 +181,24 @@ impl VectorLoop for IndexTiles<'_, '_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { nth, image, tiles, numbers } = self;
-        for (index, tile) in image.tiles.iter().enumerate() {
-            let numbered = FrameTile::new(image, index);
+        let Self { nth, image, tiles, index } = self;
+        for (at, tile) in image.tiles.iter().enumerate() {
+            let numbered = FrameTile::new(image, at);
             let full = if numbered.color.len() == TILE_SAMPLES { FULL } else { 0 };
-            numbers.color_indices.push(ColorIndex { image: nth | full, nth: tile.first });
-            numbers.cameras.push(numbered.camera);
+            index.color_indices.push(ColorIndex { image: nth | full, nth: tile.first });
+            index.cameras.push(numbered.camera);
             tiles.push(numbered);
         }
     }
 }
 
 impl<'a> FrameSamples<'a> {
-    /// Whether samples that others represent were dropped.
+    /// Whether redundant samples were pruned.
     pub(crate) fn is_pruned(&self) -> bool {
         self.set.settings.pruning.method != PruningMethod::Off
     }
 
-    /// The samples of the images at `frame`. Where the numbers of lasting tiles are known, those tiles are taken to be painted.
+    /// The samples of the images at `frame`. With an index of the background's tiles, these are not listed for painting again.
     ///
     /// # Errors
     /// `Unsupported` where there are more tiles than slots can number.
@@ -206,9 +206,9 @@ impl<'a> FrameSamples<'a> {
         set: &'a SampleSet,
         frame: usize,
         images: FrameImages,
-        lasting: Option<TileIndex>,
+        background: Option<TileIndex>,
     ) -> Result<Self> {
-        let FrameImages { indices: images, lasting: lasting_images } = images;
+        let FrameImages { indices: images, background: background_images } = images;
         let mut count = 0;
         let mut first_of_image = Vec::with_capacity(images.len() + 1);
         for &image in &images {
@@ -222,17 +222,16 @@ impl<'a> FrameSamples<'a> {
                 format!("{count} tiles of samples at one frame; {MAX_TILES} can be rendered"),
             ));
         }
-        let lasting_tiles = first_of_image[lasting_images];
+        let background_tile_count = first_of_image[background_images];
         let (first_image, first_number) =
-            if lasting.is_some() { (lasting_images, lasting_tiles) } else { (0, 0) };
-        let mut numbers = lasting.unwrap_or_default();
-        numbers.color_indices.reserve(count - first_number);
-        numbers.cameras.reserve(count - first_number);
+            if background.is_some() { (background_images, background_tile_count) } else { (0, 0) };
+        let mut index = background.unwrap_or_default();
+        index.color_indices.reserve(count - first_number);
+        index.cameras.reserve(count - first_number);
         let mut tiles = Vec::with_capacity(count - first_number);
-        for (nth, &index) in images.iter().enumerate().skip(first_image) {
-            let image = &set.images[index];
-            let (tiles, numbers) = (&mut tiles, &mut numbers);
-            simd::run(IndexTiles { nth: nth as u32, image, tiles, numbers });
+        for (nth, &image) in images.iter().enumerate().skip(first_image) {
+            let image = &set.images[image];
+            simd::run(IndexTiles { nth: nth as u32, image, tiles: &mut tiles, index: &mut index });
         }
         let colors = images.iter().map(|&image| set.images[image].color.as_slice()).collect();
         Ok(Self {
@@ -240,15 +239,15 @@ impl<'a> FrameSamples<'a> {
             images,
             tiles,
             first_number,
-            lasting_images,
-            lasting_tiles,
+            background_images,
+            background_tile_count,
             first_of_image,
-            numbers,
+            index,
             colors,
         })
     }
 
-    /// The samples at `frame`, of which nothing is known yet.
+    /// The samples at `frame`, with all tiles to be painted.
     ///
     /// # Errors
     /// As [`FrameSamples::of`].
@@ -256,86 +255,86 @@ impl<'a> FrameSamples<'a> {
         Self::of(set, frame, FrameImages::at(set, frame), None)
     }
 
-    /// What is known of the lasting tiles, for the next frame.
-    pub(crate) fn into_lasting_numbers(self) -> TileIndex {
-        let Self { mut numbers, lasting_tiles, .. } = self;
-        numbers.color_indices.truncate(lasting_tiles);
-        numbers.cameras.truncate(lasting_tiles);
-        numbers
+    /// The index of the background's tiles, for the next frame.
+    pub(crate) fn into_background_index(self) -> TileIndex {
+        let Self { mut index, background_tile_count, .. } = self;
+        index.color_indices.truncate(background_tile_count);
+        index.cameras.truncate(background_tile_count);
+        index
     }
 
-    /// How many tiles there are.
+    /// The number of tiles.
     pub(crate) fn tile_count(&self) -> usize {
-        self.numbers.cameras.len()
+        self.index.cameras.len()
     }
 
-    /// Tiles that are to be painted.
+    /// Tiles to be painted.
     pub(crate) fn tiles(&self, numbers: Range<usize>) -> &[FrameTile<'a>] {
         &self.tiles[numbers.start - self.first_number..numbers.end - self.first_number]
     }
 
-    /// A tile that is to be painted.
+    /// A tile to be painted.
     #[inline(always)]
     pub(crate) fn tile(&self, number: usize) -> &FrameTile<'a> {
         &self.tiles[number - self.first_number]
     }
 
-    /// A tile, unless it is painted already.
+    /// A tile, if it is to be painted.
     #[inline(always)]
-    pub(crate) fn new_tile(&self, number: usize) -> Option<&FrameTile<'a>> {
+    pub(crate) fn tile_to_paint(&self, number: usize) -> Option<&FrameTile<'a>> {
         self.tiles.get(number.wrapping_sub(self.first_number))
     }
 
-    /// A tile that is painted already.
+    /// A tile of the background that is painted already.
     #[inline(always)]
     pub(crate) fn painted_tile(&self, number: usize) -> FrameTile<'a> {
-        let nth = (self.numbers.color_indices[number].image & !FULL) as usize;
+        let nth = self.nth_image(number);
         FrameTile::new(&self.set.images[self.images[nth]], number - self.first_of_image[nth])
     }
 
     /// Numbers of the tiles that hold at all frames.
-    pub(crate) fn lasting(&self) -> Range<usize> {
-        0..self.lasting_tiles
+    pub(crate) fn background_tiles(&self) -> Range<usize> {
+        0..self.background_tile_count
     }
 
     /// Numbers of the tiles of shorter spans.
-    pub(crate) fn passing(&self) -> Range<usize> {
-        self.lasting_tiles..self.tile_count()
+    pub(crate) fn foreground_tiles(&self) -> Range<usize> {
+        self.background_tile_count..self.tile_count()
     }
 
     /// Index in [`SampleSet::images`] of the image of a slot.
     #[inline(always)]
     pub(crate) fn image_of(&self, slot: u32) -> u32 {
-        self.images[self.nth_image(slot)] as u32
+        self.images[self.nth_image((slot >> 8) as usize)] as u32
     }
 
     /// Index of the camera of a slot.
     #[inline(always)]
     pub(crate) fn camera_of(&self, slot: u32) -> u16 {
-        self.numbers.cameras[(slot >> 8) as usize]
+        self.index.cameras[(slot >> 8) as usize]
     }
 
-    /// The image of a slot, as an index in `images`.
+    /// The image of a tile, as an index in `images`.
     #[inline(always)]
-    fn nth_image(&self, slot: u32) -> usize {
-        (self.numbers.color_indices[(slot >> 8) as usize].image & !FULL) as usize
+    fn nth_image(&self, number: usize) -> usize {
+        (self.index.color_indices[number].image & !FULL) as usize
     }
 
     /// The color of the sample at a slot, linear.
     #[inline(always)]
     pub(crate) fn color_of(&self, slot: u32) -> [f32; 3] {
-        let place = self.color_index(slot);
-        self.colors(place.image)[place.nth as usize].map(|half| widened(half.to_bits().cast_signed()))
+        let index = self.color_index(slot);
+        self.colors(index.image)[index.nth as usize].map(|half| widened(half.to_bits().cast_signed()))
     }
 
-    /// Where the color of the sample at a slot lies.
+    /// Where the color of the sample at a slot is stored.
     #[inline(always)]
     pub(crate) fn color_index(&self, slot: u32) -> ColorIndex {
         let number = (slot >> 8) as usize;
-        let first = self.numbers.color_indices[number];
+        let first = self.index.color_indices[number];
         let nth = if first.image & FULL != 0 {
             slot as usize % TILE_SAMPLES
-        } else if let Some(tile) = self.new_tile(number) {
+        } else if let Some(tile) = self.tile_to_paint(number) {
             tile.rank(slot as usize % TILE, slot as usize / TILE % TILE)
         } else {
             self.rank_in_painted_tile(slot)
@@ -343,7 +342,7 @@ impl<'a> FrameSamples<'a> {
         ColorIndex { image: first.image & !FULL, nth: first.nth + nth as u32 }
     }
 
-    /// Samples before a slot in its tile, where that is painted already.
+    /// Samples before a slot in its tile, if the tile is painted already.
     #[cold]
     #[inline(never)]
     fn rank_in_painted_tile(&self, slot: u32) -> usize {
@@ -374,7 +373,7 @@ impl<'a> FrameSamples<'a> {
         }
     }
 
-    /// Samples in some tiles that are to be painted.
+    /// The number of samples in tiles to be painted.
     pub(crate) fn sample_count(&self, tiles: Range<usize>) -> u64 {
         self.tiles(tiles).iter().map(|tile| tile.color.len() as u64).sum()
     }

@@ -2,12 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::job::Job;
 use crate::render::gather::{BLOCK, BlockOrigin, Patch, RING, SIDE, ScratchPool, SourceViews};
-use crate::render::input::FrameSamples;
-use crate::render::splat::{LEAST_WEIGHT, Sum, inverse_depth_of, slot_of};
+use crate::render::splat::{LEAST_WEIGHT, StageInput, Sum, inverse_depth_of, slot_of};
 use crate::render::vantage::Picture;
-use crate::settings::Kernel;
 
 /// The z-buffer and the blended colors of some tiles, row-major.
 #[derive(Clone, Debug, Default)]
@@ -34,12 +31,7 @@ fn clear<T: Copy + Send + Sync>(buffer: &mut Vec<T>, length: usize, value: T) {
 
 /// Everything that a picture is resolved from.
 pub(crate) struct ResolveInput<'a> {
-    pub(crate) frame: &'a FrameSamples<'a>,
-    pub(crate) kernel: Kernel,
-    /// Columns of the picture.
-    pub(crate) width: usize,
-    /// Inverse depths from this share of the nearest one on belong to the same surface.
-    pub(crate) surface_ratio: f32,
+    pub(crate) stage: &'a StageInput<'a>,
     pub(crate) background: &'a PaintedLayer,
     /// `None` to resolve the background alone.
     pub(crate) foreground: Option<&'a PaintedLayer>,
@@ -48,13 +40,12 @@ pub(crate) struct ResolveInput<'a> {
     /// For the gather kernel: the cameras' samples of the background, and those of both layers.
     pub(crate) views: Option<[&'a SourceViews<'a>; 2]>,
     pub(crate) scratches: &'a ScratchPool,
-    pub(crate) job: &'a Job,
 }
 
 impl ResolveInput<'_> {
     /// Rows of the picture.
     pub(super) fn height(&self) -> usize {
-        self.background.keys.len() / self.width
+        self.background.keys.len() / self.stage.width
     }
 
     /// The pixels of a block within [`RING`] pixels of a visible foreground sample: a mask of columns per row.
@@ -89,7 +80,8 @@ impl ResolveInput<'_> {
     #[inline(always)]
     pub(super) fn shows(&self, front: u64, back: u64) -> bool {
         // A core sample wins over a fringe sample that lies before it.
-        front > back || front != 0 && inverse_depth_of(front) >= inverse_depth_of(back) * self.surface_ratio
+        front > back
+            || front != 0 && inverse_depth_of(front) >= inverse_depth_of(back) * self.stage.surface_ratio
     }
 
     /// The nearer key of both layers.
@@ -102,7 +94,7 @@ impl ResolveInput<'_> {
     /// The blended color of both layers where they show the surface of `key`, else the color of that sample.
     #[inline(always)]
     pub(super) fn blended(&self, pixel: usize, key: u64) -> [f32; 3] {
-        let limit = inverse_depth_of(key) * self.surface_ratio;
+        let limit = inverse_depth_of(key) * self.stage.surface_ratio;
         let mut sum: Sum = [0.0; 4];
         for layer in [Some(self.background), self.foreground].into_iter().flatten() {
             if let Some(part) = layer.sums.get(pixel)
@@ -114,14 +106,14 @@ impl ResolveInput<'_> {
         if sum[3] >= LEAST_WEIGHT {
             [sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]]
         } else {
-            self.frame.color_of(slot_of(key))
+            self.stage.frame.color_of(slot_of(key))
         }
     }
 
     /// Loads a block and its ring: the nearer keys of the background and of a foreground.
     #[inline(always)]
     pub(super) fn load(&self, block: BlockOrigin, foreground: Option<&PaintedLayer>, patch: &mut Patch) {
-        (patch.left, patch.top, patch.surface_ratio) = (block.left, block.top, self.surface_ratio);
+        (patch.left, patch.top, patch.surface_ratio) = (block.left, block.top, self.stage.surface_ratio);
         let mut border = [0; SIDE];
         for (row, keys) in patch.keys.iter_mut().enumerate() {
             *keys = *self.patch_row(&self.background.keys, block, row, &mut border);
@@ -143,14 +135,14 @@ impl ResolveInput<'_> {
         border: &'b mut [u64; SIDE],
     ) -> &'b [u64; SIDE] {
         let y = (block.top + row).saturating_sub(RING).min(self.height() - 1);
-        let keys = &keys[y * self.width..][..self.width];
+        let keys = &keys[y * self.stage.width..][..self.stage.width];
         if let Some(left) = block.left.checked_sub(RING)
             && let Some(keys) = keys[left..].first_chunk::<SIDE>()
         {
             return keys;
         }
         for (column, key) in border.iter_mut().enumerate() {
-            *key = keys[(block.left + column).saturating_sub(RING).min(self.width - 1)];
+            *key = keys[(block.left + column).saturating_sub(RING).min(self.stage.width - 1)];
         }
         border
     }

@@ -30,7 +30,7 @@ const TALL: usize = 2;
 /// # Errors
 /// `Cancelled`.
 pub(crate) fn resolve(input: &ResolveInput<'_>, which: &BlockSet, picture: &mut Picture) -> Result<()> {
-    let width = input.width;
+    let width = input.stage.width;
     // Neighboring blocks look at the same tiles of the cameras, those below as well as those beside.
     let is_tall = input.views.is_some() && input.height() >= TALL * BLOCK * 4 * rayon::current_num_threads();
     let tall = if is_tall { TALL } else { 1 };
@@ -38,11 +38,11 @@ pub(crate) fn resolve(input: &ResolveInput<'_>, which: &BlockSet, picture: &mut 
     let color = picture.color.as_mut_slice().par_chunks_mut(strip);
     let depth = picture.inverse_depth.as_mut_slice().par_chunks_mut(strip);
     let image = picture.image.as_mut_slice().par_chunks_mut(strip);
-    let cameras = input.frame.set.cameras.len();
+    let cameras = input.stage.frame.set.cameras.len();
     color.zip(depth).zip(image).enumerate().try_for_each_init(
         || input.scratches.borrow(cameras),
         |scratch, (nth, ((color, inverse_depth), image))| {
-            input.job.check()?;
+            input.stage.job.check()?;
             let row = BLOCK * width;
             let rows = color.chunks_mut(row).zip(inverse_depth.chunks_mut(row)).zip(image.chunks_mut(row));
             let strips = rows.enumerate().map(|(below, ((color, inverse_depth), image))| Strip {
@@ -70,7 +70,9 @@ impl VectorLoop for StripGroup<'_> {
     #[inline(always)]
     fn run(mut self) {
         let input = self.input;
-        if input.kernel == Kernel::Point && input.background_picture.is_none() && input.frame.tile_count() > 0
+        if input.stage.kernel == Kernel::Point
+            && input.background_picture.is_none()
+            && input.stage.frame.tile_count() > 0
         {
             for strip in &mut self.strips {
                 show_nearest(strip, self.which);
@@ -78,7 +80,7 @@ impl VectorLoop for StripGroup<'_> {
             return;
         }
         let mut shown = Vec::new();
-        for column in 0..input.width.div_ceil(BLOCK) {
+        for column in 0..input.stage.width.div_ceil(BLOCK) {
             for strip in self.strips.iter_mut().filter(|strip| self.which.contains(column, strip.row)) {
                 resolve_block(strip, column, self.scratch, &mut shown);
             }

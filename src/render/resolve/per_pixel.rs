@@ -36,7 +36,7 @@ pub(super) fn show_nearest(strip: &mut Strip<'_>, which: &BlockSet) {
     let (mut first, mut second) = (empty(), empty());
     let (mut found, mut next) = (&mut first, &mut second);
     let mut before: Option<BlockOrigin> = None;
-    for column in 0..strip.input.width.div_ceil(BLOCK) {
+    for column in 0..strip.input.stage.width.div_ceil(BLOCK) {
         if !which.contains(column, strip.row) {
             continue;
         }
@@ -60,17 +60,17 @@ pub(super) fn paint_over(
     foreground: &PaintedLayer,
     shown: &mut Vec<ForegroundPixel>,
 ) {
-    let (input, frame) = (strip.input, strip.input.frame);
+    let (input, frame) = (strip.input, strip.input.stage.frame);
     let (columns, rows) = strip.rows.extent(block.left);
-    let is_point = input.kernel == Kernel::Point;
+    let is_point = input.stage.kernel == Kernel::Point;
     shown.clear();
     for row in 0..rows {
-        let first = (block.top + row) * input.width + block.left;
+        let first = (block.top + row) * input.stage.width + block.left;
         let front = &foreground.keys[first..first + columns];
         if front.iter().fold(0, |all, key| all | key) == 0 {
             continue;
         }
-        let at = row * input.width + block.left;
+        let at = row * input.stage.width + block.left;
         let back = &input.background.keys[first..first + columns];
         for (column, (&front, &back)) in front.iter().zip(back).enumerate() {
             let key = front.max(back);
@@ -93,10 +93,10 @@ impl NearestSamples {
     /// Finds the nearest samples of a block and prefetches their colors.
     #[inline(always)]
     fn find(&mut self, strip: &Strip<'_>, block: BlockOrigin) {
-        let (input, frame) = (strip.input, strip.input.frame);
+        let (input, frame) = (strip.input, strip.input.stage.frame);
         let (columns, rows) = strip.rows.extent(block.left);
         for row in 0..rows {
-            let first = (block.top + row) * input.width + block.left;
+            let first = (block.top + row) * input.stage.width + block.left;
             let keys = &mut self.keys[row];
             put(keys, &input.background.keys[first..first + columns]);
             if let Some(foreground) = input.foreground {
@@ -104,7 +104,7 @@ impl NearestSamples {
                 keys.iter_mut().zip(front).for_each(|(key, front)| *key = (*key).max(*front));
             }
             // What will be written is not in the cache either.
-            let at = row * input.width + block.left;
+            let at = row * input.stage.width + block.left;
             for part in 0..3 {
                 simd::prefetch(strip.rows.color, at + part * BLOCK / 3);
             }
@@ -121,7 +121,7 @@ impl NearestSamples {
     /// Sets the pixels of a block to these samples.
     #[inline(always)]
     fn show(&mut self, strip: &mut Strip<'_>, block: BlockOrigin) {
-        let frame = strip.input.frame;
+        let frame = strip.input.stage.frame;
         let (columns, rows) = strip.rows.extent(block.left);
         for row in 0..rows {
             for (color, index) in self.colors[row].iter_mut().zip(&self.indices[row]).take(columns) {
@@ -135,7 +135,7 @@ impl NearestSamples {
 
     #[inline(always)]
     fn show_row(&self, strip: &mut Strip<'_>, block: BlockOrigin, row: usize, columns: usize) {
-        let at = row * strip.input.width + block.left;
+        let at = row * strip.input.stage.width + block.left;
         let (mut planes, mut depths, mut images) = ([[0.0; BLOCK]; 3], [0.0; BLOCK], [NO_IMAGE; BLOCK]);
         for column in 0..BLOCK {
             let (key, color) = (self.keys[row][column], self.colors[row][column]);
@@ -147,7 +147,7 @@ impl NearestSamples {
         }
         let samples = self.keys[row].iter().zip(&self.indices[row]);
         for (image, (key, index)) in images.iter_mut().zip(samples).take(columns) {
-            let shown = strip.input.frame.images[index.image as usize] as u32;
+            let shown = strip.input.stage.frame.images[index.image as usize] as u32;
             *image = if *key == 0 { NO_IMAGE } else { shown };
         }
         for (column, color) in strip.rows.color[at..at + columns].iter_mut().enumerate() {

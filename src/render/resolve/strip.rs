@@ -67,7 +67,7 @@ impl Strip<'_> {
                 let pixel = (block.top + row) * width + block.left + column;
                 let key = input.key(pixel);
                 let color = if key == 0 { [0.0; 3] } else { input.blended(pixel, key) };
-                self.rows.set(input.frame, row * width + block.left + column, key, color);
+                self.rows.set(input.stage.frame, row * width + block.left + column, key, color);
             }
         }
     }

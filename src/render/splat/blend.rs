@@ -13,7 +13,7 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::input::{SplatInput, split_at_bands};
+use super::input::{StageInput, split_at_bands};
 use super::zkey::inverse_depth_of;
 use crate::error::Result;
 use crate::render::geometry::{
@@ -45,32 +45,25 @@ const MAX_REACH: f32 = 64.0;
 pub(crate) const BLEND_REACH: FootprintReach =
     FootprintReach { pixels: 1.5, source_pixels: 2.0 * MAX_STRETCH };
 
-/// Adds up the colors in `bands` of the samples that lie on the surface of the nearest one, as `surface_ratio` and `keys` tell.
+/// Adds up the colors in `bands` of the samples that lie on the nearest surface, by the z-buffer `keys`.
 ///
 /// # Errors
 /// `Cancelled`.
-pub(crate) fn blend(
-    input: &SplatInput<'_>,
-    bands: &[RowBand],
-    keys: &[u64],
-    surface_ratio: f32,
-    sums: &mut [Sum],
-) -> Result<()> {
+pub(crate) fn blend(input: &StageInput<'_>, bands: &[RowBand], keys: &[u64], sums: &mut [Sum]) -> Result<()> {
     let parts: Vec<BandBlend<'_>> = split_at_bands(bands, input.width, sums)
         .into_iter()
         .map(|(band, sums)| {
             let keys = &keys[band.rows.start * input.width..band.rows.end * input.width];
-            BandBlend { input, band, keys, surface_ratio, sums }
+            BandBlend { input, band, keys, sums }
         })
         .collect();
     parts.into_par_iter().try_for_each(simd::run)
 }
 
 struct BandBlend<'a> {
-    input: &'a SplatInput<'a>,
+    input: &'a StageInput<'a>,
     band: &'a RowBand,
     keys: &'a [u64],
-    surface_ratio: f32,
     sums: &'a mut [Sum],
 }
 
@@ -79,9 +72,10 @@ impl VectorLoop for BandBlend<'_> {
 
     #[inline(always)]
     fn run(self) -> Result<()> {
-        let Self { input, band, keys, surface_ratio, sums } = self;
+        let Self { input, band, keys, sums } = self;
+        let (width, surface_ratio) = (input.width, input.surface_ratio);
         let mut dense = DenseTile::new();
-        let mut sums = BandSums { width: input.width, rows: band.rows.clone(), keys, surface_ratio, sums };
+        let mut sums = BandSums { width, rows: band.rows.clone(), keys, surface_ratio, sums };
         for &number in &band.tiles {
             input.job.check()?;
             let tile = input.frame.tile(number as usize);

@@ -6,6 +6,6 @@ mod surface;
 mod zkey;
 
 pub(crate) use blend::{BLEND_REACH, LEAST_WEIGHT, Sum, blend};
-pub(crate) use input::SplatInput;
+pub(crate) use input::StageInput;
 pub(crate) use surface::surface;
 pub(crate) use zkey::{CORE, inverse_depth_of, key, nearness, slot_of};

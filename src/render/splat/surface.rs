@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::input::{SplatInput, split_at_bands};
+use super::input::{StageInput, split_at_bands};
 use super::zkey::{CORE, key, nearness};
 use crate::error::Result;
 use crate::render::geometry::{
@@ -27,7 +27,7 @@ const CORE_SHARE: f32 = 0.06;
 ///
 /// # Errors
 /// `Cancelled`.
-pub(crate) fn surface(input: &SplatInput<'_>, bands: &[RowBand], keys: &mut [u64]) -> Result<()> {
+pub(crate) fn surface(input: &StageInput<'_>, bands: &[RowBand], keys: &mut [u64]) -> Result<()> {
     split_at_bands(bands, input.width, keys).into_par_iter().try_for_each(|(band, keys)| {
         let pixels = BandRows::of(input.width, &band.rows);
         let fringe = input.kernel == Kernel::Gather && input.frame.is_pruned();
@@ -43,7 +43,7 @@ pub(crate) fn surface(input: &SplatInput<'_>, bands: &[RowBand], keys: &mut [u64
 
 /// One band of the picture.
 struct BandSurface<'a, S> {
-    input: &'a SplatInput<'a>,
+    input: &'a StageInput<'a>,
     band: &'a RowBand,
     keys: &'a mut [u64],
     splat: S,
