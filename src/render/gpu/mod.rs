@@ -45,7 +45,7 @@ use display::Display;
 use memory::SampleMemory;
 use pipelines::Pipelines;
 use recorder::Recorder;
-use scene::SceneBindings;
+use scene::{SceneBindings, SceneInput};
 use target::GpuTarget;
 
 /// How a [`GpuRenderer`] is set up.
@@ -266,8 +266,8 @@ impl GpuRenderer {
         let context = &*context;
         let result = context.guarded(|| {
             let target = target_for(target, context, pipelines, &vantage.camera, settings)?;
-            let scene =
-                SceneBindings::new(context, pipelines, memory, target, (&frame, &vantage.camera, settings))?;
+            let input = SceneInput { frame: &frame, camera: &vantage.camera, settings };
+            let scene = SceneBindings::new(context, pipelines, memory, target, input)?;
             job.check()?;
             let mut encoder =
                 context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

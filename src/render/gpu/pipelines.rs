@@ -28,31 +28,39 @@ pub(super) struct Pipelines {
 
 /// What a binding holds.
 #[derive(Clone, Copy)]
-enum BindingKind {
+pub(super) enum BindingKind {
+    /// The stage, at an offset.
     Stage,
+    Uniform,
     Read,
     Write,
+    /// A texture that is written.
+    Texture(wgpu::TextureFormat),
 }
 
-fn layout(device: &wgpu::Device, label: &str, bindings: &[BindingKind]) -> wgpu::BindGroupLayout {
-    let entries: Vec<_> = bindings
-        .iter()
-        .enumerate()
-        .map(|(binding, holds)| wgpu::BindGroupLayoutEntry {
-            binding: binding as u32,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: match holds {
-                    BindingKind::Stage => wgpu::BufferBindingType::Uniform,
-                    BindingKind::Read => wgpu::BufferBindingType::Storage { read_only: true },
-                    BindingKind::Write => wgpu::BufferBindingType::Storage { read_only: false },
-                },
-                has_dynamic_offset: matches!(holds, BindingKind::Stage),
-                min_binding_size: None,
-            },
-            count: None,
-        })
-        .collect();
+/// The layout of a group of bindings, numbered from 0.
+pub(super) fn layout(device: &wgpu::Device, label: &str, bindings: &[BindingKind]) -> wgpu::BindGroupLayout {
+    let buffer =
+        |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
+    let storage = |read_only| buffer(wgpu::BufferBindingType::Storage { read_only }, false);
+    let kind_of = |kind: &BindingKind| match *kind {
+        BindingKind::Stage => buffer(wgpu::BufferBindingType::Uniform, true),
+        BindingKind::Uniform => buffer(wgpu::BufferBindingType::Uniform, false),
+        BindingKind::Read => storage(true),
+        BindingKind::Write => storage(false),
+        BindingKind::Texture(format) => wgpu::BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::WriteOnly,
+            format,
+            view_dimension: wgpu::TextureViewDimension::D2,
+        },
+    };
+    let entry = |(binding, kind): (usize, &BindingKind)| wgpu::BindGroupLayoutEntry {
+        binding: binding as u32,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: kind_of(kind),
+        count: None,
+    };
+    let entries: Vec<_> = bindings.iter().enumerate().map(entry).collect();
     device
         .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
@@ -113,21 +121,13 @@ impl Pipelines {
     }
 }
 
-/// A bind group of whole buffers; the first may be the stage, which is bound at an offset.
-pub(super) fn bind(
+/// A bind group of these resources, numbered from 0.
+pub(super) fn bind<'a>(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
-    stage: Option<&wgpu::Buffer>,
-    buffers: &[&wgpu::Buffer],
+    resources: impl IntoIterator<Item = wgpu::BindingResource<'a>>,
 ) -> wgpu::BindGroup {
-    let stage = stage.map(|buffer| {
-        let size = std::num::NonZeroU64::new(size_of::<super::layout::GpuStage>() as u64);
-        wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
-    });
-    let resources = stage.into_iter().chain(buffers.iter().map(|buffer| buffer.as_entire_binding()));
-    let entries: Vec<_> = resources
-        .enumerate()
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource })
-        .collect();
+    let entry = |(binding, resource): (usize, _)| wgpu::BindGroupEntry { binding: binding as u32, resource };
+    let entries: Vec<_> = resources.into_iter().enumerate().map(entry).collect();
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }

@@ -1,4 +1,4 @@
-//! The buffers of a picture: two layers, what comes of them, and the way back to the CPU.
+//! The buffers of a picture: two layers, the resolved picture, and a buffer that the CPU can read.
 
 use super::context::Context;
 use super::layout::{KEY_WORDS, PICTURE_WORDS, SUM_WORDS};
@@ -8,7 +8,7 @@ use crate::grid::Grid;
 use crate::render::vantage::Picture;
 use wgpu::BufferUsages as Usage;
 
-/// What was painted of some images.
+/// The keys and sums of a layer.
 #[derive(Debug)]
 pub(super) struct PaintedImages {
     pub(super) keys: wgpu::Buffer,
@@ -21,12 +21,16 @@ impl PaintedImages {
         let usage = Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC;
         let keys = context.buffer("keys", 4 * KEY_WORDS * pixels, usage)?;
         let sums = context.buffer("sums", if blends { 4 * SUM_WORDS * pixels } else { 0 }, usage)?;
-        let group = bind(&context.device, &pipelines.layer_layout, None, &[&keys, &sums]);
+        let group = bind(
+            &context.device,
+            &pipelines.layer_layout,
+            [&keys, &sums].map(wgpu::Buffer::as_entire_binding),
+        );
         Ok(Self { keys, sums, group })
     }
 }
 
-/// See the module's page.
+/// The buffers of a picture.
 #[derive(Debug)]
 pub(super) struct GpuTarget {
     pub(super) width: usize,
@@ -59,7 +63,8 @@ impl GpuTarget {
         let picture = context.buffer("picture", bytes, Usage::STORAGE | Usage::COPY_SRC)?;
         let readback = context.buffer("readback", bytes, Usage::MAP_READ | Usage::COPY_DST)?;
         let buffers = [&layers[0].keys, &layers[0].sums, &layers[1].keys, &layers[1].sums, &picture];
-        let resolve_group = bind(&context.device, &pipelines.resolve_layout, None, &buffers);
+        let resources = buffers.map(wgpu::Buffer::as_entire_binding);
+        let resolve_group = bind(&context.device, &pipelines.resolve_layout, resources);
         Ok(Self { width, height, blends, layers, picture, resolve_group, readback })
     }
 
@@ -68,15 +73,15 @@ impl GpuTarget {
         self.width * self.height
     }
 
-    /// Has the picture copied to where the CPU can read it.
+    /// Records a copy of the picture to where the CPU can read it.
     pub(super) fn record_readback(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.copy_buffer_to_buffer(&self.picture, 0, &self.readback, 0, self.readback.size());
     }
 
-    /// Waits for the picture and takes it.
+    /// Waits for the picture and reads it.
     ///
     /// # Errors
-    /// `Gpu` where it never comes.
+    /// `Gpu` where the adapter fails.
     pub(super) fn read(&self, context: &Context) -> Result<Picture> {
         let pixels = self.pixels();
         read_words(context, &self.readback, |words| {
@@ -92,10 +97,10 @@ impl GpuTarget {
     }
 }
 
-/// Waits for all work and shows the words of a buffer that the CPU may map.
+/// Waits for all work and passes on the words of a buffer that the CPU may map.
 ///
 /// # Errors
-/// `Gpu` where the adapter does not come back.
+/// `Gpu` where the adapter fails.
 pub(super) fn read_words<T>(
     context: &Context,
     buffer: &wgpu::Buffer,
