@@ -38,8 +38,9 @@ pub(crate) struct FrameTile<'a> {
 }
 
 impl<'a> FrameTile<'a> {
+    /// The tile of an image with an index.
     #[inline(always)]
-    fn new(image: &'a SampleImage, index: usize) -> Self {
+    pub(crate) fn new(image: &'a SampleImage, index: usize) -> Self {
         let tile = &image.tiles[index];
         let mut before = [0; TILE];
         let mut count = 0;
