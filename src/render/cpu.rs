@@ -12,7 +12,7 @@ use std::time::Instant;
 use super::fill::fill;
 use super::gather::{RING, ScratchPool, SourceViews};
 use super::geometry::{FootprintReach, MAX_STRETCH, TileBounds, bands, bounds};
-use super::input::{CellTable, FrameImages, FrameSamples, TileIndex};
+use super::input::{BackgroundKey, CellTable, FrameImages, FrameSamples, TileIndex};
 use super::resolve::{BlockSet, PaintedLayer, ResolveInput, resolve};
 use super::splat::{BLEND_REACH, StageInput, blend, surface};
 use super::vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
@@ -32,12 +32,8 @@ pub struct CpuRenderer {
 /// What is kept from one frame to the next while the vantage is still.
 #[derive(Debug)]
 struct VantageCache {
-    samples: Arc<SampleSet>,
-    /// Indices of the images of the background.
-    images: Vec<usize>,
-    camera: Camera,
-    settings: RenderSettings,
-    /// The index of the tiles of these images; moves on to the next frame.
+    key: BackgroundKey,
+    /// The index of the background's tiles; moves on to the next frame.
     tile_index: TileIndex,
     /// Where these tiles lie in the cameras, for the gather kernel.
     cells: Option<CellTable>,
@@ -68,17 +64,6 @@ struct PictureInput<'a> {
     scratches: &'a ScratchPool,
 }
 
-/// The layers of a picture, as far as they are painted.
-#[derive(Clone, Copy)]
-struct Layers<'a> {
-    background: &'a PaintedLayer,
-    /// The picture of the background alone, if it exists already.
-    background_picture: Option<&'a Picture>,
-    foreground: Option<&'a PaintedLayer>,
-    /// Where the tiles of the background lie in the cameras, for the gather kernel.
-    cells: Option<&'a CellTable>,
-}
-
 impl PictureInput<'_> {
     fn bounds(&self, tiles: Range<usize>) -> Vec<TileBounds> {
         let reach = match self.stage.kernel {
@@ -102,12 +87,19 @@ impl PictureInput<'_> {
         Ok(())
     }
 
-    /// Resolves some blocks of a picture.
-    fn resolve(&self, layers: Layers<'_>, which: &BlockSet, picture: &mut Picture) -> Result<()> {
+    /// Resolves some blocks of a picture: of the cached background, over it a foreground if there is one. `background_picture` is
+    /// that of the background alone, if it exists already.
+    fn resolve(
+        &self,
+        cache: &VantageCache,
+        foreground: Option<&PaintedLayer>,
+        background_picture: Option<&Picture>,
+        which: &BlockSet,
+        picture: &mut Picture,
+    ) -> Result<()> {
         self.scratches.forget();
-        let frame = self.stage.frame;
+        let (frame, cells) = (self.stage.frame, cache.cells.as_ref());
         let views = |table| SourceViews::new(frame, table, self.target, self.settings.depth_tolerance);
-        let Layers { background, background_picture, foreground, cells } = layers;
         // Pixels without foreground are copied from the background's picture, if that exists already.
         let behind = cells.filter(|_| background_picture.is_none()).map(|cells| views(cells.clone()));
         let all = cells.filter(|_| foreground.is_some());
@@ -115,7 +107,7 @@ impl PictureInput<'_> {
         let either = behind.as_ref().or(all.as_ref());
         let input = ResolveInput {
             stage: &self.stage,
-            background,
+            background: &cache.background,
             foreground,
             background_picture,
             views: either.map(|either| [either, all.as_ref().unwrap_or(either)]),
@@ -148,9 +140,15 @@ impl CpuRenderer {
         let images = FrameImages::at(samples, vantage.frame);
         // Taken out, so that a canceled job leaves nothing half painted in the cache.
         let mut cache = self.cache.take();
+        let key = BackgroundKey {
+            samples: samples.clone(),
+            images: images.background().to_vec(),
+            camera: vantage.camera.clone(),
+            settings: settings.clone(),
+        };
         let reused = cache
             .as_mut()
-            .filter(|cache| cache.matches(samples, images.background(), &vantage.camera, settings))
+            .filter(|cache| cache.key.matches(&key))
             .map(|cache| std::mem::take(&mut cache.tile_index));
         let background_reused = reused.is_some();
         let frame = FrameSamples::of(samples, vantage.frame, images, reused)?;
@@ -158,7 +156,7 @@ impl CpuRenderer {
         let input = PictureInput { stage, target: &vantage.camera, settings, scratches: &self.scratches };
         let mut cache = match cache {
             Some(cache) if background_reused => paint_foreground(&input, cache)?,
-            cache => paint_all(&input, samples, cache)?,
+            cache => paint_all(&input, key, cache)?,
         };
         let CachedPicture { picture, holes, .. } = &cache.pictures[0];
         let (mut picture, holes) = (picture.clone(), *holes);
@@ -183,19 +181,6 @@ impl CpuRenderer {
 }
 
 impl VantageCache {
-    fn matches(
-        &self,
-        samples: &Arc<SampleSet>,
-        images: &[usize],
-        camera: &Camera,
-        settings: &RenderSettings,
-    ) -> bool {
-        self.images == images
-            && (Arc::ptr_eq(&self.samples, samples) || self.samples.shares(samples, images))
-            && self.camera == *camera
-            && self.settings == *settings
-    }
-
     /// Memory for the next picture: both layers, and a picture that nobody else holds.
     fn into_buffers(self) -> (PaintedLayer, PaintedLayer, Option<Picture>) {
         let free = self.pictures.into_iter().find_map(|cached| Arc::into_inner(cached.picture));
@@ -218,7 +203,7 @@ impl VantageCache {
 /// Paints background and foreground, into the memory of an earlier picture if there is one.
 fn paint_all(
     input: &PictureInput<'_>,
-    samples: &Arc<SampleSet>,
+    key: BackgroundKey,
     earlier: Option<VantageCache>,
 ) -> Result<VantageCache> {
     let (width, height) = input.target.intrinsics.size();
@@ -238,54 +223,36 @@ fn paint_all(
         touched.mark(&bounds, RING);
         input.paint(frame.background_tile_count, &bounds, &mut foreground)?;
     }
-    let mut picture = picture
-        .filter(|picture| picture.color.size() == (width, height))
-        .unwrap_or_else(|| Picture::empty(width, height));
-    let front = (!frame.foreground_tiles().is_empty()).then_some(&foreground);
-    let cells = (input.stage.kernel == Kernel::Gather)
-        .then(|| CellTable::empty(&frame.set.cameras).with(frame, frame.background_tiles()));
-    let all = BlockSet::all(width, height);
-    let layers = Layers {
-        background: &background,
-        background_picture: None,
-        foreground: front,
-        cells: cells.as_ref(),
-    };
-    input.resolve(layers, &all, &mut picture)?;
-    Ok(VantageCache {
-        samples: samples.clone(),
-        images: frame.images[..frame.background_images].to_vec(),
-        camera: input.target.clone(),
-        settings: input.settings.clone(),
+    let mut cache = VantageCache {
+        key,
         tile_index: TileIndex::default(),
-        cells,
+        cells: (input.stage.kernel == Kernel::Gather)
+            .then(|| CellTable::empty(&frame.set.cameras).with(frame, frame.background_tiles())),
         background,
         background_picture: None,
         foreground,
-        pictures: vec![CachedPicture {
-            holes: picture.holes(),
-            picture: Arc::new(picture),
-            touched: touched.clone(),
-        }],
+        pictures: Vec::new(),
         touched,
-    })
+    };
+    let mut picture = picture
+        .filter(|picture| picture.color.size() == (width, height))
+        .unwrap_or_else(|| Picture::empty(width, height));
+    let front = (!frame.foreground_tiles().is_empty()).then_some(&cache.foreground);
+    input.resolve(&cache, front, None, &BlockSet::all(width, height), &mut picture)?;
+    let (holes, touched) = (picture.holes(), cache.touched.clone());
+    cache.pictures.push(CachedPicture { holes, picture: Arc::new(picture), touched });
+    Ok(cache)
 }
 
 /// Paints the foreground alone, over the cached background.
 fn paint_foreground(input: &PictureInput<'_>, mut cache: VantageCache) -> Result<VantageCache> {
     let (width, height) = input.target.intrinsics.size();
-    let layers = Layers {
-        background: &cache.background,
-        background_picture: None,
-        foreground: None,
-        cells: cache.cells.as_ref(),
-    };
     let (background_picture, background_holes) = if let Some(kept) = cache.background_picture.take() {
         kept
     } else {
         let CachedPicture { picture, touched, .. } = &cache.pictures[0];
         let mut picture = (**picture).clone();
-        input.resolve(layers, touched, &mut picture)?;
+        input.resolve(&cache, None, None, touched, &mut picture)?;
         let holes = picture.holes();
         (picture, holes)
     };
@@ -303,13 +270,7 @@ fn paint_foreground(input: &PictureInput<'_>, mut cache: VantageCache) -> Result
     let mut painted = cache.free_picture(&background_picture);
     painted.touched.join(&touched);
     let picture = Arc::make_mut(&mut painted.picture);
-    let layers = Layers {
-        background: &cache.background,
-        background_picture: Some(&background_picture),
-        foreground: Some(&cache.foreground),
-        cells: cache.cells.as_ref(),
-    };
-    input.resolve(layers, &painted.touched, picture)?;
+    input.resolve(&cache, Some(&cache.foreground), Some(&background_picture), &painted.touched, picture)?;
     let holes_in =
         |picture: &Picture| touched.count(width, picture.image.as_slice(), |image| *image == NO_IMAGE);
     painted.holes = background_holes - holes_in(&background_picture) + holes_in(picture);

@@ -9,8 +9,8 @@
 //!
 //! What differs from the CPU renderer: one thread a sample instead of one a band of rows, so keys are raised and colors are
 //! summed by atomics, colors in fixed point. Neither result depends on the order of the threads. Shader compilers may contract
-//! sums and divide by other means than the CPU does: a sample's position and depth may differ in the last bits, and where it
-//! stood on the border of a pixel, so may the pixel. `tests/gpu_parity.rs` says how much of that is let pass.
+//! sums and divide in other ways than the CPU: a sample's position and depth may differ in the last bits, and so may the pixel
+//! of a sample on the border of two. `tests/gpu_parity.rs` holds the limits.
 
 mod context;
 mod copy;
@@ -33,7 +33,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::fill::fill;
-use super::input::FrameSamples;
+use super::input::{BackgroundKey, FrameSamples};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::capture::Camera;
 use crate::error::{Error, Result};
@@ -72,27 +72,9 @@ pub struct GpuRenderer {
     pipelines: Pipelines,
     memory: SampleMemory,
     target: Option<GpuTarget>,
-    background: Option<CachedBackground>,
+    /// What the background layer of `target` was painted from.
+    background: Option<BackgroundKey>,
     display: Option<Display>,
-}
-
-/// What the background layer of the target was painted from.
-#[derive(Debug)]
-struct CachedBackground {
-    samples: Arc<SampleSet>,
-    images: Vec<usize>,
-    camera: Camera,
-    settings: RenderSettings,
-}
-
-impl CachedBackground {
-    fn is(&self, other: &Self) -> bool {
-        self.images == other.images
-            && (Arc::ptr_eq(&self.samples, &other.samples)
-                || self.samples.shares(&other.samples, &other.images))
-            && self.camera == other.camera
-            && self.settings == other.settings
-    }
 }
 
 impl GpuRenderer {
@@ -112,7 +94,7 @@ impl GpuRenderer {
         Self::on(Context::new(options.adapter)?, options)
     }
 
-    /// Takes part in the device of a window, for [`GpuRenderer::show`].
+    /// Shares the device of a window, for [`GpuRenderer::show`].
     ///
     /// # Errors
     /// `Gpu` where `options` exclude its adapter, or it was not opened as [`device_descriptor`] says.
@@ -145,13 +127,13 @@ impl GpuRenderer {
         self.pipelines.one_pass
     }
 
-    /// Bytes of samples sent to the adapter so far.
+    /// Bytes of samples uploaded so far.
     #[must_use]
     pub fn uploaded_bytes(&self) -> u64 {
         self.memory.uploaded
     }
 
-    /// Drops the background, so that the next picture is painted anew.
+    /// Drops the background, so that the next picture is painted in full.
     pub fn forget_background(&mut self) {
         self.background = None;
     }
@@ -162,13 +144,13 @@ impl GpuRenderer {
         self.context.is_lost()
     }
 
-    /// Has the adapter go away, as unplugging it would.
+    /// Destroys the device, as unplugging the adapter would.
     #[cfg(test)]
     pub(super) fn lose(&self) {
         self.context.device.destroy();
     }
 
-    /// Sends the images of some frames ahead, as far as there is room.
+    /// Uploads the images of some frames ahead, as far as there is space.
     ///
     /// # Errors
     /// `Gpu` where the adapter fails.
@@ -243,7 +225,7 @@ impl GpuRenderer {
         Ok((texture, RenderStats { holes, milliseconds, ..stats }))
     }
 
-    /// Has everything painted up to the picture, and `finish` do the work that was written down and take what comes of it.
+    /// Records all stages up to the picture; `finish` submits them and returns the result.
     fn paint<T>(
         &mut self,
         samples: &Arc<SampleSet>,
@@ -255,13 +237,13 @@ impl GpuRenderer {
         vantage.check(samples)?;
         job.check()?;
         let frame = FrameSamples::at(samples, vantage.frame)?;
-        let wanted = CachedBackground {
+        let key = BackgroundKey {
             samples: samples.clone(),
             images: frame.images[..frame.background_images].to_vec(),
             camera: vantage.camera.clone(),
             settings: settings.clone(),
         };
-        let reused = self.background.take().as_ref().is_some_and(|background| background.is(&wanted));
+        let reused = self.background.take().as_ref().is_some_and(|background| background.matches(&key));
         let Self { context, pipelines, memory, target, .. } = self;
         let context = &*context;
         let result = context.guarded(|| {
@@ -280,20 +262,20 @@ impl GpuRenderer {
             finish(context, target, encoder)
         });
         let result = result.inspect_err(|error| {
-            // What was to be kept may be what failed: memory that ran out is an unusable buffer from then on.
+            // Buffers that memory ran out for are unusable from then on.
             if matches!(error, Error::Gpu { .. }) {
                 self.target = None;
                 self.memory.forget();
             }
         })?;
-        self.background = Some(wanted);
+        self.background = Some(key);
         let tiles = if reused { frame.foreground_tiles() } else { 0..frame.tile_count() };
         let samples = frame.sample_count(tiles);
         Ok((result, RenderStats { samples, background_reused: reused, ..RenderStats::default() }))
     }
 }
 
-/// Buffers of the right size: the ones there are, or others.
+/// Buffers of the right size: the existing ones if they fit, else new ones.
 fn target_for<'a>(
     target: &'a mut Option<GpuTarget>,
     context: &Context,
@@ -311,7 +293,7 @@ fn target_for<'a>(
     Ok(target.insert(found))
 }
 
-/// An adapter for a test; `None`, said aloud, where the machine has none, a failure where `OVERLOOK_REQUIRE_GPU` asks for one.
+/// An adapter for a test; `None`, with a message, if the machine has none, and a failure if `OVERLOOK_REQUIRE_GPU` demands one.
 #[cfg(test)]
 pub(super) fn opened<T>(adapter: Result<T>) -> Option<T> {
     let say = |error: &Error| {
@@ -338,7 +320,7 @@ mod tests {
         let paint =
             |gpu: &mut GpuRenderer| gpu.render(&samples, &vantage, &RenderSettings::default(), &Job::new());
         let (before, _) = paint(&mut gpu).unwrap();
-        // What memory that ran out leaves behind: buffers that cannot be used.
+        // When memory runs out, buffers are unusable.
         let unusable: [fn(&GpuRenderer); 2] = [
             |gpu| gpu.target.as_ref().unwrap().picture.destroy(),
             |gpu| gpu.memory.pages().for_each(wgpu::Buffer::destroy),

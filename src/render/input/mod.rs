@@ -1,10 +1,12 @@
 //! The samples of one frame, as renderers read them.
 
+mod background_key;
 mod dense_tile;
 mod frame_tiles;
 mod tile_cache;
 mod tile_grid;
 
+pub(crate) use background_key::BackgroundKey;
 pub(crate) use dense_tile::{DenseTile, beside_edges, slopes};
 pub(crate) use frame_tiles::{ColorIndex, FrameImages, FrameSamples, FrameTile, TileIndex};
 pub(crate) use tile_cache::{LANES, LaneValues, Quads, TileCaches};
