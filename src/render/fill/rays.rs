@@ -56,25 +56,20 @@ impl HoleRays {
     pub(super) fn neighbors(&self, (x, y): (usize, usize)) -> HoleNeighbors {
         let (width, height) = self.size;
         let last = width * height - 1;
-        let (turned_x, turned_y) = (width - 1 - x, height - 1 - y);
-        let forward = self.forward[y * width + x];
-        let backward = self.backward[turned_y * width + turned_x];
+        let turned = (width - 1 - x, height - 1 - y);
         let mut seen = HoleNeighbors { pixel: [0; 8], distance_px: [f32::INFINITY; 8] };
-        for direction in 0..4 {
-            // Pixels to go back, row-major, for each step.
-            let stride = [1, width + 1, width, width - 1][direction];
-            let length = [1.0, std::f32::consts::SQRT_2][direction % 2];
-            let ahead = steps_ahead(forward[direction], &self.forward, width, (x, y), direction);
-            if ahead != NONE {
-                seen.pixel[direction] = y * width + x - ahead as usize * stride;
-                seen.distance_px[direction] = f32::from(ahead) * length;
-            }
-            let behind =
-                steps_ahead(backward[direction], &self.backward, width, (turned_x, turned_y), direction);
-            if behind != NONE {
-                let turned = turned_y * width + turned_x - behind as usize * stride;
-                seen.pixel[direction + 4] = last - turned;
-                seen.distance_px[direction + 4] = f32::from(behind) * length;
+        for direction in 0..8 {
+            let is_turned = direction >= 4;
+            let (steps, (x, y)) = if is_turned { (&self.backward, turned) } else { (&self.forward, (x, y)) };
+            let within = steps[y * width + x][direction % 4];
+            let count = steps_ahead(within, steps, width, (x, y), direction % 4);
+            if count != NONE {
+                // Pixels to go back, row-major, for each step.
+                let stride = [1, width + 1, width, width - 1][direction % 4];
+                let length = [1.0, std::f32::consts::SQRT_2][direction % 2];
+                let pixel = y * width + x - count as usize * stride;
+                seen.pixel[direction] = if is_turned { last - pixel } else { pixel };
+                seen.distance_px[direction] = f32::from(count) * length;
             }
         }
         seen

@@ -190,7 +190,7 @@ impl Context {
             failure = pollster::block_on(scope.pop()).or(failure);
         }
         if let Some(error) = failure {
-            return Err(gpu_error(format!("{}: {error}", self.adapter.name)));
+            return Err(self.error(error));
         }
         self.check()?;
         result
@@ -203,13 +203,18 @@ impl Context {
 
     fn check(&self) -> Result<()> {
         let failure = self.failure.lock().ok().and_then(|failure| failure.clone());
-        failure.map_or(Ok(()), |what| Err(gpu_error(format!("{}: {what}", self.adapter.name))))
+        failure.map_or(Ok(()), |what| Err(self.error(what)))
+    }
+
+    /// A failure of this adapter.
+    pub(crate) fn error(&self, what: impl std::fmt::Display) -> Error {
+        gpu_error(format!("{}: {what}", self.adapter.name))
     }
 
     /// Waits until everything submitted is done.
     pub(crate) fn wait(&self) -> Result<()> {
         let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
-        waited.map(drop).map_err(|error| gpu_error(format!("{}: {error}", self.adapter.name)))
+        waited.map(drop).map_err(|error| self.error(error))
     }
 
     /// The longest buffer that a shader can see, bytes.
@@ -240,9 +245,6 @@ impl Context {
     }
 
     /// A buffer with these bytes.
-    ///
-    /// # Errors
-    /// As [`Context::buffer`].
     pub(crate) fn written(
         &self,
         label: &str,

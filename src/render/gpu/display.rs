@@ -67,9 +67,6 @@ impl Display {
     }
 
     /// Records the display of `target`'s picture, submits the work of `encoder` and returns the texture and the number of holes.
-    ///
-    /// # Errors
-    /// `Gpu` where the adapter fails.
     pub(crate) fn show(
         &mut self,
         context: &Context,

@@ -40,10 +40,7 @@ pub(super) struct SceneInput<'a> {
 }
 
 impl SceneBindings {
-    /// Brings everything onto the adapter.
-    ///
-    /// # Errors
-    /// `Gpu` where it does not fit.
+    /// Uploads what the stages read, and binds it.
     pub(super) fn new(
         context: &Context,
         pipelines: &Pipelines,
@@ -52,13 +49,15 @@ impl SceneBindings {
         input: SceneInput<'_>,
     ) -> Result<Self> {
         let SceneInput { frame, camera, settings } = input;
-        if settings.kernel == Kernel::Gather {
-            can_gather(&frame.set.cameras)?;
+        let cameras = &frame.set.cameras;
+        if settings.kernel == Kernel::Gather && cameras.len() > MAX_CAMERAS {
+            let (count, most) = (cameras.len(), MAX_CAMERAS);
+            let what = format!("{most} cameras can be gathered from, not {count}; use the CPU instead");
+            return Err(Error::Gpu { what });
         }
         let images: Vec<&Arc<SampleImage>> =
             frame.images.iter().map(|index| &frame.set.images[*index]).collect();
         let pieces = pieces(frame, &memory.load(context, &images)?);
-        let cameras = &frame.set.cameras;
         let projectors: Vec<_> = cameras.iter().map(|source| GpuProjector::new(source, camera)).collect();
         let (views, cells) = views(cameras, camera, settings.depth_tolerance);
         let gather_group = if settings.kernel == Kernel::Gather {
@@ -130,20 +129,7 @@ fn stages(input: SceneInput<'_>, piece_count: usize, cells: usize) -> Vec<u8> {
     stages
 }
 
-fn can_gather(cameras: &[Camera]) -> Result<()> {
-    if cameras.len() <= MAX_CAMERAS {
-        return Ok(());
-    }
-    Err(Error::Gpu {
-        what: format!(
-            "{} cameras can be gathered from, not {}; use the CPU instead",
-            MAX_CAMERAS,
-            cameras.len()
-        ),
-    })
-}
-
-/// How the gather stage sees each camera, and how many cells there are in all.
+/// The cameras for the gather stage, and the number of their cells.
 fn views(cameras: &[Camera], target: &Camera, depth_tolerance: f32) -> (Vec<GpuView>, usize) {
     let center = target.position_in_world();
     let mut cells = 0;
@@ -186,7 +172,7 @@ fn lookup(frame: &FrameSamples<'_>, pieces: &[GpuPiece], views: &[GpuView], cell
     lookup
 }
 
-/// A buffer with these entries. Shaders must be given room for one even where there is none.
+/// A buffer with these entries; with one of zeros if there are none, because shaders cannot bind an empty buffer.
 fn list<T: Pod>(context: &Context, label: &str, entries: &[T]) -> Result<wgpu::Buffer> {
     let none = [T::zeroed()];
     let entries = if entries.is_empty() { &none } else { entries };

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::layout::{KEY_WORDS, PICTURE_WORDS, SUM_WORDS};
 use super::pipelines::{Pipelines, bind};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::grid::Grid;
 use crate::render::vantage::Picture;
 use wgpu::BufferUsages as Usage;
@@ -45,9 +45,6 @@ pub(super) struct GpuTarget {
 
 impl GpuTarget {
     /// Buffers for a picture of this size, with sums where the kernel blends.
-    ///
-    /// # Errors
-    /// `Gpu` where the adapter takes no picture of this size.
     pub(super) fn new(
         context: &Context,
         pipelines: &Pipelines,
@@ -79,9 +76,6 @@ impl GpuTarget {
     }
 
     /// Waits for the picture and reads it.
-    ///
-    /// # Errors
-    /// `Gpu` where the adapter fails.
     pub(super) fn read(&self, context: &Context) -> Result<Picture> {
         let pixels = self.pixels();
         read_words(context, &self.readback, |words| {
@@ -98,24 +92,20 @@ impl GpuTarget {
 }
 
 /// Waits for all work and passes on the words of a buffer that the CPU may map.
-///
-/// # Errors
-/// `Gpu` where the adapter fails.
 pub(super) fn read_words<T>(
     context: &Context,
     buffer: &wgpu::Buffer,
     take: impl FnOnce(&[u32]) -> T,
 ) -> Result<T> {
-    let lost = |what: String| Error::Gpu { what: format!("{}: {what}", context.adapter.name) };
     let (sender, receiver) = std::sync::mpsc::sync_channel(1);
     buffer.map_async(wgpu::MapMode::Read, .., move |mapped| {
         // The receiver is gone only where waiting failed, which is an error already.
         let _ = sender.send(mapped);
     });
     context.wait()?;
-    let mapped = receiver.try_recv().map_err(|_| lost("the picture did not come back".to_owned()))?;
-    mapped.map_err(|error| lost(error.to_string()))?;
-    let view = buffer.get_mapped_range(..).map_err(|error| lost(error.to_string()))?;
+    let mapped = receiver.try_recv().map_err(|_| context.error("the picture did not come back"))?;
+    mapped.map_err(|error| context.error(error))?;
+    let view = buffer.get_mapped_range(..).map_err(|error| context.error(error))?;
     let taken = take(bytemuck::cast_slice(&view));
     drop(view);
     buffer.unmap();

@@ -5,7 +5,8 @@ use std::ops::Range;
 use bytemuck::Zeroable;
 
 use super::layout::{GpuPiece, GpuTile};
-use crate::samples::{SampleImage, TILE};
+use crate::render::input::samples_above;
+use crate::samples::SampleImage;
 
 const TILE_WORDS: u32 = (size_of::<GpuTile>() / 4) as u32;
 
@@ -112,16 +113,6 @@ impl Piece {
     }
 }
 
-/// How many samples the rows above each row hold.
-fn samples_above(rows: &[u16; TILE]) -> [u8; TILE] {
-    let mut count = 0;
-    rows.map(|row| {
-        let before = count as u8;
-        count += row.count_ones();
-        before
-    })
-}
-
 /// Writes bytes, and zeros up to a whole word.
 fn write_words(queue: &wgpu::Queue, buffer: &wgpu::Buffer, at: u64, bytes: &[u8]) {
     let (whole, rest) = bytes.split_at(bytes.len() & !3);
@@ -138,7 +129,7 @@ fn write_words(queue: &wgpu::Queue, buffer: &wgpu::Buffer, at: u64, bytes: &[u8]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples::{DepthPlane, SampleTile, Span};
+    use crate::samples::{DepthPlane, SampleTile, Span, TILE};
     use half::f16;
 
     /// `count` tiles, the `nth` with `nth + 1` samples.
@@ -179,13 +170,5 @@ mod tests {
             }
             assert_eq!((tile, sample, byte), (image.tiles.len(), image.len(), image.depth.high().len()));
         }
-    }
-
-    #[test]
-    fn samples_above_a_row_are_counted() {
-        let mut rows = [0; TILE];
-        (rows[0], rows[2], rows[15]) = (0b101, 0xffff, 1);
-        let above = samples_above(&rows);
-        assert_eq!([0, 1, 2, 3, 15].map(|row| above[row]), [0, 2, 2, 18, 18]);
     }
 }

@@ -42,13 +42,9 @@ impl<'a> FrameTile<'a> {
     #[inline(always)]
     pub(crate) fn new(image: &'a SampleImage, index: usize) -> Self {
         let tile = &image.tiles[index];
-        let mut before = [0; TILE];
-        let mut count = 0;
-        for (before, row) in before.iter_mut().zip(&tile.rows) {
-            *before = count as u8;
-            count += row.count_ones();
-        }
-        let samples = tile.first as usize..tile.first as usize + count as usize;
+        let before = samples_above(&tile.rows);
+        let count = usize::from(before[TILE - 1]) + tile.rows[TILE - 1].count_ones() as usize;
+        let samples = tile.first as usize..tile.first as usize + count;
         Self {
             rows: tile.rows,
             before,
@@ -68,7 +64,7 @@ impl<'a> FrameTile<'a> {
     /// The color of a sample, linear.
     #[inline(always)]
     pub(crate) fn color(&self, nth: usize) -> [f32; 3] {
-        self.color[nth].map(|half| widened(half.to_bits().cast_signed()))
+        linear(self.color[nth])
     }
 
     /// Prefetches the depths.
@@ -93,6 +89,23 @@ impl<'a> FrameTile<'a> {
         let [red, green, blue] = color.map(|half| u64::from(half.to_bits()));
         red | green << 16 | blue << 32
     }
+}
+
+/// A color as it is stored, widened.
+#[inline(always)]
+pub(crate) fn linear(color: [f16; 3]) -> [f32; 3] {
+    color.map(|half| widened(half.to_bits().cast_signed()))
+}
+
+/// The number of samples in the rows above each row of a tile.
+#[inline(always)]
+pub(crate) fn samples_above(rows: &[u16; TILE]) -> [u8; TILE] {
+    let mut count = 0;
+    rows.map(|row| {
+        let above = count as u8;
+        count += row.count_ones();
+        above
+    })
 }
 
 /// Where a color is stored.
@@ -249,9 +262,6 @@ impl<'a> FrameSamples<'a> {
     }
 
     /// The samples at `frame`, with all tiles to be painted.
-    ///
-    /// # Errors
-    /// As [`FrameSamples::of`].
     pub(crate) fn at(set: &'a SampleSet, frame: usize) -> Result<Self> {
         Self::of(set, frame, FrameImages::at(set, frame), None)
     }
@@ -325,7 +335,7 @@ impl<'a> FrameSamples<'a> {
     #[inline(always)]
     pub(crate) fn color_of(&self, slot: u32) -> [f32; 3] {
         let index = self.color_index(slot);
-        self.colors(index.image)[index.nth as usize].map(|half| widened(half.to_bits().cast_signed()))
+        linear(self.colors(index.image)[index.nth as usize])
     }
 
     /// Where the color of the sample at a slot is stored.
@@ -377,5 +387,18 @@ impl<'a> FrameSamples<'a> {
     /// The number of samples in tiles to be painted.
     pub(crate) fn sample_count(&self, tiles: Range<usize>) -> u64 {
         self.tiles(tiles).iter().map(|tile| tile.color.len() as u64).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_above_a_row_are_counted() {
+        let mut rows = [0; TILE];
+        (rows[0], rows[2], rows[15]) = (0b101, 0xffff, 1);
+        let above = samples_above(&rows);
+        assert_eq!([0, 1, 2, 3, 15].map(|row| above[row]), [0, 2, 2, 18, 18]);
     }
 }

@@ -8,6 +8,8 @@ mod tile_grid;
 
 pub(crate) use background_key::BackgroundKey;
 pub(crate) use dense_tile::{DenseTile, beside_edges, slopes};
-pub(crate) use frame_tiles::{ColorIndex, FrameImages, FrameSamples, FrameTile, TileIndex};
+pub(crate) use frame_tiles::{
+    ColorIndex, FrameImages, FrameSamples, FrameTile, TileIndex, linear, samples_above,
+};
 pub(crate) use tile_cache::{LANES, LaneValues, Quads, TileCaches};
 pub(crate) use tile_grid::{CellTable, Lookup};

@@ -26,9 +26,6 @@ use strip::Strip;
 const TALL: usize = 2;
 
 /// Resolves the blocks of `which` into `picture`; others are left as they are.
-///
-/// # Errors
-/// `Cancelled`.
 pub(crate) fn resolve(input: &ResolveInput<'_>, which: &BlockSet, picture: &mut Picture) -> Result<()> {
     let width = input.stage.width;
     // Neighboring blocks look at the same tiles of the cameras, those below as well as those beside.

@@ -6,7 +6,7 @@ use super::layers::PaintedLayer;
 use super::strip::{Strip, put};
 use crate::color::widened;
 use crate::render::gather::{BLOCK, BlockOrigin};
-use crate::render::input::{ColorIndex, FrameTile};
+use crate::render::input::{ColorIndex, FrameTile, linear};
 use crate::render::splat::{inverse_depth_of, slot_of};
 use crate::render::vantage::NO_IMAGE;
 use crate::settings::Kernel;
@@ -84,8 +84,7 @@ pub(super) fn paint_over(
         }
     }
     for &(at, key, index) in shown.iter() {
-        let color = frame.colors(index.image)[index.nth as usize];
-        strip.rows.set(frame, at, key, color.map(|half| widened(half.to_bits().cast_signed())));
+        strip.rows.set(frame, at, key, linear(frame.colors(index.image)[index.nth as usize]));
     }
 }
 

@@ -46,9 +46,6 @@ pub(crate) const BLEND_REACH: FootprintReach =
     FootprintReach { pixels: 1.5, source_pixels: 2.0 * MAX_STRETCH };
 
 /// Adds up the colors in `bands` of the samples that lie on the nearest surface, by the z-buffer `keys`.
-///
-/// # Errors
-/// `Cancelled`.
 pub(crate) fn blend(input: &StageInput<'_>, bands: &[RowBand], keys: &[u64], sums: &mut [Sum]) -> Result<()> {
     let parts: Vec<BandBlend<'_>> = split_at_bands(bands, input.width, sums)
         .into_iter()

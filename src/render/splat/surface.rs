@@ -24,9 +24,6 @@ use crate::simd::{self, VectorLoop, joined, whole};
 const CORE_SHARE: f32 = 0.06;
 
 /// Raises the keys in `bands` to those of the nearest samples.
-///
-/// # Errors
-/// `Cancelled`.
 pub(crate) fn surface(input: &StageInput<'_>, bands: &[RowBand], keys: &mut [u64]) -> Result<()> {
     split_at_bands(bands, input.width, keys).into_par_iter().try_for_each(|(band, keys)| {
         let pixels = BandRows::of(input.width, &band.rows);
