@@ -318,18 +318,12 @@ impl Renderer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{Demo, DemoSpec};
-    use crate::preprocess::preprocess;
+    use crate::demo::DemoSpec;
     use crate::render::gpu::opened;
-    use crate::settings::Settings;
     use crate::simd::skip::skip;
 
     fn scene() -> (Arc<SampleSet>, Vantage) {
-        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((48, 36));
-        let demo = Demo::new(&spec).unwrap();
-        let settings = Settings::default();
-        let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
-        (samples, Vantage { camera: demo.home(), frame: 0 })
+        crate::render::tests::scene(DemoSpec::new("orrery").cameras(2).size((48, 36)), 0)
     }
 
     fn settings(backend: Backend) -> RenderSettings {

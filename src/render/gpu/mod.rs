@@ -305,18 +305,13 @@ pub(super) fn opened<T>(adapter: Result<T>) -> Option<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{Demo, DemoSpec};
-    use crate::preprocess::preprocess;
-    use crate::settings::Settings;
+    use crate::demo::DemoSpec;
+    use crate::render::tests::scene;
 
     #[test]
     fn after_a_failure_the_next_picture_is_painted() {
         let Some(mut gpu) = opened(GpuRenderer::new(AdapterChoice::Any)) else { return };
-        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((48, 36));
-        let demo = Demo::new(&spec).unwrap();
-        let settings = Settings::default();
-        let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
-        let vantage = Vantage { camera: demo.home(), frame: 0 };
+        let (samples, vantage) = scene(DemoSpec::new("orrery").cameras(2).size((48, 36)), 0);
         let paint =
             |gpu: &mut GpuRenderer| gpu.render(&samples, &vantage, &RenderSettings::default(), &Job::new());
         let (before, _) = paint(&mut gpu).unwrap();

@@ -341,19 +341,14 @@ impl TileCache {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{Demo, DemoSpec};
-    use crate::job::Job;
-    use crate::preprocess::preprocess;
+    use crate::demo::DemoSpec;
     use crate::render::input::frame_tiles::FrameSamples;
     use crate::render::input::tile_grid::CellTable;
-    use crate::settings::Settings;
+    use crate::render::tests::scene;
 
     #[test]
     fn points_far_apart_read_what_each_of_them_reads_alone() {
-        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((160, 120));
-        let demo = Demo::new(&spec).unwrap();
-        let settings = Settings::default();
-        let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
+        let (samples, _) = scene(DemoSpec::new("orrery").cameras(2).size((160, 120)), 1);
         let frame = FrameSamples::at(&samples, 1).unwrap();
         let table = CellTable::empty(&samples.cameras).with(&frame, 0..frame.tile_count());
         let lookup = Lookup { table, frame: &frame };
