@@ -5,7 +5,7 @@
 @group(1) @binding(1) var<storage, read> foreground_keys: array<u32>;
 @group(1) @binding(2) var<storage, read_write> picture: array<u32>;
 
-// Pixels around a block that decisions in it look at, and the side of a block with its ring.
+// Pixels around a block that decisions in it read, and the side of a block with its ring.
 const RING: i32 = 2;
 const SIDE: i32 = 20;
 const SIDE_SQUARED: u32 = 400u;
@@ -103,7 +103,7 @@ fn load(corner: vec2<i32>, place: u32, both: bool) {
     }
 }
 
-// Loads the patch of a block, of the background or of both layers, and sets what `quad_at` looks at; called by all threads of
+// Loads the patch of a block, of the background or of both layers, and sets what `quad_at` reads; called by all threads of
 // a workgroup of 16×16.
 fn load_patch(block: vec2<u32>, thread: u32, both: bool) {
     workgroupBarrier();

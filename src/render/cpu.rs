@@ -1,4 +1,4 @@
-//! The CPU renderer: the reference, and the one that runs everywhere.
+//! The CPU renderer: the reference, which runs everywhere.
 //!
 //! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.3: "We render the background images
 //! once and paint the foreground over top for each consecutive time step. Only when the user moves vantage points do we
@@ -181,13 +181,13 @@ impl CpuRenderer {
 }
 
 impl VantageCache {
-    /// Memory for the next picture: both layers, and a picture that nobody else holds.
+    /// Memory for the next picture: both layers, and a picture that no caller holds.
     fn into_buffers(self) -> (PaintedLayer, PaintedLayer, Option<Picture>) {
         let free = self.pictures.into_iter().find_map(|cached| Arc::into_inner(cached.picture));
         (self.background, self.foreground, free)
     }
 
-    /// A picture that nobody else holds; of the others, the last one is kept.
+    /// A picture that no caller holds; of the others, the last one is kept.
     fn free_picture(&mut self, background: &Picture) -> CachedPicture {
         let is_free = |painted: &mut CachedPicture| Arc::get_mut(&mut painted.picture).is_some();
         let free = self.pictures.iter_mut().position(is_free).map(|nth| self.pictures.remove(nth));

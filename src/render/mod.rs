@@ -11,17 +11,18 @@
 //! The background depends on the vantage alone and is kept while the vantage is still; the foreground of each frame is
 //! painted over it by depth, as the paper does. [`Renderer`] chooses between [`CpuRenderer`] and [`gpu`].
 
-mod cpu;
 pub mod fill;
 pub mod film;
-pub mod gather;
-pub mod geometry;
 pub mod gpu;
-pub mod input;
 pub mod output;
+
+mod cpu;
+mod gather;
+mod geometry;
+mod input;
 mod renderer;
-pub mod resolve;
-pub mod splat;
+mod resolve;
+mod splat;
 mod supersample;
 mod vantage;
 

@@ -39,9 +39,8 @@ struct Filled {
     inverse_depth: f32,
 }
 
-/// Fills the holes of `picture` as the settings say. Color and inverse depth of filled pixels are set and the latter is no
-/// longer negative, but [`Picture::image`] still says that no sample reached them. A picture without any sample stays as it is.
-/// The result does not depend on the number of threads.
+/// Fills the holes of `picture` as the settings demand. Sets color and inverse depth, which is then 0 or more; [`Picture::image`]
+/// stays [`NO_IMAGE`]. A picture without any sample is left as it is.
 pub fn fill(picture: &mut Picture, target: &Camera, settings: &RenderSettings) {
     let (width, height) = picture.image.size();
     let image = picture.image.as_slice();

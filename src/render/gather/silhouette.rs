@@ -92,7 +92,7 @@ fn core_of(key: u64) -> u64 {
     if key >> 63 == 1 { key } else { 0 }
 }
 
-/// Pixels around a block that decisions in it look at.
+/// Pixels around a block that decisions in it read.
 pub(crate) const RING: usize = 2;
 
 /// Columns and rows of a block with its ring.

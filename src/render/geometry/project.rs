@@ -1,4 +1,4 @@
-//! Projection (the paper, §3.3): from a sample's pixel and depth to its place in the vantage, incrementally along rows.
+//! Projection (the paper, §3.3): from a sample's pixel and depth to its position in the vantage, incrementally along rows.
 //!
 //! Unprojecting `ray · z`, moving to the target camera and projecting is linear in `(ray, 1/z)` before the division:
 //! `P = M·ray + o·w` with `w = 1/z`. `P.xy / P.z` is the position in target pixels and `w / P.z` the target's inverse

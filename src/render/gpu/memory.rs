@@ -300,7 +300,7 @@ mod tests {
         let samples = Arc::downgrade(&gone);
         drop(gone);
         assert!(samples.upgrade().is_none());
-        // Its room is taken before that of an image that somebody may ask for.
+        // Its space is reused before that of an image that still exists.
         load(&context, &mut memory, &[image(1)]).unwrap();
         let sent = memory.uploaded;
         load(&context, &mut memory, &[kept]).unwrap();

@@ -95,7 +95,7 @@ pub(super) fn pipeline(
 }
 
 impl Pipelines {
-    /// Compiles the stages; `one_pass` asks for 64-bit atomics.
+    /// Compiles the stages; `one_pass` needs 64-bit atomics.
     pub(super) fn new(context: &Context, one_pass: bool) -> Self {
         use BindingKind::{Read, Stage, Write};
         let device = &context.device;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::context::Context;
-use super::layout::{GpuPiece, GpuProjector, GpuStage, GpuView, MAX_CAMERAS, kernel_number};
+use super::layout::{GpuPiece, GpuProjector, GpuStage, GpuView, MAX_CAMERAS};
 use super::memory::{MAX_PAGES, SampleMemory};
 use super::pipelines::{Pipelines, bind};
 use super::target::GpuTarget;
@@ -107,7 +107,7 @@ fn stages(input: SceneInput<'_>, piece_count: usize, cells: usize) -> Vec<u8> {
             let stage = GpuStage {
                 width: width as u32,
                 height: height as u32,
-                kernel: kernel_number(settings.kernel),
+                kernel: settings.kernel as u32,
                 step,
                 first_tile: tiles.start as u32,
                 tile_count: tiles.len() as u32,

@@ -52,10 +52,8 @@ impl GpuTarget {
         blends: bool,
     ) -> Result<Self> {
         let pixels = (width * height) as u64;
-        let layers = [
-            PaintedImages::new(context, pipelines, pixels, blends)?,
-            PaintedImages::new(context, pipelines, pixels, blends)?,
-        ];
+        let layer = || PaintedImages::new(context, pipelines, pixels, blends);
+        let layers = [layer()?, layer()?];
         let bytes = 4 * PICTURE_WORDS * pixels;
         let picture = context.buffer("picture", bytes, Usage::STORAGE | Usage::COPY_SRC)?;
         let readback = context.buffer("readback", bytes, Usage::MAP_READ | Usage::COPY_DST)?;

@@ -262,7 +262,7 @@ impl TileCache {
         }
     }
 
-    /// Writes the depths of a tile, which are given, and its colors, as the constants ask.
+    /// Writes the depths of a tile, which are in `packed`, if `DEPTHS`, and its colors if `COLORS`.
     #[inline(always)]
     fn unpack_tile<const DEPTHS: bool, const COLORS: bool>(
         &mut self,

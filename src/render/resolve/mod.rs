@@ -28,7 +28,7 @@ const TALL: usize = 2;
 /// Resolves the blocks of `which` into `picture`; others are left as they are.
 pub(crate) fn resolve(input: &ResolveInput<'_>, which: &BlockSet, picture: &mut Picture) -> Result<()> {
     let width = input.stage.width;
-    // Neighboring blocks look at the same tiles of the cameras, those below as well as those beside.
+    // Neighboring blocks read the same tiles of the cameras, those below as well as those beside.
     let is_tall = input.views.is_some() && input.height() >= TALL * BLOCK * 4 * rayon::current_num_threads();
     let tall = if is_tall { TALL } else { 1 };
     let strip = tall * BLOCK * width;

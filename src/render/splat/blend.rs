@@ -153,7 +153,7 @@ fn cosines(
     cosines
 }
 
-/// The sums of a band, and the keys that tell which samples take part.
+/// The sums of a band, and the keys by which samples take part.
 struct BandSums<'a> {
     width: usize,
     rows: Range<usize>,

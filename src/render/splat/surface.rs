@@ -189,13 +189,11 @@ struct PointSplat(BandRows);
 impl Splat for PointSplat {
     #[inline(always)]
     fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>) {
-        let (w, projected) = (row.tile.row(row.nth), &row.projected);
+        let projected = &row.projected;
         for i in 0..TILE {
             let (pixel, inside) = self.0.pixel(projected.u[i].floor(), projected.v[i].floor(), i);
-            let seen = inside & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
-            let full = key(nearness(w[i] * projected.reciprocal[i], CORE), slots | i as u32);
             raised.pixels[row.nth][i] = pixel;
-            raised.new[row.nth][i] = if seen { full } else { 0 };
+            raised.new[row.nth][i] = row.key(i, CORE, slots, inside);
         }
     }
 
@@ -213,7 +211,7 @@ struct BlockSplat(BandRows);
 impl Splat for BlockSplat {
     #[inline(always)]
     fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>) {
-        let (w, projected) = (row.tile.row(row.nth), &row.projected);
+        let projected = &row.projected;
         for corner in 0..4 {
             let (right, below) = ((corner & 1) as f32, (corner >> 1) as f32);
             for i in 0..TILE {
@@ -223,10 +221,8 @@ impl Splat for BlockSplat {
                 let share_y = if corner >> 1 == 1 { down } else { 1.0 - down };
                 let tier = if share_x * share_y >= CORE_SHARE { CORE } else { 0 };
                 let (pixel, inside) = self.0.pixel(left + right, top + below, i);
-                let seen = inside & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
-                let full = key(nearness(w[i] * projected.reciprocal[i], tier), slots | i as u32);
                 raised.pixels[corner][i] = pixel;
-                raised.new[corner][i] = if seen { full } else { 0 };
+                raised.new[corner][i] = row.key(i, tier, slots, inside);
             }
         }
         (0..4).for_each(|corner| raised.raise_all(corner));
@@ -348,6 +344,15 @@ impl LargeFootprint<'_> {
 }
 
 impl TileRow<'_> {
+    /// The key of sample `i` at its own depth; 0 if it is not in the band or not visible.
+    #[inline(always)]
+    fn key(&self, i: usize, tier: u32, slots: u32, inside: bool) -> u64 {
+        let (w, reciprocal) = (self.tile.row(self.nth)[i], self.projected.reciprocal[i]);
+        let seen = inside & (reciprocal > 0.0) & (w >= 0.0);
+        let full = key(nearness(w * reciprocal, tier), slots | i as u32);
+        if seen { full } else { 0 }
+    }
+
     /// How far the footprint of sample `i` reaches with its fringe, in source pixels: to the left, right, up and down. Toward samples
     /// of the same tile, which have footprints of their own, there is no fringe.
     #[inline(always)]
