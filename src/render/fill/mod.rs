@@ -6,8 +6,8 @@
 //! background that the object used to hide, so the near side must stay out of it).
 //!
 //! What differs: a pyramid in which the farther side always wins grows the near side wherever a coarse cell holds nothing
-//! else, and lets a sliver of sky win over a whole wall elsewhere. So the surface is chosen first ([`surface`]), for every hole
-//! pixel by itself, among the painted pixels that it sees across its own hole ([`rays`]); the pyramid ([`pyramid`]) then
+//! else, and lets a sliver of sky win over a whole wall elsewhere. So the surface is chosen first (`surface`), for every hole
+//! pixel by itself, among the painted pixels that it sees across its own hole (`rays`); the pyramid (`pyramid`) then
 //! blends colors of that surface alone.
 //!
 //! ```text
