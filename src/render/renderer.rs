@@ -205,7 +205,7 @@ impl Renderer {
         }
         if let Adapter::Open(gpu) = &mut self.adapter
             && on_gpu
-            && gpu.is_shared()
+            && gpu.context.is_shared
             && settings.fill == Fill::None
         {
             match gpu.show(samples, vantage, settings, holes, job) {
@@ -225,7 +225,7 @@ impl Renderer {
 
     fn on_the_faster(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
         self.open(AdapterChoice::Hardware);
-        let hardware = matches!(&self.adapter, Adapter::Open(gpu) if !gpu.is_software());
+        let hardware = matches!(&self.adapter, Adapter::Open(gpu) if !gpu.context.is_software());
         match self.faster.get(&request.settings.kernel) {
             // If the card was lost since, this sets the notice.
             Some(Backend::Gpu) => self.on_gpu_if_possible(request),
@@ -305,7 +305,7 @@ impl Renderer {
             }
             Err(Error::Gpu { what }) => {
                 self.notice = Some(format!("the CPU paints: {what}"));
-                if gpu.is_lost() {
+                if gpu.context.is_lost() {
                     self.adapter = Adapter::Missing(what);
                 }
                 self.on_cpu(request)
@@ -348,7 +348,7 @@ mod tests {
     #[test]
     fn a_software_adapter_is_never_chosen_by_itself() {
         let Some(gpu) = any_adapter() else { return };
-        if !gpu.is_software() {
+        if !gpu.context.is_software() {
             skip(None, &format!("{} is no software adapter", gpu.adapter_name()));
             return;
         }
@@ -388,7 +388,7 @@ mod tests {
         assert_eq!(renderer.painter().unwrap().backend, Backend::Gpu);
         assert_eq!(renderer.notice(), None);
         let Adapter::Open(gpu) = &renderer.adapter else { panic!("the adapter is gone") };
-        gpu.lose();
+        gpu.context.device.destroy();
         for _ in 0..2 {
             let picture = paint(&mut renderer);
             assert_eq!(renderer.painter(), Some(&Painter::cpu()));

@@ -64,24 +64,19 @@ impl EdgePixel {
     pub(super) fn decide(&self, votes: Votes) -> PixelSurfaces {
         let decides = votes.total > MIN_VOTES * votes.max_weight;
         let share = decides.then(|| (SHARE_OFFSET + SHARE_GAIN * votes.agree / votes.total).clamp(0.0, 1.0));
+        let blend = |near, far, share| match far {
+            0 if share < 0.5 => PixelSurfaces::Hole,
+            0 => PixelSurfaces::One(near),
+            far => PixelSurfaces::Two { near, far, share },
+        };
         match *self {
             Self::Decided(pixel) => pixel,
-            Self::Crack { own, crack } => {
-                let share = share.unwrap_or(1.0);
+            Self::Crack { own, crack } => match share.unwrap_or(1.0) {
                 // Without the votes' support there is no crack to close but a real gap.
-                match own {
-                    0 if share < 0.5 => PixelSurfaces::Hole,
-                    0 => PixelSurfaces::One(crack),
-                    far if share < 0.5 => PixelSurfaces::One(far),
-                    far => PixelSurfaces::Two { near: crack, far, share },
-                }
-            }
-            Self::Rim { own, far } => match share {
-                None => PixelSurfaces::One(own),
-                Some(share) if far == 0 && share < 0.5 => PixelSurfaces::Hole,
-                Some(_) if far == 0 => PixelSurfaces::One(own),
-                Some(share) => PixelSurfaces::Two { near: own, far, share },
+                share if share < 0.5 && own != 0 => PixelSurfaces::One(own),
+                share => blend(crack, own, share),
             },
+            Self::Rim { own, far } => share.map_or(PixelSurfaces::One(own), |share| blend(own, far, share)),
         }
     }
 }

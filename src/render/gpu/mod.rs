@@ -39,7 +39,7 @@ use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::SampleSet;
-use crate::settings::{Fill, Kernel, RenderSettings};
+use crate::settings::{Kernel, RenderSettings};
 use context::Context;
 use display::Display;
 use memory::SampleMemory;
@@ -68,7 +68,7 @@ impl Default for GpuOptions {
 /// Renders vantages on a graphics adapter, and keeps samples there as well as the background of a still vantage.
 #[derive(Debug)]
 pub struct GpuRenderer {
-    context: Context,
+    pub(super) context: Context,
     pipelines: Pipelines,
     memory: SampleMemory,
     target: Option<GpuTarget>,
@@ -115,12 +115,6 @@ impl GpuRenderer {
         &self.context.adapter.name
     }
 
-    /// Whether the adapter is a program that runs on the processor.
-    #[must_use]
-    pub fn is_software(&self) -> bool {
-        self.context.is_software()
-    }
-
     /// Whether keys are raised by one 64-bit maximum instead of two 32-bit ones.
     #[must_use]
     pub fn has_wide_atomics(&self) -> bool {
@@ -138,18 +132,6 @@ impl GpuRenderer {
         self.background = None;
     }
 
-    /// Whether the adapter was lost: every further call fails.
-    #[must_use]
-    pub fn is_lost(&self) -> bool {
-        self.context.is_lost()
-    }
-
-    /// Destroys the device, as unplugging the adapter would.
-    #[cfg(test)]
-    pub(super) fn lose(&self) {
-        self.context.device.destroy();
-    }
-
     /// Uploads the images of some frames ahead, as far as there is space.
     ///
     /// # Errors
@@ -162,12 +144,6 @@ impl GpuRenderer {
             .collect();
         let (context, memory) = (&self.context, &mut self.memory);
         context.guarded(|| memory.prefetch(context, &images)).inspect_err(|_| self.memory.forget())
-    }
-
-    /// Whether a window draws with the same device, so that [`GpuRenderer::show`] is of use.
-    #[must_use]
-    pub fn is_shared(&self) -> bool {
-        self.context.is_shared
     }
 
     /// Paints the samples of the vantage's frame.
@@ -190,9 +166,7 @@ impl GpuRenderer {
                 target.read(context)
             })?;
         let filling = Instant::now();
-        if settings.fill != Fill::None {
-            fill(&mut picture, &vantage.camera, settings);
-        }
+        fill(&mut picture, &vantage.camera, settings);
         stats.fill_ms = filling.elapsed().as_secs_f64() * 1e3;
         stats.holes = picture.holes();
         stats.milliseconds = started.elapsed().as_secs_f64() * 1e3;
@@ -323,7 +297,7 @@ mod tests {
         for break_it in unusable {
             break_it(&gpu);
             let error = paint(&mut gpu).unwrap_err();
-            assert!(matches!(error, Error::Gpu { .. }) && !gpu.is_lost(), "{error}");
+            assert!(matches!(error, Error::Gpu { .. }) && !gpu.context.is_lost(), "{error}");
             assert!(paint(&mut gpu).unwrap().0 == before);
         }
     }

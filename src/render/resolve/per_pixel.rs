@@ -16,6 +16,7 @@ use crate::simd;
 pub(super) type ForegroundPixel = (usize, u64, ColorIndex);
 
 /// The nearest samples of a block of pixels. Aligned, so that no row of a vector's width lies across cache lines.
+#[derive(Default)]
 #[repr(align(64))]
 struct NearestSamples {
     keys: [[u64; BLOCK]; BLOCK],
@@ -28,12 +29,7 @@ struct NearestSamples {
 /// those of a block are being fetched, the block before is shown.
 #[inline(always)]
 pub(super) fn show_nearest(strip: &mut Strip<'_>, which: &BlockSet) {
-    let empty = || NearestSamples {
-        keys: [[0; BLOCK]; BLOCK],
-        indices: [[ColorIndex::default(); BLOCK]; BLOCK],
-        colors: [[0; BLOCK]; BLOCK],
-    };
-    let (mut first, mut second) = (empty(), empty());
+    let (mut first, mut second) = (NearestSamples::default(), NearestSamples::default());
     let (mut found, mut next) = (&mut first, &mut second);
     let mut before: Option<BlockOrigin> = None;
     for column in 0..strip.input.stage.width.div_ceil(BLOCK) {
