@@ -203,21 +203,15 @@ impl Renderer {
         if on_gpu {
             self.open(AdapterChoice::Any);
         }
-        if let Adapter::Open(gpu) = &mut self.adapter
-            && on_gpu
-            && gpu.context.is_shared
+        let is_shared = matches!(&self.adapter, Adapter::Open(gpu) if gpu.context.is_shared);
+        // If the GPU fails, it fails again below, where the CPU takes over.
+        if on_gpu
+            && is_shared
             && settings.fill == Fill::None
+            && let Some((texture, stats)) =
+                self.try_gpu(|gpu| gpu.show(samples, vantage, settings, holes, job))?
         {
-            match gpu.show(samples, vantage, settings, holes, job) {
-                Ok((texture, stats)) => {
-                    self.painter = Some(Painter::gpu(gpu));
-                    self.notice = None;
-                    return Ok((WindowPicture::OnAdapter(texture), stats));
-                }
-                // The failure returns below, where the CPU takes over.
-                Err(Error::Gpu { .. }) => {}
-                Err(error) => return Err(error),
-            }
+            return Ok((WindowPicture::OnAdapter(texture), stats));
         }
         let (picture, stats) = self.paint(&Request { samples, vantage, settings, job })?;
         Ok((WindowPicture::InMemory(picture), stats))
@@ -289,26 +283,29 @@ impl Renderer {
     }
 
     fn on_gpu_if_possible(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
-        let gpu = match &mut self.adapter {
-            Adapter::Open(gpu) => gpu,
-            Adapter::Missing(why) => {
-                self.notice = Some(format!("the CPU paints: {why}"));
-                return self.on_cpu(request);
-            }
-            Adapter::Unknown | Adapter::NoCard => return self.on_cpu(request),
-        };
-        match gpu.render(request.samples, request.vantage, request.settings, request.job) {
+        if let Adapter::Missing(why) = &self.adapter {
+            self.notice = Some(format!("the CPU paints: {why}"));
+        }
+        let Request { samples, vantage, settings, job } = *request;
+        let painted = self.try_gpu(|gpu| gpu.render(samples, vantage, settings, job))?;
+        painted.map_or_else(|| self.on_cpu(request), Ok)
+    }
+
+    /// Paints on the adapter; `None`, with a notice, if it fails, and without one if none is open.
+    fn try_gpu<T>(&mut self, paint: impl FnOnce(&mut GpuRenderer) -> Result<T>) -> Result<Option<T>> {
+        let Adapter::Open(gpu) = &mut self.adapter else { return Ok(None) };
+        match paint(gpu) {
             Ok(painted) => {
                 self.painter = Some(Painter::gpu(gpu));
                 self.notice = None;
-                Ok(painted)
+                Ok(Some(painted))
             }
             Err(Error::Gpu { what }) => {
                 self.notice = Some(format!("the CPU paints: {what}"));
                 if gpu.context.is_lost() {
                     self.adapter = Adapter::Missing(what);
                 }
-                self.on_cpu(request)
+                Ok(None)
             }
             Err(error) => Err(error),
         }

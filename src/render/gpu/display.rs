@@ -11,7 +11,7 @@ use bytemuck::{Pod, Zeroable};
 use wgpu::BufferUsages as Usage;
 
 use super::context::Context;
-use super::pipelines::{BindingKind, bind, layout, pipeline};
+use super::pipelines::{READ, UNIFORM, WRITE, bind, layout, pipeline};
 use super::recorder::compute_pass;
 use super::shaders;
 use super::target::{GpuTarget, read_words};
@@ -59,9 +59,13 @@ pub(crate) struct Display {
 impl Display {
     /// Compiles the stage.
     pub(crate) fn new(context: &Context) -> Self {
-        use BindingKind::{Read, Texture, Uniform, Write};
         let device = &context.device;
-        let layout = layout(device, "display", &[Uniform, Read, Write, Texture(FORMAT)]);
+        let texture = wgpu::BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::WriteOnly,
+            format: FORMAT,
+            view_dimension: wgpu::TextureViewDimension::D2,
+        };
+        let layout = layout(device, "display", &[UNIFORM, READ, WRITE, texture]);
         let pipeline = pipeline(device, &shaders::DISPLAY, &[Some(&layout)]);
         Self { layout, pipeline, textures: Vec::new() }
     }

@@ -26,38 +26,28 @@ pub(super) struct Pipelines {
     pub(super) one_pass: bool,
 }
 
-/// What a binding holds.
-#[derive(Clone, Copy)]
-pub(super) enum BindingKind {
-    /// The stage, at an offset.
-    Stage,
-    Uniform,
-    Read,
-    Write,
-    /// A texture that is written.
-    Texture(wgpu::TextureFormat),
+const fn buffer(ty: wgpu::BufferBindingType, has_dynamic_offset: bool) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
 }
 
+/// The stage, one of several in a buffer, by offset.
+const STAGE: wgpu::BindingType = buffer(wgpu::BufferBindingType::Uniform, true);
+pub(super) const UNIFORM: wgpu::BindingType = buffer(wgpu::BufferBindingType::Uniform, false);
+pub(super) const READ: wgpu::BindingType =
+    buffer(wgpu::BufferBindingType::Storage { read_only: true }, false);
+pub(super) const WRITE: wgpu::BindingType =
+    buffer(wgpu::BufferBindingType::Storage { read_only: false }, false);
+
 /// The layout of a group of bindings, numbered from 0.
-pub(super) fn layout(device: &wgpu::Device, label: &str, bindings: &[BindingKind]) -> wgpu::BindGroupLayout {
-    let buffer =
-        |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
-    let storage = |read_only| buffer(wgpu::BufferBindingType::Storage { read_only }, false);
-    let kind_of = |kind: &BindingKind| match *kind {
-        BindingKind::Stage => buffer(wgpu::BufferBindingType::Uniform, true),
-        BindingKind::Uniform => buffer(wgpu::BufferBindingType::Uniform, false),
-        BindingKind::Read => storage(true),
-        BindingKind::Write => storage(false),
-        BindingKind::Texture(format) => wgpu::BindingType::StorageTexture {
-            access: wgpu::StorageTextureAccess::WriteOnly,
-            format,
-            view_dimension: wgpu::TextureViewDimension::D2,
-        },
-    };
-    let entry = |(binding, kind): (usize, &BindingKind)| wgpu::BindGroupLayoutEntry {
+pub(super) fn layout(
+    device: &wgpu::Device,
+    label: &str,
+    bindings: &[wgpu::BindingType],
+) -> wgpu::BindGroupLayout {
+    let entry = |(binding, ty): (usize, &wgpu::BindingType)| wgpu::BindGroupLayoutEntry {
         binding: binding as u32,
         visibility: wgpu::ShaderStages::COMPUTE,
-        ty: kind_of(kind),
+        ty: *ty,
         count: None,
     };
     let entries: Vec<_> = bindings.iter().enumerate().map(entry).collect();
@@ -97,12 +87,11 @@ pub(super) fn pipeline(
 impl Pipelines {
     /// Compiles the stages; `one_pass` needs 64-bit atomics.
     pub(super) fn new(context: &Context, one_pass: bool) -> Self {
-        use BindingKind::{Read, Stage, Write};
         let device = &context.device;
-        let scene_layout = layout(device, "scene", &[Stage, Read, Read, Read, Read, Read, Read]);
-        let layer_layout = layout(device, "layer", &[Write, Write]);
-        let resolve_layout = layout(device, "resolve", &[Read, Read, Read, Read, Write]);
-        let gather_layout = layout(device, "gather", &[Read, Read, Write, Read, Read]);
+        let scene_layout = layout(device, "scene", &[STAGE, READ, READ, READ, READ, READ, READ]);
+        let layer_layout = layout(device, "layer", &[WRITE, WRITE]);
+        let resolve_layout = layout(device, "resolve", &[READ, READ, READ, READ, WRITE]);
+        let gather_layout = layout(device, "gather", &[READ, READ, WRITE, READ, READ]);
         let surface = if one_pass { shaders::SURFACE_64 } else { shaders::SURFACE_32 };
         let over_layer = [Some(&scene_layout), Some(&layer_layout)];
         let over_views = [Some(&scene_layout), Some(&gather_layout)];
