@@ -30,14 +30,7 @@ use crate::capture::Camera;
 use crate::settings::{Fill, RenderSettings};
 use pyramid::Pyramid;
 use rays::HoleRays;
-use surface::{SurfaceTolerance, surface_behind};
-
-/// The filling of a hole pixel of some row.
-struct Filled {
-    x: u32,
-    color: [f32; 3],
-    inverse_depth: f32,
-}
+use surface::{SurfaceTolerance, WeightedMean, surface_behind};
 
 /// Fills the holes of `picture` as the settings demand. Sets color and inverse depth, which is then 0 or more; [`Picture::image`]
 /// stays [`NO_IMAGE`]. A picture without any sample is left as it is.
@@ -54,26 +47,19 @@ pub fn fill(picture: &mut Picture, target: &Camera, settings: &RenderSettings) {
     let tolerance = SurfaceTolerance::new(target, settings);
     let (pyramid, rays) =
         rayon::join(|| Pyramid::pull(picture, tolerance), || HoleRays::cast(image, (width, height)));
-    let filled: Vec<Vec<Filled>> = (0..height)
-        .into_par_iter()
-        .map(|y| {
-            let row = &image[y * width..][..width];
-            let mut filled = Vec::with_capacity(row.iter().filter(|image| is_hole(image)).count());
-            for x in (0..width).filter(|x| is_hole(&row[*x])) {
-                let surface = surface_behind(picture, &rays, (x, y), tolerance);
-                if let Some(cell) = pyramid.push((x, y), surface.as_ref(), tolerance) {
-                    filled.push(Filled { x: x as u32, color: cell.color, inverse_depth: cell.inverse_depth });
-                }
-            }
-            filled
-        })
-        .collect();
+    let fill_row = |(y, row): (usize, &[u32])| -> Vec<(usize, WeightedMean)> {
+        let fill_pixel = |x| {
+            let surface = surface_behind(picture, &rays, (x, y), tolerance);
+            Some((x, pyramid.push((x, y), surface.as_ref(), tolerance)?))
+        };
+        (0..width).filter(|x| is_hole(&row[*x])).filter_map(fill_pixel).collect()
+    };
+    let filled: Vec<_> = image.par_chunks(width).enumerate().map(fill_row).collect();
     let rows = picture.color.as_mut_slice().par_chunks_mut(width);
     let rows = rows.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
     rows.zip(filled).for_each(|((colors, inverse_depths), filled)| {
-        for Filled { x, color, inverse_depth } in filled {
-            colors[x as usize] = color;
-            inverse_depths[x as usize] = inverse_depth;
+        for (x, filling) in filled {
+            (colors[x], inverse_depths[x]) = (filling.color, filling.inverse_depth);
         }
     });
 }
